@@ -1,0 +1,269 @@
+//! Samples of what few data leave open, by adaptive importance sampling.
+//!
+//! Where a handful of numbers meets ten unknowns the least squares tell one of many answers that fit alike. What serves best
+//! then is the mean over all of them, each weighted by its likelihood. Samples are drawn from what is known beforehand. Where
+//! too few of them fit, they are drawn again, up to six times, from a normal distribution with the weighted mean and
+//! covariance of those before, somewhat wider.
+//! The weight is prior x likelihood over the density from which a sample was drawn, so the result does not depend on that
+//! density (Cappé, Douc, Guillin, Marin and Robert 2008).
+//!
+//! A sample has two parts: an outer one that costs a computation (the plate), and an inner one that costs little (its drive).
+
+use crate::truth::Random;
+use nalgebra::{SMatrix, SVector};
+
+/// Coordinates of a sample.
+pub(crate) const COUNT: usize = 10;
+/// Those of the outer part, which come first.
+pub(crate) const OUTER: usize = 4;
+
+pub(crate) type Coordinates = SVector<f64, COUNT>;
+pub(crate) type Covariance = SMatrix<f64, COUNT, COUNT>;
+
+/// Outer parts of a stage, and inner parts of each.
+const OUTERS: usize = 192;
+const INNERS: usize = 192;
+/// Most stages.
+const STAGES: usize = 7;
+/// Effective numbers of samples and of outer parts that a stage must leave; else the likelihood counts less in it.
+const EFFECTIVE: [f64; 2] = [250.0, 16.0];
+/// Standard deviations of the normal distribution over those of the samples before.
+const WIDER: f64 = 1.25;
+/// Powers of the likelihood that are tried, from 1 on downwards, and from one to the next.
+const POWERS: i32 = 40;
+const POWER_STEP: f64 = 0.7;
+
+/// What is sampled.
+pub(crate) trait Target {
+    /// What the outer coordinates give.
+    type Outer;
+    /// Coordinates as they are known beforehand.
+    fn draw(&self, random: &mut Random) -> Coordinates;
+    /// Logarithm of the density of [`Target::draw`], but for a constant.
+    fn log_prior(&self, at: &Coordinates) -> f64;
+    /// `None` where such coordinates have no meaning.
+    fn outer(&self, at: &Coordinates) -> Option<Self::Outer>;
+    /// Logarithm of the likelihood, but for a constant; `None` where the data cannot be.
+    fn log_likelihood(&self, outer: &Self::Outer, at: &Coordinates) -> Option<f64>;
+}
+
+/// A sample with its share of the whole weight.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sample {
+    pub(crate) at: Coordinates,
+    pub(crate) share: f64,
+    /// The number of its outer part.
+    pub(crate) outer: usize,
+    log_prior_share: f64,
+    log_likelihood: f64,
+}
+
+/// What the data leave open.
+pub(crate) struct Samples {
+    /// Those of the last stage.
+    pub(crate) samples: Vec<Sample>,
+    pub(crate) mean: Coordinates,
+    pub(crate) covariance: Covariance,
+}
+
+/// A normal distribution.
+struct Normal {
+    mean: Coordinates,
+    /// Lower triangle: the outer part depends on the first coordinates alone.
+    factor: Covariance,
+}
+
+impl Normal {
+    fn wider(mean: Coordinates, covariance: &Covariance) -> Option<Self> {
+        let covariance = covariance * (WIDER * WIDER) + Covariance::identity() * 1e-10;
+        Some(Self { mean, factor: covariance.cholesky()?.l() })
+    }
+
+    fn at(&self, standard: &Coordinates) -> Coordinates {
+        self.mean + self.factor * standard
+    }
+
+    fn log_density(&self, standard: &Coordinates) -> f64 {
+        -0.5 * standard.norm_squared() - (0..COUNT).map(|i| self.factor[(i, i)].ln()).sum::<f64>()
+    }
+}
+
+/// Samples `target`. `None` where no sample is possible.
+pub(crate) fn sample(target: &impl Target, random: &mut Random) -> Option<Samples> {
+    let mut normal: Option<Normal> = None;
+    for stage in 1.. {
+        let mut samples = drawn(target, normal.as_ref(), random);
+        let power = weigh(&mut samples)?;
+        let (mean, covariance) = moments(&samples);
+        if stage == STAGES || power == 1.0 {
+            return Some(Samples { samples, mean, covariance });
+        }
+        normal = Some(Normal::wider(mean, &covariance)?);
+    }
+    None
+}
+
+/// One stage, without weights.
+fn drawn<T: Target>(target: &T, normal: Option<&Normal>, random: &mut Random) -> Vec<Sample> {
+    let mut samples = Vec::with_capacity(OUTERS * INNERS);
+    for number in 0..OUTERS {
+        let mut drawn = draw(target, normal, random);
+        let Some(outer) = target.outer(&drawn.0) else { continue };
+        let first = drawn.1;
+        for _ in 0..INNERS {
+            let (at, standard) = drawn;
+            if let Some(log_likelihood) = target.log_likelihood(&outer, &at) {
+                let drawn_from =
+                    normal.map_or_else(|| target.log_prior(&at), |normal| normal.log_density(&standard));
+                samples.push(Sample {
+                    at,
+                    share: 0.0,
+                    outer: number,
+                    log_prior_share: target.log_prior(&at) - drawn_from,
+                    log_likelihood,
+                });
+            }
+            // The next inner part of the same outer one.
+            let (next, mut next_standard) = draw(target, normal, random);
+            drawn = match normal {
+                Some(normal) => {
+                    next_standard.fixed_rows_mut::<OUTER>(0).copy_from(&first.fixed_rows::<OUTER>(0));
+                    (normal.at(&next_standard), next_standard)
+                }
+                None => {
+                    let mut next = next;
+                    next.fixed_rows_mut::<OUTER>(0).copy_from(&at.fixed_rows::<OUTER>(0));
+                    (next, next_standard)
+                }
+            };
+        }
+    }
+    samples
+}
+
+/// Coordinates, and the standard normal numbers that they come of.
+fn draw(target: &impl Target, normal: Option<&Normal>, random: &mut Random) -> (Coordinates, Coordinates) {
+    match normal {
+        Some(normal) => {
+            let standard = Coordinates::from_fn(|_, _| random.normal());
+            (normal.at(&standard), standard)
+        }
+        None => (target.draw(random), Coordinates::zeros()),
+    }
+}
+
+/// Gives every sample its share, with the likelihood to the largest power up to 1 that leaves enough effective samples.
+fn weigh(samples: &mut [Sample]) -> Option<f64> {
+    let most = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+    let (largest_prior, largest) = (most(|it| it.log_prior_share), most(|it| it.log_likelihood));
+    let weight = |sample: &Sample, power: f64| {
+        (sample.log_prior_share - largest_prior + power * (sample.log_likelihood - largest)).exp()
+    };
+    // 1 and more: enough samples, and enough outer parts.
+    let effective = |power: f64| {
+        let (mut sum, mut squares, mut of_outer) = (0.0, 0.0, [0.0; OUTERS]);
+        for sample in samples.iter() {
+            let weight = weight(sample, power);
+            sum += weight;
+            squares += weight * weight;
+            of_outer[sample.outer] += weight;
+        }
+        let of_outers = of_outer.iter().map(|weight| weight * weight).sum::<f64>();
+        (sum * sum / squares / EFFECTIVE[0]).min(sum * sum / of_outers / EFFECTIVE[1])
+    };
+    // Samples of a narrow distribution stand for a small power as badly as for a large one.
+    let mut best = (f64::NEG_INFINITY, 1.0);
+    for step in 0..POWERS {
+        let power = POWER_STEP.powi(step);
+        let found = effective(power);
+        if found > best.0 {
+            best = (found, power);
+        }
+        if found >= 1.0 {
+            break;
+        }
+    }
+    let power = best.1;
+    let weights: Vec<f64> = samples.iter().map(|sample| weight(sample, power)).collect();
+    let sum: f64 = weights.iter().sum();
+    samples.iter_mut().zip(weights).for_each(|(sample, weight)| sample.share = weight / sum);
+    (sum.is_finite() && sum > 0.0).then_some(power)
+}
+
+fn moments(samples: &[Sample]) -> (Coordinates, Covariance) {
+    let mut mean = Coordinates::zeros();
+    samples.iter().for_each(|sample| mean += sample.at * sample.share);
+    let mut covariance = Covariance::zeros();
+    for sample in samples {
+        let off = sample.at - mean;
+        covariance.ger(sample.share, &off, &off, 1.0);
+    }
+    (mean, covariance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two sums of coordinates are measured, an outer and an inner one; all are known to 1 beforehand.
+    struct Sums {
+        values: [f64; 2],
+        deviation: f64,
+    }
+
+    impl Target for Sums {
+        type Outer = f64;
+
+        fn draw(&self, random: &mut Random) -> Coordinates {
+            Coordinates::from_fn(|_, _| random.normal())
+        }
+
+        fn log_prior(&self, at: &Coordinates) -> f64 {
+            -0.5 * at.norm_squared()
+        }
+
+        fn outer(&self, at: &Coordinates) -> Option<f64> {
+            Some(at[0] + at[1])
+        }
+
+        fn log_likelihood(&self, outer: &f64, at: &Coordinates) -> Option<f64> {
+            let off = [outer - self.values[0], at[1] + at[7] - self.values[1]];
+            Some(-0.5 * off.iter().map(|off| (off / self.deviation).powi(2)).sum::<f64>())
+        }
+    }
+
+    #[test]
+    fn a_linear_problem_has_the_mean_and_the_covariance_of_the_formula() {
+        // Two or four standard deviations from what was known, measured to a third, a tenth and a fiftieth of it.
+        for (values, deviation) in [([1.0, -0.5], 0.3), ([2.0, 2.5], 0.1), ([0.3, -1.5], 0.02)] {
+            let found = sample(&Sums { values, deviation }, &mut Random::new(3)).expect("samples");
+            let rows = nalgebra::SMatrix::<f64, 2, COUNT>::from_fn(|row, i| match (row, i) {
+                (0, 0 | 1) | (1, 1 | 7) => 1.0,
+                _ => 0.0,
+            });
+            let of_data = rows * rows.transpose() + nalgebra::Matrix2::identity() * deviation * deviation;
+            let gain = rows.transpose() * of_data.try_inverse().expect("regular");
+            let mean = gain * nalgebra::Vector2::from(values);
+            let covariance = Covariance::identity() - gain * rows;
+            // What some tens of effective outer parts tell of a mean and of a deviation.
+            for i in 0..COUNT {
+                let deviation = covariance[(i, i)].sqrt();
+                assert!(
+                    (found.mean[i] - mean[i]).abs() < 0.35 * deviation,
+                    "{i}: {} {}",
+                    found.mean[i],
+                    mean[i]
+                );
+                let ratio = found.covariance[(i, i)].sqrt() / deviation;
+                assert!((ratio - 1.0).abs() < 0.25, "{i}: {ratio}");
+            }
+            let whole: f64 = found.samples.iter().map(|sample| sample.share).sum();
+            assert!((whole - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn data_that_cannot_be_have_no_samples() {
+        assert!(sample(&Sums { values: [f64::NAN, 0.0], deviation: 1.0 }, &mut Random::new(1)).is_none());
+    }
+}

@@ -1,0 +1,13 @@
+//! The calibration by felt edges, without a sensor: samples of all plates and drives that fit, and their mean. What sensors
+//! measure is in [`super::fit`].
+//!
+//! ```text
+//! touch -> candidates (edges of a tone on one plate: edge_envelope) -> importance_sampling -> mean_edges -> touches
+//! ```
+
+pub(crate) mod candidates;
+pub(crate) mod edge_envelope;
+pub(crate) mod importance_sampling;
+pub(crate) mod mean_edges;
+pub(crate) mod touch;
+pub(crate) mod touches;

@@ -1,0 +1,205 @@
+//! Touches without a sensor: the wave speed, the drive and the threshold of feeling, from where a finger feels the edge.
+//!
+//! A person drags until the felt edge lies at a mark, twice or more. The felt edge goes with the wave speed, with the
+//! threshold over the level, and with what the drive does to the level from frequency to frequency: a factor of ten moves it
+//! by 70 mm on a membrane. Some marks do not tell so many numbers. But what they leave open is known: among all plates and
+//! drives near the file's, those with such edges, each with its likelihood ([`super::importance_sampling`]). The plate that is told has
+//! the mean of their numbers and puts each edge at the mean of their edges, which no other method can better on average;
+//! and their spread is told. This gives places and no levels.
+
+use super::candidates::{Marked, Near, PlayedTone, THRESHOLD, THRESHOLD_KNOWN};
+use super::importance_sampling::{Coordinates, Samples, sample};
+use super::mean_edges::MeanEdges;
+use super::touch::{self, Touch, TouchedDrive};
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::fit::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
+use crate::calibrate::fit::result::{Parameter, numbers};
+use crate::calibrate::fit::unknowns::{HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
+use crate::feeling::Feeling;
+use crate::spec::{Calibration, Impedance, Plate, limits};
+use crate::truth::{DriveSpread, Random};
+
+/// Standard deviation of the logarithm of the wave speed beforehand, at most: touches tell less than a sensor does.
+const SPEED_KNOWN: f64 = 0.03;
+/// The same of the loss factor, of which they tell next to nothing.
+const LOSS_KNOWN: f64 = 0.5;
+/// Most that the felt edge may be open to afterwards, half of the 95 % interval in metres: the plain file is as good.
+const OPEN_MAX: f64 = 0.025;
+/// Tones at which what the touches tell is judged, and the shares of the band's logarithm of the first and the last.
+const JUDGED: (usize, f64, f64) = (9, 0.1, 0.9);
+/// Where the random numbers begin: the same touches always tell the same.
+const SEED: u64 = 12;
+/// Half of a 95 % interval in standard deviations.
+const INTERVAL: f64 = 1.96;
+
+/// What touches tell.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Touched {
+    /// The plate of the mean, with the drive that puts the edges where they are expected. Nobody has measured its levels.
+    pub plate: Plate,
+    /// The feeling with the threshold that does.
+    pub feeling: Feeling,
+    /// Wave speed over the file's: value and the ends of its 95 % interval.
+    pub speed: [f64; 3],
+    /// Threshold over the level, over what was told of both: value and the ends of its 95 % interval.
+    pub threshold: [f64; 3],
+    /// How well the felt edge is known: half of its 95 % interval, the root of the mean square over the band, metres.
+    pub edge_tolerance_m: f64,
+    /// Sum of the squared distances of the told edges from their marks, over their variances and number.
+    pub chi2_per_n: f64,
+    /// Both with their names in the plate file and in the feeling.
+    pub parameters: Vec<Parameter>,
+}
+
+/// Calibrates the places of `plate` by felt edges of single tones. Takes some tenths of a second, and seconds for a plate
+/// with clamped edges.
+///
+/// # Errors
+/// [`CalibrateError`]: a number out of range, fewer than two marks or marks too close, edges that no plate and drive near
+/// the file's have, or that leave the felt edge open.
+pub fn from_touches(
+    plate: &Plate,
+    touches: &[Touch],
+    feeling: &Feeling,
+    drive: TouchedDrive,
+    priors: &Priors,
+) -> Result<Touched, CalibrateError> {
+    priors.check()?;
+    let feeling = feeling.checked()?;
+    touch::check(plate, touches)?;
+    let spread = match drive {
+        TouchedDrive::AsTold => None,
+        TouchedDrive::Unknown => Some(DriveSpread::of(plate)),
+    };
+    let [speed, loss, taper, half_width] = priors.deviations();
+    let deviations = [speed.min(SPEED_KNOWN), loss.min(LOSS_KNOWN), taper, half_width];
+    let highest_hz = touches.iter().map(|touch| touch.frequency_hz).fold(plate.band_hz().1, f64::max);
+    let near = Near::new(plate, feeling, spread, deviations, highest_hz);
+    let tones = touched_tones(&near, touches);
+    let judged = judged_tones(&near, touches);
+    let marked = Marked { near, touches, tones };
+    let samples = sample(&marked, &mut Random::new(SEED)).ok_or(CalibrateError::NoEdge)?;
+    let edges = MeanEdges::new(&marked, &judged, &samples).ok_or(CalibrateError::NoEdge)?;
+    let at = edges.likeliest().ok_or(CalibrateError::NoEdge)?;
+    let chi2_per_n = edges.chi2_per_n(&at).ok_or(CalibrateError::NoEdge)?;
+    if chi2_per_n > CHI2_PER_N_MAX {
+        return Err(CalibrateError::EdgesUnlike { chi2_per_n, most: CHI2_PER_N_MAX });
+    }
+    let posterior = Posterior { marked: &marked, samples: &samples, at, chi2_per_n };
+    let [share, ..] = posterior.interval(SPEED, deviations[SPEED]);
+    if share.ln().abs() > SPEED_MAX {
+        return Err(CalibrateError::AnotherPlate { what: "wave speed", share });
+    }
+    let edge_tolerance_m = INTERVAL * edges.deviation_m();
+    if edge_tolerance_m > OPEN_MAX {
+        return Err(CalibrateError::EdgesOpen { edge_m: edge_tolerance_m, most_m: OPEN_MAX });
+    }
+    posterior.touched(priors, edge_tolerance_m)
+}
+
+fn played(near: &Near<'_>, told: &[(f64, f64)]) -> Vec<PlayedTone> {
+    let amplitudes = near.amplitudes(told);
+    let tone = |(&(frequency_hz, _), amplitude)| PlayedTone { frequency_hz, amplitude };
+    told.iter().zip(amplitudes).map(tone).collect()
+}
+
+fn touched_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
+    let told: Vec<(f64, f64)> = touches.iter().map(|touch| (touch.frequency_hz, touch.peak_m)).collect();
+    played(near, &told)
+}
+
+/// Tones over the band, as loud as those that were touched.
+fn judged_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
+    let (low_hz, high_hz) = near.nominal.band_hz();
+    let (count, first, last) = JUDGED;
+    let peak_m = (touches.iter().map(|touch| touch.peak_m.ln()).sum::<f64>() / touches.len() as f64).exp();
+    let share = |i: usize| first + (last - first) * i as f64 / (count - 1) as f64;
+    let told: Vec<(f64, f64)> =
+        (0..count).map(|i| (low_hz * (high_hz / low_hz).powf(share(i)), peak_m)).collect();
+    played(near, &told)
+}
+
+/// What is told of the samples.
+struct Posterior<'a> {
+    marked: &'a Marked<'a>,
+    samples: &'a Samples,
+    /// The plate that is told.
+    at: Coordinates,
+    chi2_per_n: f64,
+}
+
+impl Posterior<'_> {
+    /// Half of the interval of a coordinate; wider where the edges do not fit so well.
+    fn half(&self, i: usize, scale: f64) -> f64 {
+        INTERVAL * self.chi2_per_n.max(1.0).sqrt() * scale * self.samples.covariance[(i, i)].sqrt()
+    }
+
+    /// A coordinate that is a logarithm over `scale`: value and the ends of its interval.
+    fn interval(&self, i: usize, scale: f64) -> [f64; 3] {
+        let (value, mean, half) = (scale * self.at[i], scale * self.samples.mean[i], self.half(i, scale));
+        [value, value.min(mean - half), value.max(mean + half)].map(f64::exp)
+    }
+
+    /// Halves of the intervals of the source.
+    fn source_tolerance(&self) -> Option<Impedance> {
+        let source = self.marked.near.drive.as_ref()?.source?;
+        let (mut mean, mut square) = ([0.0; 3], [0.0; 3]);
+        for sample in &self.samples.samples {
+            let impedance = self.marked.near.drive_at(&sample.at).impedance;
+            for i in 0..impedance.len() {
+                mean[i] += sample.share * impedance[i];
+                square[i] += sample.share * impedance[i] * impedance[i];
+            }
+        }
+        let half = |i: usize| INTERVAL * (square[i] - mean[i] * mean[i]).max(0.0).sqrt();
+        Some(source.with([0, 1, 2].map(half)).impedance)
+    }
+
+    fn touched(&self, priors: &Priors, edge_tolerance_m: f64) -> Result<Touched, CalibrateError> {
+        let near = &self.marked.near;
+        let nominal = near.nominal.spec();
+        let speed = self.interval(SPEED, near.deviations[SPEED]);
+        let threshold = self.interval(THRESHOLD, THRESHOLD_KNOWN);
+        let mut spec = near.spec_at(&self.at);
+        spec.wave_speed_tolerance =
+            self.half(SPEED, near.deviations[SPEED]).min(limits::WAVE_SPEED_TOLERANCE.high);
+        let loss = self.half(LOSS, near.deviations[LOSS]).exp() - 1.0;
+        spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
+        // A drive that is as told keeps what was measured of its levels.
+        let before = nominal.calibration.as_ref().filter(|_| near.drive.is_none());
+        spec.calibration = Some(Calibration {
+            chi2_per_n: self.chi2_per_n,
+            half_width_tolerance: self.half(HALF_WIDTH, priors.half_width).min(1.0),
+            taper_tolerance: self.half(TAPER, priors.taper).min(1.0),
+            level_tolerance_db: before.and_then(|it| it.level_tolerance_db),
+            source_tolerance: self.source_tolerance().or_else(|| before.and_then(|it| it.source_tolerance)),
+            correction: before.and_then(|it| it.correction.clone()),
+        });
+        let name = numbers(nominal)[SPEED].0;
+        let mut beside = self.at;
+        let [value, low, high] = speed.map(|speed| {
+            beside[SPEED] = speed.ln() / near.deviations[SPEED];
+            numbers(&near.plate_at(&beside))[SPEED].1
+        });
+        let of_plate = Parameter { name, value, low, high };
+        let [value, low, high] = threshold.map(|threshold| threshold * near.feeling.threshold);
+        let of_finger = Parameter { name: "feeling.threshold", value, low, high };
+        Ok(Touched {
+            plate: Plate::new(spec)?,
+            feeling: with_threshold(&near.feeling, threshold[0]),
+            speed,
+            threshold,
+            edge_tolerance_m,
+            chi2_per_n: self.chi2_per_n,
+            parameters: vec![of_plate, of_finger],
+        })
+    }
+}
+
+/// The feeling whose thresholds are `factor` times as high.
+fn with_threshold(feeling: &Feeling, factor: f64) -> Feeling {
+    let mut feeling = *feeling;
+    feeling.threshold *= factor;
+    feeling.friction.scale_m *= factor;
+    feeling
+}

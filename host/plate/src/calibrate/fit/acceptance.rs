@@ -1,0 +1,115 @@
+//! The limits within which a fit is accepted, and the refusals beyond them.
+
+use super::pairs::Pair;
+use super::unknowns::{HALF_WIDTH, OF_PLATE, SPEED, TAPER};
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
+use crate::spec::Plate;
+
+/// Fewest frequencies that both sensors measured: twice the number of what is fitted.
+const FREQUENCIES_MIN: usize = 12;
+/// Largest chi^2 over the number of residuals. On plates in two dimensions it is up to 4.7 where the one-mode
+/// equation serves; a finger that moves the boundary by 1 mm makes 12 and more.
+pub(crate) const CHI2_PER_N_MAX: f64 = 6.0;
+/// Farthest that a wave speed may be from the file's, as a logarithm: no material is less well known.
+pub(crate) const SPEED_MAX: f64 = 0.12;
+/// Standard deviations by which the widths and the places together may differ from what was known beforehand: the root of
+/// the sum of their squares. A sensor 10 mm from its mark spreads its mistake over all of them.
+const DEVIATIONS_MAX: f64 = 4.5;
+/// Largest standard deviation of the boundary over the plate's length, and of the carried level in dB.
+const BOUNDARY_MAX: f64 = 5e-3;
+const LEVEL_MAX_DB: f64 = 1.5;
+/// Share of a frequency by which the span may reach beyond the measured band.
+const BEYOND: f64 = 0.005;
+
+/// Refuses two measurements that have no ratio: too few common frequencies, two kinds of sensor, one place.
+pub(crate) fn check_pair([a, b]: [&Measurement; 2], pairs: &[Pair]) -> Result<(), CalibrateError> {
+    if a.sensor != b.sensor || a.unit_per_response != b.unit_per_response {
+        return Err(CalibrateError::DifferentSensors);
+    }
+    if (a.place_m - b.place_m).abs() <= 4.0 * a.place_tolerance_m.hypot(b.place_tolerance_m) {
+        return Err(CalibrateError::SamePlace { place_m: a.place_m });
+    }
+    check_count(pairs.len())
+}
+
+/// Refuses too few frequencies.
+pub(crate) fn check_count(count: usize) -> Result<(), CalibrateError> {
+    if count < FREQUENCIES_MIN {
+        return Err(CalibrateError::FewFrequencies { count, least: FREQUENCIES_MIN });
+    }
+    Ok(())
+}
+
+/// Refuses coordinates that no plate of this file has, or that the sensors' places do not have.
+pub(crate) fn check_coordinates(
+    coordinates: &[f64],
+    deviations: &[f64],
+    places_m: &[f64],
+) -> Result<(), CalibrateError> {
+    if coordinates[SPEED].abs() > SPEED_MAX {
+        return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
+    }
+    let in_deviations = |at: usize| coordinates[at] / deviations[at];
+    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..places_m.len()).map(|i| OF_PLATE + i));
+    let square: f64 = known.clone().map(|at| in_deviations(at).powi(2)).sum();
+    if square <= DEVIATIONS_MAX * DEVIATIONS_MAX {
+        return Ok(());
+    }
+    let farthest = known.max_by(|a, b| in_deviations(*a).abs().total_cmp(&in_deviations(*b).abs()));
+    Err(match farthest {
+        Some(HALF_WIDTH) => CalibrateError::AnotherPlate {
+            what: "half-width at the driven end",
+            share: coordinates[HALF_WIDTH].exp(),
+        },
+        Some(at) if at >= OF_PLATE => {
+            let place_m = places_m[at - OF_PLATE];
+            CalibrateError::Misplaced { place_m, found_m: place_m + coordinates[at] }
+        }
+        _ => CalibrateError::AnotherPlate { what: "taper", share: 1.0 + coordinates[TAPER] },
+    })
+}
+
+/// Refuses measurements from `low_hz` to `high_hz` that do not cover the span of the fitted plate.
+pub(crate) fn check_band(fitted: &Plate, low_hz: f64, high_hz: f64) -> Result<(), CalibrateError> {
+    let needed = fitted.band_hz();
+    if low_hz <= needed.0 * (1.0 + BEYOND) && high_hz >= needed.1 * (1.0 - BEYOND) {
+        return Ok(());
+    }
+    Err(CalibrateError::NotCovered { measured_hz: (low_hz, high_hz), needed_hz: needed })
+}
+
+/// Refuses what the current leaves open: as [`check_carried`].
+pub(crate) fn check_carried_by_current(
+    plate: &Plate,
+    (boundary_m, level_db): (f64, f64),
+) -> Result<(), CalibrateError> {
+    if is_carried(plate, boundary_m, level_db) {
+        return Ok(());
+    }
+    Err(CalibrateError::NotCarriedByCurrent { boundary_m, level_db })
+}
+
+fn is_carried(plate: &Plate, boundary_m: f64, level_db: f64) -> bool {
+    boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB
+}
+
+/// Refuses what the sensors' answers leave open: standard deviations of the boundary, metres, and of the level, dB.
+pub(crate) fn check_carried(
+    plate: &Plate,
+    sensors: &[&Measurement],
+    (boundary_m, level_db): (f64, f64),
+) -> Result<(), CalibrateError> {
+    if is_carried(plate, boundary_m, level_db) {
+        return Ok(());
+    }
+    // The sensor that shows least.
+    let silent = |sensor: &Measurement| {
+        let is_silent = |point: &&MeasuredPoint| point.response.norm() < 3.0 * point.noise;
+        sensor.points.iter().filter(is_silent).count() as f64 / sensor.points.len() as f64
+    };
+    let weakest = sensors.iter().max_by(|a, b| silent(a).total_cmp(&silent(b)));
+    let (place_m, share) = weakest.map_or((0.0, 0.0), |sensor| (sensor.place_m, silent(sensor)));
+    let span_end_m = plate.span_m().1;
+    Err(CalibrateError::NotCarried { boundary_m, level_db, place_m, silent_share: share, span_end_m })
+}

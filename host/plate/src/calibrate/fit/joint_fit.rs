@@ -1,0 +1,340 @@
+//! A plate and its source together: what one complex response tells of both.
+//!
+//! For a given plate and delay the source's numbers enter a response nearly linearly ([`SourceModel`] says how). So a scan
+//! over wave speed and loss solves a linear problem at each place, and Gauss and Newton's method moves all coordinates from
+//! the best of them.
+
+use super::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
+use super::least_squares::{self, Fit, Problem, minima, slope};
+use super::pairs::MODEL_ERROR;
+use super::response::plate_response::{PlateResponse, Units, answers};
+use super::response::wave::{COARSE, FINE, points};
+use super::source::data::Datum;
+use super::source::source_model::SourceModel;
+use super::unknowns::{OF_PLATE, Priors, SPEED, STEPS, spec_at};
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::measurement::sensor::SensorKind;
+use crate::spec::{Plate, PlateSpec};
+
+/// What the scan takes for the error of the model: beside a node little is to be learnt as long as the plate is wrong.
+const SCAN_ERROR: f64 = 0.2;
+/// The same from fit to fit on the way to the bottom of a valley: at first the widths and the place stay what calipers say.
+/// With each, the most chi^2 per number with which a fit of [`CHI2_PER_N_MAX`] may still come of it: others are left.
+const ERRORS: [(f64, f64); 3] = [(0.2, 0.25), (0.05, 2.0), (MODEL_ERROR, f64::INFINITY)];
+/// Most steps of each of these fits.
+const STEPS_MAX: usize = 30;
+/// Wave speeds that are tried first, and then, as the logarithm over the file's.
+const SPEEDS: [(f64, f64); 2] = [(-SPEED_MAX, SPEED_MAX), (-0.29, 0.29)];
+/// Radians that the phase of the wave may change on its way to the turning point and back from one speed to the next.
+const SCAN_RADIANS: f64 = 0.5;
+/// Loss factors over the file's that are tried.
+const LOSSES: [f64; 3] = [0.5, 1.0, 2.2];
+/// Most frequencies of the scan.
+const SCAN_FREQUENCIES: usize = 60;
+/// Valleys of the scan that are followed to their bottom.
+const VALLEYS: usize = 4;
+/// A bottom with no more chi^2 per number is that of the plate.
+const ENOUGH: f64 = 1.5;
+/// A bottom within this much chi^2 of the best is as good; if its speed is so many standard deviations away, it is another
+/// plate.
+const AS_GOOD: f64 = 25.0;
+const FAR: f64 = 6.0;
+/// When a fit ends, as a share of the standard deviations: among the valleys, and at last.
+const STILL: (f64, f64) = (1e-2, 1e-5);
+/// Way over which the derivative by a place is taken, metres, and by a coordinate of the source.
+const PLACE_STEP_M: f64 = 1e-7;
+const SOURCE_STEP: f64 = 1e-5;
+/// Coordinates of a source's resistance, mass and stiffness: none is below zero.
+const OF_IMPEDANCE: usize = 3;
+/// Deviation of a coordinate that is held at zero.
+const HELD: f64 = 1e-9;
+
+/// Place of a sensor on the plate, and what it measures.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) place_m: f64,
+    pub(crate) tolerance_m: f64,
+    pub(crate) sensor: SensorKind,
+}
+
+/// The least squares of a plate and a source.
+pub(crate) struct Joint<'a, S> {
+    pub(crate) nominal: &'a PlateSpec,
+    pub(crate) source: S,
+    pub(crate) units: Units,
+    pub(crate) place: Option<Place>,
+    /// Of all coordinates: the plate's, the place's, the source's.
+    pub(crate) deviations: Vec<f64>,
+    pub(crate) frequencies_hz: Vec<f64>,
+    pub(crate) data: Vec<Datum>,
+    /// chi^2 and the coordinate of the speed at the bottoms of all valleys that were followed.
+    speeds: Vec<(f64, f64)>,
+    /// Radians to the turning point and back at the highest frequency.
+    turns: f64,
+}
+
+impl<'a, S: SourceModel> Joint<'a, S> {
+    pub(crate) fn new(
+        plate: &'a Plate,
+        source: S,
+        units: Units,
+        place: Option<Place>,
+        priors: &Priors,
+        (frequencies_hz, data): (Vec<f64>, Vec<Datum>),
+    ) -> Self {
+        let of_place = place.iter().map(|place| place.tolerance_m.max(PLACE_STEP_M));
+        let deviations = priors.deviations().into_iter().chain(of_place).chain(source.deviations()).collect();
+        let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
+        let turns = 2.0 * plate.width_mode(1).phase_to(plate.length_m(), highest_hz);
+        Self {
+            nominal: plate.spec(),
+            source,
+            units,
+            place,
+            deviations,
+            frequencies_hz,
+            data,
+            speeds: Vec::new(),
+            turns,
+        }
+    }
+
+    /// Where the source's coordinates begin.
+    pub(crate) fn of_source(&self) -> usize {
+        OF_PLATE + usize::from(self.place.is_some())
+    }
+
+    /// Number of all residuals.
+    pub(crate) fn residual_count(&self) -> usize {
+        2 * self.data.len() + self.deviations.iter().filter(|deviation| deviation.is_finite()).count()
+    }
+
+    /// The best coordinates and chi^2 over the number of residuals, if the model fits the data.
+    pub(crate) fn accepted(&mut self) -> Result<(Fit, f64), CalibrateError> {
+        let fit = self.fit().ok_or(CalibrateError::NoFit)?;
+        let chi2_per_n = fit.chi2 / (self.residual_count() - fit.parameters.len()) as f64;
+        if chi2_per_n > CHI2_PER_N_MAX {
+            return Err(CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX });
+        }
+        // Another plate fits as well.
+        let margin = AS_GOOD * chi2_per_n.max(1.0);
+        let deviation = fit.covariance[(SPEED, SPEED)].sqrt();
+        let other = self.speeds.iter().find(|(chi2, speed)| {
+            *chi2 < fit.chi2 + margin && (speed - fit.parameters[SPEED]).abs() > FAR * deviation
+        });
+        match other {
+            Some((_, speed)) if S::ALL => {
+                Err(CalibrateError::Ambiguous { shares: [fit.parameters[SPEED].exp(), speed.exp()] })
+            }
+            _ => Ok((fit, chi2_per_n)),
+        }
+    }
+
+    /// The best coordinates.
+    fn fit(&mut self) -> Option<Fit> {
+        let mut best: Option<Fit> = None;
+        self.speeds.clear();
+        'scans: for speeds in SPEEDS {
+            for starts in self.valleys(speeds) {
+                for start in starts {
+                    let Some(bottom) = self.bottom(&start) else { continue };
+                    let is_enough = self.is_below(Some(&bottom), ENOUGH);
+                    self.speeds.push((bottom.chi2, bottom.parameters[SPEED]));
+                    best = best.into_iter().chain([bottom]).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
+                    if is_enough && S::ALL {
+                        break;
+                    }
+                    if is_enough {
+                        break 'scans;
+                    }
+                }
+            }
+            if self.is_below(best.as_ref(), CHI2_PER_N_MAX) {
+                break;
+            }
+        }
+        let mut fit = self.refined(&best?)?;
+        // A resistance, mass or spring below zero is none.
+        for _ in 0..OF_IMPEDANCE {
+            let first = self.of_source();
+            let negative = |i: &usize| fit.parameters[*i] < 0.0 && self.deviations[*i] > HELD;
+            let Some(lowest) = (first..first + OF_IMPEDANCE)
+                .filter(negative)
+                .min_by(|a, b| fit.parameters[*a].total_cmp(&fit.parameters[*b]))
+            else {
+                break;
+            };
+            self.deviations[lowest] = HELD;
+            fit.parameters[lowest] = 0.0;
+            fit = self.refined(&fit)?;
+        }
+        Some(fit)
+    }
+
+    /// The bottom of the valley that begins at `start`.
+    fn bottom(&self, start: &[f64]) -> Option<Fit> {
+        let mut found: Option<Fit> = None;
+        for (model_error, most) in ERRORS {
+            let from = found.as_ref().map_or(start, |found| &found.parameters);
+            let problem = OnGrid { joint: self, radians: COARSE, model_error };
+            let fit = least_squares::fit_within(&problem, from, STILL.0, STEPS_MAX);
+            found = Some(fit.filter(|fit| self.is_below(Some(fit), most))?);
+        }
+        found
+    }
+
+    fn refined(&self, from: &Fit) -> Option<Fit> {
+        let problem = OnGrid { joint: self, radians: FINE, model_error: MODEL_ERROR };
+        least_squares::fit(&problem, &from.parameters, STILL.1)
+    }
+
+    fn is_below(&self, fit: Option<&Fit>, chi2_per_n: f64) -> bool {
+        fit.is_some_and(|fit| fit.chi2 <= chi2_per_n * self.residual_count() as f64)
+    }
+
+    /// The resistance, mass and stiffness of the source in units, none below zero.
+    pub(crate) fn impedance_of(&self, coordinates: &[f64]) -> [f64; OF_IMPEDANCE] {
+        let first = self.of_source();
+        [0, 1, 2].map(|i| coordinates[first + i].max(0.0))
+    }
+
+    /// What the plate of these coordinates does, with its peak.
+    pub(crate) fn answers_with_peak(&self, coordinates: &[f64]) -> Option<Vec<PlateResponse>> {
+        self.answers(coordinates, &self.places_at(coordinates)?, &self.frequencies_hz, FINE, true)
+    }
+
+    fn answers(
+        &self,
+        coordinates: &[f64],
+        places_m: &[f64],
+        frequencies_hz: &[f64],
+        radians: f64,
+        with_peak: bool,
+    ) -> Option<Vec<PlateResponse>> {
+        let points = points(self.nominal, *self.frequencies_hz.last()?, radians);
+        let spec = spec_at(self.nominal, coordinates);
+        let sensor = self.place.map_or(SensorKind::Displacement, |place| place.sensor);
+        answers(&spec, points, self.units, sensor, places_m, frequencies_hz, with_peak)
+    }
+
+    fn places_at(&self, coordinates: &[f64]) -> Option<Vec<f64>> {
+        let Some(place) = self.place else { return Some(Vec::new()) };
+        let place_m = place.place_m + coordinates[OF_PLATE];
+        (0.0..=self.nominal.length_m).contains(&place_m).then(|| vec![place_m])
+    }
+
+    /// Residuals of the data, real and imaginary parts, then of what was known beforehand.
+    fn residuals(
+        &self,
+        coordinates: &[f64],
+        answers: &[PlateResponse],
+        place: usize,
+        model_error: f64,
+    ) -> Vec<f64> {
+        let source = &coordinates[self.of_source()..];
+        let mut residuals = Vec::with_capacity(self.residual_count());
+        for (datum, answer) in self.data.iter().zip(answers) {
+            let left = self.source.response(answer, place, source) - datum.response;
+            let left = left / datum.deviation(model_error);
+            residuals.extend([left.re, left.im]);
+        }
+        let known = coordinates.iter().zip(&self.deviations).filter(|(_, deviation)| deviation.is_finite());
+        residuals.extend(known.map(|(at, deviation)| at / deviation));
+        residuals
+    }
+
+    /// Starts at each of the lowest minima of a scan over wave speeds and losses.
+    fn valleys(&self, (slowest, fastest): (f64, f64)) -> Vec<Vec<Vec<f64>>> {
+        let every = self.data.len().div_ceil(SCAN_FREQUENCIES).max(1);
+        let some: Vec<Datum> = self.data.iter().copied().step_by(every).collect();
+        let frequencies_hz: Vec<f64> = self.frequencies_hz.iter().copied().step_by(every).collect();
+        let count = ((fastest - slowest) * self.turns.max(1.0) / SCAN_RADIANS).ceil();
+        let speed = |i: usize| slowest + (fastest - slowest) * i as f64 / count;
+        let places_m: Vec<f64> = self.place.iter().map(|place| place.place_m).collect();
+        let on_plate = |coordinates: [f64; OF_PLATE]| {
+            self.answers(&coordinates, &places_m, &frequencies_hz, COARSE, false)
+        };
+        let mut found = Vec::new();
+        for loss in LOSSES.map(f64::ln) {
+            let suited = |i: usize| {
+                let answers = on_plate([speed(i), loss, 0.0, 0.0])?;
+                self.source.suited(&some, &answers, SCAN_ERROR)
+            };
+            let along: Vec<f64> = (0..=count as usize).map(|i| suited(i).unwrap_or(f64::INFINITY)).collect();
+            found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // One valley goes through all losses.
+        let mut speeds: Vec<f64> = Vec::new();
+        let step = (fastest - slowest) / count;
+        found.retain(|(_, [speed, _])| {
+            let is_new = speeds.iter().all(|other| (other - speed).abs() > 1.5 * step);
+            speeds.extend(is_new.then_some(*speed));
+            is_new
+        });
+        let starts = |(_, [speed, loss]): (f64, [f64; 2])| {
+            let answers = on_plate([speed, loss, 0.0, 0.0]).unwrap_or_default();
+            let of_place = self.place.map(|_| 0.0);
+            let whole = move |source: Vec<f64>| {
+                [speed, loss, 0.0, 0.0].into_iter().chain(of_place).chain(source).collect::<Vec<f64>>()
+            };
+            self.source.starts(&some, &answers).into_iter().map(whole).collect::<Vec<_>>()
+        };
+        found.into_iter().take(VALLEYS).map(starts).collect()
+    }
+}
+
+/// The least squares on a grid of a given fineness.
+struct OnGrid<'j, 'a, S> {
+    joint: &'j Joint<'a, S>,
+    radians: f64,
+    model_error: f64,
+}
+
+impl<S: SourceModel> OnGrid<'_, '_, S> {
+    fn answers(&self, at: &[f64], places_m: &[f64]) -> Option<Vec<PlateResponse>> {
+        self.joint.answers(at, places_m, &self.joint.frequencies_hz, self.radians, false)
+    }
+}
+
+impl<S: SourceModel> Problem for OnGrid<'_, '_, S> {
+    fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
+        let answers = self.answers(at, &self.joint.places_at(at)?)?;
+        Some(self.joint.residuals(at, &answers, 0, self.model_error))
+    }
+
+    fn slopes(&self, at: &[f64], r: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let joint = self.joint;
+        let beside = |i: usize, step: f64| {
+            let mut beside = at.to_vec();
+            beside[i] += step;
+            beside
+        };
+        let of_plate = STEPS.iter().enumerate().map(|(i, &step)| {
+            let above = self.residuals(&beside(i, step))?;
+            if self.radians > FINE {
+                return Some(slope(&above, r, step));
+            }
+            Some(slope(&above, &self.residuals(&beside(i, -step))?, 2.0 * step))
+        });
+        let mut columns: Vec<Vec<f64>> = of_plate.collect::<Option<_>>()?;
+        // One field serves the place and the source.
+        let mut places_m = joint.places_at(at)?;
+        if let Some(&place_m) = places_m.first() {
+            places_m.extend([place_m + PLACE_STEP_M, place_m - PLACE_STEP_M]);
+        }
+        let answers = self.answers(at, &places_m)?;
+        if joint.place.is_some() {
+            let [above, below] = [(1, PLACE_STEP_M), (2, -PLACE_STEP_M)].map(|(place, step)| {
+                joint.residuals(&beside(OF_PLATE, step), &answers, place, self.model_error)
+            });
+            columns.push(slope(&above, &below, 2.0 * PLACE_STEP_M));
+        }
+        for i in joint.of_source()..at.len() {
+            let [above, below] = [SOURCE_STEP, -SOURCE_STEP]
+                .map(|step| joint.residuals(&beside(i, step), &answers, 0, self.model_error));
+            columns.push(slope(&above, &below, 2.0 * SOURCE_STEP));
+        }
+        Some(columns)
+    }
+}

@@ -1,0 +1,140 @@
+//! A plate as a source sees it: what a force on the driven end moves there, at a sensor and at the peak.
+//!
+//! The driven end's condition is linear in the source's dynamic stiffness D = s - omega^2 m - j omega R, for every model and
+//! with a lead-in: the part F_p of the force F that reaches the plate and the motion f(0) of the end are both linear in
+//! p(0) and p'(0), and F = F_p + D f(0). So two sources tell all others.
+
+use super::wave::Wave;
+use crate::calibrate::measurement::sensor::SensorKind;
+use crate::frequency::driven_end::DrivenEnd;
+use crate::spec::{DriveEnd, Impedance, Model, Plate, PlateSpec, Source};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The units in which a fit counts a source: about what the plate itself has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Units {
+    /// The plate's wave impedance in the middle of the band, N s/m.
+    pub(crate) impedance: f64,
+    /// The angular frequency of that middle, rad/s.
+    pub(crate) omega: f64,
+}
+
+impl Units {
+    /// For a nominal plate that is measured from `low_hz` to `high_hz`; `None` if the file does not tell the impedance.
+    pub(crate) fn of(plate: &Plate, (low_hz, high_hz): (f64, f64)) -> Option<Self> {
+        let middle_hz = (low_hz * high_hz).sqrt();
+        let impedance = plate.wave_impedance_n_s_per_m(middle_hz).filter(|z| *z > 0.0)?;
+        Some(Self { impedance, omega: TAU * middle_hz })
+    }
+
+    /// -j omega in units of the middle's.
+    pub(crate) fn rate(self, frequency_hz: f64) -> Complex64 {
+        Complex64::new(0.0, -TAU * frequency_hz / self.omega)
+    }
+
+    /// The impedance with the resistance, mass and stiffness `source` in these units.
+    pub(crate) fn impedance(self, [resistance, mass, stiffness]: [f64; 3]) -> Impedance {
+        Impedance {
+            resistance_n_s_per_m: resistance * self.impedance,
+            mass_kg: mass * self.impedance / self.omega,
+            stiffness_n_per_m: stiffness * self.impedance * self.omega,
+        }
+    }
+}
+
+/// What the plate does at one frequency, in any scale of the wave.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PlateResponse {
+    pub(crate) frequency_hz: f64,
+    /// -j omega in units of the middle's.
+    pub(crate) rate: Complex64,
+    /// F_p over the force F of a drive of 1.
+    pub(crate) force: Complex64,
+    /// f(0) times the unit of stiffness, over F.
+    pub(crate) motion: Complex64,
+    /// p at each place, or p'' for strain.
+    pub(crate) seen: Vec<Complex64>,
+    /// The amplitude of the peak, where it was asked for.
+    pub(crate) peak: f64,
+}
+
+/// D in units: s + R (-j omega) + m (-j omega)^2.
+pub(crate) fn dynamic_stiffness([resistance, mass, stiffness]: [f64; 3], rate: Complex64) -> Complex64 {
+    stiffness + rate * (resistance + rate * mass)
+}
+
+impl PlateResponse {
+    /// F/F_p times F_p: what the source of these numbers makes of a drive of 1.
+    pub(crate) fn load(&self, source: [f64; 3]) -> Complex64 {
+        self.force + dynamic_stiffness(source, self.rate) * self.motion
+    }
+}
+
+/// The end on which a source acts: that of the file, without what the source itself resists.
+pub(crate) fn soft_source(spec: &PlateSpec, middle_hz: f64) -> Source {
+    match spec.drive_end {
+        DriveEnd::Source(source) => Source { impedance: Impedance::default(), ..source },
+        end => Source::soft(&spec.model, end.at_frequency_hz().unwrap_or(middle_hz)),
+    }
+}
+
+/// The driven end of a plate under a source of any impedance.
+pub(crate) struct LoadedEnd {
+    /// The plate under the source without an impedance, and with the unit of stiffness.
+    soft: Plate,
+    stiff: Plate,
+}
+
+impl LoadedEnd {
+    /// `soft` is the source without an impedance; `None` where the plate is refused.
+    pub(crate) fn new(spec: &PlateSpec, soft: Source, units: Units) -> Option<Self> {
+        let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Source(soft), ..spec.clone() }).ok()?;
+        let stiff = Source { impedance: units.impedance([0.0, 0.0, 1.0]), ..soft };
+        Some(Self { stiff: plate.with_drive_end(DriveEnd::Source(stiff)), soft: plate })
+    }
+
+    /// What a wave with p(0) = `value` and p'(0) = `slope` asks of the source: F_p over the force F of a drive of 1, and f(0)
+    /// times the unit of stiffness over F.
+    pub(crate) fn of_wave(&self, frequency_hz: f64, value: Complex64, slope: Complex64) -> [Complex64; 2] {
+        let condition = |plate: &Plate| {
+            let end = DrivenEnd::of(plate, frequency_hz);
+            (end.alpha * value + end.beta * slope) / end.drive
+        };
+        let force = condition(&self.soft);
+        [force, condition(&self.stiff) - force]
+    }
+}
+
+/// What `spec`'s plate does at these frequencies, on a grid of `points`; `None` where the plate is refused or a frequency
+/// does not enter it.
+pub(crate) fn answers(
+    spec: &PlateSpec,
+    points: usize,
+    units: Units,
+    sensor: SensorKind,
+    places_m: &[f64],
+    frequencies_hz: &[f64],
+    with_peak: bool,
+) -> Option<Vec<PlateResponse>> {
+    let (&lowest_hz, &highest_hz) = (frequencies_hz.first()?, frequencies_hz.last()?);
+    let middle_hz = units.omega / TAU;
+    let end = LoadedEnd::new(spec, soft_source(spec, middle_hz), units)?;
+    // With a prescribed slope the field itself is p(0) over p'(0).
+    let wave = Wave::with_slope(spec.clone(), points, middle_hz).ok()?;
+    if !(wave.enters(lowest_hz) && wave.enters(highest_hz)) {
+        return None;
+    }
+    let rows = wave.complex(sensor, places_m, frequencies_hz, with_peak);
+    let answer = |(&frequency_hz, row): (&f64, super::wave::Row)| {
+        let [force, motion] = end.of_wave(frequency_hz, row.value, row.slope);
+        let rate = units.rate(frequency_hz);
+        PlateResponse { frequency_hz, rate, force, motion, seen: row.seen, peak: row.peak }
+    };
+    Some(frequencies_hz.iter().zip(rows).map(answer).collect())
+}
+
+/// Whether a source acts on such a plate: an end of a plate in bending, or a sheet whose tension or thickness is told.
+pub(crate) fn takes_a_source(model: &Model) -> Result<(), crate::spec::PlateError> {
+    model.surface_density("a fit of the source").map(drop)
+}

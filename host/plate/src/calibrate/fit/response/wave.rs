@@ -1,0 +1,223 @@
+//! The wave on the plate, as a fit needs it: its amplitude at the sensors and at the peak, for any scale of the source.
+//!
+//! Beyond the near field of the driven end the amplitude over x is one solution of the amplitude equation, the one that
+//! dies out beyond the turning point. The source, the actuator and the amplifier only scale it. So the ratio of two places
+//! does not depend on them at all.
+
+use crate::calibrate::measurement::sensor::SensorKind;
+use crate::frequency::driven_end::DrivenEnd;
+use crate::frequency::numerov::{self, Grid};
+use crate::frequency::{Equation, POINTS_MAX, respond_range};
+use crate::spec::{DriveEnd, Plate, PlateError, PlateSpec};
+use crate::table::level;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Radians of the shortest wave per grid step: where the fit looks for its minimum, and where it ends. Numerov's phase error is
+/// (k h)^4/480 per radian, so the wave speed is right to 1e-5 and to 2e-7.
+pub(crate) const COARSE: f64 = 0.27;
+pub(crate) const FINE: f64 = 0.1;
+
+/// The wave on a plate, at frequencies that all enter it, on a grid.
+pub(crate) struct Wave {
+    plate: Plate,
+    grid: Grid,
+    step_m: f64,
+}
+
+impl Wave {
+    /// The wave on the plate of a specification, on [`points`] positions.
+    ///
+    /// # Errors
+    /// What is wrong with the specification.
+    pub(crate) fn new(spec: PlateSpec, points: usize) -> Result<Self, PlateError> {
+        // Any end does; this one has no near field.
+        let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Displacement, ..spec })?;
+        let grid = Grid::new(&plate, 1, Equation::Corrected, points, 1);
+        let step_m = plate.length_m() / (points - 1) as f64;
+        Ok(Self { plate, grid, step_m })
+    }
+
+    /// As [`Wave::new`], with the same slope p'(0) at every frequency, so that the field tells p(0) over p'(0), too.
+    /// A wave of `at_hz` must enter the plate.
+    pub(crate) fn with_slope(spec: PlateSpec, points: usize, at_hz: f64) -> Result<Self, PlateError> {
+        let end = DriveEnd::Force { at_frequency_hz: at_hz };
+        let mut wave = Self::new(spec, points)?;
+        wave.plate = Plate::new(PlateSpec { drive_end: end, ..wave.plate.spec().clone() })?;
+        Ok(wave)
+    }
+
+    /// The complex wave of [`Wave::with_slope`] at sensors of one kind at `places_m`, and at the driven end; with its peak if
+    /// that is wanted.
+    pub(crate) fn complex(
+        &self,
+        sensor: SensorKind,
+        places_m: &[f64],
+        frequencies_hz: &[f64],
+        with_peak: bool,
+    ) -> Vec<Row> {
+        let mut rows = Vec::with_capacity(frequencies_hz.len());
+        let slope = self.slope();
+        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| {
+            let peak = if with_peak {
+                level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0
+            } else {
+                f64::NAN
+            };
+            let seen = places_m.iter().map(|&place_m| seen(field, self.step_m, place_m, sensor)).collect();
+            rows.push(Row { seen, value: field[0], slope, peak });
+        });
+        rows
+    }
+
+    pub(crate) const fn plate(&self) -> &Plate {
+        &self.plate
+    }
+
+    /// p of [`Wave::with_slope`] on the grid at each frequency, with the frequency's number.
+    pub(crate) fn fields(&self, frequencies_hz: &[f64], mut each: impl FnMut(usize, &[Complex64])) {
+        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| each(number, field));
+    }
+
+    /// p'(0) of a plate with that slope, 1/m.
+    pub(crate) fn slope(&self) -> Complex64 {
+        let end = DrivenEnd::of(&self.plate, f64::NAN);
+        end.drive / end.beta
+    }
+
+    /// Whether a wave of this frequency enters the plate.
+    pub(crate) fn enters(&self, frequency_hz: f64) -> bool {
+        respond_range(&self.plate).contains(frequency_hz)
+    }
+
+    /// What sensors of one kind at `places_m` show of the wave, as deflection, or as curvature (1/m^2 of it) for strain:
+    /// for each frequency one magnitude per place, all in one scale.
+    pub(crate) fn at(&self, sensor: SensorKind, places_m: &[f64], frequencies_hz: &[f64]) -> Vec<Vec<f64>> {
+        let mut rows = Vec::with_capacity(frequencies_hz.len());
+        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |_, field| {
+            let seen = |&place_m: &f64| seen(field, self.step_m, place_m, sensor).norm();
+            rows.push(places_m.iter().map(seen).collect());
+        });
+        rows
+    }
+
+    /// As [`Wave::at`], and the amplitude of the peak as a drive table levels it.
+    pub(crate) fn with_peak(
+        &self,
+        sensor: SensorKind,
+        places_m: &[f64],
+        frequencies_hz: &[f64],
+    ) -> Vec<(Vec<f64>, f64)> {
+        let mut rows = Vec::with_capacity(frequencies_hz.len());
+        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| {
+            let seen = |&place_m: &f64| seen(field, self.step_m, place_m, sensor).norm();
+            let peak = level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0;
+            rows.push((places_m.iter().map(seen).collect(), peak));
+        });
+        rows
+    }
+}
+
+/// The wave at one frequency.
+pub(crate) struct Row {
+    /// p, or p'' for strain, at each place.
+    pub(crate) seen: Vec<Complex64>,
+    /// p(0).
+    pub(crate) value: Complex64,
+    /// p'(0), 1/m.
+    pub(crate) slope: Complex64,
+    /// The amplitude of the peak; NaN where nobody asked.
+    pub(crate) peak: f64,
+}
+
+/// Positions on a plate for frequencies up to `highest_hz`. A fit keeps their number while it moves the plate's numbers:
+/// another number has another error, and a derivative would take that for a change of the wave.
+pub(crate) fn points(nominal: &PlateSpec, highest_hz: f64, radians_per_step: f64) -> usize {
+    let model = &nominal.model;
+    let shortest = (model.width_slope(1) * model.wavenumber_squared(TAU * highest_hz)).sqrt();
+    let points = (nominal.length_m * shortest / radians_per_step).ceil();
+    (points as usize).clamp(POINTS_MIN, POINTS_MAX)
+}
+
+/// Fewest points of a grid, for plates of less than a wavelength.
+const POINTS_MIN: usize = 64;
+/// Points of the polynomial through the field near a place.
+const NEAR: usize = 6;
+
+/// The field or its second derivative at a place, from the polynomial through the six points about it.
+pub(crate) fn seen(field: &[Complex64], step_m: f64, place_m: f64, sensor: SensorKind) -> Complex64 {
+    let at = place_m / step_m;
+    let first = (at - 0.5 * (NEAR - 1) as f64).round().max(0.0) as usize;
+    let first = first.min(field.len() - NEAR);
+    let t = at - first as f64;
+    let weights: [f64; NEAR] = std::array::from_fn(|i| match sensor {
+        SensorKind::Strain => curvature_weight(i, t) / (step_m * step_m),
+        _ => weight(i, t),
+    });
+    field[first..first + NEAR].iter().zip(weights).map(|(f, weight)| f * weight).sum()
+}
+
+/// Lagrange's polynomial of point `i` at `t`, in steps from the first point.
+fn weight(i: usize, t: f64) -> f64 {
+    (0..NEAR).filter(|&j| j != i).map(|j| (t - j as f64) / (i as f64 - j as f64)).product()
+}
+
+/// Its second derivative.
+fn curvature_weight(i: usize, t: f64) -> f64 {
+    let mut sum = 0.0;
+    let others = || (0..NEAR).filter(|&j| j != i);
+    let over = |j: usize| (i as f64 - j as f64).recip();
+    for a in others() {
+        for b in others().filter(|&b| b != a) {
+            let rest = others().filter(|&j| j != a && j != b);
+            let product: f64 = rest.map(|j| (t - j as f64) * over(j)).product();
+            sum += over(a) * over(b) * product;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::preset;
+    use crate::{Impedance, Source, respond};
+
+    #[test]
+    fn between_the_points_a_wave_and_its_curvature_are_interpolated() {
+        let (k, step_m) = (2.0, 0.05);
+        let field: Vec<Complex64> = (0..40).map(|i| Complex64::cis(k * step_m * f64::from(i))).collect();
+        for place_m in [0.0, 0.012, 0.731, 1.95] {
+            let wave = Complex64::cis(k * place_m);
+            let found = seen(&field, step_m, place_m, SensorKind::Displacement);
+            assert!((found - wave).norm() < 1e-7, "{place_m}: {found}");
+            let bent = seen(&field, step_m, place_m, SensorKind::Strain);
+            assert!((bent + k * k * wave).norm() < 1e-3, "{place_m}: {bent}");
+        }
+    }
+
+    #[test]
+    fn the_ratio_of_two_places_and_the_peak_over_one_do_not_depend_on_the_source() {
+        for (name, places_m, frequency_hz) in
+            [("membrane", [0.03, 0.176], 150.0), ("al-bending", [0.04, 0.187], 28e3)]
+        {
+            let plate = preset(name).expect("a preset");
+            let points = points(plate.spec(), frequency_hz, FINE);
+            let wave = Wave::new(plate.spec().clone(), points).expect("a plate");
+            let shapes = wave.with_peak(SensorKind::Displacement, &places_m, &[frequency_hz]);
+            let (shape, top) = &shapes[0];
+            let impedance = Impedance { resistance_n_s_per_m: 0.3, mass_kg: 2e-4, stiffness_n_per_m: 300.0 };
+            let source = Source { impedance, ..Source::soft(&plate.spec().model, frequency_hz) };
+            let spec = PlateSpec { drive_end: DriveEnd::Source(source), ..plate.spec().clone() };
+            let driven = Plate::new(spec).expect("valid");
+            let field = respond(&driven, frequency_hz, 4001, Equation::Corrected).expect("a field");
+            let step_m = plate.length_m() / 4000.0;
+            let at = places_m
+                .map(|place_m| seen(&field.amplitude, step_m, place_m, SensorKind::Displacement).norm());
+            let ratio = (at[1] / at[0]) / (shape[1] / shape[0]);
+            assert!((ratio - 1.0).abs() < 1e-3, "{name}: {ratio}");
+            let peak = field.peak.expect("a peak").amplitude / at[0];
+            assert!((peak / (top / shape[0]) - 1.0).abs() < 1e-3, "{name}");
+        }
+    }
+}

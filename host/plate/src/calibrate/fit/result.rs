@@ -1,0 +1,180 @@
+//! An accepted fit as a plate file, with intervals and parameters.
+
+use super::acceptance;
+use super::least_squares::Fit;
+use super::spread::Spread;
+use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, TAPER, spec_at};
+use crate::calibrate::error::CalibrateError;
+use crate::quantity::show_length;
+use crate::spec::{Calibration, Impedance, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
+
+/// Standard deviations of a 95 % interval.
+pub(crate) const INTERVAL: f64 = 1.96;
+
+/// A number of the plate or of a sensor, as a calibration found it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name in the plate file: `model.wave_speed_m_per_s`; `place_m` for a sensor's.
+    pub name: &'static str,
+    /// The best value, in the unit of its name.
+    pub value: f64,
+    /// Ends of the 95 % interval.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+}
+
+/// What a calibration found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibrated {
+    /// The plate with the measured numbers, their intervals and, where levels were measured, the measured gain.
+    pub plate: Plate,
+    /// The fitted parameters: the plate's, then the sensors' places.
+    pub parameters: Vec<Parameter>,
+    /// Sum of the squared residuals over their number; about 1 where the model fits to the noise.
+    pub chi2_per_n: f64,
+    /// Half of the 95 % interval of the boundary, metres: the largest over the span.
+    pub boundary_tolerance_m: f64,
+    /// How far the boundary goes, at most over the span, for each metre that a sensor stands farther from the driven end than
+    /// it was told to: the measurement itself does not tell a small such mistake from a plate of another width. One number
+    /// for each sensor.
+    pub boundary_per_place: Vec<f64>,
+    /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: what noise leaves of the
+    /// measured gain, and what the fit leaves of the way to the peak. Infinite where no levels were measured.
+    pub level_tolerance_db: f64,
+}
+
+impl Calibrated {
+    /// What no measurement shows and a person must look after, in a sentence: how far a misplaced sensor takes the boundary.
+    /// `None` without a sensor.
+    #[must_use]
+    pub fn caution(&self) -> Option<String> {
+        let most = self.boundary_per_place.iter().copied().max_by(f64::total_cmp)?;
+        let moved = show_length(1e-3 * most);
+        Some(format!(
+            "A sensor that stands 1.0 mm from its mark moves the boundary by up to {moved}, and nothing here shows it: measure its place again."
+        ))
+    }
+}
+
+/// A fit that is accepted, and what follows from it.
+pub(crate) struct AcceptedFit<'a> {
+    pub(crate) nominal: &'a Plate,
+    /// The plate of the fitted numbers, without the record of the calibration.
+    pub(crate) fitted: Plate,
+    pub(crate) fit: &'a Fit,
+    pub(crate) chi2_per_n: f64,
+    pub(crate) spread: Spread,
+    /// Where the sensors were told to be, metres.
+    pub(crate) places_m: &'a [f64],
+    pub(crate) correction: ResponseCurve,
+    /// What noise leaves of the correction, dB.
+    pub(crate) noise_db: f64,
+    /// Halves of the intervals of the source; `None` where it was not fitted.
+    pub(crate) source_tolerance: Option<Impedance>,
+    /// Lowest and highest frequency of the fit, Hz.
+    pub(crate) measured_hz: (f64, f64),
+}
+
+impl AcceptedFit<'_> {
+    /// Where the model misses more than the noise, the intervals grow with it.
+    pub(crate) fn scale(&self) -> f64 {
+        self.chi2_per_n.max(1.0).sqrt()
+    }
+
+    /// Standard deviation of a coordinate.
+    pub(crate) fn deviation(&self, i: usize) -> f64 {
+        self.scale() * self.fit.covariance[(i, i)].sqrt()
+    }
+
+    /// What the data leave open: standard deviations of the boundary, metres, and of the level, dB.
+    pub(crate) fn open(&self) -> (f64, f64) {
+        let level_db = (self.scale() * self.spread.level_db).hypot(self.noise_db);
+        (self.scale() * self.spread.boundary_m, level_db)
+    }
+
+    /// The plate file, its intervals and the parameters.
+    pub(crate) fn into_calibrated(self) -> Result<Calibrated, CalibrateError> {
+        acceptance::check_band(&self.fitted, self.measured_hz.0, self.measured_hz.1)?;
+        let (boundary_m, level_db) = self.open();
+        let deviation = |i: usize| self.deviation(i);
+        let coordinates = &self.fit.parameters;
+        let mut spec = self.fitted.spec().clone();
+        let speed = INTERVAL * self.scale() * self.spread.speed;
+        spec.wave_speed_tolerance = speed.min(limits::WAVE_SPEED_TOLERANCE.high);
+        let loss = (INTERVAL * deviation(LOSS)).exp() - 1.0;
+        spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
+        spec.calibration = Some(Calibration {
+            chi2_per_n: self.chi2_per_n,
+            half_width_tolerance: (INTERVAL * deviation(HALF_WIDTH)).min(1.0),
+            taper_tolerance: (INTERVAL * deviation(TAPER)).min(1.0),
+            level_tolerance_db: Some(INTERVAL * level_db)
+                .filter(|db| limits::LEVEL_TOLERANCE_DB.contains(*db)),
+            source_tolerance: self.source_tolerance,
+            correction: Some(self.correction.clone()),
+        });
+        let mut parameters = parameters_of_plate(self.nominal.spec(), coordinates, &deviation);
+        for (i, place_m) in self.places_m.iter().enumerate() {
+            let value = place_m + coordinates[OF_PLATE + i];
+            parameters.push(Parameter::about("place_m", value, INTERVAL * deviation(OF_PLATE + i)));
+        }
+        Ok(Calibrated {
+            plate: Plate::new(spec)?,
+            parameters,
+            chi2_per_n: self.chi2_per_n,
+            boundary_tolerance_m: INTERVAL * boundary_m,
+            boundary_per_place: self.spread.boundary_per_place.clone(),
+            level_tolerance_db: INTERVAL * level_db,
+        })
+    }
+}
+
+impl Parameter {
+    /// A parameter with half of its interval.
+    pub(crate) const fn about(name: &'static str, value: f64, half: f64) -> Self {
+        Self { name, value, low: value - half, high: value + half }
+    }
+}
+
+/// The plate's numbers by their names in the file, each from the ends of its coordinate's interval.
+fn parameters_of_plate(
+    nominal: &PlateSpec,
+    coordinates: &[f64],
+    deviation: &impl Fn(usize) -> f64,
+) -> Vec<Parameter> {
+    let best = numbers(&spec_at(nominal, coordinates));
+    let at_end = |i: usize, side: f64| {
+        let mut coordinates = coordinates.to_vec();
+        coordinates[i] += side * INTERVAL * deviation(i);
+        numbers(&spec_at(nominal, &coordinates))[i].1
+    };
+    (0..OF_PLATE)
+        .map(|i| {
+            let (name, value) = best[i];
+            let ends = [at_end(i, -1.0), at_end(i, 1.0)];
+            Parameter { name, value, low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) }
+        })
+        .collect()
+}
+
+/// The number that each coordinate moves, with its name in a plate file.
+pub(crate) fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
+    let speed = match &spec.model {
+        Model::Membrane { wave_speed_m_per_s, .. } => ("model.wave_speed_m_per_s", *wave_speed_m_per_s),
+        Model::ShearHorizontal { shear_modulus_pa, .. } => ("model.shear_modulus_pa", *shear_modulus_pa),
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
+            ("model.youngs_modulus_pa", bending.youngs_modulus_pa)
+        }
+    };
+    let (taper, half_width_m) = match &spec.taper {
+        Taper::Exponential { half_width_m, rate_per_m } => (("taper.rate_per_m", *rate_per_m), *half_width_m),
+        Taper::Linear { half_width_m, end_half_width_m } => {
+            (("taper.end_half_width_m", *end_half_width_m), *half_width_m)
+        }
+        Taper::Sampled { points } => {
+            let width = |point: Option<&[f64; 2]>| point.map_or(f64::NAN, |point| point[1]);
+            (("taper.points[last][1]", width(points.last())), width(points.first()))
+        }
+    };
+    [speed, ("loss_factor", spec.loss_factor), taper, ("taper.half_width_m", half_width_m)]
+}

@@ -1,0 +1,103 @@
+//! The calibration by the current of the drive alone, with nothing on the plate.
+
+use super::acceptance;
+use super::gain::{self, Carried};
+use super::joint_fit::Joint;
+use super::response::plate_response::{PlateResponse, Units, takes_a_source};
+use super::result::{AcceptedFit, Calibrated, INTERVAL, Parameter};
+use super::source::data::{droop, entering, normalised};
+use super::source::drive_current::{ACTUATOR, DriveCurrent, Transducer};
+use super::source::source_file::{
+    parameters_of_actuator, parameters_of_impedance, source_tolerance, with_actuator, with_source,
+};
+use super::spread::Spread;
+use super::unknowns::{Priors, spec_at};
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
+use crate::calibrate::measurement::signal;
+use crate::spec::Plate;
+use num_complex::Complex64;
+
+/// Calibrates `plate`, the nominal one, from the current through its drive: what the plate sends back moves the coil or the
+/// piezo. `current` has the current over the code, in any unit, with the device's own delay taken out; its place and its kind
+/// do not count. The amplifier must be a source of voltage, and nothing may lie on the plate.
+///
+/// The levels are those of the model: nothing measures them. The file must tell a membrane's tension or a sheet's thickness,
+/// and the strip behind the driven end of a plate in bending.
+///
+/// # Errors
+/// [`CalibrateError`]: what is wrong with the measurement, or what it does not carry.
+pub fn from_shunt(
+    plate: &Plate,
+    current: &Measurement,
+    transducer: Transducer,
+    priors: &Priors,
+) -> Result<Calibrated, CalibrateError> {
+    priors.check()?;
+    // Any unit and any kind: the current alone counts.
+    let current = &Measurement {
+        place_m: 0.0,
+        sensor: SensorKind::Displacement,
+        unit_per_response: None,
+        ..current.clone()
+    };
+    signal::check_sensor(plate, current)?;
+    takes_a_source(&plate.spec().model)?;
+    let points = entering(plate, current)?;
+    let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
+    let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
+    let data = normalised(&points, |hz| Complex64::from(droop(current, hz)));
+    let frequencies_hz = points.iter().map(|point| point.frequency_hz).collect();
+    let mut joint =
+        Joint::new(plate, DriveCurrent { transducer }, units, None, priors, (frequencies_hz, data));
+    let (fit, chi2_per_n) = joint.accepted()?;
+    acceptance::check_coordinates(&fit.parameters, &joint.deviations, &[])?;
+
+    let first = joint.of_source();
+    let of_source = &fit.parameters[first..];
+    // What the electrical side resists, as the file has it: in the middle of the band.
+    let damping = joint.source.damping(of_source, Complex64::new(0.0, -1.0));
+    let mut impedance = joint.impedance_of(&fit.parameters);
+    impedance[0] += damping.re.max(0.0);
+    impedance[if damping.im > 0.0 { 2 } else { 1 }] += damping.im.abs();
+    let spec = with_source(spec_at(plate.spec(), &fit.parameters), units, units.impedance(impedance));
+    let actuator = [of_source[ACTUATOR], of_source[ACTUATOR + 1]];
+    let fitted = Plate::new(with_actuator(spec, units, actuator))?;
+    let carried = |answers: &[PlateResponse], source: &[f64]| -> Vec<Carried> {
+        let each = |answer: &PlateResponse| {
+            let peak = joint.source.peak(answer, source) * droop(current, answer.frequency_hz);
+            Carried { frequency_hz: answer.frequency_hz, peak, error: 0.0 }
+        };
+        answers.iter().map(each).collect()
+    };
+    // A factor for all frequencies is not told, so it leaves nothing open.
+    let peaks = |at: &[f64]| {
+        let carried = carried(&joint.answers_with_peak(at)?, &at[first..]);
+        let levels: Vec<f64> = carried.iter().map(|carried| carried.peak.ln()).collect();
+        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+        Some(levels.into_iter().map(|level| level - mean).collect())
+    };
+    let spread = Spread::of(&fitted, &fit, &joint.deviations, 0, &peaks).ok_or(CalibrateError::NoFit)?;
+    let answers = joint.answers_with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
+    let (correction, _) = gain::correction(&fitted, Some(plate), current, &carried(&answers, of_source))?;
+    let found = AcceptedFit {
+        nominal: plate,
+        fitted,
+        fit: &fit,
+        chi2_per_n,
+        spread,
+        places_m: &[],
+        correction,
+        noise_db: 0.0,
+        source_tolerance: None,
+        measured_hz,
+    };
+    acceptance::check_carried_by_current(plate, found.open())?;
+    let half = |i: usize| INTERVAL * found.deviation(first + i);
+    let mut of_source: Vec<Parameter> = parameters_of_impedance(units, impedance, [0, 1, 2].map(half));
+    of_source.extend(parameters_of_actuator(units, actuator, [ACTUATOR, ACTUATOR + 1].map(half)));
+    let source_tolerance = Some(source_tolerance(units, [0, 1, 2].map(half)));
+    let mut calibrated = AcceptedFit { source_tolerance, ..found }.into_calibrated()?;
+    calibrated.parameters.extend(of_source);
+    Ok(calibrated)
+}

@@ -1,0 +1,64 @@
+//! The measured responses that plate and source are fitted to.
+
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::fit::acceptance::check_count;
+use crate::calibrate::fit::response::plate_response::Units;
+use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
+use crate::frequency::respond_range;
+use crate::spec::{Plate, sample_rate};
+use num_complex::Complex64;
+
+/// A response without the hold and the sensor's own rise, over its root mean square.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Datum {
+    pub(crate) response: Complex64,
+    /// Of the real and of the imaginary part.
+    pub(crate) variance: f64,
+}
+
+impl Datum {
+    /// The standard deviation of both parts with what the model misses.
+    pub(crate) fn deviation(&self, model_error: f64) -> f64 {
+        (self.variance + model_error * model_error * self.response.norm_sqr()).sqrt()
+    }
+}
+
+/// The responses without the sensor's own rise and the hold of the DAC.
+pub(crate) fn of_deflection(points: &[MeasuredPoint], sensor: &Measurement, units: Units) -> Vec<Datum> {
+    let rise = |rate: Complex64| match sensor.sensor {
+        SensorKind::Displacement | SensorKind::Strain => Complex64::ONE,
+        SensorKind::Velocity => rate,
+        SensorKind::Acceleration => rate * rate,
+    };
+    normalised(points, |hz| rise(units.rate(hz)) * droop(sensor, hz))
+}
+
+/// The points of a measurement at which a wave enters the plate.
+pub(crate) fn entering(plate: &Plate, sensor: &Measurement) -> Result<Vec<MeasuredPoint>, CalibrateError> {
+    let allowed = respond_range(plate);
+    let points: Vec<MeasuredPoint> =
+        sensor.points.iter().copied().filter(|point| allowed.contains(point.frequency_hz)).collect();
+    check_count(points.len())?;
+    Ok(points)
+}
+
+/// The gain of the hold of the DAC that played the tones.
+pub(crate) fn droop(sensor: &Measurement, frequency_hz: f64) -> f64 {
+    sensor.sample_rate_hz.map_or(1.0, |rate_hz| sample_rate::hold_droop(frequency_hz, rate_hz))
+}
+
+/// The responses over `rise`, and over the root of their mean square.
+pub(crate) fn normalised(points: &[MeasuredPoint], rise: impl Fn(f64) -> Complex64) -> Vec<Datum> {
+    let plain = points.iter().map(|point| {
+        let rise = rise(point.frequency_hz);
+        (point.response / rise, point.noise / rise.norm())
+    });
+    let plain: Vec<(Complex64, f64)> = plain.collect();
+    let square = plain.iter().map(|(response, _)| response.norm_sqr()).sum::<f64>() / plain.len() as f64;
+    let scale = square.sqrt().max(1e-300);
+    let datum = |(response, noise): &(Complex64, f64)| Datum {
+        response: response / scale,
+        variance: (noise / scale).powi(2),
+    };
+    plain.iter().map(datum).collect()
+}

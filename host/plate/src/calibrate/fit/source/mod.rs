@@ -1,0 +1,8 @@
+//! Models of what lies before the plate, with the coordinates that a fit moves, and the source in the plate file. The plate
+//! itself is in [`super::response`].
+
+pub(crate) mod data;
+pub(crate) mod drive_current;
+pub(crate) mod sensor_signal;
+pub(crate) mod source_file;
+pub(crate) mod source_model;

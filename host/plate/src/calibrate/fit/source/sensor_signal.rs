@@ -1,0 +1,204 @@
+//! The source as one sensor on the plate sees it: impedance, actuator, gain and delay.
+//!
+//! With the rate sigma = -j omega and the dynamic stiffness D = s + R sigma + m sigma^2 of the source
+//!
+//! ```text
+//! H = G e^(j omega tau) p(x) / (A (F_p + D f(0))),   A = 1 + a1 sigma + a2 sigma^2
+//! ```
+//!
+//! so e^(j omega tau) p(x)/H is linear in the eight products c_k = [1, a1, a2]/G and b_k of A and D: what a scan solves. With D
+//! known it is linear in (1, a1, a2)/G, with A known in (1, R, m, s)/G.
+
+use super::data::Datum;
+use super::source_model::SourceModel;
+use crate::calibrate::fit::linear_least_squares::Columns;
+use crate::calibrate::fit::response::plate_response::{PlateResponse, Units};
+use num_complex::Complex64;
+
+/// Coordinates beside resistance, mass and stiffness.
+pub(crate) const RISE: usize = 3;
+pub(crate) const CURVE: usize = 4;
+pub(crate) const GAIN: usize = 5;
+pub(crate) const DELAY: usize = 6;
+/// Coordinates of the source.
+const COUNT: usize = 7;
+/// What is known of resistance, mass and stiffness beforehand: their size.
+pub(crate) const OF_PLATE_SIZE: f64 = 3.0;
+/// The same of a1 and a2: no resonance below a third of the band's middle.
+pub(crate) const OF_ACTUATOR: f64 = 10.0;
+/// Delays that are tried, in periods of the highest frequency, and how far apart they are.
+const DELAYS: (f64, f64) = (-2.0, 12.0);
+const DELAY_STEP: f64 = 0.08;
+/// Share of the usual |p(x)| below which a place counts as a node of the wave that is tried.
+const NODE: f64 = 0.15;
+/// Relative error of an answer while the source is looked for.
+const START_ERROR: f64 = 0.05;
+/// Resistance, mass and stiffness to begin with.
+pub(crate) const IMPEDANCES: [[f64; 3]; 5] =
+    [[0.3, 0.1, 0.1], [1.0, 0.1, 0.1], [1.0, 0.8, 0.2], [1.0, 0.2, 0.8], [2.5, 1.0, 1.0]];
+/// Largest coordinate to begin with.
+const LARGEST: f64 = 20.0;
+/// Starts from one plate.
+const STARTS: usize = 2;
+/// Rounds in which D and A are made to suit each other.
+const ROUNDS: usize = 12;
+
+/// The source of a sensor's responses.
+pub(crate) struct SensorSignal {
+    units: Units,
+    highest_hz: f64,
+}
+
+impl SensorSignal {
+    pub(crate) const fn new(units: Units, highest_hz: f64) -> Self {
+        Self { units, highest_hz }
+    }
+
+    /// Delays that are tried, in units.
+    fn delays(&self) -> impl Iterator<Item = f64> + use<> {
+        let period = self.units.omega / self.highest_hz;
+        let count = ((DELAYS.1 - DELAYS.0) / DELAY_STEP) as usize;
+        (0..=count).map(move |i| (DELAYS.0 + i as f64 * DELAY_STEP) * period)
+    }
+
+    /// A = 1 + a1 sigma + a2 sigma^2 over which the end moves.
+    pub(crate) fn actuator(source: &[f64], rate: Complex64) -> Complex64 {
+        1.0 + rate * (source[RISE] + rate * source[CURVE])
+    }
+}
+
+/// e^(j omega tau) with the delay in units.
+pub(crate) fn lag(answer: &PlateResponse, delay: f64) -> Complex64 {
+    // rate = -j omega.
+    (-answer.rate * delay).exp()
+}
+
+impl SourceModel for SensorSignal {
+    fn deviations(&self) -> Vec<f64> {
+        let mut deviations = vec![OF_PLATE_SIZE; COUNT];
+        (deviations[RISE], deviations[CURVE]) = (OF_ACTUATOR, OF_ACTUATOR);
+        (deviations[GAIN], deviations[DELAY]) = (f64::INFINITY, f64::INFINITY);
+        deviations
+    }
+
+    fn response(&self, answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64 {
+        let load = answer.load([source[0], source[1], source[2]]);
+        source[GAIN] * lag(answer, source[DELAY]) * answer.seen[place]
+            / (load * Self::actuator(source, answer.rate))
+    }
+
+    fn suited(&self, data: &[Datum], answers: &[PlateResponse], model_error: f64) -> Option<f64> {
+        let weighed = Weighed::new(data, answers, model_error);
+        let columns = weighed.columns::<8>(answers, |answer| {
+            std::array::from_fn(|k| match k {
+                0..3 => answer.force * answer.rate.powi(k as i32),
+                _ => answer.motion * answer.rate.powi(k as i32 - 3),
+            })
+        })?;
+        let left = |delay: f64| columns.solve(&weighed.delayed(answers, delay)).1;
+        self.delays().map(left).min_by(f64::total_cmp)
+    }
+
+    fn starts(&self, data: &[Datum], answers: &[PlateResponse]) -> Vec<Vec<f64>> {
+        let weighed = Weighed::new(data, answers, START_ERROR);
+        let mut found: Vec<(f64, Vec<f64>)> = Vec::new();
+        for impedance in IMPEDANCES {
+            let best = self.delays().filter_map(|delay| {
+                let mut source = vec![0.0; COUNT];
+                source[..3].copy_from_slice(&impedance);
+                source[DELAY] = delay;
+                let left = weighed.suit_actuator(answers, &mut source)?;
+                // A delay that is too long suits an actuator that amplifies itself, which is none.
+                (source[RISE] >= 0.0 && source[CURVE] >= 0.0).then_some((left, source))
+            });
+            let Some((mut left, mut source)) = best.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+            for _ in 0..ROUNDS {
+                let mut next = source.clone();
+                let rest = weighed
+                    .suit_impedance(answers, &mut next)
+                    .and_then(|()| weighed.suit_actuator(answers, &mut next));
+                match rest.filter(|rest| *rest < left) {
+                    Some(rest) => (left, source) = (rest, next),
+                    None => break,
+                }
+            }
+            found.push((left, source));
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        found.into_iter().map(|(_, source)| source).take(STARTS).collect()
+    }
+}
+
+/// The equations of a scan, H A load/G = e^(j omega tau) p(x), with their weights: an answer counts by its relative error,
+/// and less where the wave that is tried has a node.
+struct Weighed {
+    /// p(x) over its weight.
+    wanted: Vec<Complex64>,
+    /// H over the weight.
+    responses: Vec<Complex64>,
+}
+
+impl Weighed {
+    fn new(data: &[Datum], answers: &[PlateResponse], model_error: f64) -> Self {
+        let size = |answer: &PlateResponse| answer.force.norm().hypot(answer.motion.norm());
+        let per_force = |answer: &PlateResponse| (answer.seen[0].norm() / size(answer)).powi(2);
+        let usual = (answers.iter().map(per_force).sum::<f64>() / answers.len() as f64).sqrt();
+        let weight = |(datum, answer): (&Datum, &PlateResponse)| {
+            let relative = datum.deviation(model_error) / datum.response.norm().max(1e-300);
+            (relative * answer.seen[0].norm().max(NODE * usual * size(answer))).recip()
+        };
+        let weights: Vec<f64> = data.iter().zip(answers).map(weight).collect();
+        let wanted = answers.iter().zip(&weights).map(|(answer, w)| answer.seen[0] * w).collect();
+        let responses = data.iter().zip(&weights).map(|(datum, w)| datum.response * w).collect();
+        Self { wanted, responses }
+    }
+
+    /// Equations with these columns for each frequency.
+    fn columns<const N: usize>(
+        &self,
+        answers: &[PlateResponse],
+        of: impl Fn(&PlateResponse) -> [Complex64; N],
+    ) -> Option<Columns> {
+        let mut columns = vec![Vec::new(); N];
+        for (answer, response) in answers.iter().zip(&self.responses) {
+            for (column, value) in columns.iter_mut().zip(of(answer)) {
+                column.push(value * response);
+            }
+        }
+        Columns::new(columns)
+    }
+
+    /// The impedance that suits the actuator of `source`.
+    fn suit_impedance(&self, answers: &[PlateResponse], source: &mut [f64]) -> Option<()> {
+        let columns = self.columns(answers, |answer| {
+            let a = SensorSignal::actuator(source, answer.rate);
+            let moved = answer.motion * a;
+            [answer.force * a, moved * answer.rate, moved * answer.rate * answer.rate, moved]
+        })?;
+        let (x, _) = columns.solve(&self.delayed(answers, source[DELAY]));
+        for i in 0..3 {
+            source[i] = (x[i + 1] / x[0]).clamp(0.0, LARGEST);
+        }
+        x.iter().all(|x| x.is_finite()).then_some(())
+    }
+
+    /// The actuator and the gain that suit the impedance of `source`; and the sum of the squares that they leave.
+    fn suit_actuator(&self, answers: &[PlateResponse], source: &mut [f64]) -> Option<f64> {
+        let impedance = [source[0], source[1], source[2]];
+        let columns = self.columns(answers, |answer| {
+            let load = answer.load(impedance);
+            [load, load * answer.rate, load * answer.rate * answer.rate]
+        })?;
+        let (x, left) = columns.solve(&self.delayed(answers, source[DELAY]));
+        for i in 0..2 {
+            source[RISE + i] = (x[i + 1] / x[0]).clamp(-LARGEST, LARGEST);
+        }
+        source[GAIN] = x[0].recip();
+        x.iter().all(|x| x.is_finite() && *x != 0.0).then_some(left)
+    }
+
+    /// The right-hand side for a delay.
+    fn delayed(&self, answers: &[PlateResponse], delay: f64) -> Vec<Complex64> {
+        answers.iter().zip(&self.wanted).map(|(answer, wanted)| lag(answer, delay) * wanted).collect()
+    }
+}

@@ -1,0 +1,68 @@
+//! A fitted source in a plate file: the driven end, and the actuator before it.
+
+use crate::calibrate::fit::response::plate_response::{Units, soft_source};
+use crate::calibrate::fit::result::Parameter;
+use crate::spec::{Actuator, DriveEnd, Impedance, PlateSpec, Resonator, Source, limits};
+use std::f64::consts::TAU;
+
+/// `spec` with a source of this impedance at its driven end.
+pub(crate) fn with_source(mut spec: PlateSpec, units: Units, impedance: Impedance) -> PlateSpec {
+    let source = soft_source(&spec, units.omega / TAU);
+    spec.drive_end = DriveEnd::Source(Source { impedance, ..source });
+    spec
+}
+
+/// `spec` with the resonator 1/(1 + a1 sigma + a2 sigma^2), sigma = -j omega in units. An actuator whose travel the file
+/// limits stays: the limit is told for it, and the correction of the gain makes up for the difference. So it does for
+/// numbers that are no resonator's.
+pub(crate) fn with_actuator(mut spec: PlateSpec, units: Units, [a1, a2]: [f64; 2]) -> PlateSpec {
+    let is_limited = spec
+        .actuator
+        .as_ref()
+        .and_then(Actuator::resonator)
+        .is_some_and(|resonator| resonator.travel.is_some());
+    if !is_limited {
+        spec.actuator = resonator(units, [a1, a2]).map(Actuator::Resonator);
+    }
+    spec
+}
+
+/// The resonator of these numbers, if there is one.
+fn resonator(units: Units, [a1, a2]: [f64; 2]) -> Option<Resonator> {
+    let resonance_hz = units.omega / TAU / a2.sqrt();
+    let quality = a2.sqrt() / a1;
+    let is_one = limits::RESONANCE.contains(resonance_hz) && limits::QUALITY.contains(quality);
+    is_one.then_some(Resonator { resonance_hz, quality, travel: None })
+}
+
+/// Resistance, mass and stiffness with their names in the file, each with half of its interval in units.
+pub(crate) fn parameters_of_impedance(units: Units, values: [f64; 3], halves: [f64; 3]) -> Vec<Parameter> {
+    let names = ["drive.resistance_n_s_per_m", "drive.mass_kg", "drive.stiffness_n_per_m"];
+    let in_si = |values: [f64; 3]| {
+        let impedance = units.impedance(values);
+        [impedance.resistance_n_s_per_m, impedance.mass_kg, impedance.stiffness_n_per_m]
+    };
+    let (values, halves) = (in_si(values), in_si(halves));
+    (0..3).map(|i| Parameter::about(names[i], values[i], halves[i])).collect()
+}
+
+/// Halves of the intervals of resistance, mass and stiffness, at most the highest that a file may have.
+pub(crate) fn source_tolerance(units: Units, halves: [f64; 3]) -> Impedance {
+    let of_file = units.impedance(halves);
+    let [resistance_n_s_per_m, mass_kg, stiffness_n_per_m] =
+        of_file.fields().map(|(_, half, range)| half.min(range.high));
+    Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m }
+}
+
+/// Resonance and quality with their names, from a1 and a2 with half of their intervals; none where they are no
+/// resonator's.
+pub(crate) fn parameters_of_actuator(units: Units, a: [f64; 2], halves: [f64; 2]) -> Vec<Parameter> {
+    let Some(best) = resonator(units, a) else { return Vec::new() };
+    // By propagation: f0 goes with a2^(-1/2), Q with a2^(1/2)/a1.
+    let (of_rise, of_curve) = (halves[0] / a[0], halves[1] / a[1]);
+    let quality = best.quality * of_rise.hypot(0.5 * of_curve);
+    vec![
+        Parameter::about("actuator.resonance_hz", best.resonance_hz, 0.5 * of_curve * best.resonance_hz),
+        Parameter::about("actuator.quality", best.quality, quality),
+    ]
+}

@@ -1,0 +1,77 @@
+//! The calibration by the ratio of two places.
+
+use super::acceptance::{self, CHI2_PER_N_MAX};
+use super::gain::{self, Carried};
+use super::ratio::Ratio;
+use super::result::{AcceptedFit, Calibrated};
+use super::spread::Spread;
+use super::unknowns::{Priors, spec_at};
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::measurement::sensor::Measurement;
+use crate::calibrate::measurement::signal;
+use crate::spec::Plate;
+
+/// Calibrates `plate`, the nominal one, from the same sensor at two places.
+///
+/// ```no_run
+/// # use slipline_plate::calibrate::{Measurement, Priors, from_ratio};
+/// # fn example(near: Measurement, far: Measurement) -> Result<(), Box<dyn std::error::Error>> {
+/// let nominal = slipline_plate::preset("membrane").unwrap();
+/// let found = from_ratio(&nominal, [&near, &far], &Priors::default())?;
+/// println!("{} +- {} m", found.plate.name(), found.boundary_tolerance_m);
+/// let file = found.plate.to_toml();
+/// # Ok(()) }
+/// ```
+///
+/// # Errors
+/// [`CalibrateError`]: what is wrong with the measurements, or what they do not carry.
+pub fn from_ratio(
+    plate: &Plate,
+    sensors: [&Measurement; 2],
+    priors: &Priors,
+) -> Result<Calibrated, CalibrateError> {
+    priors.check()?;
+    for sensor in sensors {
+        signal::check_sensor(plate, sensor)?;
+    }
+    let ratio = Ratio::new(plate, sensors, priors);
+    acceptance::check_pair(sensors, &ratio.pairs)?;
+    let fit = ratio.fit().ok_or(CalibrateError::NoFit)?;
+    let residuals = (ratio.pairs.len() + ratio.deviations.len() - fit.parameters.len()) as f64;
+    let chi2_per_n = fit.chi2 / residuals;
+    if chi2_per_n > CHI2_PER_N_MAX {
+        let swapped = ratio.swapped().fit().map_or(f64::INFINITY, |fit| fit.chi2 / residuals);
+        return Err(if swapped <= CHI2_PER_N_MAX {
+            let [first_m, second_m] = ratio.places_m;
+            CalibrateError::Swapped { first_m, second_m }
+        } else {
+            CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX }
+        });
+    }
+    acceptance::check_coordinates(&fit.parameters, &ratio.deviations, &ratio.places_m)?;
+
+    let fitted = Plate::new(spec_at(plate.spec(), &fit.parameters))?;
+    let peaks = ratio.with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
+    let carried = |coordinates: &[f64]| {
+        let peaks = ratio.with_peak(coordinates)?;
+        Some(ratio.carried(&peaks).map(|carried| carried.peak.ln()).collect())
+    };
+    let spread = Spread::of(&fitted, &fit, &ratio.deviations, 2, &carried).ok_or(CalibrateError::NoFit)?;
+    let measured: Vec<Carried> = ratio.carried(&peaks).filter(|carried| carried.peak > 0.0).collect();
+    let (correction, noise_db) = gain::correction(&fitted, None, sensors[0], &measured)?;
+    let last = ratio.pairs.len() - 1;
+    let found = AcceptedFit {
+        nominal: plate,
+        fitted,
+        fit: &fit,
+        chi2_per_n,
+        spread,
+        places_m: &ratio.places_m,
+        correction,
+        noise_db,
+        source_tolerance: None,
+        measured_hz: (ratio.pairs[0].frequency_hz, ratio.pairs[last].frequency_hz),
+    };
+    acceptance::check_carried(plate, &sensors, found.open())?;
+    found.into_calibrated()
+}

@@ -1,0 +1,256 @@
+//! A measurement as text: lines `# field = value`, then a table of frequencies.
+//!
+//! ```text
+//! # place_m = 0.032
+//! # sensor = acceleration
+//! # sample_rate_hz = 400000
+//! frequency_hz,re,im,noise,headroom_db
+//! 87.1,0.0213,-0.0044,0.0002,18.2
+//! 88.9,0.0231,-0.0039,0.0002,
+//! ```
+//!
+//! `place_m` and `sensor` are needed, `place_tolerance_m`, `unit_per_response` and `sample_rate_hz` may be left out, and so
+//! may the column of the headroom or a number in it. Columns are apart by commas, semicolons or tabs.
+
+use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
+use crate::calibrate::error::CalibrateError;
+use crate::quantity::{WrongCount, must_be, nearest};
+use num_complex::Complex64;
+use std::fmt::Write;
+use thiserror::Error;
+
+/// The table's columns; the last may be left out.
+const COLUMNS: [&str; 5] = ["frequency_hz", "re", "im", "noise", "headroom_db"];
+/// The fields above the table.
+const FIELDS: [&str; 5] = ["place_m", "place_tolerance_m", "sensor", "unit_per_response", "sample_rate_hz"];
+
+/// Why a text is no measurement.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum CsvError {
+    /// A line that cannot be read.
+    #[error("line {line}: {reason}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong, and what is allowed.
+        reason: String,
+    },
+    /// A field that is needed is absent.
+    #[error("{field} is missing: write a line \"# {field} = ...\" above the table")]
+    Missing {
+        /// The field.
+        field: &'static str,
+    },
+    /// A number that is read and out of its range.
+    #[error(transparent)]
+    Value(#[from] CalibrateError),
+}
+
+fn wrong(line: usize, reason: impl Into<String>) -> CsvError {
+    CsvError::Line { line, reason: reason.into() }
+}
+
+fn number(line: usize, field: &str, text: &str) -> Result<f64, CsvError> {
+    text.parse().map_err(|_| {
+        wrong(line, must_be(format_args!("{field} = {}", shown(text)), "a number with a decimal point"))
+    })
+}
+
+/// The beginning of a text from a file, as a message can show it.
+pub(crate) fn shown(text: &str) -> String {
+    text.chars().filter(|letter| !letter.is_control()).take(40).collect()
+}
+
+/// Whether a text is in this form: it has one of the fields that are needed, or the head of the table.
+pub(crate) fn is_own(text: &str) -> bool {
+    text.lines().map(str::trim).any(|line| match line.strip_prefix('#') {
+        Some(field) => {
+            field.split_once('=').is_some_and(|(name, _)| ["place_m", "sensor"].contains(&name.trim()))
+        }
+        None => is_head(&cells(line)),
+    })
+}
+
+fn cells(line: &str) -> Vec<&str> {
+    line.split([',', ';', '\t']).map(str::trim).collect()
+}
+
+/// Whether a line names the columns of the table.
+fn is_head(cells: &[&str]) -> bool {
+    cells.len() >= 4 && COLUMNS.starts_with(cells)
+}
+
+impl Measurement {
+    /// Reads a measurement from text, see the module's page for its form.
+    ///
+    /// # Errors
+    /// [`CsvError`] with the line and the field, and what is allowed. No text makes this function panic.
+    pub fn from_csv(text: &str) -> Result<Self, CsvError> {
+        let mut numbers = [None; FIELDS.len()];
+        let mut sensor = None;
+        let mut has_header = false;
+        let mut points = Vec::new();
+        for (line, content) in (1..).zip(text.lines()) {
+            let content = content.trim();
+            if let Some(field) = content.strip_prefix('#') {
+                // A comment has no equals sign.
+                let Some((name, value)) = field.split_once('=') else { continue };
+                let (name, value) = (name.trim(), value.trim());
+                let Some(at) = FIELDS.iter().position(|field| *field == name) else {
+                    let meant =
+                        nearest(name, FIELDS).map_or(String::new(), |it| format!(", did you mean {it}?"));
+                    return Err(wrong(line, format!("a measurement has no field {:?}{meant}", shown(name))));
+                };
+                if FIELDS[at] == "sensor" {
+                    let kind = SensorKind::ALL.into_iter().find(|kind| kind.word() == value);
+                    let words = SensorKind::ALL.map(SensorKind::word).join(", ");
+                    let refused = || wrong(line, must_be("sensor", format_args!("one of {words}")));
+                    sensor = Some(kind.ok_or_else(refused)?);
+                } else {
+                    numbers[at] = Some(number(line, name, value)?);
+                }
+            } else if !content.is_empty() {
+                let cells = cells(content);
+                if !has_header {
+                    if !is_head(&cells) {
+                        let columns = COLUMNS.join(",");
+                        return Err(wrong(line, must_be("the table's first line", columns)));
+                    }
+                    has_header = true;
+                    continue;
+                }
+                if points.len() == POINTS.most {
+                    return Err(CalibrateError::from(WrongCount {
+                        field: "the measurement",
+                        count: points.len() + 1,
+                        allowed: POINTS,
+                    })
+                    .into());
+                }
+                points.push(point(line, &cells)?);
+            }
+        }
+        let [place_m, place_tolerance_m, _, unit_per_response, sample_rate_hz] = numbers;
+        let place_m = place_m.ok_or(CsvError::Missing { field: "place_m" })?;
+        let sensor = sensor.ok_or(CsvError::Missing { field: "sensor" })?;
+        let told = Self::at(place_m, sensor, points);
+        let place_tolerance_m = place_tolerance_m.unwrap_or(told.place_tolerance_m);
+        let measurement = Self { place_tolerance_m, unit_per_response, sample_rate_hz, ..told };
+        measurement.check()?;
+        Ok(measurement)
+    }
+
+    /// The measurement as text that [`Measurement::from_csv`] reads back to the same measurement.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let mut text =
+            format!("# place_m = {}\n# place_tolerance_m = {}\n", self.place_m, self.place_tolerance_m);
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "# sensor = {}", self.sensor.word());
+        for (field, value) in
+            [("unit_per_response", self.unit_per_response), ("sample_rate_hz", self.sample_rate_hz)]
+        {
+            if let Some(value) = value {
+                let _ = writeln!(text, "# {field} = {value}");
+            }
+        }
+        let _ = writeln!(text, "{}", COLUMNS.join(","));
+        for point in &self.points {
+            let Complex64 { re, im } = point.response;
+            let headroom = point.headroom_db.map_or(String::new(), |headroom| headroom.to_string());
+            let _ = writeln!(text, "{},{re},{im},{},{headroom}", point.frequency_hz, point.noise);
+        }
+        text
+    }
+}
+
+fn point(line: usize, cells: &[&str]) -> Result<MeasuredPoint, CsvError> {
+    if !(4..=COLUMNS.len()).contains(&cells.len()) {
+        let given = format_args!("the row has {} numbers", cells.len());
+        return Err(wrong(line, must_be(given, "4 or 5")));
+    }
+    let cell = |at: usize| number(line, COLUMNS[at], cells[at]);
+    let headroom = cells.get(4).filter(|cell| !cell.is_empty());
+    Ok(MeasuredPoint {
+        frequency_hz: cell(0)?,
+        response: Complex64::new(cell(1)?, cell(2)?),
+        noise: cell(3)?,
+        headroom_db: headroom.map(|_| cell(4)).transpose()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GOOD: &str = "# place_m = 0.03\n# sensor = velocity\n# a comment\n\nfrequency_hz;re;im;noise\n";
+
+    fn rows(count: usize) -> String {
+        (0..count).map(|i| format!("{};1e-3;-2.5;0.001\n", 100 + i)).collect()
+    }
+
+    #[test]
+    fn what_is_left_out_has_its_default_and_bad_lines_are_named() {
+        let good = Measurement::from_csv(&(GOOD.to_owned() + &rows(9))).expect("a measurement");
+        assert_eq!((good.points.len(), good.sensor), (9, SensorKind::Velocity));
+        assert_eq!(good.points[3].response, Complex64::new(1e-3, -2.5));
+        assert_eq!((good.points[3].headroom_db, good.sample_rate_hz), (None, None));
+        let refused = |from: &str, to: &str| {
+            let text = (GOOD.to_owned() + &rows(9)).replace(from, to);
+            Measurement::from_csv(&text).expect_err(to).to_string()
+        };
+        for (from, to, wanted) in [
+            (
+                "velocity",
+                "speed",
+                "line 2: sensor: must be one of displacement, velocity, acceleration, strain",
+            ),
+            (
+                "# place_m = 0.03\n",
+                "",
+                "place_m is missing: write a line \"# place_m = ...\" above the table",
+            ),
+            ("place_m", "plase_m", "line 1: a measurement has no field \"plase_m\", did you mean place_m?"),
+            (
+                "re;im",
+                "im;re",
+                "line 5: the table's first line: must be frequency_hz,re,im,noise,headroom_db",
+            ),
+            ("102;1e-3", "102;x", "line 8: re = x: must be a number with a decimal point"),
+            ("102;1e-3;-2.5;0.001", "102;1", "line 8: the row has 2 numbers: must be 4 or 5"),
+            ("103;", "101;", "frequency_hz = 101 Hz: must be 102.01 to 1e7 Hz"),
+            ("0.03", "nan", "place_m = NaN m"),
+        ] {
+            let found = refused(from, to);
+            assert!(found.starts_with(wanted), "{to}: {found}");
+        }
+        let few = Measurement::from_csv(GOOD).expect_err("no points").to_string();
+        assert!(few.starts_with("the measurement has 0 points"), "{few}");
+        let many = Measurement::from_csv(&(GOOD.to_owned() + &rows(10_001))).expect_err("many").to_string();
+        assert!(many.starts_with("the measurement has 10001 points"), "{many}");
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_written_is_read_back_to_the_last_bit(
+            place_m in 0.0..1.0_f64, tolerance in 0.0..0.01_f64, kind in 0..4_usize,
+            unit in proptest::option::of(1e-9..1e9_f64), rate in proptest::option::of(1e3..1e6_f64),
+            points in prop::collection::vec((-1e9..1e9_f64, -1e-9..1e-9_f64, 1e-12..1.0_f64, proptest::option::of(-10.0..90.0_f64)), 8..20),
+        ) {
+            let points = points.into_iter().enumerate().map(|(i, (re, im, noise, headroom_db))| MeasuredPoint {
+                frequency_hz: 100.1 * (1.0 + i as f64), response: Complex64::new(re, im), noise, headroom_db,
+            });
+            let measurement = Measurement {
+                place_tolerance_m: tolerance, unit_per_response: unit, sample_rate_hz: rate,
+                ..Measurement::at(place_m, SensorKind::ALL[kind], points.collect())
+            };
+            prop_assert_eq!(Measurement::from_csv(&measurement.to_csv()), Ok(measurement));
+        }
+
+        #[test]
+        fn no_text_makes_the_reader_panic(text in "(# |place_m|sensor|=|,|;|[0-9.e-]|frequency_hz,re,im,noise\n|\n| ){0,60}") {
+            prop_assert!(Measurement::from_csv(&text).is_err());
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Rows of frequency, level and, if it was measured, phase, as every measuring program exports them: REW's text, `.frd`, a
+//! spreadsheet.
+//!
+//! What does not begin with a number, and what begins with `*`, `#` or a quotation mark, is a comment above the table; the last
+//! one that names a frequency is the head of its columns. Without a head three columns are those of `.frd` (Hz, dB, degrees),
+//! and two are decibels if one of the levels is negative. Numbers have a decimal point, or a decimal comma where another sign
+//! separates the columns.
+
+use super::{FileError, Foreign, LEVEL, number, wrong};
+use crate::calibrate::measurement::sensor::Measurement;
+use crate::quantity::{Range, must_be};
+use num_complex::Complex64;
+use std::fmt::Write;
+
+/// Magnitudes that a file may have: what squares of it still fit into a number.
+const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
+
+/// How the cells of a line are apart.
+#[derive(Clone, Copy, PartialEq)]
+enum Separator {
+    /// By semicolons or tabs, and a comma is the decimal sign.
+    Sign(char),
+    /// By commas.
+    Comma,
+    /// By blanks, and a comma is the decimal sign.
+    Blank,
+}
+
+impl Separator {
+    fn of(line: &str) -> Self {
+        if let Some(sign) = line.chars().find(|sign| matches!(sign, ';' | '\t')) {
+            return Self::Sign(sign);
+        }
+        let mut words = line.split_whitespace();
+        let first = words.next().unwrap_or("");
+        // "20, 65.01" and "20,65.01" are apart by commas, "20,5 65,01" by blanks.
+        let has_more = words.next().is_some();
+        if line.contains(',') && (first.ends_with(',') || !has_more) { Self::Comma } else { Self::Blank }
+    }
+
+    fn cells(self, line: &str) -> Vec<String> {
+        let point = |cell: &str| cell.trim().trim_matches('"').trim().replace(',', ".");
+        match self {
+            Self::Sign(sign) => line.split(sign).map(point).collect(),
+            Self::Comma => line.split(',').map(point).collect(),
+            Self::Blank => line.split_whitespace().map(point).collect(),
+        }
+    }
+}
+
+/// Whether a line is a row of numbers: its first two cells are.
+fn is_row(line: &str) -> bool {
+    let cells = Separator::of(line).cells(line);
+    cells.len() >= 2 && cells.iter().take(2).all(|cell| cell.parse::<f64>().is_ok())
+}
+
+fn is_comment(line: &str) -> bool {
+    line.starts_with(['*', '#', '%', ';', '"']) && !is_row(line)
+}
+
+/// What a column holds.
+#[derive(Clone, Copy, PartialEq)]
+enum Level {
+    Decibel,
+    Magnitude,
+}
+
+/// The columns of a table.
+struct Columns {
+    frequency: usize,
+    level: usize,
+    unit: Level,
+    phase: Option<usize>,
+    /// A frequency in this unit is so many hertz.
+    hertz: f64,
+}
+
+impl Columns {
+    /// What the head of a table names, if it names what is needed.
+    fn named(head: &str, separator: Separator) -> Option<Self> {
+        let head = head.trim_start_matches(['*', '#', '%', ' ']);
+        // A head may be apart by commas over rows that are not, as in some of REW's texts.
+        let cells = match separator {
+            Separator::Blank if head.contains(',') => Separator::Comma.cells(head),
+            separator => separator.cells(head),
+        };
+        let cells: Vec<String> = cells.iter().map(|cell| cell.to_lowercase()).collect();
+        let find =
+            |words: &[&str]| cells.iter().position(|cell| words.iter().any(|word| cell.contains(word)));
+        let frequency = find(&["freq", "hz"])?;
+        let phase = find(&["phase", "deg"]);
+        let decibel = find(&["db", "spl", "level"]);
+        let magnitude = find(&["magnitude", "amplitude", "linear", "abs"]);
+        let (level, unit) = match (decibel, magnitude) {
+            (Some(level), _) => (level, Level::Decibel),
+            (None, Some(level)) => (level, Level::Magnitude),
+            (None, None) => return None,
+        };
+        let hertz = if cells[frequency].contains("khz") { 1e3 } else { 1.0 };
+        Some(Self { frequency, level, unit, phase, hertz })
+    }
+
+    /// What a table without a head has.
+    fn guessed(line: usize, rows: &[(usize, Vec<String>)]) -> Result<Self, FileError> {
+        let has_phase = rows.first().is_some_and(|(_, cells)| cells.len() >= 3);
+        let is_negative = |cells: &[String]| cells.get(1).is_some_and(|cell| cell.starts_with('-'));
+        if has_phase || rows.iter().any(|(_, cells)| is_negative(cells)) {
+            let phase = has_phase.then_some(2);
+            return Ok(Self { frequency: 0, level: 1, unit: Level::Decibel, phase, hertz: 1.0 });
+        }
+        let told = "frequency_hz,level_db or frequency_hz,magnitude: nothing tells which it is";
+        Err(wrong(line, must_be("the line above the first row", told)))
+    }
+}
+
+pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
+    let mut head = None;
+    let mut separator = None;
+    let mut rows: Vec<(usize, Vec<String>)> = Vec::new();
+    for (line, content) in (1..).zip(text.lines()) {
+        let content = content.trim();
+        let is_above = rows.is_empty() && !is_row(content);
+        if content.is_empty() || is_comment(content) || is_above {
+            if is_above && content.to_lowercase().contains("freq") {
+                head = Some(content);
+            }
+            continue;
+        }
+        let separator = *separator.get_or_insert_with(|| Separator::of(content));
+        rows.push((line, separator.cells(content)));
+    }
+    let (Some(separator), Some((first, _))) = (separator, rows.first()) else { return Err(FileError::Empty) };
+    let columns = match head.and_then(|head| Columns::named(head, separator)) {
+        Some(columns) => columns,
+        None => Columns::guessed(*first, &rows)?,
+    };
+    let point = |(line, cells): &(usize, Vec<String>)| point(*line, cells, &columns);
+    Ok(Foreign { sensor: None, points: rows.iter().map(point).collect::<Result<_, _>>()? })
+}
+
+fn point(line: usize, cells: &[String], columns: &Columns) -> Result<(f64, Complex64), FileError> {
+    let cell = |at: usize, field: &str| {
+        let cell = cells.get(at).ok_or_else(|| {
+            wrong(
+                line,
+                must_be(
+                    format_args!("the row has {} cells", cells.len()),
+                    format_args!("at least {}", at + 1),
+                ),
+            )
+        })?;
+        number(line, field, cell)
+    };
+    let frequency_hz = cell(columns.frequency, "frequency")? * columns.hertz;
+    let (field, allowed) = match columns.unit {
+        Level::Decibel => ("level", LEVEL),
+        Level::Magnitude => ("magnitude", MAGNITUDE),
+    };
+    let value = cell(columns.level, field)?;
+    if !allowed.contains(value) {
+        return Err(wrong(line, must_be(format_args!("{field} = {value}"), allowed)));
+    }
+    let magnitude = match columns.unit {
+        Level::Decibel => 10_f64.powf(value / 20.0),
+        Level::Magnitude => value,
+    };
+    let degrees = columns.phase.map_or(Ok(0.0), |at| cell(at, "phase"))?;
+    Ok((frequency_hz, Complex64::from_polar(magnitude, -degrees.to_radians())))
+}
+
+pub(super) fn write(measurement: &Measurement) -> String {
+    let place_m = measurement.place_m;
+    let mut text = format!(
+        "* {} at {place_m} m from the driven end, over the DAC's full scale\n",
+        measurement.sensor.word()
+    );
+    text.push_str("* Freq(Hz) Level(dB) Phase(degrees)\n");
+    for point in &measurement.points {
+        let shown = measurement.shown(point);
+        let level_db = (20.0 * shown.norm().log10()).max(LEVEL.low);
+        // Writing to a text cannot fail.
+        let _ = writeln!(text, "{} {level_db:.6} {:.6}", point.frequency_hz, shown.arg().to_degrees());
+    }
+    text
+}

@@ -1,0 +1,9 @@
+//! Measurements: what sensors reported, the files that hold it, the frequencies to measure, and the refusals of a single
+//! measurement. No plate is fitted here.
+
+pub(crate) mod band;
+pub(crate) mod csv;
+pub(crate) mod drive_check;
+pub(crate) mod foreign;
+pub(crate) mod sensor;
+pub(crate) mod signal;

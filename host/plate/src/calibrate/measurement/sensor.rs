@@ -1,0 +1,181 @@
+//! What a sensor at one place of the plate answered: complex responses at given frequencies, with their noise.
+
+use crate::calibrate::error::CalibrateError;
+use crate::quantity::{Count, Counted, OutOfRange, Range, WrongCount};
+use crate::spec::limits;
+use num_complex::Complex64;
+
+/// Points of a measurement.
+pub const POINTS: Count = Count::new(8, 10_000, Counted::Points);
+/// How far from its mark a sensor may be, metres.
+pub const PLACE_TOLERANCE: Range = Range::new(0.0, 0.01, "m");
+/// Magnitude of a response, in any unit: what squares of it still fit into a number.
+const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
+/// Free amplitude of an input below its full scale.
+const HEADROOM: Range = Range::new(-200.0, 400.0, "dB");
+/// The rate of a DAC.
+const SAMPLE_RATE: Range = Range::new(1.0, 1e9, "Hz");
+
+/// What a sensor's signal is proportional to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SensorKind {
+    /// The deflection w: a laser triangulator, a capacitive or eddy-current probe.
+    Displacement,
+    /// Its velocity: a laser vibrometer, a magnet and a coil, the pressure close to the plate.
+    Velocity,
+    /// Its acceleration: an accelerometer.
+    Acceleration,
+    /// The strain of the surface along x, proportional to the curvature w'': a piezo patch or strain gauge on a plate in
+    /// bending. Membranes and shear waves have none of first order.
+    Strain,
+}
+
+impl SensorKind {
+    /// All kinds, in the order of their words in a list.
+    pub const ALL: [Self; 4] = [Self::Displacement, Self::Velocity, Self::Acceleration, Self::Strain];
+
+    /// The word for it on a command line and in a file.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Velocity => "velocity",
+            Self::Acceleration => "acceleration",
+            Self::Strain => "strain",
+        }
+    }
+}
+
+/// The answer at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredPoint {
+    /// Frequency, Hz; rising from point to point.
+    pub frequency_hz: f64,
+    /// The sensor's signal over the DAC's amplitude (1 = full scale): the signal is Re(response e^(-j omega t)) where the
+    /// code is cos(omega t), so a lag has a positive argument. Its unit is the sensor's own unless
+    /// [`Measurement::unit_per_response`] tells it. An instrument that shows e^(+j omega t) gives its conjugate.
+    pub response: Complex64,
+    /// Standard deviation of the real part and of the imaginary part of `response`, in its unit; above 0.
+    pub noise: f64,
+    /// How far the input stayed below its full scale, dB; 0 or less is a clipped signal. `None` if nobody knows.
+    pub headroom_db: Option<f64>,
+}
+
+/// What a sensor at one place answered, over the frequency.
+///
+/// ```
+/// use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
+/// use slipline_plate::Complex64;
+///
+/// let points = (0..60).map(|i| MeasuredPoint {
+///     frequency_hz: 90.0 + 2.0 * f64::from(i),
+///     response: Complex64::new(0.2, 0.1),
+///     noise: 0.002,
+///     headroom_db: Some(20.0),
+/// });
+/// let measurement = Measurement::at(0.03, SensorKind::Acceleration, points.collect());
+/// assert!(measurement.check().is_ok());
+/// assert!(Measurement { place_m: -1.0, ..measurement }.check().is_err());
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// The sensor's place on the centre line, metres from the driven end.
+    pub place_m: f64,
+    /// Standard deviation of that place, metres (0 to 0.01): how well the sensor meets its mark.
+    pub place_tolerance_m: f64,
+    /// What the sensor measures.
+    pub sensor: SensorKind,
+    /// Metres, m/s, m/s^2 or strain per unit of `response`; `None` for a sensor that nobody has calibrated.
+    pub unit_per_response: Option<f64>,
+    /// Sample rate of the DAC that played the tones, Hz: its zero-order hold is in the responses. `None` for a source
+    /// without one.
+    pub sample_rate_hz: Option<f64>,
+    /// The answers, in rising frequency; 8 to 10 000.
+    pub points: Vec<MeasuredPoint>,
+}
+
+/// Standard deviation of a place that a person marks with a ruler, metres.
+pub const PLACE_TOLERANCE_M: f64 = 2e-4;
+
+impl Measurement {
+    /// The answers of an uncalibrated sensor at a place marked with a ruler, of tones without a zero-order hold.
+    #[must_use]
+    pub const fn at(place_m: f64, sensor: SensorKind, points: Vec<MeasuredPoint>) -> Self {
+        Self {
+            place_m,
+            place_tolerance_m: PLACE_TOLERANCE_M,
+            sensor,
+            unit_per_response: None,
+            sample_rate_hz: None,
+            points,
+        }
+    }
+
+    /// Refuses a number that is out of its range.
+    ///
+    /// # Errors
+    /// The first field that is not allowed, and what is.
+    pub fn check(&self) -> Result<(), CalibrateError> {
+        WrongCount::check("the measurement", self.points.len(), POINTS)?;
+        OutOfRange::check("place_m", self.place_m, Range::new(0.0, limits::LENGTH.high, "m"))?;
+        OutOfRange::check("place_tolerance_m", self.place_tolerance_m, PLACE_TOLERANCE)?;
+        if let Some(unit) = self.unit_per_response {
+            OutOfRange::check("unit_per_response", unit, Range::new(1e-30, 1e30, ""))?;
+        }
+        if let Some(rate_hz) = self.sample_rate_hz {
+            OutOfRange::check("sample_rate_hz", rate_hz, SAMPLE_RATE)?;
+        }
+        let mut lowest_hz = limits::CURVE_FREQUENCY.low;
+        for point in &self.points {
+            let rising = Range { low: lowest_hz, ..limits::CURVE_FREQUENCY };
+            OutOfRange::check("frequency_hz", point.frequency_hz, rising)?;
+            // A step of a millionth, as between the points of a plate file's curve.
+            lowest_hz = point.frequency_hz * (1.0 + 1e-6);
+            OutOfRange::check("response", point.response.norm(), MAGNITUDE)?;
+            OutOfRange::check("noise", point.noise, Range { low: 1e-30, ..MAGNITUDE })?;
+            if let Some(headroom_db) = point.headroom_db {
+                OutOfRange::check("headroom_db", headroom_db, HEADROOM)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measurement() -> Measurement {
+        let points = (0..12).map(|i| MeasuredPoint {
+            frequency_hz: 100.0 + f64::from(i),
+            response: Complex64::new(1.0, -2.0),
+            noise: 0.01,
+            headroom_db: None,
+        });
+        Measurement::at(0.03, SensorKind::Displacement, points.collect())
+    }
+
+    #[test]
+    fn a_measurement_out_of_range_is_refused_by_the_name_of_its_field() {
+        assert_eq!(measurement().check(), Ok(()));
+        let refused = |change: fn(&mut Measurement)| {
+            let mut measurement = measurement();
+            change(&mut measurement);
+            measurement.check().expect_err("out of range").to_string()
+        };
+        let point = |change: fn(&mut MeasuredPoint)| {
+            let mut measurement = measurement();
+            change(&mut measurement.points[5]);
+            measurement.check().expect_err("out of range").to_string()
+        };
+        assert!(refused(|it| it.points.truncate(7)).starts_with("the measurement has 7 points"));
+        assert!(refused(|it| it.place_m = f64::NAN).starts_with("place_m = NaN"));
+        assert!(refused(|it| it.place_tolerance_m = 0.1).starts_with("place_tolerance_m = 0.1"));
+        assert!(refused(|it| it.unit_per_response = Some(0.0)).starts_with("unit_per_response = 0"));
+        assert!(refused(|it| it.sample_rate_hz = Some(-1.0)).starts_with("sample_rate_hz = -1"));
+        assert!(point(|it| it.frequency_hz = 104.0).starts_with("frequency_hz = 104 Hz"));
+        assert!(point(|it| it.response.im = f64::INFINITY).starts_with("response = "));
+        assert!(point(|it| it.noise = 0.0).starts_with("noise = 0"));
+        assert!(point(|it| it.headroom_db = Some(f64::NAN)).starts_with("headroom_db = NaN"));
+    }
+}
