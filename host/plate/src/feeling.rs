@@ -5,9 +5,9 @@
 //! [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. See [`crate::sensation`] for the
 //! threshold and for the friction.
 
+use crate::definition::Plate;
 use crate::quantity::{OutOfRange, Range};
 use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
-use crate::spec::Plate;
 use num_complex::Complex64;
 
 /// How a finger feels. All values are illustrative.
@@ -176,7 +176,7 @@ impl Feeling {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::preset;
+    use crate::definition::preset;
 
     const PLACES: usize = 201;
 

@@ -15,6 +15,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 pub mod calibrate;
 pub mod check;
+pub mod definition;
 pub mod design;
 pub mod feeling;
 pub mod frequency;
@@ -25,7 +26,6 @@ pub mod plane;
 mod progress;
 pub mod quantity;
 pub mod sheet;
-pub mod spec;
 pub mod special;
 pub mod table;
 pub mod texture;
@@ -33,6 +33,11 @@ pub mod time;
 pub mod truth;
 
 pub use check::sensation;
+pub use definition::{
+    Actuator, Bending, Calibration, Consequence, DriveEnd, EndSlope, Impedance, LeadIn, Model, Origin,
+    PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve,
+    SampleRateError, Source, Taper, Travel, TurningWidth, limits, preset, presets, sample_rates,
+};
 pub use frequency::{
     CONTACT_M, COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, Finger, POINTS_MAX,
     POINTS_MIN, Peak, PredictedEnvelope, RespondError, Response, ToneDrive, predict_envelope, reflection,
@@ -42,11 +47,6 @@ pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};
 pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
-pub use spec::{
-    Actuator, Bending, Calibration, Consequence, DriveEnd, EndSlope, Impedance, LeadIn, Model, Origin,
-    PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFileError, PlateSpec, Preset, Resonator, ResponseCurve,
-    SampleRateError, Source, Taper, Travel, TurningWidth, limits, preset, presets, sample_rates,
-};
 pub use special::{airy, bessel};
 pub use table::{
     DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, TableTravel, sensitivity,

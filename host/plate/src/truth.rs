@@ -1,6 +1,6 @@
 //! A plate that nobody knows, drawn at random near a nominal one: for tests and for a simulated rig.
 
-use crate::spec::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel};
+use crate::definition::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel};
 use std::f64::consts::TAU;
 
 /// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea and Flood 2014).
@@ -156,7 +156,7 @@ impl SourceSpread {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::presets;
+    use crate::definition::presets;
 
     #[test]
     fn twenty_truths_of_each_preset_are_plates_within_what_is_told_and_none_is_another() {

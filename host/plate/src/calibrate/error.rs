@@ -1,8 +1,8 @@
 //! Why no calibration was made.
 
+use crate::definition::PlateError;
 use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, WrongCount, show_frequency, show_place};
-use crate::spec::PlateError;
 use crate::table::TableError;
 use thiserror::Error;
 

@@ -8,10 +8,10 @@ use super::levels::{AT_ONCE, SiteLevels};
 use super::lights::{actuator, drive, sensitivity, shape, sound, thickness, touch, wave};
 use super::prepared::{Prepared, SPAN_PLACES, places};
 use super::report::Report;
+use crate::definition::plate::Plate;
 use crate::frequency::Response;
 use crate::frequency::respond::{check_frequency, respond_each};
 use crate::progress::Progress;
-use crate::spec::plate::Plate;
 use crate::table::TableError;
 
 /// Points of the computed amplitude; the solver's own grid is finer where needed.

@@ -1,8 +1,8 @@
 //! The conditions of use that the checks depend on.
 
 use super::error::{CheckError, on_plate};
+use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::plate::Plate;
 
 /// The conditions under which a plate is checked.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,9 +1,9 @@
 //! Why a plate could not be checked.
 
+use crate::definition::limits;
+use crate::definition::plate::Plate;
 use crate::progress::Stopped;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::limits;
-use crate::spec::plate::Plate;
 use crate::table::error::TableError;
 use thiserror::Error;
 

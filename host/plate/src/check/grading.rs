@@ -6,8 +6,8 @@ use super::prepared::Prepared;
 use super::report::{Colour, Light, Limit};
 use super::stretch::Stretch;
 use super::thresholds::Limits;
+use crate::definition::plate::Plate;
 use crate::frequency::Response;
-use crate::spec::plate::Plate;
 
 /// A light and its severity within its colour; over a span the light with the highest severity is kept.
 pub(super) struct Finding {

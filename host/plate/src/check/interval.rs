@@ -5,10 +5,10 @@
 //! at an end of its own. A light that depends on nothing else is monotone in each of these over so short a way, so what holds
 //! at these corners holds between them.
 
+use crate::definition::limits;
+use crate::definition::plate::Plate;
 use crate::quantity::number_format::with_decimals;
 use crate::quantity::show_length;
-use crate::spec::limits;
-use crate::spec::plate::Plate;
 use std::f64::consts::TAU;
 
 /// The interval of a calibrated plate at one boundary.

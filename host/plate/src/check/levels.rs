@@ -2,11 +2,11 @@
 
 use super::error::CheckError;
 use super::thresholds::LOSS_TOLERANCE;
+use crate::definition::plate::Plate;
 use crate::frequency::Finger;
 use crate::frequency::driven_end::{drive_rise, with_whole_end};
 use crate::frequency::sweep::LANES;
 use crate::progress::Progress;
-use crate::spec::plate::Plate;
 use crate::table::TableError;
 use crate::table::level::{DriveToPeak, Level, middles, other_plates};
 use num_complex::Complex64;

@@ -3,9 +3,9 @@
 use super::conditions::Conditions;
 use super::error::CheckError;
 use super::levels::Variants;
+use crate::definition::actuator::Actuator;
+use crate::definition::plate::Plate;
 use crate::progress::Progress;
-use crate::spec::actuator::Actuator;
-use crate::spec::plate::Plate;
 use crate::table::travel;
 
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.

@@ -12,11 +12,11 @@
 //! longer the lead-in, the more that depends on the wave speed. So the level itself is judged, too, over the tolerance of
 //! the wave speed.
 
+use crate::definition::drive::DriveEnd;
+use crate::definition::limits;
+use crate::definition::plate::Plate;
+use crate::definition::source::{LeadIn, Source};
 use crate::frequency::driven_end::{Scattering, SourceEnd};
-use crate::spec::drive::DriveEnd;
-use crate::spec::limits;
-use crate::spec::plate::Plate;
-use crate::spec::source::{LeadIn, Source};
 use serde::Serialize;
 use std::f64::consts::TAU;
 

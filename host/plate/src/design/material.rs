@@ -3,9 +3,9 @@
 //! Handbook values at room temperature. The loss factors are illustrative, because mounting and glue often lose more
 //! energy than the material: measure two boundaries on your plate and calibrate.
 
+use crate::definition::error::PlateError;
+use crate::definition::limits;
 use crate::quantity::hint;
-use crate::spec::error::PlateError;
-use crate::spec::limits;
 use serde::Serialize;
 
 /// A sheet material.

@@ -7,11 +7,11 @@
 
 use super::drawing::{Drawing, Shape, wrapped};
 use super::mounting::Mounting;
+use crate::definition::drive::DriveEnd;
+use crate::definition::plate::Plate;
+use crate::definition::source::{LeadIn, Source};
 use crate::quantity::number_format::rounded;
 use crate::quantity::show_si;
-use crate::spec::drive::DriveEnd;
-use crate::spec::plate::Plate;
-use crate::spec::source::{LeadIn, Source};
 
 /// How far a plate with supported edges extends beyond the window, mm: several times a cutter's kerf, so that the plate
 /// cannot fall through, and short enough to rotate freely. At 40 kHz in 2 mm of aluminium (K = 0.28 /mm) the moment of

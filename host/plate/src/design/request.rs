@@ -1,8 +1,8 @@
 //! The request to the designer: sheet, wave, band and length.
 
 use super::material::Material;
+use crate::definition::model::{Bending, Model};
 use crate::quantity::number_format::rounded;
-use crate::spec::model::{Bending, Model};
 use serde::Serialize;
 
 /// How the sheet carries the wave.

@@ -1,6 +1,6 @@
 //! The axial part of the local wavenumber, a K^2: what the amplitude equation and its conditions at the driven end share.
 
-use crate::spec::plate::WidthMode;
+use crate::definition::plate::WidthMode;
 use num_complex::Complex64;
 
 /// a K^2 (1 + j eta) with eta = [`crate::Plate::wave_loss`], 1/m^2.

@@ -9,12 +9,12 @@
 //! of modes. The one-mode equation neglects a and d. Bending with supported edges has the same equation with K = kb if
 //! its evanescent wave is neglected.
 
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
 use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::error::RespondError;
 use crate::frequency::respond::{POINTS_MIN, check_frequency};
 use crate::quantity::OutOfRange;
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
@@ -150,9 +150,9 @@ fn coupling(modes: usize) -> (DMatrix<f64>, DMatrix<f64>) {
 mod tests {
     use super::*;
     use crate::TurningWidth;
+    use crate::definition::presets::preset;
     use crate::frequency::equation::Equation;
     use crate::frequency::respond::respond;
-    use crate::spec::presets::preset;
 
     #[test]
     fn the_coupling_of_different_modes_is_antisymmetric_and_of_a_mode_with_itself_none() {

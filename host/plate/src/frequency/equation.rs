@@ -1,7 +1,7 @@
 //! The two amplitude equations: the one that follows from the wave equation, and the paper's.
 
-use crate::spec::plate::Plate;
-use crate::spec::turning_width::TurningWidth;
+use crate::definition::plate::Plate;
+use crate::definition::turning_width::TurningWidth;
 use std::borrow::Cow;
 
 /// Which amplitude equation is solved.

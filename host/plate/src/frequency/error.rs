@@ -1,9 +1,9 @@
 //! Why no amplitude was computed at a frequency.
 
+use crate::definition::error::PlateError;
+use crate::definition::plate::Plate;
 use crate::quantity::number_format::{at_least, at_most, typed};
 use crate::quantity::{OutOfRange, Range, must_be};
-use crate::spec::error::PlateError;
-use crate::spec::plate::Plate;
 use thiserror::Error;
 
 /// Why the amplitude was not computed.

@@ -1,6 +1,6 @@
 //! The wave impedance at the driven end.
 
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use std::f64::consts::TAU;
 
 impl Plate {

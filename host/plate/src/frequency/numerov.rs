@@ -15,13 +15,13 @@ mod two_solutions;
 #[cfg(test)]
 pub(crate) mod work;
 
+use crate::definition::plate::Plate;
+use crate::definition::strip_table::StripTable;
 use crate::frequency::axial::lossy_axial_squared;
 use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::equation::Equation;
 use crate::frequency::strip_grid::StripGrid;
 use crate::frequency::sweep::{LANES, Medium, Separable, Strip, Sweep};
-use crate::spec::plate::Plate;
-use crate::spec::strip_table::StripTable;
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -427,8 +427,8 @@ impl Tail {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::model::Model;
-    use crate::spec::presets::presets;
+    use crate::definition::model::Model;
+    use crate::definition::presets::presets;
 
     /// Every preset, and the bending ones between clamped edges, some with much loss.
     fn plates() -> Vec<Plate> {

@@ -1,6 +1,6 @@
 //! Finds the turning-point peak of an amplitude on a grid, if there is one.
 
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use num_complex::Complex64;
 
 /// The turning-point peak of an amplitude over x.

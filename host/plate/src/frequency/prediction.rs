@@ -4,9 +4,9 @@ use super::equation::Equation;
 use super::error::RespondError;
 use super::finger::Finger;
 use super::respond::{POINTS_MAX, POINTS_MIN, check_frequency, respond_touched};
+use crate::definition::plate::Plate;
+use crate::definition::sample_rate::{SAMPLE_RATE_MAX_HZ, hold_droop};
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::plate::Plate;
-use crate::spec::sample_rate::{SAMPLE_RATE_MAX_HZ, hold_droop};
 use num_complex::Complex64;
 
 /// One tone of a drive.
@@ -87,7 +87,7 @@ pub fn predict_envelope(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::presets::preset;
+    use crate::definition::presets::preset;
 
     #[test]
     fn points_and_sample_rates_out_of_range_are_refused_before_anything_is_allocated() {

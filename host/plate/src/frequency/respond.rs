@@ -5,9 +5,9 @@ use super::error::RespondError;
 use super::finger::{self, Finger};
 use super::numerov::{self, Grid};
 use super::peak::{self, Peak};
+use crate::definition::limits::FREQUENCY;
+use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::limits::FREQUENCY;
-use crate::spec::plate::Plate;
 use num_complex::Complex64;
 
 /// Fewest points of a response.

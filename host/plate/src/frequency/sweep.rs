@@ -4,7 +4,7 @@
 //! sums. Q comes from a [`Medium`]: a frequency less a barrier where the two separate, the law of the clamped strip where
 //! they do not.
 
-use crate::spec::strip_table::StripTable;
+use crate::definition::strip_table::StripTable;
 use pulp::{Simd, WithSimd};
 
 /// Frequencies that are computed together.

@@ -1,10 +1,10 @@
 //! The data of a figure: panels, curves and marks; and helpers that compute the curves.
 
+use crate::definition::plate::Plate;
+use crate::definition::turning_width::TurningWidth;
 use crate::frequency::equation::Equation;
 use crate::frequency::error::RespondError;
 use crate::frequency::respond::{Response, respond};
-use crate::spec::plate::Plate;
-use crate::spec::turning_width::TurningWidth;
 use thiserror::Error;
 
 /// Rate of the taper in every figure, 1/m.
@@ -89,7 +89,7 @@ pub enum FigureError {
     Preset(&'static str),
     /// The plate of a figure was refused.
     #[error(transparent)]
-    Plate(#[from] crate::spec::error::PlateError),
+    Plate(#[from] crate::definition::error::PlateError),
     /// The amplitude could not be computed.
     #[error(transparent)]
     Respond(#[from] RespondError),
@@ -105,7 +105,7 @@ pub(crate) fn ramp(low: f64, high: f64, count: usize) -> impl Iterator<Item = f6
 
 /// A preset with the paper's turning width, straight across: what the figures correct is not the width.
 pub(crate) fn preset(name: &'static str) -> Result<Plate, FigureError> {
-    let plate = crate::spec::presets::preset(name).ok_or(FigureError::Preset(name))?;
+    let plate = crate::definition::presets::preset(name).ok_or(FigureError::Preset(name))?;
     Ok(plate.with_turning_width(TurningWidth::Plain))
 }
 

@@ -1,9 +1,9 @@
 //! Fig. 9: the rubber plate at 30 and 40 Hz.
 
 use super::figure::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke, magnitude, preset, solve};
+use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::taper::Taper;
 use crate::frequency::equation::Equation;
-use crate::spec::plate::{Plate, PlateSpec};
-use crate::spec::taper::Taper;
 
 const FREQUENCIES_HZ: [f64; 2] = [30.0, 40.0];
 

@@ -1,13 +1,13 @@
 //! The clamped strip: its exact law against the law near the cut-off.
 
 use super::{preset, series, two_dimensions};
+use crate::definition::drive::DriveEnd;
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
+use crate::definition::source::EndSlope;
 use crate::frequency::numerov::{self, Grid};
 use crate::paper::figure::{Figure, FigureError, POINTS, Panel, Stroke, magnitude, ramp};
 use crate::plane::strip::wavenumber_squared;
-use crate::spec::drive::DriveEnd;
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
-use crate::spec::source::EndSlope;
 
 /// Where the plate turns, metres.
 const BOUNDARY_M: f64 = 0.24;

@@ -1,9 +1,9 @@
 //! The field along the centre line by one dimension and by two: a membrane, and a plate in bending with its lead-in.
 
 use super::{PLANE_POINTS, one_dimension, preset, series, two_dimensions};
+use crate::definition::plate::Plate;
 use crate::paper::figure::{Figure, FigureError, Mark, Panel, Series, Stroke, magnitude, ramp};
 use crate::plane::{Field, Setup};
-use crate::spec::plate::Plate;
 
 const MEMBRANE_HZ: f64 = 150.0;
 const BENDING_HZ: f64 = 28e3;

@@ -11,12 +11,12 @@ mod finger;
 mod reflection;
 mod turning;
 
+use crate::definition::plate::Plate;
 use crate::frequency::equation::Equation;
 use crate::frequency::finger::Finger;
 use crate::frequency::respond::{Response, respond_touched};
 use crate::paper::figure::{Figure, FigureError, POINTS, Series, Stroke, magnitude};
 use crate::plane;
-use crate::spec::plate::Plate;
 
 /// The figures of the physics page, in its order.
 ///
@@ -51,7 +51,7 @@ fn two_dimensions(plate: &Plate, finger: Option<Finger>, frequency_hz: f64) -> R
 }
 
 fn preset(name: &'static str) -> Result<Plate, FigureError> {
-    crate::spec::presets::preset(name).ok_or(FigureError::Preset(name))
+    crate::definition::presets::preset(name).ok_or(FigureError::Preset(name))
 }
 
 fn series(name: impl Into<String>, stroke: Stroke, hue: usize, points: Vec<(f64, f64)>) -> Series {

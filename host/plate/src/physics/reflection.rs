@@ -1,13 +1,13 @@
 //! How much of the returning wave the ends of a plate in bending send back, over frequency.
 
 use super::{preset, series};
+use crate::definition::drive::DriveEnd;
+use crate::definition::impedance::Impedance;
+use crate::definition::plate::Plate;
+use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::driven_end::reflection;
 use crate::paper::figure::{Figure, FigureError, Panel, Series, Stroke, ramp};
 use crate::plane;
-use crate::spec::drive::DriveEnd;
-use crate::spec::impedance::Impedance;
-use crate::spec::plate::Plate;
-use crate::spec::source::{EndSlope, LeadIn, Source};
 
 /// The resistances are told in wave impedances at this frequency, Hz.
 const AT_HZ: f64 = 28e3;

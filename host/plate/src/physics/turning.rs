@@ -1,11 +1,11 @@
 //! How far the peak is from that of the plate in two dimensions, with the turning width along the arc and straight across.
 
 use super::{preset, series, two_dimensions};
+use crate::definition::plate::Plate;
+use crate::definition::turning_width::TurningWidth;
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond;
 use crate::paper::figure::{Figure, FigureError, POINTS, Panel, Series, Stroke, ramp};
-use crate::spec::plate::Plate;
-use crate::spec::turning_width::TurningWidth;
 
 const BOUNDARIES: usize = 9;
 

@@ -6,9 +6,9 @@ use super::section::Section;
 use super::setup::{End, Force, Setup};
 use super::strip::{modulus, sheet, wave_impedance};
 use super::system::{Mesh, System};
-use crate::spec::impedance::Impedance;
-use crate::spec::plate::Plate;
-use crate::spec::source::EndSlope;
+use crate::definition::impedance::Impedance;
+use crate::definition::plate::Plate;
+use crate::definition::source::EndSlope;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

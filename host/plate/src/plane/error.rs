@@ -1,8 +1,8 @@
 //! Why no two-dimensional field was computed.
 
+use crate::definition::error::PlateError;
 use crate::frequency::RespondError;
 use crate::quantity::{OutOfRange, must_be, number_format::typed};
-use crate::spec::error::PlateError;
 use thiserror::Error;
 
 /// Why the two-dimensional field was not computed.

@@ -6,10 +6,10 @@ use super::outline::{self, Outline};
 use super::section::Section;
 use super::setup::Setup;
 use super::system::{Mesh, amplitudes};
+use crate::definition::plate::Plate;
 use crate::frequency::respond::check_frequency;
 use crate::frequency::{POINTS_MAX, POINTS_MIN, RespondError, Response};
 use crate::quantity::OutOfRange;
-use crate::spec::plate::Plate;
 use num_complex::Complex64;
 
 /// Exponents of decay beyond the turning point after which the sheet is clamped: what returns from there has twice as

@@ -37,8 +37,8 @@ pub use field::Field;
 pub use reflection::reflection;
 pub use setup::{End, Force, Setup};
 
+use crate::definition::plate::Plate;
 use crate::frequency::Response;
-use crate::spec::plate::Plate;
 
 /// The centre line of the plate at `frequency_hz` on `points` uniform positions, with its peak: see [`Field::solve`] and
 /// [`Field::centre_line`].

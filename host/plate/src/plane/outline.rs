@@ -1,6 +1,6 @@
 //! The half-width of the whole sheet along x: the plate with a lead-in before it, or a uniform strip.
 
-use crate::spec::taper::{LogWidth, WidthLaw};
+use crate::definition::taper::{LogWidth, WidthLaw};
 
 /// Half of the length over which the corner between lead-in and taper is rounded, as a share of the half-width there.
 ///

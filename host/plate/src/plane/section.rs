@@ -13,7 +13,7 @@
 //! 2 w_xz v_xz)), both per area; T and D are divided out here.
 
 use super::basis::{Edges, Jet, across};
-use crate::spec::taper::LogWidth;
+use crate::definition::taper::LogWidth;
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;

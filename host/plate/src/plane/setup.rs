@@ -1,13 +1,13 @@
 //! What is done to the plate: its driven end, a lead-in behind it, a finger on it.
 
 use super::error::PlaneError;
+use crate::definition::drive::DriveEnd;
+use crate::definition::impedance::Impedance;
+use crate::definition::limits;
+use crate::definition::plate::Plate;
+use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::Finger;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::drive::DriveEnd;
-use crate::spec::impedance::Impedance;
-use crate::spec::limits;
-use crate::spec::plate::Plate;
-use crate::spec::source::{EndSlope, LeadIn, Source};
 
 /// The force at a driven end, for a drive of 1; the same at every frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]

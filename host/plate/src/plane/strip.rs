@@ -6,9 +6,9 @@
 
 use super::basis::Edges;
 use super::section::{Energy, Section};
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
-use crate::spec::taper::LogWidth;
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
+use crate::definition::taper::LogWidth;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 

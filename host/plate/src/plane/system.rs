@@ -260,7 +260,7 @@ mod tests {
     use super::super::basis::Edges;
     use super::super::section::Energy;
     use super::*;
-    use crate::spec::taper::WidthLaw;
+    use crate::definition::taper::WidthLaw;
 
     /// The equations of a guided node are those of the free one, for every virtual deflection that keeps the guide.
     #[test]

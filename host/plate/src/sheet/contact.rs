@@ -9,8 +9,8 @@
 use super::embedded_boundary::EmbeddedBoundary;
 use super::kernel::place;
 use super::vector::Line;
+use crate::definition::plate::Plate;
 use crate::frequency::{Finger, RespondError};
-use crate::spec::plate::Plate;
 use std::ops::Range;
 
 /// A finger's contact with a plate.

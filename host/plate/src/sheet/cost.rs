@@ -3,9 +3,9 @@
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::source::{DriveCondition, StepRatio};
+use crate::definition::actuator::{Actuator, Resonator};
+use crate::definition::plate::Plate;
 use crate::quantity::{Count, Counted, WrongCount};
-use crate::spec::actuator::{Actuator, Resonator};
-use crate::spec::plate::Plate;
 
 /// Courant number of the step; the limit of stability is 1.
 const COURANT: f64 = 0.99;
@@ -93,7 +93,7 @@ impl SheetGrid {
 mod tests {
     use super::super::Sheet;
     use super::*;
-    use crate::spec::presets::preset;
+    use crate::definition::presets::preset;
 
     #[test]
     fn the_cost_told_is_the_cost_of_the_sheet_that_is_built() {

@@ -6,7 +6,7 @@
 //! So the scheme is stable up to the Courant number of a uniform grid for every shape of the edge, and its error is of
 //! second order (Gibou et al. 2002, J. Comput. Phys. 176, 205).
 
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use std::ops::RangeInclusive;
 
 /// Exponents of decay between the last turning point and the end of the grid: a wave reflected there returns with

@@ -1,9 +1,9 @@
 //! The request for a sheet: resolution, drive, recording and loss, with their ranges.
 
+use crate::definition::plate::Plate;
+use crate::definition::sample_rate::SAMPLE_RATE_MAX_HZ;
 use crate::frequency::RespondError;
 use crate::quantity::{OutOfRange, Range, WrongCount};
-use crate::spec::plate::Plate;
-use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 

@@ -34,8 +34,8 @@ pub use cost::Cost;
 pub use fdtd::FdtdGrid;
 pub use grid::{CELLS_MAX, DriveShape, EnvelopeScope, SheetError, SheetGrid};
 
+use crate::definition::plate::Plate;
 use crate::frequency::Finger;
-use crate::spec::plate::Plate;
 use contact::Contact;
 use cost::Layout;
 use embedded_boundary::EmbeddedBoundary;

@@ -1,11 +1,11 @@
 //! The source: DAC codes are converted to the step rate, filtered by the actuator and applied to the driven column.
 
+use crate::definition::actuator::Resonator;
+use crate::definition::drive::DriveEnd;
+use crate::definition::plate::Plate;
+use crate::definition::sample_rate::SAMPLE_RATE_MAX_HZ;
 use crate::quantity::{OutOfRange, Range};
 use crate::sheet::SheetError;
-use crate::spec::actuator::Resonator;
-use crate::spec::drive::DriveEnd;
-use crate::spec::plate::Plate;
-use crate::spec::sample_rate::SAMPLE_RATE_MAX_HZ;
 use std::f64::consts::PI;
 
 /// Most steps per code, and most codes per step.

@@ -11,9 +11,9 @@ use super::error::{KNOTS_MAX, TableError};
 use super::knots::{balance_errors, make_increasing, move_onto_resonances};
 use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_plates};
 use super::travel::TableTravel;
+use crate::definition::plate::Plate;
 use crate::progress::Progress;
 use crate::quantity::OutOfRange;
-use crate::spec::plate::Plate;
 
 /// One knot of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]

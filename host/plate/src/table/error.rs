@@ -1,9 +1,9 @@
 //! Why a table could not be made.
 
+use crate::definition::sample_rate::SampleRateError;
 use crate::progress::Stopped;
 use crate::quantity::OutOfRange;
 use crate::quantity::number_format::{at_least, at_most, typed};
-use crate::spec::sample_rate::SampleRateError;
 use thiserror::Error;
 
 /// Most knots of a table.

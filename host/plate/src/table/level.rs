@@ -7,13 +7,13 @@
 //! is treated alike: the middle halves the largest error at each knot, whatever the true loss.
 
 use super::error::TableError;
+use crate::definition::plate::Plate;
+use crate::definition::sample_rate;
 use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::peak::{self, Peak};
 use crate::progress::Progress;
-use crate::spec::plate::Plate;
-use crate::spec::sample_rate;
 use crate::special::airy;
 use num_complex::Complex64;
 

@@ -3,8 +3,8 @@
 use super::drive_table::DriveTable;
 use super::error::{KNOTS_MAX, TableError};
 use super::level::DriveToPeak;
+use crate::definition::plate::Plate;
 use crate::progress::Progress;
-use crate::spec::plate::Plate;
 
 /// Error of the peak when a table made for one plate drives another.
 #[derive(Debug, Clone, Copy, PartialEq)]

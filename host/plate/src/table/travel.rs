@@ -1,7 +1,7 @@
 //! The peak travel in a table: its gains are lowered together, so that equal level still means equal peak.
 
-use crate::spec::plate::Plate;
-use crate::spec::travel::Travel;
+use crate::definition::plate::Plate;
+use crate::definition::travel::Travel;
 
 /// What a table at level 1 uses of the peak travel, at most. The rest is for what the device rounds: it computes the
 /// travel in 32-bit floats, and adds a thousandth to be on the safe side.

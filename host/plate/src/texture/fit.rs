@@ -8,9 +8,9 @@ use super::phases::low_crest_turns;
 use super::refinement::{self, Placed};
 use super::selection;
 use super::target::Target;
+use crate::definition::plate::Plate;
 use crate::quantity::OutOfRange;
 use crate::sensation::SLIPPERY_FROM_HZ;
-use crate::spec::plate::Plate;
 use crate::table::level::other_plates;
 
 /// Tones that a texture may have.

@@ -2,10 +2,10 @@
 
 use super::error::TextureError;
 use super::nnls::Columns;
+use crate::definition::plate::Plate;
+use crate::definition::sample_rate::hold_droop;
 use crate::frequency::equation::Equation;
 use crate::frequency::numerov::{self, Grid};
-use crate::spec::plate::Plate;
-use crate::spec::sample_rate::hold_droop;
 use crate::table::DriveTable;
 use num_complex::Complex64;
 

@@ -3,8 +3,8 @@
 use super::error::TextureError;
 use super::fit::{HEADROOM, TextureTone};
 use super::palette::Palette;
+use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::plate::Plate;
 use std::f64::consts::PI;
 
 /// Frequencies at which two tones may beat, Hz: a finger feels them as a vibration.

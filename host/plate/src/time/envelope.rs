@@ -1,7 +1,7 @@
 //! Maximum and RMS of the displacement at each position.
 
+use crate::definition::plate::Plate;
 use crate::frequency::peak::{self, Peak};
-use crate::spec::plate::Plate;
 
 /// Maximum and RMS displacement at each position since the last reset.
 ///

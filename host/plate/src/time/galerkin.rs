@@ -6,7 +6,7 @@
 //! the response to a displacement. A does not depend on loss or frequency, so the functions are real and are computed
 //! once.
 
-use crate::spec::plate::{EdgeBend, WidthMode};
+use crate::definition::plate::{EdgeBend, WidthMode};
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 

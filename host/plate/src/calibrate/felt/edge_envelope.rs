@@ -1,7 +1,7 @@
 //! The felt edge of one tone on one plate for every level at once.
 
+use crate::definition::Plate;
 use crate::feeling::{Feeling, FeltEdge};
-use crate::spec::Plate;
 use num_complex::Complex64;
 
 /// How a tone's field falls along the plate: for each place the logarithm of the largest amplitude that a finger feels from
@@ -47,8 +47,8 @@ impl Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::definition::preset;
     use crate::feeling::FeltTone;
-    use crate::spec::preset;
     use crate::{Equation, respond_batch};
 
     #[test]

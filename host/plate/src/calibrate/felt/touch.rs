@@ -1,8 +1,8 @@
 //! A felt edge at a mark, and what is known of the drive whose tone it is.
 
 use crate::calibrate::error::CalibrateError;
+use crate::definition::{Plate, limits};
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::{Plate, limits};
 
 /// Least distance of the nearest and the farthest mark, in standard deviations of a mark.
 const MARKS_APART: f64 = 10.0;

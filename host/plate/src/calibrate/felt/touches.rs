@@ -15,8 +15,8 @@ use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
 use crate::calibrate::fit::result::{Parameter, numbers};
 use crate::calibrate::fit::unknowns::{HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
+use crate::definition::{Calibration, Impedance, Plate, limits};
 use crate::feeling::Feeling;
-use crate::spec::{Calibration, Impedance, Plate, limits};
 use crate::truth::{DriveSpread, Random};
 
 /// Standard deviation of the logarithm of the wave speed beforehand, at most: touches tell less than a sensor does.

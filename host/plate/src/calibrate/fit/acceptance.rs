@@ -4,7 +4,7 @@ use super::pairs::Pair;
 use super::unknowns::{HALF_WIDTH, OF_PLATE, SPEED, TAPER};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
-use crate::spec::Plate;
+use crate::definition::Plate;
 
 /// Fewest frequencies that both sensors measured: twice the number of what is fitted.
 const FREQUENCIES_MIN: usize = 12;

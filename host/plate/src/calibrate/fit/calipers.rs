@@ -1,9 +1,9 @@
 //! The plate's widths and length by calipers and a rule.
 
 use super::unknowns::Priors;
+use crate::definition::limits;
+use crate::definition::{Plate, PlateError, Taper};
 use crate::quantity::Range;
-use crate::spec::limits;
-use crate::spec::{Plate, PlateError, Taper};
 
 /// What calipers and a rule say of the plate: each length with its standard deviation, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]

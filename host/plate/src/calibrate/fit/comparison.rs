@@ -6,7 +6,7 @@ use super::pairs::MODEL_ERROR;
 use super::response::prediction::predicted;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
-use crate::spec::Plate;
+use crate::definition::Plate;
 use num_complex::Complex64;
 
 /// Median of the magnitude of a normal deviate over its standard deviation.
@@ -91,7 +91,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::calibrate::measurement::sensor::SensorKind;
-    use crate::spec::preset;
+    use crate::definition::preset;
 
     /// What an acceleration sensor at 32 mm measures of `truth`, 7.3 times as loud as told, with noise of a hundredth.
     fn measured(truth: &Plate, unit_per_response: Option<f64>) -> Measurement {

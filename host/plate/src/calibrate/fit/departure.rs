@@ -1,7 +1,7 @@
 //! What the table of one plate file does on the plate of another: how wrong the file was before a calibration.
 
+use crate::definition::Plate;
 use crate::progress::Progress;
-use crate::spec::Plate;
 use crate::table::level::DriveToPeak;
 use crate::table::{DriveTable, TableError};
 
@@ -57,7 +57,7 @@ pub fn departure(told: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<De
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::{Calibration, PlateSpec, ResponseCurve, preset};
+    use crate::definition::{Calibration, PlateSpec, ResponseCurve, preset};
 
     #[test]
     fn a_table_on_its_own_plate_is_off_by_its_own_error_alone() {

@@ -5,8 +5,8 @@
 
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
+use crate::definition::{Plate, ResponseCurve};
 use crate::progress::Progress;
-use crate::spec::{Plate, ResponseCurve};
 use crate::table::level::{DriveToPeak, Level};
 use std::f64::consts::TAU;
 

@@ -14,7 +14,7 @@ use super::source::source_model::SourceModel;
 use super::unknowns::{OF_PLATE, Priors, SPEED, STEPS, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::SensorKind;
-use crate::spec::{Plate, PlateSpec};
+use crate::definition::{Plate, PlateSpec};
 
 /// What the scan takes for the error of the model: beside a node little is to be learnt as long as the plate is wrong.
 const SCAN_ERROR: f64 = 0.2;

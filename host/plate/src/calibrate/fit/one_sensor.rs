@@ -17,7 +17,7 @@ use super::unknowns::{Priors, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
-use crate::spec::Plate;
+use crate::definition::Plate;
 
 /// Calibrates `plate`, the nominal one, from one sensor at one place, by a model of everything before the plate: a source
 /// with resistance, mass and spring, an actuator of the second order, a gain and a delay. The file must tell a membrane's

@@ -15,8 +15,8 @@ use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
 use super::unknowns::{OF_PLATE, Priors, STEPS, spec_at};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
+use crate::definition::{Plate, PlateSpec};
 use crate::frequency::respond_range;
-use crate::spec::{Plate, PlateSpec};
 use std::f64::consts::TAU;
 
 /// The same as [`MODEL_ERROR`] while the minimum is looked for: it widens the valleys, so that fewer places must be tried.

@@ -5,8 +5,8 @@ use super::least_squares::Fit;
 use super::spread::Spread;
 use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, TAPER, spec_at};
 use crate::calibrate::error::CalibrateError;
+use crate::definition::{Calibration, Impedance, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
 use crate::quantity::show_length;
-use crate::spec::{Calibration, Impedance, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
 
 /// Standard deviations of a 95 % interval.
 pub(crate) const INTERVAL: f64 = 1.96;

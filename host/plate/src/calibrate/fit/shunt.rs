@@ -15,7 +15,7 @@ use super::unknowns::{Priors, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::calibrate::measurement::signal;
-use crate::spec::Plate;
+use crate::definition::Plate;
 use num_complex::Complex64;
 
 /// Calibrates `plate`, the nominal one, from the current through its drive: what the plate sends back moves the coil or the

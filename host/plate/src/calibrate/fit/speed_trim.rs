@@ -24,7 +24,7 @@ use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
-use crate::spec::{Plate, limits};
+use crate::definition::{Plate, limits};
 use num_complex::Complex64;
 
 /// What is known of the logarithm of the speed beforehand.

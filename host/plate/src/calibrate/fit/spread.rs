@@ -3,7 +3,7 @@
 use super::gain;
 use super::least_squares::Fit;
 use super::unknowns::{OF_PLATE, STEPS, TAPER, spec_at};
-use crate::spec::Plate;
+use crate::definition::Plate;
 
 /// Boundaries over the span.
 const PLACES: usize = 9;

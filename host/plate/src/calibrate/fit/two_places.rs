@@ -9,7 +9,7 @@ use super::unknowns::{Priors, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::calibrate::measurement::signal;
-use crate::spec::Plate;
+use crate::definition::Plate;
 
 /// Calibrates `plate`, the nominal one, from the same sensor at two places.
 ///

@@ -8,9 +8,9 @@
 //! | 2 | ln(W0/W(L)) over the file's, less 1 | [`Priors::taper`] |
 //! | 3 | ln of W0 over the file's | [`Priors::half_width`] |
 
+use crate::definition::limits;
+use crate::definition::{Model, PlateSpec};
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::limits;
-use crate::spec::{Model, PlateSpec};
 
 /// Coordinates of the plate; those of the sensors follow.
 pub(crate) const SPEED: usize = 0;

@@ -1,8 +1,8 @@
 //! The frequencies that a calibration needs.
 
+use crate::definition::Plate;
 use crate::frequency::respond_range;
 use crate::quantity::Range;
-use crate::spec::Plate;
 
 /// How far the wave speed may be from the file's for the measured band to cover the span still.
 const SPEED: f64 = 0.06;

@@ -8,9 +8,9 @@
 use super::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::signal::AUDIBLE;
+use crate::definition::Plate;
 use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::fmt;

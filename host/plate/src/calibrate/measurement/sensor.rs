@@ -1,8 +1,8 @@
 //! What a sensor at one place of the plate answered: complex responses at given frequencies, with their noise.
 
 use crate::calibrate::error::CalibrateError;
+use crate::definition::limits;
 use crate::quantity::{Count, Counted, OutOfRange, Range, WrongCount};
-use crate::spec::limits;
 use num_complex::Complex64;
 
 /// Points of a measurement.

@@ -2,7 +2,7 @@
 
 use super::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::calibrate::error::CalibrateError;
-use crate::spec::Plate;
+use crate::definition::Plate;
 
 /// An answer below this multiple of its noise shows nothing. Of 10 000 answers of noise alone the largest is 4.3 times
 /// its standard deviation.

@@ -3,8 +3,8 @@
 use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::{ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, EXCURSION_PERCENT, Limits};
+use crate::definition::actuator::Actuator;
 use crate::quantity::number_format::with_decimals;
-use crate::spec::actuator::Actuator;
 
 pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
     let name = "actuator band";

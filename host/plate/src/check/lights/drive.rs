@@ -4,13 +4,13 @@ use crate::check::grading::{Finding, Site, colour};
 use crate::check::interval::{End, Interval};
 use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::DRIVE_REFLECTION;
+use crate::definition::drive::DriveEnd;
+use crate::definition::impedance::Impedance;
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
+use crate::definition::source::Source;
 use crate::frequency::driven_end::{reflection, resistance_reflection};
 use crate::quantity::show_si;
-use crate::spec::drive::DriveEnd;
-use crate::spec::impedance::Impedance;
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
-use crate::spec::source::Source;
 
 /// The light's value is |r| of the end as it really is; for an end in bending whose near field the file leaves out, it is
 /// that of the free end with the same damper.

@@ -7,10 +7,10 @@ use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
     EDGE_CURVATURE, EDGE_SLOPE, EDGE_SLOPE_STRICT, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS,
 };
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
+use crate::definition::turning_width::TurningWidth;
 use crate::quantity::number_format::with_decimals;
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
-use crate::spec::turning_width::TurningWidth;
 use std::f64::consts::TAU;
 
 /// Number of positions between the driven end and the boundary at which the taper is evaluated.

@@ -5,9 +5,9 @@ use crate::check::interval::Interval;
 use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{THICKNESS_SHARE, THIN_PLATE_PERCENT};
+use crate::definition::model::{Bending, Model};
+use crate::definition::plate::Plate;
 use crate::quantity::number_format::with_decimals;
-use crate::spec::model::{Bending, Model};
-use crate::spec::plate::Plate;
 use std::f64::consts::TAU;
 
 /// Its value is what the wavenumber misses, in %: Mindlin's relation against the thin plate's, both for K h. Where the plate

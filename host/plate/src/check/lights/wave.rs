@@ -6,8 +6,8 @@ use crate::check::interval::Interval;
 use crate::check::report::Colour;
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{LOSS_SMALL, PEAK_ROOM};
+use crate::definition::plate::Plate;
 use crate::quantity::number_format::with_decimals;
-use crate::spec::plate::Plate;
 
 /// Loss integral I: the integral of Im k from the driven end to the boundary at `boundary_m` metres, at the boundary's
 /// frequency. The wave arrives with e^-I of its amplitude.

@@ -2,7 +2,7 @@
 
 use super::{light, report};
 use crate::check::{Checker, Colour, Conditions, Light, Report};
-use crate::spec::Calibration;
+use crate::definition::Calibration;
 use crate::truth::Random;
 use crate::{DriveEnd, Impedance, Plate, PlateSpec, Source, preset};
 use std::collections::BTreeSet;

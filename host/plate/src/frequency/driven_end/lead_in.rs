@@ -5,8 +5,8 @@
 //! moment is zero and a damper takes the force.
 
 use super::strip::Strip;
-use crate::spec::impedance::Impedance;
-use crate::spec::source::LeadIn;
+use crate::definition::impedance::Impedance;
+use crate::definition::source::LeadIn;
 use nalgebra::{Matrix2, Matrix4, Vector4};
 use num_complex::Complex64;
 

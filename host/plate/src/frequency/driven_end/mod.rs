@@ -26,10 +26,10 @@ mod supported;
 mod turning_wave;
 mod whole_end;
 
-use crate::spec::drive::DriveEnd;
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
-use crate::spec::source::Source;
+use crate::definition::drive::DriveEnd;
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
+use crate::definition::source::Source;
 use num_complex::Complex64;
 
 pub(crate) use near_field::NearField;

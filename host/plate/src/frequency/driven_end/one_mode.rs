@@ -1,10 +1,10 @@
 //! Ends of the amplitude equation alone: one condition, no near field.
 
 use super::DrivenEnd;
+use crate::definition::drive::DriveEnd;
+use crate::definition::plate::Plate;
+use crate::definition::source::Source;
 use crate::frequency::axial::lossy_axial_squared;
-use crate::spec::drive::DriveEnd;
-use crate::spec::plate::Plate;
-use crate::spec::source::Source;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

@@ -2,8 +2,8 @@
 
 use super::DrivenEnd;
 use super::whole_end::with_whole_end;
-use crate::spec::drive::DriveEnd;
-use crate::spec::plate::Plate;
+use crate::definition::drive::DriveEnd;
+use crate::definition::plate::Plate;
 use num_complex::Complex64;
 
 /// Reflection r of the propagating wave at the driven end: on a straight strip of the end's width and with the drive at

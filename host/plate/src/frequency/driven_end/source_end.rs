@@ -3,9 +3,9 @@
 use super::DrivenEnd;
 use super::clamped;
 use super::reflection::entering;
-use crate::spec::model::Model;
-use crate::spec::plate::Plate;
-use crate::spec::source::Source;
+use crate::definition::model::Model;
+use crate::definition::plate::Plate;
+use crate::definition::source::Source;
 use num_complex::Complex64;
 
 /// The straight strip of the driven end's width at one frequency. What does not depend on the source is computed once.

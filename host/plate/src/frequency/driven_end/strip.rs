@@ -1,7 +1,7 @@
 //! The supported strip at the driven end: what its two waves and the agents behind them are computed from.
 
+use crate::definition::plate::Plate;
 use crate::frequency::axial::lossy_axial_squared;
-use crate::spec::plate::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

@@ -156,7 +156,7 @@ impl Section {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::clamped_strip::{CUT_OFF, StripLaw};
+    use crate::definition::clamped_strip::{CUT_OFF, StripLaw};
 
     #[test]
     fn the_propagating_wave_is_that_of_the_exact_law() {

@@ -16,8 +16,8 @@ use super::lead_in;
 use super::near_field::{Course, Decay, NearField, NearWave};
 use super::one_mode::source_force;
 use super::strip::Strip;
-use crate::spec::plate::Plate;
-use crate::spec::source::{EndSlope, Source};
+use crate::definition::plate::Plate;
+use crate::definition::source::{EndSlope, Source};
 use num_complex::Complex64;
 
 impl Strip {

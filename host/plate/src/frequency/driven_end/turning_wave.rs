@@ -6,7 +6,7 @@
 //! two on their way is left out. Against two dimensions the field before that point is then right to 0.06 of the peak
 //! with |W'| up to 0.1 (`tests/bending_truth`); taken as a wave that does not return, it was 0.2 off.
 
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use num_complex::Complex64;
 
 /// Exponents of decay beyond the turning point after which the wave is left out.
@@ -139,8 +139,8 @@ fn leading_away(squared: Complex64) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::model::Model;
-    use crate::spec::presets::preset;
+    use crate::definition::model::Model;
+    use crate::definition::presets::preset;
     use crate::special::airy;
 
     fn clamped() -> Plate {

@@ -1,9 +1,9 @@
 //! The end with both of its conditions that a one-mode end of a plate in bending stands for.
 
-use crate::spec::drive::DriveEnd;
-use crate::spec::impedance::Impedance;
-use crate::spec::plate::Plate;
-use crate::spec::source::{EndSlope, Source};
+use crate::definition::drive::DriveEnd;
+use crate::definition::impedance::Impedance;
+use crate::definition::plate::Plate;
+use crate::definition::source::{EndSlope, Source};
 
 /// `plate` with the near field at its driven end, if its drive end leaves that out: a prescribed displacement becomes one
 /// with a free slope, a force one on a free end, a resistance a damper on a free end. `None` for a plate whose end is

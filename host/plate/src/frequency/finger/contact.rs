@@ -15,7 +15,7 @@
 //! the same cut-off here.
 
 use super::Finger;
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use num_complex::Complex64;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

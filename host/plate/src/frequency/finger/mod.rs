@@ -13,10 +13,10 @@ mod contact;
 mod touch;
 
 use super::error::RespondError;
+use crate::definition::impedance::Impedance;
+use crate::definition::limits;
+use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::impedance::Impedance;
-use crate::spec::limits;
-use crate::spec::plate::Plate;
 
 pub(crate) use touch::{share_left, touched};
 

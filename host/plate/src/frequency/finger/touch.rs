@@ -8,8 +8,8 @@
 
 use super::Finger;
 use super::contact::{BANDS, COLUMNS, Contact, means_across, strip_half_width};
+use crate::definition::plate::Plate;
 use crate::frequency::numerov::{self, Grid, TwoSolutions};
-use crate::spec::plate::Plate;
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;

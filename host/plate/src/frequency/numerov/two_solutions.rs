@@ -1,8 +1,8 @@
 //! Both solutions of the amplitude equation at one frequency: what the answer to a force anywhere on the plate is made of.
 
 use super::{At, Grid, Swept};
+use crate::definition::plate::Plate;
 use crate::frequency::driven_end::DrivenEnd;
-use crate::spec::plate::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

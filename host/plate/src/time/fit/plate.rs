@@ -1,8 +1,8 @@
 //! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator.
 
+use crate::definition::plate::Plate;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
-use crate::spec::plate::Plate;
 use num_complex::Complex64;
 
 /// Error of the field, well below that of the fit.

@@ -1,9 +1,9 @@
 use super::*;
+use crate::definition::actuator::{Actuator, Resonator};
+use crate::definition::plate::Plate;
+use crate::definition::presets::{preset, presets};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond;
-use crate::spec::actuator::{Actuator, Resonator};
-use crate::spec::plate::Plate;
-use crate::spec::presets::{preset, presets};
 use crate::time::modal;
 use std::f64::consts::PI;
 

@@ -1,8 +1,8 @@
 //! Why a line could not be made.
 
+use crate::definition::sample_rate::SampleRateError;
 use crate::frequency::error::RespondError;
 use crate::quantity::OutOfRange;
-use crate::spec::sample_rate::SampleRateError;
 use thiserror::Error;
 
 /// Largest error of a rational fit of the field, relative to the largest amplitude at the same frequency.

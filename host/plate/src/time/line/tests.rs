@@ -1,12 +1,12 @@
 use super::*;
+use crate::definition::impedance::Impedance;
+use crate::definition::model::{Bending, Model};
+use crate::definition::plate::PlateSpec;
+use crate::definition::presets::{preset, presets};
+use crate::definition::response_curve::ResponseCurve;
+use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond_touched;
-use crate::spec::impedance::Impedance;
-use crate::spec::model::{Bending, Model};
-use crate::spec::plate::PlateSpec;
-use crate::spec::presets::{preset, presets};
-use crate::spec::response_curve::ResponseCurve;
-use crate::spec::source::{EndSlope, LeadIn, Source};
 
 /// Settles tones of the band on a line and compares amplitude and peak with the frequency domain.
 fn settled_tones_agree(plate: &Plate, line: TimeDomainLine, rate: f64) {

@@ -2,10 +2,10 @@
 
 use super::bank::ModalBank;
 use super::coupling::{Uncoupled, couple};
-use crate::spec::actuator::Actuator;
-use crate::spec::drive::DriveEnd;
-use crate::spec::model::{Bending, Model};
-use crate::spec::plate::{Plate, WidthMode};
+use crate::definition::actuator::Actuator;
+use crate::definition::drive::DriveEnd;
+use crate::definition::model::{Bending, Model};
+use crate::definition::plate::{Plate, WidthMode};
 use crate::time::galerkin;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -147,9 +147,9 @@ fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> T
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::definition::presets::{preset, presets};
     use crate::frequency::equation::Equation;
     use crate::frequency::respond::respond;
-    use crate::spec::presets::{preset, presets};
     use crate::time::fit;
 
     #[test]

@@ -1,7 +1,7 @@
 //! The source's resistance and the actuator couple the oscillators; a diagonalisation makes them independent again.
 
 use super::bank::{Input, J, ModalBank};
-use crate::spec::actuator::Resonator;
+use crate::definition::actuator::Resonator;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;

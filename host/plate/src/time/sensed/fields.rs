@@ -1,9 +1,9 @@
 //! The field of the plate at the frequencies that the outputs are fitted to.
 
 use crate::calibrate::{SensorKind, seen};
+use crate::definition::plate::Plate;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
-use crate::spec::plate::Plate;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 use super::*;
 use crate::calibrate::seen;
+use crate::definition::presets::{preset, presets};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond;
-use crate::spec::presets::{preset, presets};
 
 const RATE_HZ: f64 = 400e3;
 /// What the hold of the DAC delays.

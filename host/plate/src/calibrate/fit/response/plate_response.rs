@@ -6,8 +6,8 @@
 
 use super::wave::Wave;
 use crate::calibrate::measurement::sensor::SensorKind;
+use crate::definition::{DriveEnd, Impedance, Model, Plate, PlateSpec, Source};
 use crate::frequency::driven_end::DrivenEnd;
-use crate::spec::{DriveEnd, Impedance, Model, Plate, PlateSpec, Source};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -135,6 +135,6 @@ pub(crate) fn answers(
 }
 
 /// Whether a source acts on such a plate: an end of a plate in bending, or a sheet whose tension or thickness is told.
-pub(crate) fn takes_a_source(model: &Model) -> Result<(), crate::spec::PlateError> {
+pub(crate) fn takes_a_source(model: &Model) -> Result<(), crate::definition::PlateError> {
     model.surface_density("a fit of the source").map(drop)
 }

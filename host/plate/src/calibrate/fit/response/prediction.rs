@@ -4,9 +4,9 @@ use super::wave::{FINE, points, seen};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::calibrate::measurement::signal;
+use crate::definition::{Plate, sample_rate};
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::{Equation, respond_range};
-use crate::spec::{Plate, sample_rate};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -80,7 +80,7 @@ fn per_metre(plate: &Plate, sensor: &Measurement, frequency_hz: f64) -> Complex6
 mod tests {
     use super::*;
     use crate::calibrate::measurement::sensor::MeasuredPoint;
-    use crate::spec::preset;
+    use crate::definition::preset;
     use crate::{PlateSpec, Resonator, respond};
 
     fn wanted(place_m: f64, sensor: SensorKind, frequencies_hz: &[f64]) -> Measurement {

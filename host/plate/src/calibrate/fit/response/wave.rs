@@ -5,10 +5,10 @@
 //! does not depend on them at all.
 
 use crate::calibrate::measurement::sensor::SensorKind;
+use crate::definition::{DriveEnd, Plate, PlateError, PlateSpec};
 use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::{Equation, POINTS_MAX, respond_range};
-use crate::spec::{DriveEnd, Plate, PlateError, PlateSpec};
 use crate::table::level;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -180,7 +180,7 @@ fn curvature_weight(i: usize, t: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::preset;
+    use crate::definition::preset;
     use crate::{Impedance, Source, respond};
 
     #[test]

@@ -4,8 +4,8 @@ use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::check_count;
 use crate::calibrate::fit::response::plate_response::Units;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
+use crate::definition::{Plate, sample_rate};
 use crate::frequency::respond_range;
-use crate::spec::{Plate, sample_rate};
 use num_complex::Complex64;
 
 /// A response without the hold and the sensor's own rise, over its root mean square.

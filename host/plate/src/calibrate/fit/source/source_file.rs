@@ -2,7 +2,7 @@
 
 use crate::calibrate::fit::response::plate_response::{Units, soft_source};
 use crate::calibrate::fit::result::Parameter;
-use crate::spec::{Actuator, DriveEnd, Impedance, PlateSpec, Resonator, Source, limits};
+use crate::definition::{Actuator, DriveEnd, Impedance, PlateSpec, Resonator, Source, limits};
 use std::f64::consts::TAU;
 
 /// `spec` with a source of this impedance at its driven end.

@@ -1,9 +1,9 @@
 //! The actuator between the DAC and the driven end: a mass on a spring, or a measured curve.
 
-use crate::spec::error::PlateError;
-use crate::spec::limits;
-use crate::spec::response_curve::ResponseCurve;
-use crate::spec::travel::Travel;
+use crate::definition::error::PlateError;
+use crate::definition::limits;
+use crate::definition::response_curve::ResponseCurve;
+use crate::definition::travel::Travel;
 use num_complex::Complex64;
 
 /// What lies between the DAC and the driven end.

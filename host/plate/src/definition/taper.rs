@@ -3,9 +3,9 @@
 //! The plate spans z = -W..+W. Beyond the plate's end the taper is continued, so that the tail of the wave decays as
 //! in a longer plate.
 
+use crate::definition::error::{Origin, PlateError};
+use crate::definition::limits;
 use crate::quantity::Range;
-use crate::spec::error::{Origin, PlateError};
-use crate::spec::limits;
 
 /// The law of the half-width W(x); x = 0 is the driven, wide end.
 ///

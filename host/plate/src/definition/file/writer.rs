@@ -1,12 +1,12 @@
 //! Writes a plate as TOML text.
 
-use crate::spec::actuator::Actuator;
-use crate::spec::calibration::Calibration;
-use crate::spec::drive::DriveEnd;
-use crate::spec::model::{Bending, Model};
-use crate::spec::plate::Plate;
-use crate::spec::source::{EndSlope, Source};
-use crate::spec::taper::Taper;
+use crate::definition::actuator::Actuator;
+use crate::definition::calibration::Calibration;
+use crate::definition::drive::DriveEnd;
+use crate::definition::model::{Bending, Model};
+use crate::definition::plate::Plate;
+use crate::definition::source::{EndSlope, Source};
+use crate::definition::taper::Taper;
 use serde::Serialize;
 
 #[derive(Serialize)]

@@ -1,7 +1,7 @@
 //! A mechanical impedance: what resists the motion of a driven end, of a damper, of a fingertip.
 
+use crate::definition::limits;
 use crate::quantity::Range;
-use crate::spec::limits;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 

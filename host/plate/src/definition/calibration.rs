@@ -1,10 +1,10 @@
 //! What a calibration leaves in a plate file beside the plate's numbers: how well they are known, and what the drive does
 //! over what the rest of the file says of it.
 
-use crate::spec::error::PlateError;
-use crate::spec::impedance::Impedance;
-use crate::spec::limits;
-use crate::spec::response_curve::ResponseCurve;
+use crate::definition::error::PlateError;
+use crate::definition::impedance::Impedance;
+use crate::definition::limits;
+use crate::definition::response_curve::ResponseCurve;
 
 /// The fields of a plate file for the source's intervals, in the order of [`Impedance::fields`].
 pub(crate) const SOURCE_TOLERANCE: [&str; 3] =

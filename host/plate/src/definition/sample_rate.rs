@@ -1,7 +1,7 @@
 //! Which sample rates carry a plate's band. The drive table and the time-domain line use the same rule.
 
+use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
-use crate::spec::plate::Plate;
 use thiserror::Error;
 
 /// Highest frequency of a table over the sample rate; the device refuses higher ones.

@@ -4,8 +4,8 @@
 //! (2 d K^2 for the exponential taper). Its peak lies 1.018793/kappa before x0 and it falls to a tenth of the peak
 //! 1.7098/kappa beyond it.
 
-use crate::spec::plate::Plate;
-use crate::spec::turning_width::TurningWidth;
+use crate::definition::plate::Plate;
+use crate::definition::turning_width::TurningWidth;
 use crate::special::airy;
 
 impl Plate {

@@ -12,8 +12,8 @@
 //! normal slope, not zero): near the turning point that takes (1 - nu) W''/W from k^2, and the sum is
 //! (2 nu - 1) W''/(2 W).
 
-use crate::spec::model::Model;
-use crate::spec::taper::{LogWidth, Taper, WidthLaw};
+use crate::definition::model::Model;
+use crate::definition::taper::{LogWidth, Taper, WidthLaw};
 
 /// Which half-width of the plate decides where a wave turns.
 ///

@@ -1,4 +1,5 @@
-//! The specification of a plate: taper, material, driven end and span, read from a file or given as numbers.
+//! The definition of a plate: taper, model, driven end, actuator and span, as numbers or as the text of a plate file; their
+//! ranges, and the laws of the width that follow from these numbers alone. Nothing here computes a response.
 
 pub(crate) mod actuator;
 pub(crate) mod calibration;

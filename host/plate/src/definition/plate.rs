@@ -4,15 +4,15 @@
 //! their own.
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
+use crate::definition::actuator::Actuator;
+use crate::definition::calibration::Calibration;
+use crate::definition::drive::DriveEnd;
+use crate::definition::error::{Consequence, Origin, PlateError};
+use crate::definition::model::Model;
+use crate::definition::strip_table::{self, StripTable};
+use crate::definition::taper::{Taper, WidthLaw};
+use crate::definition::turning_width::{TurningLaw, TurningWidth};
 use crate::quantity::Range;
-use crate::spec::actuator::Actuator;
-use crate::spec::calibration::Calibration;
-use crate::spec::drive::DriveEnd;
-use crate::spec::error::{Consequence, Origin, PlateError};
-use crate::spec::model::Model;
-use crate::spec::strip_table::{self, StripTable};
-use crate::spec::taper::{Taper, WidthLaw};
-use crate::spec::turning_width::{TurningLaw, TurningWidth};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -420,7 +420,7 @@ impl WidthMode<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::presets::preset;
+    use crate::definition::presets::preset;
 
     fn clamped() -> Plate {
         let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();

@@ -1,9 +1,9 @@
 //! A source with a mechanical impedance of its own, and the damped lead-in behind it.
 
-use crate::spec::error::PlateError;
-use crate::spec::impedance::Impedance;
-use crate::spec::limits;
-use crate::spec::model::Model;
+use crate::definition::error::PlateError;
+use crate::definition::impedance::Impedance;
+use crate::definition::limits;
+use crate::definition::model::Model;
 use serde::Serialize;
 
 /// A force F on a driven end that carries a damper, a mass and a spring: F - Z_s v acts on the plate, with v the velocity

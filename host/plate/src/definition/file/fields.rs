@@ -1,9 +1,9 @@
 //! The schema of a plate file: for each field its meaning, its type and range, and the kinds of taper, model or drive
 //! end that have it.
 
+use crate::definition::limits;
+use crate::definition::turning_width::TurningWidth;
 use crate::quantity::{Count, Range};
-use crate::spec::limits;
-use crate::spec::turning_width::TurningWidth;
 use std::borrow::Cow;
 
 /// Type and range of a field.

@@ -1,8 +1,8 @@
 //! How far an actuator moves and may move. A plate file without it limits the levels by the DAC alone.
 
+use crate::definition::error::{Origin, PlateError};
+use crate::definition::limits;
 use crate::quantity::Range;
-use crate::spec::error::{Origin, PlateError};
-use crate::spec::limits;
 
 /// How far an actuator moves at DAC full scale, and how far it may move; both to one side of its rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +33,7 @@ impl Travel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::actuator::Resonator;
+    use crate::definition::actuator::Resonator;
     use proptest::prelude::*;
     use std::f64::consts::TAU;
 

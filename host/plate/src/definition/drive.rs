@@ -2,10 +2,10 @@
 //!
 //! Time convention e^(-j omega t): a wave that travels into the plate is e^(+j k x).
 
-use crate::spec::error::PlateError;
-use crate::spec::limits;
-use crate::spec::model::Model;
-use crate::spec::source::{BENDING_ONLY, EndSlope, Source, refused};
+use crate::definition::error::PlateError;
+use crate::definition::limits;
+use crate::definition::model::Model;
+use crate::definition::source::{BENDING_ONLY, EndSlope, Source, refused};
 
 /// Boundary condition at x = 0 for a drive of 1; the solvers' amplitudes are relative to the drive.
 ///

@@ -11,8 +11,8 @@
 //! With clamped edges this holds near the cut-off only; farther from it the exact law is
 //! p tan p + r tanh r = 0 with p^2, r^2 = W^2 (K^2 -+ k^2), and a is its slope at k = 0.
 
-use crate::spec::error::PlateError;
-use crate::spec::limits;
+use crate::definition::error::PlateError;
+use crate::definition::limits;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Material, edge and wave of a plate.
@@ -239,7 +239,7 @@ fn clamped_root(mode: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::presets::preset;
+    use crate::definition::presets::preset;
 
     #[test]
     fn clamped_edges_have_the_slope_of_the_exact_law_at_the_cut_off() {

@@ -1,8 +1,8 @@
 //! A measured response, of an actuator or of a whole drive: gain and phase over frequency.
 
+use crate::definition::error::{Origin, PlateError};
+use crate::definition::limits;
 use crate::quantity::Range;
-use crate::spec::error::{Origin, PlateError};
-use crate::spec::limits;
 use num_complex::Complex64;
 
 /// A measured response: points of frequency, gain and phase, in rising frequency.
@@ -73,7 +73,7 @@ impl ResponseCurve {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::actuator::Resonator;
+    use crate::definition::actuator::Resonator;
 
     fn curve(points: &[[f64; 3]]) -> ResponseCurve {
         ResponseCurve { points: points.to_vec() }

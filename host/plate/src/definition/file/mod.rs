@@ -2,22 +2,22 @@
 
 mod fields;
 mod text;
-mod written;
+mod writer;
 
+use crate::definition::actuator::{Actuator, Resonator};
+use crate::definition::calibration::{Calibration, SOURCE_TOLERANCE};
+use crate::definition::drive::DriveEnd;
+use crate::definition::error::{Origin, PlateError, PlateFileError};
+use crate::definition::impedance::Impedance;
+use crate::definition::limits;
+use crate::definition::model::{Bending, Model};
+use crate::definition::plate::{Plate, PlateSpec};
+use crate::definition::response_curve::ResponseCurve;
+use crate::definition::source::{EndSlope, LeadIn, Source};
+use crate::definition::taper::Taper;
+use crate::definition::travel::Travel;
+use crate::definition::turning_width::TurningWidth;
 use crate::quantity::{Count, Counted, Range, WrongCount};
-use crate::spec::actuator::{Actuator, Resonator};
-use crate::spec::calibration::{Calibration, SOURCE_TOLERANCE};
-use crate::spec::drive::DriveEnd;
-use crate::spec::error::{Origin, PlateError, PlateFileError};
-use crate::spec::impedance::Impedance;
-use crate::spec::limits;
-use crate::spec::model::{Bending, Model};
-use crate::spec::plate::{Plate, PlateSpec};
-use crate::spec::response_curve::ResponseCurve;
-use crate::spec::source::{EndSlope, LeadIn, Source};
-use crate::spec::taper::Taper;
-use crate::spec::travel::Travel;
-use crate::spec::turning_width::TurningWidth;
 use text::{Given, Text};
 
 /// Largest plate file that is read, bytes.

@@ -1,6 +1,6 @@
 //! The plates that come with Slipline, as the plate files under `presets/`.
 
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 
 /// A plate that comes with Slipline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! Reads a plate's TOML text field by field and finds the line of each field for error messages.
 
 use super::fields::{FieldSpec, FieldType, SECTIONS, Section};
+use crate::definition::error::{PlateError, PlateFileError};
 use crate::quantity::{hint, must_be, nearest};
-use crate::spec::error::{PlateError, PlateFileError};
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
