@@ -1,4 +1,4 @@
-//! Figures of merit of a boundary: how sharp it is, how fast it can be switched, how many can be told apart.
+//! Figures of merit of a boundary: how sharp it is, how fast it can be switched, how many can be distinguished.
 //!
 //! ```text
 //! solid area of 16 tones (texture) -> contrast, ripple, edge width
@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 /// Turning points whose second peak is tried, per span.
 const NEIGHBOURS: usize = 400;
-/// Two peaks can be told apart if the mean square between them falls to this share of theirs: 3 dB.
+/// Two peaks can be distinguished if the mean square between them falls to this share of theirs: 3 dB.
 const DIP: f64 = 0.5;
 /// Switched means: within this share of the new amplitude.
 const SWITCHED: f64 = 0.1;
@@ -40,7 +40,7 @@ pub struct Merit {
     /// Least distance of a second, equally high peak before this one between which the mean square falls by 3 dB,
     /// metres; `None` if no tone of the span makes one.
     pub two_point_m: Option<f64>,
-    /// log2(1 + span / two-point distance) / switching time: boundaries that can be told apart, as often as they can be
+    /// log2(1 + span / two-point distance) / switching time: boundaries that can be distinguished, as often as they can be
     /// switched.
     pub bits_per_s: Option<f64>,
 }

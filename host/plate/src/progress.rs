@@ -7,7 +7,7 @@ use thiserror::Error;
 #[error("stopped before it was done")]
 pub struct Stopped;
 
-/// What a long computation tells as it goes; made by who waits for it.
+/// Progress of a long computation, reported to the caller that waits for it.
 pub struct Progress<'a> {
     /// Takes the share done, 0 to 1; false ends the computation.
     tell: &'a mut dyn FnMut(f64) -> bool,
@@ -27,10 +27,10 @@ impl<'a> Progress<'a> {
         Progress { from: self.from + from * whole, to: self.from + to * whole, tell: &mut *self.tell }
     }
 
-    /// Tells that `share` (0 to 1) of this part is done.
+    /// Reports that `share` (0 to 1) of this part is done.
     ///
     /// # Errors
-    /// [`Stopped`] when nobody wants the result any more.
+    /// [`Stopped`] when the caller does not want the result any more.
     pub fn at(&mut self, share: f64) -> Result<(), Stopped> {
         let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
         if (self.tell)(self.from + share * (self.to - self.from)) { Ok(()) } else { Err(Stopped) }

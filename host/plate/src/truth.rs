@@ -1,4 +1,4 @@
-//! A plate that nobody knows, drawn at random near a nominal one: for tests and for a simulated rig.
+//! An unknown plate, drawn at random near a nominal one: for tests and for a simulated rig.
 
 use crate::definition::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel};
 use std::f64::consts::TAU;
@@ -49,7 +49,7 @@ impl Random {
 /// ln(W0/W) within 0.4 %, W0 within 0.3 %, a source with 0.4 to 2.5 times the resistance that matches and with mass and
 /// spring, and an actuator with a resonance.
 ///
-/// A plate whose file does not tell its wave impedance keeps its driven end. The next numbers of `random` are not used: a
+/// A plate whose file does not state its wave impedance keeps its driven end. The next numbers of `random` are not used: a
 /// rig draws its delay and gain from them.
 ///
 /// # Errors
@@ -99,7 +99,7 @@ pub(crate) const QUALITY: (f64, f64) = (0.7, 5.0);
 pub(crate) struct DriveSpread {
     /// The middle of the band, Hz.
     pub(crate) middle_hz: f64,
-    /// `None` for a plate whose file does not tell its wave impedance: it keeps its driven end.
+    /// `None` for a plate whose file does not state its wave impedance: it keeps its driven end.
     pub(crate) source: Option<SourceSpread>,
     travel: Option<Travel>,
 }

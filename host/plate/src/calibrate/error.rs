@@ -112,7 +112,7 @@ pub enum CalibrateError {
     /// The fit is good, but a sensor would be at another place.
     #[error("the sensor at {} seems to be at {}: measure its place again", show_place(*.place_m), show_place(*.found_m))]
     Misplaced {
-        /// The place that was told, metres.
+        /// The stated place, metres.
         place_m: f64,
         /// The place that fits, metres.
         found_m: f64,
@@ -125,7 +125,7 @@ pub enum CalibrateError {
         /// Frequencies of the ends of the span, Hz.
         needed_hz: (f64, f64),
     },
-    /// Felt edges that are too few or too close to tell the wave speed from the threshold.
+    /// Felt edges that are too few or too close to separate wave speed and threshold.
     #[error("{count} felt edges up to {} apart do not tell the wave speed from the threshold: at least two are needed, {} apart", show_place(*.apart_m), show_place(*.least_m))]
     CloseMarks {
         /// How many there are.
@@ -135,7 +135,7 @@ pub enum CalibrateError {
         /// Least distance that is accepted, metres.
         least_m: f64,
     },
-    /// Felt edges that leave open what they are to tell.
+    /// Felt edges that leave the edge open.
     #[error("the felt edges do not carry a calibration: they leave the edge open to ±{}, more than ±{}. Touch more marks, spread over the plate, or measure the drive's current first", show_place(*.edge_m), show_place(*.most_m))]
     EdgesOpen {
         /// Half of the 95 % interval of the felt edge, root of the mean square over the band, metres.
@@ -148,7 +148,7 @@ pub enum CalibrateError {
         "on no such plate an edge is felt at all of these frequencies: either nothing is felt there, or all up to the plate's end; is the level right?"
     )]
     NoEdge,
-    /// The data leave open what a plate file must tell.
+    /// The data leave open what a plate file must state.
     #[error("the measurement does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation); {} % of the answers of the sensor at {} are noise. Put it where the plate moves: not at a node, and before {}, the last boundary", show_place(*.boundary_m), significant(*.level_db, 2), significant(100.0 * .silent_share, 2), show_place(*.place_m), show_place(*.span_end_m))]
     NotCarried {
         /// Standard deviation of the boundary, metres.
@@ -162,7 +162,7 @@ pub enum CalibrateError {
         /// End of the plate's span, metres.
         span_end_m: f64,
     },
-    /// The current leaves open what a plate file must tell.
+    /// The current leaves open what a plate file must state.
     #[error("the current does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation). The plate hardly moves the drive: measure with a sensor on it", show_place(*.boundary_m), significant(*.level_db, 2))]
     NotCarriedByCurrent {
         /// Standard deviation of the boundary, metres.

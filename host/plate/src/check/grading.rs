@@ -24,18 +24,18 @@ pub(super) struct Site<'a> {
     /// The amplitude over the plate at that frequency.
     pub(super) response: Response,
     pub(super) levels: SiteLevels,
-    /// What a calibration leaves open here; `None` for a plate that nobody has measured.
+    /// What a calibration leaves open here; `None` for an uncalibrated plate.
     pub(super) interval: Option<Interval>,
 }
 
 impl Finding {
-    /// Tells what the light's number must be.
+    /// States what the light's number must be.
     pub(super) fn limited(mut self, limit: Limit) -> Self {
         self.light.limit = Some(limit);
         self
     }
 
-    /// Tells where on the plate it fails, unless it does not.
+    /// States where on the plate it fails, unless it does not.
     pub(super) fn over(mut self, stretches: impl FnOnce() -> Vec<Stretch>) -> Self {
         if self.light.colour > Colour::Green {
             self.light.stretches = stretches();
@@ -43,7 +43,7 @@ impl Finding {
         self
     }
 
-    /// Tells the one place where it fails, unless it does not.
+    /// States the one place where it fails, unless it does not.
     pub(super) fn at(self, place_m: f64) -> Self {
         self.over(|| vec![Stretch::at(place_m)])
     }

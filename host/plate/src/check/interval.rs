@@ -33,8 +33,8 @@ pub(super) struct End {
 }
 
 impl Interval {
-    /// That of `plate` at the boundary `boundary_m`, metres, where the wave of `frequency_hz` turns; `None` for a plate that
-    /// nobody has measured.
+    /// That of `plate` at the boundary `boundary_m`, metres, where the wave of `frequency_hz` turns; `None` for an
+    /// uncalibrated plate.
     pub(super) fn new(plate: &Plate, boundary_m: f64, frequency_hz: f64) -> Option<Self> {
         let calibration = plate.spec().calibration.as_ref()?;
         let half_m = plate.boundary_tolerance_m(boundary_m)?;

@@ -50,7 +50,7 @@ pub(super) struct SiteLevels {
     /// That of the plate itself, per unit of DAC amplitude.
     pub(super) nominal: f64,
     /// How far the peak may be from the table's level, after one factor for the span: where the end has the near field
-    /// that the file leaves out, dB. 0 for a file that tells both conditions of its end.
+    /// that the file leaves out, dB. 0 for a file that states both conditions of its end.
     pub(super) by_end_db: f64,
     /// The same where the wave speed is off by 1 %, dB.
     pub(super) by_speed_db: f64,
@@ -61,7 +61,7 @@ pub(super) struct SiteLevels {
     /// Whether the peak is the largest amplitude on the plate, with its whole end, and at all these speeds; on a calibrated
     /// plate over its intervals instead.
     pub(super) peak_largest: bool,
-    /// What the intervals of a calibrated plate do; `None` for a plate that nobody has measured.
+    /// What the intervals of a calibrated plate do; `None` for an uncalibrated plate.
     pub(super) calibrated: Option<Calibrated>,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Calibrated {
 
 impl SiteLevels {
     /// How far the peak of a calibrated plate may be from the table's level, dB: as measured, or by the intervals of wave speed
-    /// and loss where no levels were measured. `None` for a plate that nobody has measured.
+    /// and loss where no levels were measured. `None` for an uncalibrated plate.
     pub(super) fn open_db(&self, plate: &Plate) -> Option<f64> {
         let measured = plate.spec().calibration.as_ref()?.level_tolerance_db;
         measured.or(self.calibrated.map(|levels| levels.off_db))

@@ -34,7 +34,7 @@ impl Finding {
     }
 
     /// Judges the light by its numbers and colours at the ends of an interval, too: green only if it is green there. The interval
-    /// of its number is told only where there is a number at every end.
+    /// of its number is stated only where there is a number at every end.
     pub(super) fn between(mut self, at_ends: &[(f64, Colour)], words: &str) -> Self {
         let light = &mut self.light;
         if light.colour == Colour::Unchecked || at_ends.is_empty() {

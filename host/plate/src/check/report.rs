@@ -71,8 +71,8 @@ pub struct Light {
     pub name: &'static str,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
     pub value: Option<f64>,
-    /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for a plate that nobody
-    /// has measured, and where the number does not depend on what was measured.
+    /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for an uncalibrated one, and where the
+    /// number does not depend on what was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
     /// The highest.
@@ -104,7 +104,7 @@ impl Light {
     }
 }
 
-/// An interval with three digits, `0.30 to 0.32`; `None` where three digits do not tell its ends apart.
+/// An interval with three digits, `0.30 to 0.32`; `None` where three digits do not separate its ends.
 pub(super) fn range(low: f64, high: f64) -> Option<String> {
     let (low, high) = (significant(low, 3), significant(high, 3));
     (low != high).then(|| format!("{low} to {high}"))
@@ -117,8 +117,8 @@ pub struct Report {
     pub plate: String,
     /// The boundary, metres; `None` over the span.
     pub boundary_m: Option<f64>,
-    /// How well the boundary is known, the largest over what was checked: half of the 95 % interval, metres; `None` for a plate
-    /// that nobody has measured.
+    /// How well the boundary is known, the largest over what was checked: half of the 95 % interval, metres; `None` for an
+    /// uncalibrated plate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boundary_tolerance_m: Option<f64>,
     /// The same of the level of the peak, dB; `None` where no levels were measured.
@@ -131,7 +131,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// What a calibration knows of boundary and level, in words; `None` for a plate that nobody has measured.
+    /// What a calibration knows of boundary and level, in words; `None` for an uncalibrated plate.
     #[must_use]
     pub fn known(&self) -> Option<String> {
         let boundary = interval::boundary_words(self.boundary_tolerance_m?);

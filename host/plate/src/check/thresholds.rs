@@ -56,7 +56,7 @@ pub const EDGE_WIDTH: Limits = Limits { green: 4.0, amber: 15.0 };
 /// about 1 dB to be noticed; 6.02 dB is a factor of two, and temperature or tension alone move the wave speed by a per cent.
 pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.02 };
 
-/// Relative uncertainty of the loss factor where the plate file does not tell it: halved or doubled. Loss factors in
+/// Relative uncertainty of the loss factor where the plate file does not state it: halved or doubled. Loss factors in
 /// tables and from one sheet to the next differ by as much, and mounting adds to them.
 pub const LOSS_TOLERANCE: f64 = 1.0;
 

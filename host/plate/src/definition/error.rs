@@ -45,7 +45,7 @@ pub enum PlateError {
     UnknownKind {
         /// The field, as it is written in the plate file.
         field: String,
-        /// The value as the file has it: a text with its quotes.
+        /// The value as in the file: a text with its quotes.
         value: String,
         /// What is allowed, in words.
         allowed: String,

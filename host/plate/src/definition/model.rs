@@ -158,7 +158,7 @@ impl Model {
     /// Mass per area, kg/m^2: T/V^2 of a membrane, rho h of the others.
     ///
     /// # Errors
-    /// [`PlateError::Missing`] if the plate file does not tell the tension or the thickness; `needed_by` says what needs
+    /// [`PlateError::Missing`] if the plate file does not state the tension or the thickness; `needed_by` says what needs
     /// it ("a source").
     pub(crate) fn surface_density(&self, needed_by: &str) -> Result<f64, PlateError> {
         let missing = |field: &str, meaning: &str| PlateError::Missing {

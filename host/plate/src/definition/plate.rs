@@ -38,7 +38,7 @@ pub struct PlateSpec {
     /// this tolerance, not only for the nominal one. Useful with a matched drive end, whose ripple is small.
     pub wave_speed_tolerance: f64,
     /// Relative uncertainty t of the loss factor (0 to 4): the true one lies between `loss_factor`/(1 + t) and
-    /// (1 + t) `loss_factor`, so 1 is "halved or doubled". `None` if nobody has said how well it is known.
+    /// (1 + t) `loss_factor`, so 1 is "halved or doubled". `None` if that is unknown.
     pub loss_tolerance: Option<f64>,
     /// What is held at x = 0.
     pub drive_end: DriveEnd,
@@ -51,7 +51,7 @@ pub struct PlateSpec {
     /// Turning point farthest from the drive that a user can choose, metres (at least 0.001 L beyond `span_start_m`,
     /// at most L).
     pub span_end_m: f64,
-    /// What a calibration found of the drive and of the widths; `None` for a plate that nobody has measured.
+    /// What a calibration found of the drive and of the widths; `None` for an uncalibrated plate.
     pub calibration: Option<Calibration>,
 }
 

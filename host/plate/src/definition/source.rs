@@ -17,7 +17,7 @@ use serde::Serialize;
 pub struct Source {
     /// Z_s.
     pub impedance: Impedance,
-    /// Frequency for which the force is told, Hz (above the cut-off at x = 0).
+    /// Frequency at which the force is stated, Hz (above the cut-off at x = 0).
     pub at_frequency_hz: f64,
     /// What holds the slope of an end in bending; `None` for membranes and shear waves, whose end has no slope.
     pub slope: Option<EndSlope>,

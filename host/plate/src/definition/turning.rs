@@ -41,9 +41,9 @@ impl Plate {
     }
 
     /// How well a calibration knows where a wave turns whose boundary is at `x` metres: half of the 95 % interval, metres.
-    /// `None` for a plate that nobody has measured.
+    /// `None` for an uncalibrated plate.
     ///
-    /// A calibration tells the error of the wave speed that would move the boundary by as much: with K s = q, dV/V = s'/s dx.
+    /// A calibration states the error of the wave speed that would move the boundary by as much: with K s = q, dV/V = s'/s dx.
     pub fn boundary_tolerance_m(&self, x: f64) -> Option<f64> {
         self.spec().calibration.as_ref()?;
         Some(self.spec().wave_speed_tolerance / self.turning.at(x).slope.abs())

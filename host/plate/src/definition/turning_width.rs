@@ -85,7 +85,7 @@ pub(crate) struct LogTurningWidth {
 
 /// Intervals in which the curve of a sampled taper's arcs is divided at least.
 const ARC_INTERVALS: usize = 512;
-/// The least fall of ln(arc) from point to point of a sampled taper: far below what a frequency can tell.
+/// The least fall of ln(arc) from point to point of a sampled taper: far below what a frequency resolves.
 const LEAST_FALL: f64 = 1e-12;
 
 impl TurningLaw {

@@ -1,4 +1,4 @@
-//! What is wrong with a plate, as a sentence: one wording, and whoever shows it chooses how fields and numbers are
+//! What is wrong with a plate, as a sentence: one wording; the caller chooses how fields and numbers are
 //! written.
 
 use super::error::{Consequence, Origin, PlateError};

@@ -110,7 +110,7 @@ pub fn design_watched(request: &Request, progress: &mut Progress<'_>) -> Result<
     design_in_steps(request, |share| Ok(progress.at(share)?))
 }
 
-/// `step` is told the share done before each part of the work, and its error ends the design.
+/// `step` gets the share done before each part of the work, and its error ends the design.
 fn design_in_steps<E: From<PlateError>>(
     request: &Request,
     mut step: impl FnMut(f64) -> Result<(), E>,

@@ -25,7 +25,7 @@ pub enum RespondError {
     /// The frequency is too low, too high or not a number.
     #[error("{0} for this plate")]
     Frequency(OutOfRange),
-    /// The plate file does not tell how heavy its wave is, which a finger needs.
+    /// The plate file does not state how heavy its wave is, which a finger needs.
     #[error("{0}")]
     Untold(PlateError),
     /// The number of points or of width modes, the sample rate, or a field of the finger, is out of range.

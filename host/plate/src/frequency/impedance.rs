@@ -10,7 +10,7 @@ impl Plate {
     /// Z = sigma v_g (integral of the width mode's square over z) with the mass per area sigma, the group speed
     /// v_g = d omega/d k at x = 0 and the width mode that is 1 on the centre line. It is T W k0/omega for a membrane of
     /// the tension T per metre and 2 W k0 sqrt(D rho h) for a thin supported plate. 0 if the wave cannot enter; `None` if
-    /// the plate file does not tell the membrane's tension or the sheet's thickness.
+    /// the plate file does not state the membrane's tension or the sheet's thickness.
     pub fn wave_impedance_n_s_per_m(&self, frequency_hz: f64) -> Option<f64> {
         let surface_density = self.spec().model.surface_density("an impedance").ok()?;
         let width_mode = self.width_mode(1);

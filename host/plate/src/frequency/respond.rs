@@ -66,7 +66,7 @@ pub fn respond(
 ///
 /// # Errors
 /// As [`respond`]; [`RespondError::OutOfRange`] for a field of the finger, [`RespondError::Untold`] if the plate file
-/// does not tell the membrane's tension or the sheet's thickness.
+/// does not state the membrane's tension or the sheet's thickness.
 pub fn respond_touched(
     plate: &Plate,
     finger: Option<&Finger>,

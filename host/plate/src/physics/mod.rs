@@ -82,7 +82,7 @@ mod tests {
     fn what_the_figures_show_is_what_their_page_says() {
         let [field, turning, clamped, reflection, finger] =
             <[Figure; 5]>::try_from(figures().expect("the presets show them")).expect("five");
-        // One and two dimensions are hard to tell apart.
+        // One and two dimensions are hard to distinguish.
         for panel in 0..2 {
             let off = apart(&field, panel, ("one dimension", "two dimensions"), (5.0, 320.0));
             let top = curve(&field, panel, "one dimension").iter().map(|point| point.1).fold(0.0, f64::max);

@@ -9,7 +9,7 @@ use crate::frequency::driven_end::reflection;
 use crate::paper::figure::{Figure, FigureError, Panel, Series, Stroke, ramp};
 use crate::plane;
 
-/// The resistances are told in wave impedances at this frequency, Hz.
+/// The resistances are stated in wave impedances at this frequency, Hz.
 const AT_HZ: f64 = 28e3;
 const BAND_KHZ: (f64, f64) = (12.0, 44.0);
 const LINE_POINTS: usize = 129;

@@ -15,7 +15,7 @@ pub enum PlaneError {
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
     /// A number of the lead-in is out of range, or something in newtons acts on a membrane or SH plate whose tension or
-    /// thickness is not told.
+    /// thickness is not stated.
     #[error(transparent)]
     Plate(#[from] PlateError),
     /// A lead-in on a membrane or SH plate.

@@ -36,7 +36,7 @@ pub fn reflection(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Com
     let log_width = plate.width.at(0.0).value;
     let width_mode = plate.width_mode(1);
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-    // Close to the cut-off the wavelength has no bound; two waves are told apart over a part of it, too.
+    // Close to the cut-off the wavelength has no bound; a part of it separates two waves, too.
     let unbounded = plate.spec().model.wavenumber_squared(TAU * frequency_hz).sqrt();
     let margin_m = MARGIN_HALF_WIDTHS * log_width.exp();
     let fitted_m = FITTED_WAVELENGTHS * TAU / wavenumber.max(0.05 * unbounded);

@@ -28,7 +28,7 @@ pub(super) fn sheet(model: &Model, frequency_hz: f64) -> (Edges, Energy, f64) {
     }
 }
 
-/// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not tell it).
+/// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not state it).
 ///
 /// Where shear and rotary inertia are included, D is the value that makes the power of a wave right with Mindlin's K:
 /// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate.
@@ -123,7 +123,7 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
 /// The wave impedance Z of the first width mode at x = 0, N s/m (per N/m of tension where that is not known); 0 below
 /// the cut-off. With clamped edges it is that of the exact dispersion relation.
 ///
-/// It is Z of [`Plate::wave_impedance_n_s_per_m`], of which a plate file tells its resistance as a share: the wave has the
+/// It is Z of [`Plate::wave_impedance_n_s_per_m`], of which a plate file states its resistance as a share: the wave has the
 /// wavenumber of the turning width and moves the whole half-width.
 pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
     let model = &plate.spec().model;

@@ -3,7 +3,7 @@
 use super::number_format::{at_least, at_most, typed};
 use std::fmt;
 
-/// What a range is of, and so the units that its ends are told in.
+/// What a range is of, and so the units of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Metres.
@@ -37,7 +37,7 @@ impl Measure {
             Self::Plain(unit) => &[(1.0, unit)],
         };
         let suits = units.iter().find(|(factor, _)| value.abs() >= factor * (1.0 - 1e-9));
-        // Nothing is nothing of the first unit; what is smaller than all units is told in the last.
+        // Nothing is nothing of the first unit; what is smaller than all units is shown in the last.
         let otherwise = if value == 0.0 { units.first() } else { units.last() };
         let (factor, unit) = *suits.or(otherwise).unwrap_or(&(1.0, ""));
         // The division's own error must not count as a digit to be rounded away.

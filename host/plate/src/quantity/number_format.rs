@@ -10,7 +10,7 @@ pub fn typed(value: f64) -> String {
     }
 }
 
-/// A number with so many decimals; where they would all be zero, with as many as show two of its digits: `0.23`,
+/// A number with this many decimals; where they would all be zero, with as many as show two of its digits: `0.23`,
 /// `12.50`, `0.0034`.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let size = value.abs();
@@ -27,14 +27,14 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
     format!("{value:.*}", usize::try_from(1 - size.log10().floor() as i32).unwrap_or(decimals))
 }
 
-/// A number rounded to so many decimals, with no row of zeros behind its digits and never `-0`: `0.5`, `20`.
+/// A number rounded to this many decimals, with no row of zeros behind its digits and never `-0`: `0.5`, `20`.
 pub fn rounded(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A number with so many digits that count (1 to 15), no row of zeros behind them, and an exponent only where it would
+/// A number with this many significant digits (1 to 15), no row of zeros behind them, and an exponent only where it would
 /// take nine more zeros: `7`, `0.000001`, `28.312`, `9.000e12`.
 pub fn significant(value: f64, digits: usize) -> String {
     let decade = value.abs().log10().floor();
@@ -47,12 +47,12 @@ pub fn significant(value: f64, digits: usize) -> String {
     rounded(value, (digits as f64 - 1.0 - decade).clamp(0.0, 12.0) as usize)
 }
 
-/// The least number of so many digits (1 to 15) that is not below `value`.
+/// The least number of this many digits (1 to 15) that is not below `value`.
 pub fn at_least(value: f64, digits: usize) -> f64 {
     -at_most(-value, digits)
 }
 
-/// The largest number of so many digits (1 to 15) that is not above `value`.
+/// The largest number of this many digits (1 to 15) that is not above `value`.
 pub fn at_most(value: f64, digits: usize) -> f64 {
     let decimals = digits.clamp(1, 15) - 1;
     let rounded = |value: f64| format!("{value:.decimals$e}").parse().unwrap_or(value);

@@ -17,7 +17,7 @@ pub enum PlaceOrFrequency {
 /// The most characters a typed value may have; longer input is no number.
 const LONGEST: usize = 64;
 
-/// The minus sign of typesetters, as text that is copied from a page has it.
+/// The minus sign of typesetters, as in text that is copied from a page.
 const MINUS: char = '\u{2212}';
 
 /// The number in front and the unit behind it; a comma counts as a decimal point.

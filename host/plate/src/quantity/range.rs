@@ -31,7 +31,7 @@ impl Range {
         Self::new(f64::NEG_INFINITY, high, unit)
     }
 
-    /// The same with its ends rounded inwards to five digits: what may be told of it.
+    /// The same with its ends rounded inwards to five digits: the range that a message states.
     #[must_use]
     pub fn rounded(self) -> Self {
         Self { low: at_least(self.low, 5), high: at_most(self.high, 5), unit: self.unit }
@@ -92,7 +92,7 @@ impl Count {
         Self { least, most, of }
     }
 
-    /// Up to so many of something.
+    /// Up to this number of something.
     pub const fn at_most(most: usize, of: Counted) -> Self {
         Self::new(0, most, of)
     }
@@ -103,7 +103,7 @@ impl Count {
         format!("{self} {}", self.of)
     }
 
-    /// Whether so many are allowed.
+    /// Whether this number is allowed.
     pub fn contains(self, count: usize) -> bool {
         (self.least..=self.most).contains(&count)
     }

@@ -15,7 +15,7 @@ pub fn must_be(given: impl fmt::Display, allowed: impl fmt::Display) -> String {
     format!("{given}: {}", only(allowed))
 }
 
-/// `must be 0.005 to 10 m`: what is allowed, where whoever shows it tells what was given.
+/// `must be 0.005 to 10 m`: what is allowed, where the caller shows what was given.
 #[must_use]
 pub fn only(allowed: impl fmt::Display) -> String {
     format!("must be {allowed}")
@@ -65,7 +65,7 @@ impl fmt::Display for OutOfRange {
         let space = if self.range.unit.is_empty() { "" } else { " " };
         let value = if self.value.is_nan() { "NaN".to_owned() } else { typed(self.value) };
         let given = format!("{} = {value}{space}{}", self.field, self.range.unit);
-        // A range of counts is told to the last digit: rounding would leave allowed ones out.
+        // A range of counts is stated to the last digit: rounding would leave allowed ones out.
         let is_of_counts =
             self.range.unit.is_empty() && self.range.low.fract() == 0.0 && self.range.high.fract() == 0.0;
         if is_of_counts {
@@ -116,7 +116,7 @@ pub(crate) fn wrong_count(field: &str, count: usize, allowed: Count) -> String {
 }
 
 /// A typed text that is not allowed: it is no number of a unit that fits, or its number is out of range. Its sentence
-/// does not repeat the text: whoever shows it has it in view.
+/// does not repeat the text: the caller shows it beside the message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotAllowed<A> {
     /// Why no number could be read from it; nothing where its number is out of range.
@@ -142,7 +142,7 @@ pub enum QuantityError {
     /// There is no number in front.
     #[error("{0:?} does not begin with a number")]
     NoNumber(String),
-    /// The number is too large to be told from infinity.
+    /// The number is too large to differ from infinity.
     #[error("{0:?} is too large a number")]
     TooLarge(String),
     /// The unit is not one that fits here.

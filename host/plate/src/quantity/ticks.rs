@@ -22,7 +22,7 @@ pub struct Ticks {
 
 /// Places that are made at most.
 const MOST: usize = 200;
-/// An axis with fewer labels than this tells no scale.
+/// An axis with fewer labels than this shows no scale.
 const LEAST: usize = 2;
 
 impl Ticks {

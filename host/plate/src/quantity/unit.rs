@@ -15,7 +15,7 @@ pub enum Unit {
     Millimetre,
     /// Hertz, or kilohertz from 1 kHz on.
     Hertz,
-    /// A unit of this name that is so many times the library's unit.
+    /// A unit of this name, as a multiple of the library's unit.
     Times(&'static str, f64),
     /// None.
     Pure,

@@ -86,7 +86,7 @@ struct TouchedCell {
 }
 
 impl TouchedCells {
-    /// The cells of rows whose loads `load(row, cell)` tells, the rows being `reach` cells long. `loss` is r dt/2 of the
+    /// The cells of rows with the loads `load(row, cell)`, the rows being `reach` cells long. `loss` is r dt/2 of the
     /// sheet.
     pub(super) fn new(reach: &[usize], loss: f64, load: impl Fn(usize, usize) -> Load) -> Self {
         let mut touched = Self::default();

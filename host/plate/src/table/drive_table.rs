@@ -95,7 +95,7 @@ impl DriveTable {
         let drive_to_peak = DriveToPeak::new(plate, sample_rate_hz)?;
         let (start, end) = plate.span_m();
         let band_hz = plate.band_hz();
-        // A device tells frequencies apart by the step of a 32-bit phase.
+        // A device distinguishes frequencies by the step of a 32-bit phase.
         if (band_hz.1 - band_hz.0) / (knots - 1) as f64 <= sample_rate_hz / PHASE_STEPS {
             return Err(TableError::Flat { span_m: (start, end), band_hz, knots });
         }

@@ -119,7 +119,7 @@ impl DriveToPeak {
     }
 }
 
-/// The amplitude that a table levels, of a field on points `step_m` apart: that of the turning-point peak, which is told,
+/// The amplitude that a table levels, of a field on points `step_m` apart: that of the turning-point peak, which is stated,
 /// too; without one, the amplitude at the turning point over 0.6628.
 pub(crate) fn peak_amplitude(
     plate: &Plate,

@@ -107,7 +107,7 @@ pub fn low_peak_turns(harmonics: &[u32], amplitudes: &[f64], longest: u32) -> (V
     (turns, peak)
 }
 
-/// The largest of all samples of a period of so many.
+/// The largest sample of a period of this length.
 fn peak(harmonics: &[u32], amplitudes: &[f64], turns: &[f64], samples: u32) -> f64 {
     let value = |n: u32| -> f64 {
         let tones = harmonics.iter().zip(amplitudes).zip(turns);

@@ -76,7 +76,7 @@ pub fn non_negative_least_squares(a: &Columns, b: &[f64]) -> Vec<f64> {
 
 /// The result of [`non_negative_least_squares`], and beside it the one with at most `most` unknowns above zero: the unknown
 /// whose loss raises the error least is taken away, and the others are solved for again, until so few are left. (The best
-/// set of so many is a search without end; this one is near it where the columns change smoothly.)
+/// set of a given size is a search without end; this one is near it where the columns change smoothly.)
 pub fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
     let mut set = ActiveSet::new(a, b);
     set.solve();

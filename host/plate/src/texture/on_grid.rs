@@ -4,7 +4,7 @@
 //! Texture --each to the nearest multiple--> powers fitted anew --> phases (crest) --> as loud as the peak allows
 //! ```
 //! Tones on a grid repeat exactly, so a device can prove their peak and take them louder than by the sum of their
-//! amplitudes. What the grid costs is told by the figures.
+//! amplitudes. The figures state what the grid costs.
 
 use super::crest::low_peak_turns;
 use super::error::TextureError;

@@ -1,7 +1,7 @@
-//! The plates and drives that felt edges are compared with: where the edge of a tone lies on one of them.
+//! The plates and drives near a file's, and the felt edges of tones on them.
 //!
-//! Coordinates: those of the plate ([`crate::calibrate::fit::unknowns`]), each over its standard deviation; then resistance, mass and
-//! spring of the source, resonance and quality of the actuator, as ln(u/(1 - u)) of their place u in the range of
+//! Coordinates: those of the plate ([`crate::calibrate::fit::unknowns`]), each over its standard deviation; then
+//! resistance, mass and spring of the source, resonance and quality of the actuator, as ln(u/(1 - u)) of their place u in the range of
 //! [`crate::truth`]; then the logarithm of the threshold over the level, over its standard deviation.
 
 use super::edge_envelope::Envelope;
@@ -35,7 +35,7 @@ pub(crate) struct PlayedTone {
     pub(crate) amplitude: f64,
 }
 
-/// What a drive does beside the plate.
+/// The numbers of a drive.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DriveNumbers {
     /// Resistance, mass and stiffness in the units of the spread.
@@ -49,7 +49,7 @@ pub(crate) struct DriveNumbers {
 pub(crate) struct Near<'a> {
     pub(crate) nominal: &'a Plate,
     pub(crate) feeling: Feeling,
-    /// `None` where the drive is as the file tells it.
+    /// `None` where the drive is as the file states it.
     pub(crate) drive: Option<DriveSpread>,
     /// Standard deviations of the plate's coordinates beforehand.
     pub(crate) deviations: [f64; OF_PLATE],
@@ -115,7 +115,7 @@ impl<'a> Near<'a> {
         }
     }
 
-    /// The DAC's amplitude for which the file tells each of these peaks, metres, at these frequencies.
+    /// The DAC's amplitude for which the file predicts each of these peaks, metres, at these frequencies.
     pub(crate) fn amplitudes(&self, tones: &[(f64, f64)]) -> Vec<f64> {
         let plate = self.nominal;
         let grid = Grid::new(plate, 1, Equation::Corrected, self.points, 1);

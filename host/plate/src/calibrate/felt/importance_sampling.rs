@@ -1,7 +1,7 @@
-//! Samples of what few data leave open, by adaptive importance sampling.
+//! Adaptive importance sampling of the plates and drives that few data leave possible.
 //!
-//! Where a handful of numbers meets ten unknowns the least squares tell one of many answers that fit alike. What serves best
-//! then is the mean over all of them, each weighted by its likelihood. Samples are drawn from what is known beforehand. Where
+//! With a handful of numbers for ten unknowns the least squares give one of many solutions that fit alike. The best estimate
+//! is the mean over all of them, each weighted by its likelihood. Samples are drawn from what is known beforehand. Where
 //! too few of them fit, they are drawn again, up to six times, from a normal distribution with the weighted mean and
 //! covariance of those before, somewhat wider.
 //! The weight is prior x likelihood over the density from which a sample was drawn, so the result does not depend on that
@@ -141,7 +141,7 @@ fn drawn<T: Target>(target: &T, normal: Option<&Normal>, random: &mut Random) ->
     samples
 }
 
-/// Coordinates, and the standard normal numbers that they come of.
+/// Coordinates, and the standard normal numbers from which they are made.
 fn draw(target: &impl Target, normal: Option<&Normal>, random: &mut Random) -> (Coordinates, Coordinates) {
     match normal {
         Some(normal) => {
@@ -245,7 +245,7 @@ mod tests {
             let gain = rows.transpose() * of_data.try_inverse().expect("regular");
             let mean = gain * nalgebra::Vector2::from(values);
             let covariance = Covariance::identity() - gain * rows;
-            // What some tens of effective outer parts tell of a mean and of a deviation.
+            // The error of a mean and of a deviation from some tens of effective outer parts.
             for i in 0..COUNT {
                 let deviation = covariance[(i, i)].sqrt();
                 assert!(

@@ -1,11 +1,11 @@
-//! The edges that are to be expected of all plates and drives that fit, and the one plate that has them.
+//! Mean edge positions over all sampled plates, and the plate that reproduces them.
 
 use super::candidates::{Felt, Marked, PlayedTone};
 use super::importance_sampling::{Coordinates, OUTER, Sample, Samples};
 use crate::calibrate::fit::least_squares::{self, Problem, slope};
 use crate::feeling::FeltEdge;
 
-/// Deviation of an edge of the told plate from the mean of all edges that does not matter, metres.
+/// Deviation of an edge of the calibrated plate from the mean of all edges that does not matter, metres.
 const EDGE_M: f64 = 5e-4;
 /// Shares of the whole below which a sample does not count, and a tone has no edge to speak of.
 const LEAST_SHARE: f64 = 1e-9;
@@ -15,7 +15,7 @@ const DRIVE_WEIGHT: f64 = 0.2;
 /// Way of a coordinate over which a derivative is taken.
 const STEP: f64 = 1e-3;
 
-/// The edges that are to be expected, and the plate of the mean whose drive has them.
+/// Mean edge positions, and the plate of the mean whose drive reproduces them.
 pub(crate) struct MeanEdges<'a> {
     marked: &'a Marked<'a>,
     mean: Coordinates,

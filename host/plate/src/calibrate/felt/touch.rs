@@ -1,4 +1,4 @@
-//! A felt edge at a mark, and what is known of the drive whose tone it is.
+//! A felt edge at a mark, and how well the drive of its tone is known.
 
 use crate::calibrate::error::CalibrateError;
 use crate::definition::{Plate, limits};
@@ -16,14 +16,14 @@ pub struct Touch {
     pub tolerance_m: f64,
     /// The tone's frequency, Hz.
     pub frequency_hz: f64,
-    /// The peak that the plate file tells of it, metres (1e-12 to 0.1): that of its table, times the level.
+    /// The peak that the plate file predicts of it, metres (1e-12 to 0.1): that of its table, times the level.
     pub peak_m: f64,
 }
 
-/// What is known of the drive whose tones are touched.
+/// Knowledge of the drive whose tones are touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TouchedDrive {
-    /// It is as the plate file tells it but for one factor, because its current or its levels were measured.
+    /// It is as the plate file states it but for one factor, because its current or its levels were measured.
     AsTold,
     /// It has 0.4 to 2.5 times the resistance that matches, some mass and spring, and a resonance near the band.
     Unknown,

@@ -1,11 +1,11 @@
-//! Touches without a sensor: the wave speed, the drive and the threshold of feeling, from where a finger feels the edge.
+//! The calibration by felt edges: wave speed, drive and threshold of feeling without a sensor.
 //!
 //! A person drags until the felt edge lies at a mark, twice or more. The felt edge goes with the wave speed, with the
 //! threshold over the level, and with what the drive does to the level from frequency to frequency: a factor of ten moves it
-//! by 70 mm on a membrane. Some marks do not tell so many numbers. But what they leave open is known: among all plates and
-//! drives near the file's, those with such edges, each with its likelihood ([`super::importance_sampling`]). The plate that is told has
-//! the mean of their numbers and puts each edge at the mean of their edges, which no other method can better on average;
-//! and their spread is told. This gives places and no levels.
+//! by 70 mm on a membrane. Some marks do not determine this many numbers. But what they leave open is known: among all plates
+//! and drives near the file's, those with such edges, each with its likelihood ([`super::importance_sampling`]). The calibrated
+//! plate has the mean of their numbers and puts each edge at the mean of their edges, the estimate of least mean square error;
+//! their spread is its interval. This gives places and no levels.
 
 use super::candidates::{Marked, Near, PlayedTone, THRESHOLD, THRESHOLD_KNOWN};
 use super::importance_sampling::{Coordinates, Samples, sample};
@@ -19,20 +19,20 @@ use crate::definition::{Calibration, Impedance, Plate, limits};
 use crate::feeling::Feeling;
 use crate::truth::{DriveSpread, Random};
 
-/// Standard deviation of the logarithm of the wave speed beforehand, at most: touches tell less than a sensor does.
+/// Standard deviation of the logarithm of the wave speed beforehand, at most: touches determine it less than a sensor does.
 const SPEED_KNOWN: f64 = 0.03;
-/// The same of the loss factor, of which they tell next to nothing.
+/// The same of the loss factor, which they hardly determine.
 const LOSS_KNOWN: f64 = 0.5;
 /// Most that the felt edge may be open to afterwards, half of the 95 % interval in metres: the plain file is as good.
 const OPEN_MAX: f64 = 0.025;
-/// Tones at which what the touches tell is judged, and the shares of the band's logarithm of the first and the last.
+/// Tones at which the calibrated edges are judged, and the shares of the band's logarithm of the first and the last.
 const JUDGED: (usize, f64, f64) = (9, 0.1, 0.9);
-/// Where the random numbers begin: the same touches always tell the same.
+/// Where the random numbers begin: the same touches always give the same result.
 const SEED: u64 = 12;
 /// Half of a 95 % interval in standard deviations.
 const INTERVAL: f64 = 1.96;
 
-/// What touches tell.
+/// A calibration by touches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Touched {
     /// The plate of the mean, with the drive that puts the edges where they are expected. Nobody has measured its levels.
@@ -41,11 +41,11 @@ pub struct Touched {
     pub feeling: Feeling,
     /// Wave speed over the file's: value and the ends of its 95 % interval.
     pub speed: [f64; 3],
-    /// Threshold over the level, over what was told of both: value and the ends of its 95 % interval.
+    /// Threshold over the level, over the stated ones: value and the ends of its 95 % interval.
     pub threshold: [f64; 3],
     /// How well the felt edge is known: half of its 95 % interval, the root of the mean square over the band, metres.
     pub edge_tolerance_m: f64,
-    /// Sum of the squared distances of the told edges from their marks, over their variances and number.
+    /// Sum of the squared distances of the calibrated edges from their marks, over their variances and number.
     pub chi2_per_n: f64,
     /// Both with their names in the plate file and in the feeling.
     pub parameters: Vec<Parameter>,
@@ -97,15 +97,15 @@ pub fn from_touches(
     posterior.touched(priors, edge_tolerance_m)
 }
 
-fn played(near: &Near<'_>, told: &[(f64, f64)]) -> Vec<PlayedTone> {
-    let amplitudes = near.amplitudes(told);
+fn played(near: &Near<'_>, peaks: &[(f64, f64)]) -> Vec<PlayedTone> {
+    let amplitudes = near.amplitudes(peaks);
     let tone = |(&(frequency_hz, _), amplitude)| PlayedTone { frequency_hz, amplitude };
-    told.iter().zip(amplitudes).map(tone).collect()
+    peaks.iter().zip(amplitudes).map(tone).collect()
 }
 
 fn touched_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
-    let told: Vec<(f64, f64)> = touches.iter().map(|touch| (touch.frequency_hz, touch.peak_m)).collect();
-    played(near, &told)
+    let peaks: Vec<(f64, f64)> = touches.iter().map(|touch| (touch.frequency_hz, touch.peak_m)).collect();
+    played(near, &peaks)
 }
 
 /// Tones over the band, as loud as those that were touched.
@@ -114,16 +114,16 @@ fn judged_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
     let (count, first, last) = JUDGED;
     let peak_m = (touches.iter().map(|touch| touch.peak_m.ln()).sum::<f64>() / touches.len() as f64).exp();
     let share = |i: usize| first + (last - first) * i as f64 / (count - 1) as f64;
-    let told: Vec<(f64, f64)> =
+    let peaks: Vec<(f64, f64)> =
         (0..count).map(|i| (low_hz * (high_hz / low_hz).powf(share(i)), peak_m)).collect();
-    played(near, &told)
+    played(near, &peaks)
 }
 
-/// What is told of the samples.
+/// The calibrated plate among the samples, with its intervals.
 struct Posterior<'a> {
     marked: &'a Marked<'a>,
     samples: &'a Samples,
-    /// The plate that is told.
+    /// The calibrated plate.
     at: Coordinates,
     chi2_per_n: f64,
 }
@@ -165,7 +165,7 @@ impl Posterior<'_> {
             self.half(SPEED, near.deviations[SPEED]).min(limits::WAVE_SPEED_TOLERANCE.high);
         let loss = self.half(LOSS, near.deviations[LOSS]).exp() - 1.0;
         spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
-        // A drive that is as told keeps what was measured of its levels.
+        // A drive that is as stated keeps what was measured of its levels.
         let before = nominal.calibration.as_ref().filter(|_| near.drive.is_none());
         spec.calibration = Some(Calibration {
             chi2_per_n: self.chi2_per_n,

@@ -5,7 +5,7 @@ use crate::definition::limits;
 use crate::definition::{Plate, PlateError, Taper};
 use crate::quantity::Range;
 
-/// What calipers and a rule say of the plate: each length with its standard deviation, metres.
+/// Lengths by calipers and a rule with their standard deviation, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Calipers {
     /// Half of the full width at the driven end.
@@ -19,7 +19,7 @@ pub struct Calipers {
 }
 
 impl Calipers {
-    /// `plate` with these lengths, and what is known of its taper then.
+    /// `plate` with these lengths, and the priors that follow.
     ///
     /// # Errors
     /// A length or the tolerance is out of its range, or the plate that they make is refused.

@@ -1,4 +1,4 @@
-//! A measurement beside what the plate file predicts of it: whether the plate is the one of the file.
+//! Comparison of a measurement with the plate file's prediction: whether the plate is the file's.
 
 use super::acceptance::CHI2_PER_N_MAX;
 use super::gain::DECIBELS;
@@ -19,7 +19,7 @@ pub struct Comparison {
     pub predicted: Vec<Option<Complex64>>,
     /// The measured magnitude over the predicted one at each point, dB; `None` where nothing is predicted.
     pub off_db: Vec<Option<f64>>,
-    /// By how much the prediction was raised to meet the measurement in the middle, dB: an uncalibrated sensor does not tell
+    /// By how much the prediction was raised to meet the measurement in the middle, dB: an uncalibrated sensor does not measure
     /// it. 0 for a calibrated one.
     pub level_db: f64,
     /// Points at which both are known.
@@ -93,7 +93,7 @@ mod tests {
     use crate::calibrate::measurement::sensor::SensorKind;
     use crate::definition::preset;
 
-    /// What an acceleration sensor at 32 mm measures of `truth`, 7.3 times as loud as told, with noise of a hundredth.
+    /// What an acceleration sensor at 32 mm measures of `truth`, 7.3 times as loud as stated, with noise of a hundredth.
     fn measured(truth: &Plate, unit_per_response: Option<f64>) -> Measurement {
         let point = |i: u32| MeasuredPoint {
             frequency_hz: 90.0 + 2.0 * f64::from(i),
@@ -125,7 +125,7 @@ mod tests {
             let other = Comparison::of(&plate, &measured(&other, None)).expect("compared");
             assert!(other.is_other_plate() && other.usual_db > 3.0 * other.allowed_db, "{share}: {other:?}");
         }
-        // A calibrated sensor tells the level, too.
+        // A calibrated sensor measures the level, too.
         let loud = Comparison::of(&plate, &measured(&plate, Some(1.0))).expect("compared");
         assert!(loud.level_db == 0.0 && loud.is_other_plate(), "{loud:?}");
     }

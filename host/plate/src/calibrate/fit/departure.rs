@@ -1,4 +1,4 @@
-//! What the table of one plate file does on the plate of another: how wrong the file was before a calibration.
+//! Boundary and level errors when one plate's table drives another plate: the error of a file before a calibration.
 
 use crate::definition::Plate;
 use crate::progress::Progress;
@@ -10,17 +10,17 @@ const KNOTS: usize = 129;
 /// Boundaries over the span.
 const BOUNDARIES: usize = 33;
 
-/// What a table does on a plate that it was not made for: the largest errors over the table's span.
+/// The largest errors over the table's span when it drives another plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
     /// Distance of the asked and the actual boundary, metres.
     pub boundary_m: f64,
     /// How far the level of the peak is from the middle of its highest and lowest, dB. One factor for the whole span is left
-    /// out of it: a sensor that nobody calibrated does not tell that.
+    /// out of it: an uncalibrated sensor does not measure that.
     pub level_db: f64,
 }
 
-/// Drives `actual` with the table made for `told`, at a sample rate in hertz. Boundaries whose wave does not enter
+/// Drives `actual` with the table made for `stated`, at a sample rate in hertz. Boundaries whose wave does not enter
 /// `actual` are at its driven end.
 ///
 /// ```
@@ -34,9 +34,9 @@ pub struct Departure {
 /// ```
 ///
 /// # Errors
-/// [`TableError`]: the table of `told`, or a frequency that does not move `actual`.
-pub fn departure(told: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<Departure, TableError> {
-    let table = DriveTable::build(told, sample_rate_hz, KNOTS)?;
+/// [`TableError`]: the table of `stated`, or a frequency that does not move `actual`.
+pub fn departure(stated: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<Departure, TableError> {
+    let table = DriveTable::build(stated, sample_rate_hz, KNOTS)?;
     let (start_m, end_m) = (table.span_start_m, table.span_end_m);
     let at = |i: usize| start_m + (end_m - start_m) * i as f64 / (BOUNDARIES - 1) as f64;
     let places_m: Vec<f64> = (0..BOUNDARIES).map(at).collect();
@@ -74,7 +74,7 @@ mod tests {
     fn a_measured_gain_that_swings_by_6_db_is_3_db_to_both_sides() {
         let plate = preset("membrane").expect("a preset");
         let spec = PlateSpec { wave_speed_tolerance: 0.0, loss_tolerance: None, ..plate.spec().clone() };
-        let told = Plate::new(spec.clone()).expect("valid");
+        let stated = Plate::new(spec.clone()).expect("valid");
         let (low, high) = plate.band_hz();
         let points = vec![[0.9 * low, 0.0, 0.0], [low, 0.0, 0.0], [high, 6.0, 0.0], [1.1 * high, 6.0, 0.0]];
         let calibration = Calibration {
@@ -86,7 +86,7 @@ mod tests {
             correction: Some(ResponseCurve { points }),
         };
         let actual = Plate::new(PlateSpec { calibration: Some(calibration), ..spec }).expect("valid");
-        let off = departure(&told, &actual, 400e3).expect("a table");
+        let off = departure(&stated, &actual, 400e3).expect("a table");
         assert!((off.level_db - 3.0).abs() < 0.2 && off.boundary_m < 2e-5, "{off:?}");
     }
 }

@@ -24,14 +24,14 @@ pub(crate) struct Carried {
     pub(crate) frequency_hz: f64,
     /// From the code to the peak of the fitted wave, in units of the sensor's signal; above 0.
     pub(crate) peak: f64,
-    /// What noise leaves of it, relative.
+    /// Its relative standard deviation by noise.
     pub(crate) error: f64,
 }
 
 /// The correction of `plate`'s drive with which it has these gains. Beside it, the standard deviation of nine tenths of its
-/// points, dB: what noise leaves.
+/// points, dB, by noise.
 ///
-/// A sensor that nobody calibrated tells the shape alone: the mean level stays that of `plate`, or that of `nominal`, whose
+/// An uncalibrated sensor measures the shape alone: the mean level stays that of `plate`, or that of `nominal`, whose
 /// drive may be another one.
 pub(crate) fn correction(
     plate: &Plate,
@@ -54,18 +54,18 @@ pub(crate) fn correction(
     let clear: Vec<Carried> =
         carried.iter().copied().filter(|point| point.error <= BLURRED * usual).collect();
     let noise_db = errors.get(errors.len() * 9 / 10).map_or(f64::INFINITY, |error| DECIBELS * error);
-    let told_db = levels_db(plate, &clear)?;
+    let predicted_db = levels_db(plate, &clear)?;
     let mut points: Vec<[f64; 3]> = Vec::with_capacity(clear.len());
-    for (point, told_db) in clear.iter().zip(&told_db) {
+    for (point, predicted_db) in clear.iter().zip(&predicted_db) {
         let measured_m = point.peak * metres_per_response(plate, sensor, point.frequency_hz);
-        points.push([point.frequency_hz, 20.0 * measured_m.log10() - told_db, 0.0]);
+        points.push([point.frequency_hz, 20.0 * measured_m.log10() - predicted_db, 0.0]);
     }
     let level_db = if sensor.unit_per_response.is_some() {
         0.0
     } else {
         let wanted_db = match nominal {
             None => 0.0,
-            Some(nominal) => mean(&levels_db(nominal, &clear)?) - mean(&told_db),
+            Some(nominal) => mean(&levels_db(nominal, &clear)?) - mean(&predicted_db),
         };
         mean(&points.iter().map(|point| point[1]).collect::<Vec<f64>>()) - wanted_db
     };
@@ -77,7 +77,7 @@ fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
-/// Metres of deflection per unit of the sensor's response; where nobody calibrated it, in an unknown unit.
+/// Metres of deflection per unit of the sensor's response; for an uncalibrated one, in an unknown unit.
 pub(crate) fn metres_per_response(plate: &Plate, sensor: &Measurement, frequency_hz: f64) -> f64 {
     let omega = TAU * frequency_hz;
     let per_metre = match sensor.sensor {

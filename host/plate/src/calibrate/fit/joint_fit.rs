@@ -1,4 +1,4 @@
-//! A plate and its source together: what one complex response tells of both.
+//! The fit of a plate and its source together to one complex response.
 //!
 //! For a given plate and delay the source's numbers enter a response nearly linearly ([`SourceModel`] says how). So a scan
 //! over wave speed and loss solves a linear problem at each place, and Gauss and Newton's method moves all coordinates from
@@ -16,10 +16,10 @@ use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::SensorKind;
 use crate::definition::{Plate, PlateSpec};
 
-/// What the scan takes for the error of the model: beside a node little is to be learnt as long as the plate is wrong.
+/// Model error during the scan: beside a node little is to be learnt as long as the plate is wrong.
 const SCAN_ERROR: f64 = 0.2;
 /// The same from fit to fit on the way to the bottom of a valley: at first the widths and the place stay what calipers say.
-/// With each, the most chi^2 per number with which a fit of [`CHI2_PER_N_MAX`] may still come of it: others are left.
+/// With each, the most chi^2 per number from which a fit of [`CHI2_PER_N_MAX`] may still be reached: others are left.
 const ERRORS: [(f64, f64); 3] = [(0.2, 0.25), (0.05, 2.0), (MODEL_ERROR, f64::INFINITY)];
 /// Most steps of each of these fits.
 const STEPS_MAX: usize = 30;
@@ -35,7 +35,7 @@ const SCAN_FREQUENCIES: usize = 60;
 const VALLEYS: usize = 4;
 /// A bottom with no more chi^2 per number is that of the plate.
 const ENOUGH: f64 = 1.5;
-/// A bottom within this much chi^2 of the best is as good; if its speed is so many standard deviations away, it is another
+/// A bottom within this much chi^2 of the best is as good; if its speed is [`FAR`] standard deviations away, it is another
 /// plate.
 const AS_GOOD: f64 = 25.0;
 const FAR: f64 = 6.0;
@@ -198,7 +198,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         [0, 1, 2].map(|i| coordinates[first + i].max(0.0))
     }
 
-    /// What the plate of these coordinates does, with its peak.
+    /// Responses of the plate at these coordinates, with its peak.
     pub(crate) fn answers_with_peak(&self, coordinates: &[f64]) -> Option<Vec<PlateResponse>> {
         self.answers(coordinates, &self.places_at(coordinates)?, &self.frequencies_hz, FINE, true)
     }

@@ -20,8 +20,8 @@ use crate::calibrate::measurement::signal;
 use crate::definition::Plate;
 
 /// Calibrates `plate`, the nominal one, from one sensor at one place, by a model of everything before the plate: a source
-/// with resistance, mass and spring, an actuator of the second order, a gain and a delay. The file must tell a membrane's
-/// tension or a sheet's thickness. The fitted source stands in the plate that comes of it.
+/// with resistance, mass and spring, an actuator of the second order, a gain and a delay. The file must state a membrane's
+/// tension or a sheet's thickness. The calibrated plate has the fitted source.
 ///
 /// ```no_run
 /// # use slipline_plate::calibrate::{Measurement, Priors, from_one_sensor};
@@ -44,7 +44,7 @@ pub fn from_one_sensor(
     fitted(plate, sensor, priors).map(|(calibrated, _)| calibrated)
 }
 
-/// As [`from_one_sensor`]; and the coordinates of the plate, the place and the source.
+/// As [`from_one_sensor`], with the coordinates of the plate, the place and the source.
 pub(crate) fn fitted(
     plate: &Plate,
     sensor: &Measurement,

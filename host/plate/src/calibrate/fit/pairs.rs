@@ -1,9 +1,9 @@
-//! Two measurements of one plate, frequency by frequency: what their ratio is made of.
+//! Two measurements of one plate paired by frequency, and the residual of their ratio.
 
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::quantity::Range;
 
-/// What the one-mode equation may miss of a response, relative: differences below it say nothing of the plate. Against
+/// Relative model error of the one-mode equation: smaller differences say nothing of the plate. Against
 /// plates in two dimensions it is 1 to 3 % (`tests/calibration`).
 pub(crate) const MODEL_ERROR: f64 = 0.015;
 /// Median of |H|^2 over the noise's variance, for noise alone: 2 ln 2.

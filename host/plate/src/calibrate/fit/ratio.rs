@@ -38,7 +38,7 @@ const STILL: (f64, f64) = (1e-2, 1e-5);
 /// Way over which the derivative by a sensor's place is taken, metres.
 const PLACE_STEP_M: f64 = 1e-7;
 
-/// Two measurements of one plate, as their ratio is fitted.
+/// The fit of the ratio of two measurements of one plate.
 pub(crate) struct Ratio<'a> {
     nominal: &'a PlateSpec,
     sensor: SensorKind,

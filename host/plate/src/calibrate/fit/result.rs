@@ -11,7 +11,7 @@ use crate::quantity::show_length;
 /// Standard deviations of a 95 % interval.
 pub(crate) const INTERVAL: f64 = 1.96;
 
-/// A number of the plate or of a sensor, as a calibration found it.
+/// A calibrated number of the plate or of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
     /// Its name in the plate file: `model.wave_speed_m_per_s`; `place_m` for a sensor's.
@@ -24,7 +24,7 @@ pub struct Parameter {
     pub high: f64,
 }
 
-/// What a calibration found.
+/// The result of a calibration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibrated {
     /// The plate with the measured numbers, their intervals and, where levels were measured, the measured gain.
@@ -35,17 +35,16 @@ pub struct Calibrated {
     pub chi2_per_n: f64,
     /// Half of the 95 % interval of the boundary, metres: the largest over the span.
     pub boundary_tolerance_m: f64,
-    /// How far the boundary goes, at most over the span, for each metre that a sensor stands farther from the driven end than
-    /// it was told to: the measurement itself does not tell a small such mistake from a plate of another width. One number
-    /// for each sensor.
+    /// Largest boundary shift over the span per metre of sensor misplacement, one number for each sensor. The measurement itself
+    /// does not distinguish a small misplacement from a plate of another width.
     pub boundary_per_place: Vec<f64>,
-    /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: what noise leaves of the
-    /// measured gain, and what the fit leaves of the way to the peak. Infinite where no levels were measured.
+    /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: by noise in the
+    /// measured gain, and by the fit on the way to the peak. Infinite where no levels were measured.
     pub level_tolerance_db: f64,
 }
 
 impl Calibrated {
-    /// What no measurement shows and a person must look after, in a sentence: how far a misplaced sensor takes the boundary.
+    /// A sentence for a person on what no measurement shows: the boundary shift by a misplaced sensor.
     /// `None` without a sensor.
     #[must_use]
     pub fn caution(&self) -> Option<String> {
@@ -65,10 +64,10 @@ pub(crate) struct AcceptedFit<'a> {
     pub(crate) fit: &'a Fit,
     pub(crate) chi2_per_n: f64,
     pub(crate) spread: Spread,
-    /// Where the sensors were told to be, metres.
+    /// Stated places of the sensors, metres.
     pub(crate) places_m: &'a [f64],
     pub(crate) correction: ResponseCurve,
-    /// What noise leaves of the correction, dB.
+    /// Standard deviation of the correction by noise, dB.
     pub(crate) noise_db: f64,
     /// Halves of the intervals of the source; `None` where it was not fitted.
     pub(crate) source_tolerance: Option<Impedance>,
@@ -87,7 +86,7 @@ impl AcceptedFit<'_> {
         self.scale() * self.fit.covariance[(i, i)].sqrt()
     }
 
-    /// What the data leave open: standard deviations of the boundary, metres, and of the level, dB.
+    /// Standard deviations that the data leave: of the boundary, metres, and of the level, dB.
     pub(crate) fn open(&self) -> (f64, f64) {
         let level_db = (self.scale() * self.spread.level_db).hypot(self.noise_db);
         (self.scale() * self.spread.boundary_m, level_db)

@@ -1,4 +1,4 @@
-//! The calibration by the current of the drive alone, with nothing on the plate.
+//! The calibration by the drive's current alone, plate unloaded.
 
 use super::acceptance;
 use super::gain::{self, Carried};
@@ -22,7 +22,7 @@ use num_complex::Complex64;
 /// piezo. `current` has the current over the code, in any unit, with the device's own delay taken out; its place and its kind
 /// do not count. The amplifier must be a source of voltage, and nothing may lie on the plate.
 ///
-/// The levels are those of the model: nothing measures them. The file must tell a membrane's tension or a sheet's thickness,
+/// The levels are those of the model: nothing measures them. The file must state a membrane's tension or a sheet's thickness,
 /// and the strip behind the driven end of a plate in bending.
 ///
 /// # Errors
@@ -55,7 +55,7 @@ pub fn from_shunt(
 
     let first = joint.of_source();
     let of_source = &fit.parameters[first..];
-    // What the electrical side resists, as the file has it: in the middle of the band.
+    // The damping by the electrical side in the middle of the band, as the file states it.
     let damping = joint.source.damping(of_source, Complex64::new(0.0, -1.0));
     let mut impedance = joint.impedance_of(&fit.parameters);
     impedance[0] += damping.re.max(0.0);
@@ -70,7 +70,7 @@ pub fn from_shunt(
         };
         answers.iter().map(each).collect()
     };
-    // A factor for all frequencies is not told, so it leaves nothing open.
+    // A factor for all frequencies is not measured, so it adds nothing to the spread.
     let peaks = |at: &[f64]| {
         let carried = carried(&joint.answers_with_peak(at)?, &at[first..]);
         let levels: Vec<f64> = carried.iter().map(|carried| carried.peak.ln()).collect();

@@ -1,4 +1,4 @@
-//! The wave speed of a calibrated plate, tracked: temperature and tension change it, and nothing else.
+//! Tracking of a calibrated plate's wave speed, which temperature and tension change, and nothing else.
 //!
 //! At first one sensor measures as for a calibration. The widths and the place are those of the file, so speed, loss and
 //! the source are found ([`super::one_sensor`]): what the speed is now, and a model M of the sensor's responses. Later a few
@@ -7,8 +7,8 @@
 //! ```text
 //! arg H(f) - arg H0(f) = arg M(f; V e^d) - arg M(f; V)
 //! ```
-//! so that whatever M misses of the phase is taken away, and so is every delay. The d that leaves the least sum of squares
-//! is looked for up to 4 %, because the phases of a resonant plate go round; where no d explains them, none is told.
+//! so that errors of M's phase and all delays cancel. The d of least squares is searched within 4 % (phases wrap); no result if
+//! no d fits.
 
 use super::acceptance::CHI2_PER_N_MAX;
 use super::least_squares::minima;
@@ -46,7 +46,7 @@ const CHANGE_STEP: f64 = 2.5e-4;
 const HALVINGS: usize = 10;
 /// Fewest phases.
 const PHASES_MIN: usize = 8;
-/// A deviation of a phase, radians: a phase that is known worse tells nothing.
+/// A deviation of a phase, radians: a phase that is known worse is left out.
 const BLURRED: f64 = 0.5;
 /// Another change within this much chi^2 of the best is as good.
 const AS_GOOD: f64 = 25.0;
@@ -66,7 +66,7 @@ pub struct Trimmed {
     pub plate: Plate,
 }
 
-/// The speed of one plate, as one sensor that stays where it is tells it.
+/// The speed of one plate, from one sensor that stays in its place.
 ///
 /// ```no_run
 /// # use slipline_plate::calibrate::{Measurement, SpeedTrim};
@@ -94,8 +94,8 @@ impl SpeedTrim {
     /// Begins with what one sensor measured of a calibrated plate, at as many frequencies as a calibration needs.
     ///
     /// # Errors
-    /// [`CalibrateError::NotCalibrated`], and those of [`super::one_sensor::from_one_sensor`]: a sensor at another place than told, a
-    /// finger on the plate, another plate.
+    /// [`CalibrateError::NotCalibrated`], and those of [`crate::calibrate::from_one_sensor`]: a sensor at another place
+    /// than stated, a finger on the plate, another plate.
     pub fn new(plate: &Plate, first: &Measurement) -> Result<Self, CalibrateError> {
         let Some(calibration) = &plate.spec().calibration else { return Err(CalibrateError::NotCalibrated) };
         let priors = Priors {

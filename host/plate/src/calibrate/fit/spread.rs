@@ -1,4 +1,4 @@
-//! How well a fit knows what a table is made of: the boundary, and the level of the peak.
+//! Standard deviations of boundary and level that a fit leaves, by propagation of its covariance.
 
 use super::gain;
 use super::least_squares::Fit;
@@ -8,7 +8,7 @@ use crate::definition::Plate;
 /// Boundaries over the span.
 const PLACES: usize = 9;
 
-/// Standard deviations of what a table is made of, by propagation of the covariance; the largest over the span.
+/// Standard deviations of boundary and level; the largest over the span.
 pub(crate) struct Spread {
     /// Of the boundary at a given frequency, metres.
     pub(crate) boundary_m: f64,
@@ -16,13 +16,13 @@ pub(crate) struct Spread {
     pub(crate) level_db: f64,
     /// The relative error of the wave speed that would move the boundary by as much.
     pub(crate) speed: f64,
-    /// Metres that the boundary goes for each metre of a mistake of each sensor's place.
+    /// Boundary shift per metre of misplacement, for each sensor.
     pub(crate) boundary_per_place: Vec<f64>,
 }
 
 impl Spread {
-    /// `deviations` are what was known of the coordinates beforehand; of these, `places_of_sensors` are of sensors' places. `carried`
-    /// is the logarithm of the gain to the peak at each frequency, in any scale, for given coordinates.
+    /// `deviations` are what was known of the coordinates beforehand; of these, `places_of_sensors` are of sensors'
+    /// places. `carried` is the logarithm of the gain to the peak at each frequency, in any scale, for given coordinates.
     pub(crate) fn of(
         fitted: &Plate,
         fit: &Fit,
@@ -65,7 +65,7 @@ impl Spread {
         let boundary_m = of_frequency.iter().enumerate().map(|(i, d)| d / per_metre(i)).fold(0.0, f64::max);
         let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
         let speed = of_frequency.iter().copied().fold(0.0, f64::max) / exponent;
-        // Nine tenths: near a node of both sensors the level is not told at all.
+        // Nine tenths: near a node of both sensors the level is not measured at all.
         let mut of_level: Vec<f64> = of_carried.iter().map(deviation).collect();
         of_level.sort_by(f64::total_cmp);
         let level = of_level.get(of_level.len() * 9 / 10).copied()?;

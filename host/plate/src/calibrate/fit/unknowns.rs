@@ -1,5 +1,5 @@
-//! What a calibration does not know of the plate, as coordinates that a fit moves, and what calipers and the plate file
-//! say about them beforehand.
+//! Unknowns of the plate as coordinates that a fit moves, and their standard deviations beforehand, by calipers and plate
+//! file.
 //!
 //! | coordinate | of | known beforehand to (standard deviation) |
 //! |---|---|---|

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! `place_m` and `sensor` are needed, `place_tolerance_m`, `unit_per_response` and `sample_rate_hz` may be left out, and so
-//! may the column of the headroom or a number in it. Columns are apart by commas, semicolons or tabs.
+//! may the column of the headroom or a number in it. Columns are separated by commas, semicolons or tabs.
 
 use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
 use crate::calibrate::error::CalibrateError;

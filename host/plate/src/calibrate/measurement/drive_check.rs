@@ -1,4 +1,4 @@
-//! "Is it on?": what the current of a quiet tone tells of the amplifier and of what it drives, before anything loud is played.
+//! "Is it on?": amplifier and drive checked by the current of quiet tones, before anything loud is played.
 //!
 //! Well below the plate's cut-off and the drive's own resonance nothing moves much: the current is that of the blocked drive,
 //! I0 = V A/Re for a coil and I0 = V A (-j omega C) for a piezo, with the amplifier's voltage V at full scale and the plate
@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// The frequencies are these multiples of a share of the cut-off, so that a comb of that base tells them apart.
+/// The frequencies are these multiples of a share of the cut-off, so that a comb of that base resolves them.
 const MULTIPLES: RangeInclusive<u16> = 3..=10;
 /// That share for a coil: at 10 % of the cut-off the plate holds the drive, and an unsprung coil of twice the wave impedance moves
 /// so little that the current of a membrane's coil is within 10 % of the blocked one.
@@ -26,10 +26,10 @@ const OF_PIEZO: f64 = 0.05;
 /// Shares of the expected current: below the first nothing drives, above the second it is a short.
 const FEEBLE: f64 = 0.03;
 const SHORT: f64 = 4.0;
-/// Largest phase of a drive of the told kind, radians.
+/// Largest phase of a drive of the stated kind, radians.
 const PHASE: f64 = 0.8;
 
-/// What the amplifier drives, as its data sheet tells it.
+/// What the amplifier drives, as its data sheet states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DriveLoad {
     /// A voice coil.
@@ -51,14 +51,14 @@ pub struct DriveCircuit {
     pub full_scale_v: f64,
     /// What it drives.
     pub load: DriveLoad,
-    /// How far resistance or capacitance may be from what is told, as a fraction (0.05 to 1); 0.25 for a data sheet.
+    /// How far resistance or capacitance may be from the stated one, as a fraction (0.05 to 1); 0.25 for a data sheet.
     pub tolerance: f64,
 }
 
-/// What the current tells. Its text is a sentence for a person.
+/// The result of the check. Its text is a sentence for a person.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DriveCheck {
-    /// The told drive is connected.
+    /// The stated drive is connected.
     On,
     /// No current at all.
     Open,
@@ -72,19 +72,19 @@ pub enum DriveCheck {
         /// Its share of the expected one; at least this, where the input is clipped.
         share: f64,
     },
-    /// The drive is another one than is told.
+    /// The drive is another one than stated.
     WrongLoad {
-        /// What the current fits, in the kind of the told one: ohm or farad.
+        /// What the current fits, in the unit of the stated one: ohm or farad.
         found: f64,
-        /// What was told.
+        /// The stated drive.
         told: DriveLoad,
     },
-    /// The current is neither a coil's nor a piezo's where the other was told.
+    /// The current is neither a coil's nor a piezo's where the other is stated.
     WrongKind {
-        /// What was told.
+        /// The stated drive.
         told: DriveLoad,
     },
-    /// The tone is too quiet to tell: nothing would be seen of a drive that is on.
+    /// The tone is too quiet for a result: nothing would be seen of a drive that is on.
     TooQuiet {
         /// By how much it must be louder, dB.
         louder_db: f64,
@@ -156,7 +156,7 @@ pub fn drive_check_hz(plate: &Plate, load: &DriveLoad) -> Vec<f64> {
     MULTIPLES.map(|multiple| f64::from(multiple) * share * plate.cut_off_hz()).collect()
 }
 
-/// Tells from the current of quiet tones whether the drive of `plate` is on. `current` holds the current over the code at
+/// Checks by the current of quiet tones whether the drive of `plate` is on. `current` holds the current over the code at
 /// the frequencies of [`drive_check_hz`], in ampere or with its ampere per unit of response.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! What a sensor at one place of the plate answered: complex responses at given frequencies, with their noise.
+//! The measurement of a sensor at one place: complex responses at given frequencies, with their noise.
 
 use crate::calibrate::error::CalibrateError;
 use crate::definition::limits;
@@ -46,22 +46,22 @@ impl SensorKind {
     }
 }
 
-/// The answer at one frequency.
+/// The response at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPoint {
     /// Frequency, Hz; rising from point to point.
     pub frequency_hz: f64,
     /// The sensor's signal over the DAC's amplitude (1 = full scale): the signal is Re(response e^(-j omega t)) where the
     /// code is cos(omega t), so a lag has a positive argument. Its unit is the sensor's own unless
-    /// [`Measurement::unit_per_response`] tells it. An instrument that shows e^(+j omega t) gives its conjugate.
+    /// [`Measurement::unit_per_response`] states it. An instrument that shows e^(+j omega t) gives its conjugate.
     pub response: Complex64,
     /// Standard deviation of the real part and of the imaginary part of `response`, in its unit; above 0.
     pub noise: f64,
-    /// How far the input stayed below its full scale, dB; 0 or less is a clipped signal. `None` if nobody knows.
+    /// How far the input stayed below its full scale, dB; 0 or less is a clipped signal. `None` if unknown.
     pub headroom_db: Option<f64>,
 }
 
-/// What a sensor at one place answered, over the frequency.
+/// Responses of a sensor at one place, over the frequency.
 ///
 /// ```
 /// use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
@@ -85,12 +85,12 @@ pub struct Measurement {
     pub place_tolerance_m: f64,
     /// What the sensor measures.
     pub sensor: SensorKind,
-    /// Metres, m/s, m/s^2 or strain per unit of `response`; `None` for a sensor that nobody has calibrated.
+    /// Metres, m/s, m/s^2 or strain per unit of `response`; `None` for an uncalibrated sensor.
     pub unit_per_response: Option<f64>,
     /// Sample rate of the DAC that played the tones, Hz: its zero-order hold is in the responses. `None` for a source
     /// without one.
     pub sample_rate_hz: Option<f64>,
-    /// The answers, in rising frequency; 8 to 10 000.
+    /// The responses, in rising frequency; 8 to 10 000.
     pub points: Vec<MeasuredPoint>,
 }
 
@@ -98,7 +98,7 @@ pub struct Measurement {
 pub const PLACE_TOLERANCE_M: f64 = 2e-4;
 
 impl Measurement {
-    /// The answers of an uncalibrated sensor at a place marked with a ruler, of tones without a zero-order hold.
+    /// The responses of an uncalibrated sensor at a place marked with a ruler, of tones without a zero-order hold.
     #[must_use]
     pub const fn at(place_m: f64, sensor: SensorKind, points: Vec<MeasuredPoint>) -> Self {
         Self {

@@ -84,7 +84,7 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
             },
         )
         .at(0.0);
-    // What a damper in bending sends back in the equation is not what its light tells.
+    // What a damper in bending sends back in the equation is not what its light states.
     if is_one_mode_bending { found } else { found.limited(Limit::AtMost(DRIVE_REFLECTION)) }
 }
 

@@ -174,7 +174,7 @@ fn a_light_that_fails_at_an_end_of_the_interval_is_amber_and_says_how_well_the_p
     assert_eq!(colours, [Colour::Green, Colour::Amber]);
 }
 
-/// The true number lies between the told ends. The share that comes back may be less than at all of them: only its highest is
+/// The true number lies between the stated ends. The share that comes back may be less than at all of them: only its highest is
 /// at one.
 fn within(told: &Light, found: &Light, place: &str) {
     let (Some(low), Some(high), Some(value)) = (told.low, told.high, found.value) else { return };

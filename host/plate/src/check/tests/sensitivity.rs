@@ -24,7 +24,7 @@ fn a_loss_that_may_be_twice_as_high_is_no_green_sensitivity() {
     let [_, known] = sensitivity_of_membrane(Some(0.05));
     assert_eq!(known.colour, Colour::Green, "{known:?}");
     assert!(known.sentence.contains("1.05 times"), "{known:?}");
-    // What the file tells is what the table is levelled for: the middle of the two peaks, so that neither is farther
+    // What the file states is what the table is levelled for: the middle of the two peaks, so that neither is farther
     // off than half of their distance.
     let [_, told] = sensitivity_of_membrane(Some(1.0));
     let ratio = told.value.expect("a number") / far.value.expect("a number");
@@ -47,7 +47,7 @@ fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_lea
     assert_eq!(found.colour, Colour::Red, "{found:?}");
     assert!((7.0..10.0).contains(&found.value.expect("a number")), "{found:?}");
     assert!(found.sentence.contains("near field"), "{found:?}");
-    // Where the file tells the near field, the wave speed is to blame.
+    // Where the file states the near field, the wave speed is to blame.
     let impedance = checker(&spec).plate().wave_impedance_n_s_per_m(28e3).expect("bending");
     spec.drive_end = DriveEnd::Source(Source {
         impedance: Impedance::damper(impedance),

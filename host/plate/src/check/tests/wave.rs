@@ -126,7 +126,7 @@ fn a_peak_is_green_only_if_it_is_the_largest_at_other_speeds_too() {
 
 #[test]
 fn a_peak_that_the_near_field_halves_is_not_green() {
-    // A hinged moved end puts half of its motion into the near field, which the file leaves out: what is told to be 1.5
+    // A hinged moved end puts half of its motion into the near field, which the file leaves out: what is stated to be 1.5
     // times the drive is less than the drive.
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     spec.loss_factor = 0.1;

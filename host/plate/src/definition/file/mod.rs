@@ -270,7 +270,7 @@ fn calibration_of(given: &Given<'_>) -> Result<Calibration, PlateError> {
     })
 }
 
-/// Who gives one of the three fields is told of the others.
+/// A missing one of three fields that need each other: the message names the others.
 fn source_tolerance_of(given: &Given<'_>) -> Result<Option<Impedance>, PlateError> {
     if !SOURCE_TOLERANCE.iter().any(|field| given.has(field)) {
         return Ok(None);
@@ -283,7 +283,7 @@ fn source_tolerance_of(given: &Given<'_>) -> Result<Option<Impedance>, PlateErro
     }))
 }
 
-/// Half a limit is none: who gives one of the two fields is told of the other.
+/// Half a limit is none: where one of two fields is given, the message names the other.
 fn travel_of(given: &Given<'_>) -> Result<Travel, PlateError> {
     Ok(Travel { peak_m: given.required("peak_travel_m")?, static_m: given.required("static_travel_m")? })
 }

@@ -90,7 +90,7 @@ impl<'t> Text<'t> {
         given.refuse_unknown(|_| true)?;
         if let Some(&(kind, fields)) = given.find_kind()? {
             given.kind = kind;
-            // A section of its own is judged by whoever reads it, who knows why it does not belong to a kind.
+            // A section of its own is judged by its reader, which knows why it does not belong to a kind.
             let is_section = |name: &str| {
                 schema.field(name).is_some_and(|field| matches!(field.field_type, FieldType::Section))
             };

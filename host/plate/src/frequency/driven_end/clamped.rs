@@ -63,7 +63,7 @@ impl Strip {
         Self {
             section: section(),
             omega,
-            // As the wave on the plate has it, so that the waves of the end and of the plate are the same.
+            // As for the wave on the plate, so that the waves of the end and of the plate are the same.
             half_width: plate.turning_half_width_m(0.0),
             lossless,
             axial: lossless * Complex64::new(1.0, plate.wave_loss()),

@@ -8,7 +8,7 @@ use crate::frequency::axial::lossy_axial_squared;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The ends that are told by f and f' alone: for bending they are approximations.
+/// The ends that f and f' alone determine: for bending they are approximations.
 pub(super) fn driven(plate: &Plate, frequency_hz: f64) -> DrivenEnd {
     let width_mode = plate.width_mode(1);
     let k0 = |frequency_hz: f64| width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();

@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 
 /// Polynomials across the width; the reflection of an end is then right to 1e-3.
 pub(super) const ORDERS: usize = 5;
-/// Steps of the inverse iteration for a shape; each is exact to rounding if the waves are told apart.
+/// Steps of the inverse iteration for a shape; each is exact to rounding if the waves are distinguished.
 const SHAPE_STEPS: usize = 3;
 
 /// The polynomials across the width and their products.

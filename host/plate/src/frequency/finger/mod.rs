@@ -58,14 +58,14 @@ impl Finger {
     /// A finger of much less than 1 leaves the wave alone; one of more than 1 takes the peak down.
     ///
     /// # Errors
-    /// [`RespondError::Untold`] if the plate file does not tell what the wave impedance needs.
+    /// [`RespondError::Untold`] if the plate file does not state what the wave impedance needs.
     pub fn load(&self, plate: &Plate, frequency_hz: f64) -> Result<f64, RespondError> {
         plate.spec().model.surface_density("a finger").map_err(RespondError::Untold)?;
         let wave = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
         Ok(self.impedance().at_n_s_per_m(frequency_hz).norm() / wave)
     }
 
-    /// Refuses what is out of range, and a plate whose file does not tell how heavy its wave is.
+    /// Refuses what is out of range, and a plate whose file does not state how heavy its wave is.
     pub(crate) fn check(&self, plate: &Plate) -> Result<(), RespondError> {
         let places = Range::new(0.0, plate.length_m(), "m");
         OutOfRange::check("finger place", self.place_m, places)?;

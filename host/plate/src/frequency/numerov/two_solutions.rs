@@ -18,7 +18,7 @@ pub(crate) struct TwoSolutions {
     pub(crate) wronskian: Complex64,
     /// sqrt(S at 0 / S), with S of (S p')' + S k^2 p = -force per length.
     pub(crate) weight: Vec<Complex64>,
-    /// S at the driven end, N: T W of a membrane, 2 K^2 D W of a supported plate. NaN if the plate file does not tell it.
+    /// S at the driven end, N: T W of a membrane, 2 K^2 D W of a supported plate. NaN if the plate file does not state it.
     pub(crate) stiffness_n: Complex64,
 }
 

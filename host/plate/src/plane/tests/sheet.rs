@@ -1,6 +1,6 @@
 //! The plane against the sheet of the time domain, where the two have another driven end.
 //!
-//! The plane's damper resists the first width mode alone, as the one-mode equation has it; the sheet's resists every
+//! The plane's damper resists the first width mode alone, as in the one-mode equation; the sheet's resists every
 //! point of the driven end. That is the same only as long as no other width mode is there. On al-sh the edges meet the
 //! driven end at 43 degrees, and the third mode propagates there.
 

@@ -4,7 +4,7 @@ use super::{RATE, field, membrane, settled, tone};
 use crate::{Complex64, DriveEnd, Finger, Model, Plate, Sheet, SheetError, SheetGrid, plane};
 use std::f64::consts::TAU;
 
-/// The default membrane without loss, whose tension tells how heavy a finger is for it.
+/// The default membrane without loss, whose tension gives the load that a finger is.
 fn tense(end: DriveEnd) -> Plate {
     let mut spec = membrane(0.05, 4.62, 0.32, 0.0, end).spec().clone();
     spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(40.0) };

@@ -134,7 +134,7 @@ impl SensedPlate {
     }
 
     /// A signal that follows the drive: `signal` gets a frequency in Hz and the drive point's velocity per code of 1 there,
-    /// m/s, and tells the signal's amplitude per code of 1.
+    /// m/s, and states the signal's amplitude per code of 1.
     ///
     /// # Errors
     /// [`SenseError::Unfit`].
@@ -195,7 +195,7 @@ impl SensedPlate {
     }
 
     /// As [`SensedPlate::with_drive_point`], and between two shares of the cut-off, where no wave enters and the plate holds
-    /// its drive, within some per cent of what `signal` tells of a drive point that stands still.
+    /// its drive, within some per cent of `signal`'s for a drive point that stands still.
     ///
     /// # Errors
     /// [`SenseError::Unfit`].
@@ -255,7 +255,7 @@ impl SensedPlate {
         0.5 / self.sample_rate_hz
     }
 
-    /// The steady amplitude of an output of this plate per code of 1 at `frequency_hz`, as [`SensedPlate::sensor`] has it.
+    /// The steady amplitude of an output of this plate per code of 1 at `frequency_hz`, as by [`SensedPlate::sensor`].
     pub fn steady(&self, output: &Output, frequency_hz: f64) -> Complex64 {
         output.steady(&self.advance, frequency_hz, self.sample_rate_hz)
     }

@@ -1,8 +1,8 @@
-//! A plate as a source sees it: what a force on the driven end moves there, at a sensor and at the peak.
+//! Response of the plate to a force on its driven end: the motion there, at a sensor and at the peak.
 //!
 //! The driven end's condition is linear in the source's dynamic stiffness D = s - omega^2 m - j omega R, for every model and
 //! with a lead-in: the part F_p of the force F that reaches the plate and the motion f(0) of the end are both linear in
-//! p(0) and p'(0), and F = F_p + D f(0). So two sources tell all others.
+//! p(0) and p'(0), and F = F_p + D f(0). So two sources determine all others.
 
 use super::wave::Wave;
 use crate::calibrate::measurement::sensor::SensorKind;
@@ -21,7 +21,7 @@ pub(crate) struct Units {
 }
 
 impl Units {
-    /// For a nominal plate that is measured from `low_hz` to `high_hz`; `None` if the file does not tell the impedance.
+    /// For a nominal plate that is measured from `low_hz` to `high_hz`; `None` if the file does not state the impedance.
     pub(crate) fn of(plate: &Plate, (low_hz, high_hz): (f64, f64)) -> Option<Self> {
         let middle_hz = (low_hz * high_hz).sqrt();
         let impedance = plate.wave_impedance_n_s_per_m(middle_hz).filter(|z| *z > 0.0)?;
@@ -43,7 +43,7 @@ impl Units {
     }
 }
 
-/// What the plate does at one frequency, in any scale of the wave.
+/// Response of the plate at one frequency, in any scale of the wave.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlateResponse {
     pub(crate) frequency_hz: f64,
@@ -106,7 +106,7 @@ impl LoadedEnd {
     }
 }
 
-/// What `spec`'s plate does at these frequencies, on a grid of `points`; `None` where the plate is refused or a frequency
+/// Responses of `spec`'s plate at these frequencies, on a grid of `points`; `None` where the plate is refused or a frequency
 /// does not enter it.
 pub(crate) fn answers(
     spec: &PlateSpec,
@@ -134,7 +134,7 @@ pub(crate) fn answers(
     Some(frequencies_hz.iter().zip(rows).map(answer).collect())
 }
 
-/// Whether a source acts on such a plate: an end of a plate in bending, or a sheet whose tension or thickness is told.
+/// Whether a source acts on such a plate: an end of a plate in bending, or a sheet whose tension or thickness is stated.
 pub(crate) fn takes_a_source(model: &Model) -> Result<(), crate::definition::PlateError> {
     model.surface_density("a fit of the source").map(drop)
 }

@@ -1,4 +1,4 @@
-//! What a sensor would show of a plate as its file tells it: the drive, the wave and the sensor's kind together.
+//! Sensor responses as the plate file predicts them: drive, wave and kind of sensor together.
 
 use super::wave::{FINE, points, seen};
 use crate::calibrate::error::CalibrateError;
@@ -11,7 +11,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 /// The response that `plate`'s file predicts at the place, for the kind of sensor and at the frequencies of `sensor`, in its
-/// unit: metres, m/s, m/s^2 or strain over the DAC's amplitude where nobody calibrated the sensor. `None` at a frequency
+/// unit: metres, m/s, m/s^2 or strain over the DAC's amplitude where the sensor is not calibrated. `None` at a frequency
 /// whose wave does not enter the plate.
 ///
 /// ```

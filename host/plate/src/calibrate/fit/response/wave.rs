@@ -1,4 +1,4 @@
-//! The wave on the plate, as a fit needs it: its amplitude at the sensors and at the peak, for any scale of the source.
+//! The wave on the plate for any scale of the source: its amplitude at the sensors and at the peak.
 //!
 //! Beyond the near field of the driven end the amplitude over x is one solution of the amplitude equation, the one that
 //! dies out beyond the turning point. The source, the actuator and the amplifier only scale it. So the ratio of two places
@@ -38,7 +38,7 @@ impl Wave {
         Ok(Self { plate, grid, step_m })
     }
 
-    /// As [`Wave::new`], with the same slope p'(0) at every frequency, so that the field tells p(0) over p'(0), too.
+    /// As [`Wave::new`], with the same slope p'(0) at every frequency, so that the field gives p(0) over p'(0), too.
     /// A wave of `at_hz` must enter the plate.
     pub(crate) fn with_slope(spec: PlateSpec, points: usize, at_hz: f64) -> Result<Self, PlateError> {
         let end = DriveEnd::Force { at_frequency_hz: at_hz };
@@ -126,7 +126,7 @@ pub(crate) struct Row {
     pub(crate) value: Complex64,
     /// p'(0), 1/m.
     pub(crate) slope: Complex64,
-    /// The amplitude of the peak; NaN where nobody asked.
+    /// The amplitude of the peak; NaN where it was not asked for.
     pub(crate) peak: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The source as its own current shows it: a coil or a piezo at a voltage, with nothing on the plate.
+//! Model of the drive current: coil or piezo on a voltage source, plate unloaded.
 //!
 //! The plate and the mechanical impedance Z_m = R + m sigma + s/sigma of the moving part answer the force with
 //!
@@ -33,7 +33,7 @@ const DELAY: usize = 6;
 pub(crate) const ACTUATOR: usize = 7;
 /// Coordinates of the source.
 const COUNT: usize = 9;
-/// What is known of the delay beforehand, radians in the middle of the band: the device states its own.
+/// Standard deviation of the delay beforehand, radians in the middle of the band: the device states its own.
 const OF_DELAY: f64 = 0.1;
 /// Relative error of an answer while the source is looked for.
 const START_ERROR: f64 = 0.02;
@@ -43,7 +43,7 @@ const QUALITIES: [f64; 3] = [0.8, 1.7, 4.0];
 /// Starts from one plate.
 const STARTS: usize = 3;
 
-/// What turns the voltage into a force.
+/// The transducer from voltage to force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Transducer {
     /// A voice coil at a voltage: resistance and inductance, and the voltage that its motion induces.
@@ -52,7 +52,7 @@ pub enum Transducer {
     Piezo,
 }
 
-/// The source of a current.
+/// The model of a drive current.
 pub(crate) struct DriveCurrent {
     pub(crate) transducer: Transducer,
 }

@@ -1,4 +1,4 @@
-//! The source as one sensor on the plate sees it: impedance, actuator, gain and delay.
+//! Model of a sensor's signal: source impedance, actuator, gain and delay.
 //!
 //! With the rate sigma = -j omega and the dynamic stiffness D = s + R sigma + m sigma^2 of the source
 //!
@@ -22,11 +22,11 @@ pub(crate) const GAIN: usize = 5;
 pub(crate) const DELAY: usize = 6;
 /// Coordinates of the source.
 const COUNT: usize = 7;
-/// What is known of resistance, mass and stiffness beforehand: their size.
+/// Standard deviations of resistance, mass and stiffness beforehand.
 pub(crate) const OF_PLATE_SIZE: f64 = 3.0;
 /// The same of a1 and a2: no resonance below a third of the band's middle.
 pub(crate) const OF_ACTUATOR: f64 = 10.0;
-/// Delays that are tried, in periods of the highest frequency, and how far apart they are.
+/// Delays that are tried, in periods of the highest frequency, and their step.
 const DELAYS: (f64, f64) = (-2.0, 12.0);
 const DELAY_STEP: f64 = 0.08;
 /// Share of the usual |p(x)| below which a place counts as a node of the wave that is tried.
@@ -43,7 +43,7 @@ const STARTS: usize = 2;
 /// Rounds in which D and A are made to suit each other.
 const ROUNDS: usize = 12;
 
-/// The source of a sensor's responses.
+/// The model of a sensor's responses.
 pub(crate) struct SensorSignal {
     units: Units,
     highest_hz: f64,

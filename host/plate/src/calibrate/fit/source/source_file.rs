@@ -1,4 +1,4 @@
-//! A fitted source in a plate file: the driven end, and the actuator before it.
+//! The fitted source in a plate file: driven end, actuator and their parameters.
 
 use crate::calibrate::fit::response::plate_response::{Units, soft_source};
 use crate::calibrate::fit::result::Parameter;
@@ -13,7 +13,7 @@ pub(crate) fn with_source(mut spec: PlateSpec, units: Units, impedance: Impedanc
 }
 
 /// `spec` with the resonator 1/(1 + a1 sigma + a2 sigma^2), sigma = -j omega in units. An actuator whose travel the file
-/// limits stays: the limit is told for it, and the correction of the gain makes up for the difference. So it does for
+/// limits stays: the limit is stated for it, and the correction of the gain makes up for the difference. So it does for
 /// numbers that are no resonator's.
 pub(crate) fn with_actuator(mut spec: PlateSpec, units: Units, [a1, a2]: [f64; 2]) -> PlateSpec {
     let is_limited = spec

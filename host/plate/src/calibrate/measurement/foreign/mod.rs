@@ -1,7 +1,7 @@
 //! Measurements by other programs: a table of frequency and level, REW's text, `.frd`, and universal files (datasets 58 and 58b).
 //!
 //! ```text
-//! bytes -> File -+-> Own: everything is told                    (Measurement::from_csv)
+//! bytes -> File -+-> Own: everything is stated                  (Measurement::from_csv)
 //!                +-> Foreign: frequencies and responses alone -> place, kind of sensor and noise from the user -> Measurement
 //! ```
 //!
@@ -17,9 +17,9 @@ use crate::quantity::{OutOfRange, Range, must_be};
 use num_complex::Complex64;
 use thiserror::Error;
 
-/// Signal over noise of a measurement that does not tell it, dB: what a careful one has.
+/// Signal over noise of a measurement that does not state it, dB: that of a careful one.
 pub const SNR_DB: f64 = 40.0;
-/// Signal over noise that may be told.
+/// Range of the signal over the noise.
 pub const SNR: Range = Range::new(0.0, 140.0, "dB");
 /// Frequencies that a calibration uses of a foreign measurement, at most; more would only take longer.
 const FREQUENCIES_MAX: usize = 400;
@@ -29,16 +29,16 @@ const LEVEL: Range = Range::new(-400.0, 400.0, "dB");
 /// A file of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum File {
-    /// In the own form, which tells everything.
+    /// In the own form, which states everything.
     Own(Measurement),
     /// By another program.
     Foreign(Foreign),
 }
 
-/// What another program measured: where, by what sensor and with how much noise is not in its file.
+/// A measurement by another program: place, kind of sensor and noise are not in its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
-    /// The kind of sensor, if the file tells it: a universal file does.
+    /// The kind of sensor, if the file states it: a universal file does.
     pub sensor: Option<SensorKind>,
     /// Frequency in hertz, in the order of the file, and response: of phase 0 where the file has magnitudes alone.
     pub points: Vec<(f64, Complex64)>,
@@ -86,7 +86,7 @@ fn number(line: usize, field: &str, cell: &str) -> Result<f64, FileError> {
 }
 
 impl File {
-    /// Reads a measurement in any of the forms, which is told from what is in the file.
+    /// Reads a measurement in any of the forms, recognised by its content.
     ///
     /// ```
     /// use slipline_plate::calibrate::File;

@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// Magnitudes that a file may have: what squares of it still fit into a number.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 
-/// How the cells of a line are apart.
+/// How the cells of a line are separated.
 #[derive(Clone, Copy, PartialEq)]
 enum Separator {
     /// By semicolons or tabs, and a comma is the decimal sign.
@@ -33,7 +33,7 @@ impl Separator {
         }
         let mut words = line.split_whitespace();
         let first = words.next().unwrap_or("");
-        // "20, 65.01" and "20,65.01" are apart by commas, "20,5 65,01" by blanks.
+        // "20, 65.01" and "20,65.01" are separated by commas, "20,5 65,01" by blanks.
         let has_more = words.next().is_some();
         if line.contains(',') && (first.ends_with(',') || !has_more) { Self::Comma } else { Self::Blank }
     }
@@ -71,7 +71,7 @@ struct Columns {
     level: usize,
     unit: Level,
     phase: Option<usize>,
-    /// A frequency in this unit is so many hertz.
+    /// Hertz per unit of the frequency column.
     hertz: f64,
 }
 
@@ -79,7 +79,7 @@ impl Columns {
     /// What the head of a table names, if it names what is needed.
     fn named(head: &str, separator: Separator) -> Option<Self> {
         let head = head.trim_start_matches(['*', '#', '%', ' ']);
-        // A head may be apart by commas over rows that are not, as in some of REW's texts.
+        // A head may be separated by commas over rows that are not, as in some of REW's texts.
         let cells = match separator {
             Separator::Blank if head.contains(',') => Separator::Comma.cells(head),
             separator => separator.cells(head),

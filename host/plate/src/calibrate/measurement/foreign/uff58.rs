@@ -53,7 +53,7 @@ fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, FileError
         .map_err(|_| wrong(line, must_be(format_args!("{field} = {}", shown(word)), "a whole number")))
 }
 
-/// Whether the line of a dataset's number tells this one.
+/// Whether the line of a dataset's number has this one.
 fn is_number(line: &str, number: &str) -> bool {
     line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case(number))
 }
@@ -85,9 +85,9 @@ pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
     }
 }
 
-/// What the head of a dataset tells of its numbers.
+/// The form of a dataset's numbers, from its head.
 struct Form {
-    /// The line of the head that tells the data's form.
+    /// The line of the head with the data's form.
     line: usize,
     count: usize,
     is_complex: bool,

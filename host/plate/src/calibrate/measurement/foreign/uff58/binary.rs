@@ -1,6 +1,6 @@
 //! Dataset 58b: the head is the text of dataset 58, and its numbers follow as bytes.
 //!
-//! The line of the dataset's number tells how: `58b`, the order of the bytes (1: the lowest first, 2: the highest first), the form of
+//! The line of the dataset's number states the form: `58b`, the order of the bytes (1: the lowest first, 2: the highest first), the form of
 //! the numbers (1: VAX, 2: IEEE 754, 3: IBM), how many lines of head follow (11), and how many bytes after them. The bytes begin
 //! right after the head's last line and have the order of the text's numbers; a line of -1 follows them at once.
 

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 /// Three points, at uneven frequencies and at even ones.
 const UNEVEN: [f64; 9] = [100.0, 0.5, -0.25, 101.5, 0.125, 2.0, 104.0, -1.0, 0.75];
 
-/// A file of these numbers, whose line of the dataset's number goes on as told.
+/// A file of these numbers, with the rest of the line of the dataset's number.
 fn bytes(kind: &str, form: u32, is_even: bool, data: &[u8]) -> Vec<u8> {
     let even = u32::from(is_even);
     let head = format!(
