@@ -13,6 +13,7 @@
 //! may the column of the headroom or a number in it. Columns are separated by commas, semicolons or tabs.
 
 use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
+use super::table::{ANY, LineError, Row, lines, number, shown, wrong};
 use crate::calibrate::error::CalibrateError;
 use crate::quantity::{WrongCount, must_be, nearest};
 use num_complex::Complex64;
@@ -28,13 +29,8 @@ const FIELDS: [&str; 5] = ["place_m", "place_tolerance_m", "sensor", "unit_per_r
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CsvError {
     /// A line that cannot be read.
-    #[error("line {line}: {reason}")]
-    Line {
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong, and what is allowed.
-        reason: String,
-    },
+    #[error(transparent)]
+    Line(#[from] LineError),
     /// A field that is needed is absent.
     #[error("{field} is missing: write a line \"# {field} = ...\" above the table")]
     Missing {
@@ -46,24 +42,9 @@ pub enum CsvError {
     Value(#[from] CalibrateError),
 }
 
-fn wrong(line: usize, reason: impl Into<String>) -> CsvError {
-    CsvError::Line { line, reason: reason.into() }
-}
-
-fn number(line: usize, field: &str, text: &str) -> Result<f64, CsvError> {
-    text.parse().map_err(|_| {
-        wrong(line, must_be(format_args!("{field} = {}", shown(text)), "a number with a decimal point"))
-    })
-}
-
-/// The beginning of a text from a file, as a message can show it.
-pub(crate) fn shown(text: &str) -> String {
-    text.chars().filter(|letter| !letter.is_control()).take(40).collect()
-}
-
 /// Whether a text is in this form: it has one of the fields that are needed, or the head of the table.
 pub(crate) fn is_own(text: &str) -> bool {
-    text.lines().map(str::trim).any(|line| match line.strip_prefix('#') {
+    lines(text).any(|(_, line)| match line.strip_prefix('#') {
         Some(field) => {
             field.split_once('=').is_some_and(|(name, _)| ["place_m", "sensor"].contains(&name.trim()))
         }
@@ -90,8 +71,7 @@ impl Measurement {
         let mut sensor = None;
         let mut has_header = false;
         let mut points = Vec::new();
-        for (line, content) in (1..).zip(text.lines()) {
-            let content = content.trim();
+        for (line, content) in lines(text) {
             if let Some(field) = content.strip_prefix('#') {
                 // A comment has no equals sign.
                 let Some((name, value)) = field.split_once('=') else { continue };
@@ -104,10 +84,10 @@ impl Measurement {
                 if FIELDS[at] == "sensor" {
                     let kind = SensorKind::ALL.into_iter().find(|kind| kind.word() == value);
                     let words = SensorKind::ALL.map(SensorKind::word).join(", ");
-                    let refused = || wrong(line, must_be("sensor", format_args!("one of {words}")));
-                    sensor = Some(kind.ok_or_else(refused)?);
+                    let refused = must_be("sensor", format_args!("one of {words}"));
+                    sensor = Some(kind.ok_or_else(|| -> CsvError { wrong(line, refused) })?);
                 } else {
-                    numbers[at] = Some(number(line, name, value)?);
+                    numbers[at] = Some(number(line, name, value, ANY)?);
                 }
             } else if !content.is_empty() {
                 let cells = cells(content);
@@ -127,7 +107,7 @@ impl Measurement {
                     })
                     .into());
                 }
-                points.push(point(line, &cells)?);
+                points.push(point(&Row { line, cells })?);
             }
         }
         let [place_m, place_tolerance_m, _, unit_per_response, sample_rate_hz] = numbers;
@@ -164,13 +144,13 @@ impl Measurement {
     }
 }
 
-fn point(line: usize, cells: &[&str]) -> Result<MeasuredPoint, CsvError> {
-    if !(4..=COLUMNS.len()).contains(&cells.len()) {
-        let given = format_args!("the row has {} numbers", cells.len());
-        return Err(wrong(line, must_be(given, "4 or 5")));
+fn point(row: &Row<&str>) -> Result<MeasuredPoint, LineError> {
+    let count = row.cells.len();
+    if !(4..=COLUMNS.len()).contains(&count) {
+        return Err(wrong(row.line, must_be(format_args!("the row has {count} numbers"), "4 or 5")));
     }
-    let cell = |at: usize| number(line, COLUMNS[at], cells[at]);
-    let headroom = cells.get(4).filter(|cell| !cell.is_empty());
+    let cell = |at: usize| row.number(at, COLUMNS[at], ANY);
+    let headroom = row.cells.get(4).filter(|cell| !cell.is_empty());
     Ok(MeasuredPoint {
         frequency_hz: cell(0)?,
         response: Complex64::new(cell(1)?, cell(2)?),

@@ -7,13 +7,14 @@
 //!
 //! All these forms count time as e^(+j omega t): their responses are the conjugates of ours.
 
-mod table;
+mod text_table;
 mod uff58;
 
 use super::csv::{self, CsvError};
 use super::sensor::{MeasuredPoint, Measurement, SensorKind};
+use super::table::LineError;
 use crate::calibrate::error::CalibrateError;
-use crate::quantity::{OutOfRange, Range, must_be};
+use crate::quantity::{OutOfRange, Range};
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -51,13 +52,8 @@ pub enum FileError {
     #[error(transparent)]
     Own(#[from] CsvError),
     /// A line that cannot be read.
-    #[error("line {line}: {reason}")]
-    Line {
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong, and what is allowed.
-        reason: String,
-    },
+    #[error(transparent)]
+    Line(#[from] LineError),
     /// No line begins with two numbers.
     #[error(
         "no line has a frequency and a level: write one pair to a line, apart by commas, semicolons, tabs or blanks"
@@ -72,17 +68,6 @@ pub enum FileError {
     /// A recording.
     #[error("the file is a sound and not a table of frequencies")]
     Sound,
-}
-
-fn wrong(line: usize, reason: impl Into<String>) -> FileError {
-    FileError::Line { line, reason: reason.into() }
-}
-
-/// A number in a cell of a line, which must be finite.
-fn number(line: usize, field: &str, cell: &str) -> Result<f64, FileError> {
-    cell.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
-        wrong(line, must_be(format_args!("{field} = {}", csv::shown(cell)), "a finite number"))
-    })
 }
 
 impl File {
@@ -112,7 +97,7 @@ impl File {
         if csv::is_own(text) {
             return Ok(Self::Own(Measurement::from_csv(text)?));
         }
-        let foreign = if uff58::is_one(text) { uff58::read(text)? } else { table::read(text)? };
+        let foreign = if uff58::is_one(text) { uff58::read(text)? } else { text_table::read(text)? };
         Ok(Self::Foreign(foreign))
     }
 }
@@ -160,7 +145,7 @@ impl Measurement {
     /// The measurement as `.frd`: lines of frequency in hertz, level in dB and phase in degrees.
     #[must_use]
     pub fn to_frd(&self) -> String {
-        table::write(self)
+        text_table::write(self)
     }
 
     /// The response in the sensor's unit where that is known, as e^(+j omega t) shows it.

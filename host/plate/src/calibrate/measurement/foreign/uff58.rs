@@ -6,9 +6,9 @@
 
 pub(super) mod binary;
 
-use super::{FileError, Foreign, number, wrong};
-use crate::calibrate::measurement::csv::shown;
+use super::{FileError, Foreign};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
+use crate::calibrate::measurement::table::{FINITE, LineError, number, shown, wrong};
 use crate::quantity::must_be;
 use num_complex::Complex64;
 use std::fmt::Write;
@@ -39,7 +39,7 @@ struct Dataset<'a> {
 
 impl<'a> Dataset<'a> {
     /// The words of a header line, from 0, and the line's number in the file.
-    fn words(&self, at: usize) -> Result<(usize, Vec<&'a str>), FileError> {
+    fn words(&self, at: usize) -> Result<(usize, Vec<&'a str>), LineError> {
         let line = self.first + at;
         let content = self.lines.get(at).ok_or_else(|| wrong(line, "the dataset's head is cut off"))?;
         Ok((line, content.split_whitespace().collect()))
@@ -47,7 +47,7 @@ impl<'a> Dataset<'a> {
 }
 
 /// A whole number of a header line.
-fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, FileError> {
+fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, LineError> {
     let word = word.copied().unwrap_or("nothing");
     word.parse()
         .map_err(|_| wrong(line, must_be(format_args!("{field} = {}", shown(word)), "a whole number")))
@@ -80,7 +80,7 @@ pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
     let datasets = datasets(text)?;
     match &datasets[..] {
         [] => Err(FileError::NoFunction),
-        [dataset] => function(dataset),
+        [dataset] => Ok(function(dataset)?),
         _ => Err(FileError::ManyFunctions),
     }
 }
@@ -100,7 +100,7 @@ struct Form {
 }
 
 impl Form {
-    fn of(dataset: &Dataset<'_>) -> Result<Self, FileError> {
+    fn of(dataset: &Dataset<'_>) -> Result<Self, LineError> {
         let (line, words) = dataset.words(5)?;
         let kind = whole(line, "the function's type", words.first())?;
         if !RESPONSES.contains(&kind) {
@@ -126,8 +126,9 @@ impl Form {
                 return Err(wrong(line, must_be(format_args!("the data's form = {other}"), told)));
             }
         };
-        let real =
-            |at: usize, field: &str| number(line, field, &exponent(form.get(at).copied().unwrap_or("0")));
+        let real = |at: usize, field: &str| {
+            number(line, field, &exponent(form.get(at).copied().unwrap_or("0")), FINITE)
+        };
         Ok(Self {
             line,
             count: whole(line, "the number of points", form.get(1))? as usize,
@@ -146,7 +147,7 @@ impl Form {
     }
 
     /// The function of these numbers.
-    fn points(&self, values: &[f64]) -> Result<Foreign, FileError> {
+    fn points(&self, values: &[f64]) -> Result<Foreign, LineError> {
         let width = usize::from(!self.is_even) + self.ordinates();
         if Some(values.len()) != self.count.checked_mul(width) {
             let given = format_args!("the dataset of {} points has {} numbers", self.count, values.len());
@@ -169,12 +170,12 @@ impl Form {
     }
 }
 
-fn function(dataset: &Dataset<'_>) -> Result<Foreign, FileError> {
+fn function(dataset: &Dataset<'_>) -> Result<Foreign, LineError> {
     let form = Form::of(dataset)?;
     let mut values = Vec::new();
     for (at, content) in dataset.lines.iter().enumerate().skip(11) {
         for word in apart(content) {
-            values.push(number(dataset.first + at, "the value", &exponent(&word))?);
+            values.push(number(dataset.first + at, "the value", &exponent(&word), FINITE)?);
         }
     }
     form.points(&values)

@@ -4,8 +4,9 @@
 //! the numbers (1: VAX, 2: IEEE 754, 3: IBM), how many lines of head follow (11), and how many bytes after them. The bytes begin
 //! right after the head's last line and have the order of the text's numbers; a line of -1 follows them at once.
 
-use super::super::{FileError, Foreign, wrong};
+use super::super::{FileError, Foreign};
 use super::{Dataset, Form, MARK, is_number, whole};
+use crate::calibrate::measurement::table::{LineError, wrong};
 use crate::quantity::must_be;
 
 /// Lines of the head.
@@ -76,7 +77,7 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
 }
 
 /// The function of a dataset whose first line is number `at`.
-fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, FileError> {
+fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, LineError> {
     let words: Vec<&str> = kind.split_whitespace().collect();
     let order = whole(at, "the order of the bytes", words.get(1))?;
     let is_little = match order {
@@ -111,7 +112,7 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Fil
 }
 
 /// The numbers of a dataset's bytes.
-fn values(data: &[u8], form: &Form, is_little: bool, at: usize) -> Result<Vec<f64>, FileError> {
+fn values(data: &[u8], form: &Form, is_little: bool, at: usize) -> Result<Vec<f64>, LineError> {
     // Abscissa and ordinates of a row: some programs keep the abscissa in the precision of the ordinates, and some in single.
     let ordinates = form.ordinates();
     let abscissas: &[usize] = if form.is_even {

@@ -6,8 +6,9 @@
 //! and two are decibels if one of the levels is negative. Numbers have a decimal point, or a decimal comma where another sign
 //! separates the columns.
 
-use super::{FileError, Foreign, LEVEL, number, wrong};
+use super::{FileError, Foreign, LEVEL};
 use crate::calibrate::measurement::sensor::Measurement;
+use crate::calibrate::measurement::table::{FINITE, LineError, Row, lines, wrong};
 use crate::quantity::{Range, must_be};
 use num_complex::Complex64;
 use std::fmt::Write;
@@ -101,10 +102,10 @@ impl Columns {
     }
 
     /// What a table without a head has.
-    fn guessed(line: usize, rows: &[(usize, Vec<String>)]) -> Result<Self, FileError> {
-        let has_phase = rows.first().is_some_and(|(_, cells)| cells.len() >= 3);
-        let is_negative = |cells: &[String]| cells.get(1).is_some_and(|cell| cell.starts_with('-'));
-        if has_phase || rows.iter().any(|(_, cells)| is_negative(cells)) {
+    fn guessed(line: usize, rows: &[Row<String>]) -> Result<Self, LineError> {
+        let has_phase = rows.first().is_some_and(|row| row.cells.len() >= 3);
+        let is_negative = |row: &Row<String>| row.cells.get(1).is_some_and(|cell| cell.starts_with('-'));
+        if has_phase || rows.iter().any(is_negative) {
             let phase = has_phase.then_some(2);
             return Ok(Self { frequency: 0, level: 1, unit: Level::Decibel, phase, hertz: 1.0 });
         }
@@ -116,9 +117,8 @@ impl Columns {
 pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
     let mut head = None;
     let mut separator = None;
-    let mut rows: Vec<(usize, Vec<String>)> = Vec::new();
-    for (line, content) in (1..).zip(text.lines()) {
-        let content = content.trim();
+    let mut rows: Vec<Row<String>> = Vec::new();
+    for (line, content) in lines(text) {
         let is_above = rows.is_empty() && !is_row(content);
         if content.is_empty() || is_comment(content) || is_above {
             if is_above && content.to_lowercase().contains("freq") {
@@ -127,30 +127,19 @@ pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
             continue;
         }
         let separator = *separator.get_or_insert_with(|| Separator::of(content));
-        rows.push((line, separator.cells(content)));
+        rows.push(Row { line, cells: separator.cells(content) });
     }
-    let (Some(separator), Some((first, _))) = (separator, rows.first()) else { return Err(FileError::Empty) };
+    let (Some(separator), Some(first)) = (separator, rows.first()) else { return Err(FileError::Empty) };
     let columns = match head.and_then(|head| Columns::named(head, separator)) {
         Some(columns) => columns,
-        None => Columns::guessed(*first, &rows)?,
+        None => Columns::guessed(first.line, &rows)?,
     };
-    let point = |(line, cells): &(usize, Vec<String>)| point(*line, cells, &columns);
-    Ok(Foreign { sensor: None, points: rows.iter().map(point).collect::<Result<_, _>>()? })
+    let points = rows.iter().map(|row| point(row, &columns)).collect::<Result<_, _>>()?;
+    Ok(Foreign { sensor: None, points })
 }
 
-fn point(line: usize, cells: &[String], columns: &Columns) -> Result<(f64, Complex64), FileError> {
-    let cell = |at: usize, field: &str| {
-        let cell = cells.get(at).ok_or_else(|| {
-            wrong(
-                line,
-                must_be(
-                    format_args!("the row has {} cells", cells.len()),
-                    format_args!("at least {}", at + 1),
-                ),
-            )
-        })?;
-        number(line, field, cell)
-    };
+fn point(row: &Row<String>, columns: &Columns) -> Result<(f64, Complex64), LineError> {
+    let cell = |at: usize, field: &str| row.number(at, field, FINITE);
     let frequency_hz = cell(columns.frequency, "frequency")? * columns.hertz;
     let (field, allowed) = match columns.unit {
         Level::Decibel => ("level", LEVEL),
@@ -158,7 +147,7 @@ fn point(line: usize, cells: &[String], columns: &Columns) -> Result<(f64, Compl
     };
     let value = cell(columns.level, field)?;
     if !allowed.contains(value) {
-        return Err(wrong(line, must_be(format_args!("{field} = {value}"), allowed)));
+        return Err(wrong(row.line, must_be(format_args!("{field} = {value}"), allowed)));
     }
     let magnitude = match columns.unit {
         Level::Decibel => 10_f64.powf(value / 20.0),
