@@ -79,28 +79,14 @@ pub(crate) fn check_band(fitted: &Plate, low_hz: f64, high_hz: f64) -> Result<()
     Err(CalibrateError::NotCovered { measured_hz: (low_hz, high_hz), needed_hz: needed })
 }
 
-/// Refuses what the current leaves open: as [`check_carried`].
-pub(crate) fn check_carried_by_current(
-    plate: &Plate,
-    (boundary_m, level_db): (f64, f64),
-) -> Result<(), CalibrateError> {
-    if is_carried(plate, boundary_m, level_db) {
-        return Ok(());
-    }
-    Err(CalibrateError::NotCarriedByCurrent { boundary_m, level_db })
-}
-
-fn is_carried(plate: &Plate, boundary_m: f64, level_db: f64) -> bool {
-    boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB
-}
-
-/// Refuses what the sensors' answers leave open: standard deviations of the boundary, metres, and of the level, dB.
+/// Refuses standard deviations of the boundary, metres, and of the level, dB, that are too large for a plate file; without
+/// sensors those by a current.
 pub(crate) fn check_carried(
     plate: &Plate,
     sensors: &[&Measurement],
     (boundary_m, level_db): (f64, f64),
 ) -> Result<(), CalibrateError> {
-    if is_carried(plate, boundary_m, level_db) {
+    if boundary_m <= BOUNDARY_MAX * plate.length_m() && level_db <= LEVEL_MAX_DB {
         return Ok(());
     }
     // The sensor that shows least.
@@ -109,7 +95,14 @@ pub(crate) fn check_carried(
         sensor.points.iter().filter(is_silent).count() as f64 / sensor.points.len() as f64
     };
     let weakest = sensors.iter().max_by(|a, b| silent(a).total_cmp(&silent(b)));
-    let (place_m, share) = weakest.map_or((0.0, 0.0), |sensor| (sensor.place_m, silent(sensor)));
-    let span_end_m = plate.span_m().1;
-    Err(CalibrateError::NotCarried { boundary_m, level_db, place_m, silent_share: share, span_end_m })
+    Err(match weakest {
+        None => CalibrateError::NotCarriedByCurrent { boundary_m, level_db },
+        Some(sensor) => CalibrateError::NotCarried {
+            boundary_m,
+            level_db,
+            place_m: sensor.place_m,
+            silent_share: silent(sensor),
+            span_end_m: plate.span_m().1,
+        },
+    })
 }

@@ -1,18 +1,15 @@
 //! The calibration by one sensor, with the full model of the source.
 
 use super::acceptance;
-use super::gain::{self, Carried};
+use super::gain::Carried;
 use super::joint_fit::{Joint, Place};
 use super::least_squares::Fit;
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
-use super::result::{AcceptedFit, Calibrated, INTERVAL, Parameter};
+use super::result::{AcceptedFit, Calibrated};
 use super::source::data::{Datum, entering, of_deflection};
 use super::source::sensor_signal::{CURVE, DELAY, RISE, SensorSignal};
-use super::source::source_file::{
-    parameters_of_actuator, parameters_of_impedance, source_tolerance, with_actuator, with_source,
-};
+use super::source::source_file::FittedSource;
 use super::source::source_model::SourceModel;
-use super::spread::Spread;
 use super::unknowns::{Priors, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
@@ -66,48 +63,35 @@ pub(crate) fn fitted(
     acceptance::check_coordinates(&fit.parameters, &joint.deviations, &[place_m])?;
 
     let first = joint.of_source();
-    let impedance = joint.impedance_of(&fit.parameters);
-    let actuator = [fit.parameters[first + RISE], fit.parameters[first + CURVE]];
-    let spec = with_source(spec_at(plate.spec(), &fit.parameters), units, units.impedance(impedance));
-    let fitted = Plate::new(with_actuator(spec, units, actuator))?;
-    let carried = |answers: &[PlateResponse]| -> Vec<Carried> {
+    let of_source = &fit.parameters[first..];
+    let source = FittedSource {
+        units,
+        first,
+        impedance: joint.impedance_of(&fit.parameters),
+        actuator: [of_source[RISE], of_source[CURVE]],
+        actuator_at: RISE,
+        delay: Some((of_source[DELAY], DELAY)),
+    };
+    let carried = |at: &[f64]| {
         let each = |((answer, point), datum): ((&PlateResponse, &MeasuredPoint), &Datum)| {
             let peak = point.response.norm() / answer.seen[0].norm() * answer.peak;
             // Beside a node of the wave the model's answer is small, whatever the noise is.
-            let model = joint.source.response(answer, 0, &fit.parameters[first..]).norm();
+            let model = joint.source.response(answer, 0, &at[first..]).norm();
             Carried { frequency_hz: answer.frequency_hz, peak, error: datum.variance.sqrt() / model }
         };
-        answers.iter().zip(&points).zip(&joint.data).map(each).collect()
+        Some(joint.answers_with_peak(at)?.iter().zip(&points).zip(&joint.data).map(each).collect())
     };
-    let peaks = |at: &[f64]| {
-        let carried = carried(&joint.answers_with_peak(at)?);
-        Some(carried.iter().map(|carried| carried.peak.ln()).collect())
-    };
-    let spread = Spread::of(&fitted, &fit, &joint.deviations, 1, &peaks).ok_or(CalibrateError::NoFit)?;
-    let answers = joint.answers_with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
-    let measured: Vec<Carried> = carried(&answers).into_iter().filter(|it| it.peak > 0.0).collect();
-    let (correction, noise_db) = gain::correction(&fitted, Some(plate), sensor, &measured)?;
-    let places_m = [place_m];
-    let found = AcceptedFit {
+    let accepted = AcceptedFit {
         nominal: plate,
-        fitted,
+        fitted: source.on(spec_at(plate.spec(), &fit.parameters))?,
         fit: &fit,
         chi2_per_n,
-        spread,
-        places_m: &places_m,
-        correction,
-        noise_db,
-        source_tolerance: None,
+        deviations: &joint.deviations,
+        sensors: &[sensor],
+        levels: sensor,
+        source: Some(source),
         measured_hz,
+        carried: &carried,
     };
-    acceptance::check_carried(plate, &[sensor], found.open())?;
-    let half = |i: usize| INTERVAL * found.deviation(first + i);
-    let mut of_source = parameters_of_impedance(units, impedance, [0, 1, 2].map(half));
-    of_source.extend(parameters_of_actuator(units, actuator, [RISE, CURVE].map(half)));
-    let delay = fit.parameters[first + DELAY] / units.omega;
-    of_source.push(Parameter::about("delay_s", delay, half(DELAY) / units.omega));
-    let source_tolerance = Some(source_tolerance(units, [0, 1, 2].map(half)));
-    let mut calibrated = AcceptedFit { source_tolerance, ..found }.into_calibrated()?;
-    calibrated.parameters.extend(of_source);
-    Ok((calibrated, fit))
+    Ok((accepted.finish()?, fit))
 }

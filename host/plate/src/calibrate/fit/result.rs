@@ -1,11 +1,14 @@
 //! An accepted fit as a plate file, with intervals and parameters.
 
 use super::acceptance;
+use super::gain::{self, Carried};
 use super::least_squares::Fit;
+use super::source::source_file::FittedSource;
 use super::spread::Spread;
 use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, TAPER, spec_at};
 use crate::calibrate::error::CalibrateError;
-use crate::definition::{Calibration, Impedance, Model, Plate, PlateSpec, ResponseCurve, Taper, limits};
+use crate::calibrate::measurement::sensor::Measurement;
+use crate::definition::{Calibration, Model, Plate, PlateSpec, Taper, limits};
 use crate::quantity::show_length;
 
 /// Standard deviations of a 95 % interval.
@@ -56,73 +59,90 @@ impl Calibrated {
     }
 }
 
-/// A fit that is accepted, and what follows from it.
+/// A fit that is accepted.
 pub(crate) struct AcceptedFit<'a> {
     pub(crate) nominal: &'a Plate,
     /// The plate of the fitted numbers, without the record of the calibration.
     pub(crate) fitted: Plate,
     pub(crate) fit: &'a Fit,
     pub(crate) chi2_per_n: f64,
-    pub(crate) spread: Spread,
-    /// Stated places of the sensors, metres.
-    pub(crate) places_m: &'a [f64],
-    pub(crate) correction: ResponseCurve,
-    /// Standard deviation of the correction by noise, dB.
-    pub(crate) noise_db: f64,
-    /// Halves of the intervals of the source; `None` where it was not fitted.
-    pub(crate) source_tolerance: Option<Impedance>,
+    /// Standard deviations of all coordinates beforehand.
+    pub(crate) deviations: &'a [f64],
+    /// The sensors on the plate, whose places follow the plate's coordinates; none for a current.
+    pub(crate) sensors: &'a [&'a Measurement],
+    /// The measurement whose unit and hold the levels have.
+    pub(crate) levels: &'a Measurement,
+    /// The source, where it was fitted.
+    pub(crate) source: Option<FittedSource>,
     /// Lowest and highest frequency of the fit, Hz.
     pub(crate) measured_hz: (f64, f64),
+    /// The gains at given coordinates, carried to the peak.
+    pub(crate) carried: &'a dyn Fn(&[f64]) -> Option<Vec<Carried>>,
 }
 
 impl AcceptedFit<'_> {
     /// Where the model misses more than the noise, the intervals grow with it.
-    pub(crate) fn scale(&self) -> f64 {
+    fn scale(&self) -> f64 {
         self.chi2_per_n.max(1.0).sqrt()
     }
 
-    /// Standard deviation of a coordinate.
-    pub(crate) fn deviation(&self, i: usize) -> f64 {
-        self.scale() * self.fit.covariance[(i, i)].sqrt()
+    /// Half of the interval of a coordinate.
+    fn half(&self, i: usize) -> f64 {
+        INTERVAL * (self.scale() * self.fit.covariance[(i, i)].sqrt())
     }
 
-    /// Standard deviations that the data leave: of the boundary, metres, and of the level, dB.
-    pub(crate) fn open(&self) -> (f64, f64) {
-        let level_db = (self.scale() * self.spread.level_db).hypot(self.noise_db);
-        (self.scale() * self.spread.boundary_m, level_db)
+    /// Logarithms of the gains; without a sensor their mean is not measured, and adds nothing to the spread.
+    fn levels(&self, coordinates: &[f64]) -> Option<Vec<f64>> {
+        let carried = (self.carried)(coordinates)?;
+        let mut levels: Vec<f64> = carried.iter().map(|carried| carried.peak.ln()).collect();
+        if self.sensors.is_empty() {
+            let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+            levels.iter_mut().for_each(|level| *level -= mean);
+        }
+        Some(levels)
     }
 
-    /// The plate file, its intervals and the parameters.
-    pub(crate) fn into_calibrated(self) -> Result<Calibrated, CalibrateError> {
-        acceptance::check_band(&self.fitted, self.measured_hz.0, self.measured_hz.1)?;
-        let (boundary_m, level_db) = self.open();
-        let deviation = |i: usize| self.deviation(i);
-        let coordinates = &self.fit.parameters;
-        let mut spec = self.fitted.spec().clone();
-        let speed = INTERVAL * self.scale() * self.spread.speed;
+    /// The plate file, its intervals and the parameters, if the data carry them.
+    pub(crate) fn finish(self) -> Result<Calibrated, CalibrateError> {
+        let Self { nominal, fitted, fit, sensors, .. } = &self;
+        let levels = |at: &[f64]| self.levels(at);
+        let spread = Spread::of(fitted, fit, self.deviations, sensors.len(), &levels);
+        let spread = spread.ok_or(CalibrateError::NoFit)?;
+        let mut carried = (self.carried)(&fit.parameters).ok_or(CalibrateError::NoFit)?;
+        carried.retain(|carried| carried.peak > 0.0);
+        let levels_of = self.source.as_ref().map(|_| *nominal);
+        let (correction, noise_db) = gain::correction(fitted, levels_of, self.levels, &carried)?;
+        let boundary_m = self.scale() * spread.boundary_m;
+        let level_db = (self.scale() * spread.level_db).hypot(noise_db);
+        acceptance::check_carried(nominal, sensors, (boundary_m, level_db))?;
+        acceptance::check_band(fitted, self.measured_hz.0, self.measured_hz.1)?;
+
+        let half = |i: usize| self.half(i);
+        let mut spec = fitted.spec().clone();
+        let speed = INTERVAL * self.scale() * spread.speed;
         spec.wave_speed_tolerance = speed.min(limits::WAVE_SPEED_TOLERANCE.high);
-        let loss = (INTERVAL * deviation(LOSS)).exp() - 1.0;
+        let loss = half(LOSS).exp() - 1.0;
         spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
         spec.calibration = Some(Calibration {
             chi2_per_n: self.chi2_per_n,
-            half_width_tolerance: (INTERVAL * deviation(HALF_WIDTH)).min(1.0),
-            taper_tolerance: (INTERVAL * deviation(TAPER)).min(1.0),
+            half_width_tolerance: half(HALF_WIDTH).min(1.0),
+            taper_tolerance: half(TAPER).min(1.0),
             level_tolerance_db: Some(INTERVAL * level_db)
                 .filter(|db| limits::LEVEL_TOLERANCE_DB.contains(*db)),
-            source_tolerance: self.source_tolerance,
-            correction: Some(self.correction.clone()),
+            source_tolerance: self.source.as_ref().map(|source| source.tolerance(half)),
+            correction: Some(correction),
         });
-        let mut parameters = parameters_of_plate(self.nominal.spec(), coordinates, &deviation);
-        for (i, place_m) in self.places_m.iter().enumerate() {
-            let value = place_m + coordinates[OF_PLATE + i];
-            parameters.push(Parameter::about("place_m", value, INTERVAL * deviation(OF_PLATE + i)));
+        let mut parameters = parameters_of_plate(nominal.spec(), &fit.parameters, half);
+        for (i, sensor) in (OF_PLATE..).zip(*sensors) {
+            parameters.push(Parameter::about("place_m", sensor.place_m + fit.parameters[i], half(i)));
         }
+        parameters.extend(self.source.iter().flat_map(|source| source.parameters(half)));
         Ok(Calibrated {
             plate: Plate::new(spec)?,
             parameters,
             chi2_per_n: self.chi2_per_n,
             boundary_tolerance_m: INTERVAL * boundary_m,
-            boundary_per_place: self.spread.boundary_per_place.clone(),
+            boundary_per_place: spread.boundary_per_place,
             level_tolerance_db: INTERVAL * level_db,
         })
     }
@@ -139,12 +159,12 @@ impl Parameter {
 fn parameters_of_plate(
     nominal: &PlateSpec,
     coordinates: &[f64],
-    deviation: &impl Fn(usize) -> f64,
+    half: impl Fn(usize) -> f64,
 ) -> Vec<Parameter> {
     let best = numbers(&spec_at(nominal, coordinates));
     let at_end = |i: usize, side: f64| {
         let mut coordinates = coordinates.to_vec();
-        coordinates[i] += side * INTERVAL * deviation(i);
+        coordinates[i] += side * half(i);
         numbers(&spec_at(nominal, &coordinates))[i].1
     };
     (0..OF_PLATE)

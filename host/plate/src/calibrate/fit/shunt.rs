@@ -1,16 +1,13 @@
 //! The calibration by the drive's current alone, plate unloaded.
 
 use super::acceptance;
-use super::gain::{self, Carried};
+use super::gain::Carried;
 use super::joint_fit::Joint;
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
-use super::result::{AcceptedFit, Calibrated, INTERVAL, Parameter};
+use super::result::{AcceptedFit, Calibrated};
 use super::source::data::{droop, entering, normalised};
 use super::source::drive_current::{ACTUATOR, DriveCurrent, Transducer};
-use super::source::source_file::{
-    parameters_of_actuator, parameters_of_impedance, source_tolerance, with_actuator, with_source,
-};
-use super::spread::Spread;
+use super::source::source_file::FittedSource;
 use super::unknowns::{Priors, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
@@ -60,44 +57,32 @@ pub fn from_shunt(
     let mut impedance = joint.impedance_of(&fit.parameters);
     impedance[0] += damping.re.max(0.0);
     impedance[if damping.im > 0.0 { 2 } else { 1 }] += damping.im.abs();
-    let spec = with_source(spec_at(plate.spec(), &fit.parameters), units, units.impedance(impedance));
-    let actuator = [of_source[ACTUATOR], of_source[ACTUATOR + 1]];
-    let fitted = Plate::new(with_actuator(spec, units, actuator))?;
-    let carried = |answers: &[PlateResponse], source: &[f64]| -> Vec<Carried> {
+    let source = FittedSource {
+        units,
+        first,
+        impedance,
+        actuator: [of_source[ACTUATOR], of_source[ACTUATOR + 1]],
+        actuator_at: ACTUATOR,
+        delay: None,
+    };
+    let carried = |at: &[f64]| {
         let each = |answer: &PlateResponse| {
-            let peak = joint.source.peak(answer, source) * droop(current, answer.frequency_hz);
+            let peak = joint.source.peak(answer, &at[first..]) * droop(current, answer.frequency_hz);
             Carried { frequency_hz: answer.frequency_hz, peak, error: 0.0 }
         };
-        answers.iter().map(each).collect()
+        Some(joint.answers_with_peak(at)?.iter().map(each).collect())
     };
-    // A factor for all frequencies is not measured, so it adds nothing to the spread.
-    let peaks = |at: &[f64]| {
-        let carried = carried(&joint.answers_with_peak(at)?, &at[first..]);
-        let levels: Vec<f64> = carried.iter().map(|carried| carried.peak.ln()).collect();
-        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-        Some(levels.into_iter().map(|level| level - mean).collect())
-    };
-    let spread = Spread::of(&fitted, &fit, &joint.deviations, 0, &peaks).ok_or(CalibrateError::NoFit)?;
-    let answers = joint.answers_with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
-    let (correction, _) = gain::correction(&fitted, Some(plate), current, &carried(&answers, of_source))?;
-    let found = AcceptedFit {
+    let accepted = AcceptedFit {
         nominal: plate,
-        fitted,
+        fitted: source.on(spec_at(plate.spec(), &fit.parameters))?,
         fit: &fit,
         chi2_per_n,
-        spread,
-        places_m: &[],
-        correction,
-        noise_db: 0.0,
-        source_tolerance: None,
+        deviations: &joint.deviations,
+        sensors: &[],
+        levels: current,
+        source: Some(source),
         measured_hz,
+        carried: &carried,
     };
-    acceptance::check_carried_by_current(plate, found.open())?;
-    let half = |i: usize| INTERVAL * found.deviation(first + i);
-    let mut of_source: Vec<Parameter> = parameters_of_impedance(units, impedance, [0, 1, 2].map(half));
-    of_source.extend(parameters_of_actuator(units, actuator, [ACTUATOR, ACTUATOR + 1].map(half)));
-    let source_tolerance = Some(source_tolerance(units, [0, 1, 2].map(half)));
-    let mut calibrated = AcceptedFit { source_tolerance, ..found }.into_calibrated()?;
-    calibrated.parameters.extend(of_source);
-    Ok(calibrated)
+    accepted.finish()
 }

@@ -1,10 +1,8 @@
 //! The calibration by the ratio of two places.
 
 use super::acceptance::{self, CHI2_PER_N_MAX};
-use super::gain::{self, Carried};
 use super::ratio::Ratio;
 use super::result::{AcceptedFit, Calibrated};
-use super::spread::Spread;
 use super::unknowns::{Priors, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
@@ -50,28 +48,19 @@ pub fn from_ratio(
     }
     acceptance::check_coordinates(&fit.parameters, &ratio.deviations, &ratio.places_m)?;
 
-    let fitted = Plate::new(spec_at(plate.spec(), &fit.parameters))?;
-    let peaks = ratio.with_peak(&fit.parameters).ok_or(CalibrateError::NoFit)?;
-    let carried = |coordinates: &[f64]| {
-        let peaks = ratio.with_peak(coordinates)?;
-        Some(ratio.carried(&peaks).map(|carried| carried.peak.ln()).collect())
-    };
-    let spread = Spread::of(&fitted, &fit, &ratio.deviations, 2, &carried).ok_or(CalibrateError::NoFit)?;
-    let measured: Vec<Carried> = ratio.carried(&peaks).filter(|carried| carried.peak > 0.0).collect();
-    let (correction, noise_db) = gain::correction(&fitted, None, sensors[0], &measured)?;
+    let carried = |coordinates: &[f64]| Some(ratio.carried(&ratio.with_peak(coordinates)?).collect());
     let last = ratio.pairs.len() - 1;
-    let found = AcceptedFit {
+    let accepted = AcceptedFit {
         nominal: plate,
-        fitted,
+        fitted: Plate::new(spec_at(plate.spec(), &fit.parameters))?,
         fit: &fit,
         chi2_per_n,
-        spread,
-        places_m: &ratio.places_m,
-        correction,
-        noise_db,
-        source_tolerance: None,
+        deviations: &ratio.deviations,
+        sensors: &sensors,
+        levels: sensors[0],
+        source: None,
         measured_hz: (ratio.pairs[0].frequency_hz, ratio.pairs[last].frequency_hz),
+        carried: &carried,
     };
-    acceptance::check_carried(plate, &sensors, found.open())?;
-    found.into_calibrated()
+    accepted.finish()
 }
