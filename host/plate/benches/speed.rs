@@ -38,7 +38,7 @@ impl Report {
         }
     }
 
-    /// The shortest of the runs: what the machine can do when nobody else is on it.
+    /// The shortest of the runs: what the machine can do when it is otherwise idle.
     fn fastest(&self, mut run: impl FnMut()) -> Duration {
         let begin = Instant::now();
         let mut fastest = Duration::MAX;

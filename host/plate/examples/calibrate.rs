@@ -1,6 +1,6 @@
 //! The calibration by the ratio of two places, for other programs: `tests/oracle` compares it with scipy's least squares.
 //!
-//! On the standard input, apart by white space: a preset's name, both places in metres, the standard deviation of each, the
+//! On the standard input, separated by white space: a preset's name, both places in metres, the standard deviation of each, the
 //! number of frequencies, and for each the frequency in hertz and, for both sensors, the real and the imaginary part of
 //! the response and the standard deviation of its noise. One line for each parameter goes to the standard output: its
 //! name, value, and the ends of its interval; then chi^2 over the number of residuals.

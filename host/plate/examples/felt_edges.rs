@@ -1,6 +1,6 @@
-//! What any method can make of felt edges on a membrane whose drive nobody knows, at best.
+//! What any method can make of felt edges on a membrane of unknown drive, at best.
 //!
-//! Truths are drawn as the tests draw them: plate, source, actuator, threshold and gain. A finger tells where the edges of
+//! Truths are drawn as the tests draw them: plate, source, actuator, threshold and gain. A finger shows where the edges of
 //! some tones are, each mark within 3 mm of its edge. Of many plates and drives drawn alike, those whose edges all lie within
 //! 3 mm of the marks are as likely as each other to be the truth, and the others are impossible. The mean of their edges has
 //! the least expected square error that any method can have; here its error is printed, as the root of the mean square over

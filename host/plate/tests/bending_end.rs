@@ -14,7 +14,7 @@ fn aluminium(drive_end: DriveEnd) -> Plate {
     Plate::new(PlateSpec { drive_end, ..spec }).expect("a valid end")
 }
 
-/// Z at 28 kHz, the frequency for which resistances are told here.
+/// Z at 28 kHz, the frequency at which resistances are stated here.
 fn impedance() -> f64 {
     aluminium(DriveEnd::Displacement).wave_impedance_n_s_per_m(28e3).expect("bending")
 }

@@ -1,4 +1,4 @@
-//! Figures of merit: against what other parts of the crate tell, and against the README's table.
+//! Figures of merit: against other parts of the crate, and against the README's table.
 
 use slipline_plate::merit::Merit;
 use slipline_plate::number_format::with_decimals;

@@ -1,4 +1,4 @@
-//! Long computations tell how far they are, and end when nobody wants them any more.
+//! Long computations report their progress, and end when the caller does not want them any more.
 
 use slipline_plate::check::{CheckError, Checker, Conditions};
 use slipline_plate::design::{DesignError, Edge, Material, Request, Wave, design, design_watched};
@@ -6,7 +6,7 @@ use slipline_plate::{
     DriveTable, KNOTS_MAX, Progress, Stopped, TableError, preset, sensitivity_per_percent_watched,
 };
 
-/// The shares that a computation tells until `limit` of it is done.
+/// The shares that a computation reports until `limit` of it is done.
 fn told(limit: f64, compute: impl FnOnce(&mut Progress<'_>)) -> Vec<f64> {
     let mut shares = Vec::new();
     compute(&mut Progress::new(&mut |share| {

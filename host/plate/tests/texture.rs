@@ -120,7 +120,7 @@ fn a_solid_area_ends_where_the_finger_feels_it_end() {
     assert_eq!(refused, TextureError::NotFelt { edge: FeltEdge::Nowhere });
 }
 
-/// What is told of profiles: `(drawn from, to, least, most)` error that 16 tones leave.
+/// The stated errors of profiles: `(drawn from, to, least, most)` error that 16 tones leave.
 #[test]
 fn what_a_profile_cannot_have_is_told_by_its_reach() {
     let (plate, table) = membrane();

@@ -1,5 +1,5 @@
 //! The plate in time against the frequency domain: through codes, with and without the table, for presets and for
-//! plates nobody chose.
+//! plates at random.
 
 use proptest::prelude::*;
 use slipline_plate::quantity::OutOfRange;

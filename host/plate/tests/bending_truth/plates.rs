@@ -14,7 +14,7 @@ pub(crate) enum End {
     Damper(EndSlope, f64),
     /// A force on a damper, a mass and a spring.
     Coil(EndSlope),
-    /// A force between the plate and a lead-in of so many half-widths, with a damper at its far end.
+    /// A force between the plate and a lead-in of this many half-widths, with a damper at its far end.
     LeadIn(f64, f64),
 }
 

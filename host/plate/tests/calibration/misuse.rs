@@ -1,8 +1,8 @@
-//! What goes wrong while a person measures: it is refused by its name, or the table is good all the same.
+//! What goes wrong while a person measures: it is refused by its name, or the table is good anyway.
 //!
 //! | what | here, with two places | one place (`one_sensor.rs`) | through the protocol (`tests/tests/measuring.rs`) |
 //! |---|---|---|---|
-//! | sensor 1 mm or 10 mm from its mark | `a_sensor_at_another_place..`, told by `how_far_a_misplaced..` | `what_goes_wrong..` | |
+//! | sensor 1 mm or 10 mm from its mark | `a_sensor_at_another_place..`, stated by `how_far_a_misplaced..` | `what_goes_wrong..` | |
 //! | at a node, or beyond the last boundary | `a_sensor_at_a_node..`, `a_sensor_where_nothing..` | `what_goes_wrong..` | |
 //! | unplugged, clipped | `an_unplugged..` | `what_goes_wrong..` | `an_unplugged..` |
 //! | places swapped | `an_unplugged..` | | |
@@ -22,7 +22,7 @@ fn rig(name: &str, seed: u64) -> (Rig, Random) {
     (Rig::new(name, Solver::OneMode, &mut random), random)
 }
 
-/// The refusal, or nothing if the table is as good as is told: never a bad one without a word. `moved_m` is how far each
+/// The refusal, or nothing if the table is as good as stated: never a bad one without a word. `moved_m` is how far each
 /// sensor is from its mark.
 fn refused_or_good(
     rig: &Rig,

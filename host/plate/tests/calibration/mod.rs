@@ -1,5 +1,5 @@
-//! A plate whose numbers are wrong by some per cent is measured and calibrated; the table of the plate file that comes of
-//! it drives the true plate.
+//! A plate whose numbers are wrong by some per cent is measured and calibrated; the table of the calibrated plate
+//! file drives the true plate.
 
 mod drive_check;
 mod misuse;
@@ -16,7 +16,7 @@ use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors,
 /// Shares of the length at which the sensor stands.
 const PLACES: [f64; 2] = [0.1, 0.55];
 
-/// Of so many plates the median is held to its limit, too; of fewer the worst alone.
+/// Of this many plates the median is held to its limit, too; of fewer the worst alone.
 const MANY: u64 = 10;
 
 /// Frequencies that suffice.
@@ -32,7 +32,7 @@ fn calibrated(rig: &Rig, sensors: &[Measurement; 2]) -> Result<Calibrated, Calib
     from_ratio(&rig.nominal, [&sensors[0], &sensors[1]], &Priors::default())
 }
 
-/// Whether the told interval of a parameter holds the true value.
+/// Whether the stated interval of a parameter holds the true value.
 fn within(found: &Calibrated, name: &str, value: f64) -> bool {
     let told = found.parameters.iter().find(|parameter| parameter.name == name).expect(name);
     (told.low..=told.high).contains(&value)
@@ -48,7 +48,7 @@ fn truths(name: &str, solver: Solver, number: u64) -> Vec<[Judgement; 2]> {
         let file = found.plate.to_toml();
         let plate = Plate::from_toml(&file).expect("an ordinary plate file");
         assert_eq!(plate, found.plate);
-        // What is told of the boundary must hold: 95 % of all truths, and none far beyond.
+        // The stated interval of the boundary must hold: 95 % of all truths, and none far beyond.
         let [before, after] = [&rig.nominal, &plate].map(|plate| rig.judge(plate));
         if solver == Solver::OneMode {
             assert!(after.boundary_m < 1.5 * found.boundary_tolerance_m, "{name} {seed}: {after:?}");
@@ -65,7 +65,7 @@ fn figures(judged: &[[Judgement; 2]], which: usize) -> [(f64, f64); 2] {
     ]
 }
 
-/// Calibrates so many truths of both presets.
+/// Calibrates `number` truths of both presets.
 fn ratio(number: u64) {
     for name in ["membrane", "al-bending"] {
         let judged = truths(name, Solver::OneMode, number);

@@ -36,7 +36,7 @@ fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
     one_sensor(20);
 }
 
-/// Calibrates so many truths of both presets.
+/// Calibrates `number` truths of both presets.
 fn one_sensor(number: u64) {
     for (name, boundary_mm, level_db) in
         [("membrane", [0.6, 1.2], [0.6, 2.0]), ("al-bending", [0.4, 0.8], [0.6, 2.5])]

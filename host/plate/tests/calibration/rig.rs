@@ -1,4 +1,4 @@
-//! A plate that nobody knows, drawn at random near a nominal one, and what a sensor on it measures: by the one-mode
+//! An unknown plate, drawn at random near a nominal one, and what a sensor on it measures: by the one-mode
 //! equation or in two dimensions, with noise and 12 bits.
 
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};

@@ -20,7 +20,7 @@ pub(crate) fn rig(name: &str, seed: u64) -> (Rig, Electrics, Random) {
     (rig, electrics, random)
 }
 
-/// What nobody knows of the drive.
+/// Unknowns of the drive.
 pub(crate) struct Electrics {
     transducer: Transducer,
     /// Of a coil: the share of the source's resistance that is electrical, (Bl)^2/Re.
@@ -70,7 +70,7 @@ fn the_current_alone_puts_boundary_and_level_right_or_says_that_two_plates_fit()
     by_current([20, 10]);
 }
 
-/// Calibrates so many truths of each preset.
+/// Calibrates this many truths of each preset.
 fn by_current([membranes, plates]: [u64; 2]) {
     for (name, number, boundary_mm, level_db) in
         [("membrane", membranes, [0.7, 1.4], [0.3, 0.8]), ("al-bending", plates, [0.5, 1.2], [0.4, 1.2])]

@@ -14,7 +14,7 @@ fn level(name: &str) -> f64 {
 /// What is known of the drive before anybody touches the plate.
 #[derive(Debug, Clone, Copy)]
 enum Drive {
-    /// It is as the file tells it.
+    /// It is as the file states it.
     Told,
     /// Its mass, spring and actuator make the levels swing.
     Unknown,
@@ -39,12 +39,12 @@ fn told_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64, feeling: &Feeling)
 /// What touches do to one plate.
 #[derive(Debug, Clone, Copy)]
 struct Judged {
-    /// Distance of the told and the felt edge over the frequencies, root of the mean square in mm: by the plain file and its
+    /// Distance of the calibrated and the felt edge over the frequencies, root of the mean square in mm: by the plain file and its
     /// table, and by the file after the touches and its table.
     off_mm: [f64; 2],
-    /// Half of the told 95 % interval of that, mm.
+    /// Half of the stated 95 % interval of that, mm.
     told_mm: f64,
-    /// Whether the told interval of the wave speed holds the true one.
+    /// Whether the stated interval of the wave speed holds the true one.
     holds_speed: bool,
 }
 
@@ -67,8 +67,8 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     let (low, high) = rig.nominal.band_hz();
     let frequencies: Vec<f64> =
         (0..=20).map(|i| low * (high / low).powf(0.1 + 0.04 * f64::from(i))).collect();
-    // Where the edge of each frequency is felt with a plate's table, and the peak that this table tells: as loud for the
-    // told threshold as the plain file tells it.
+    // Where the edge of each frequency is felt with a plate's table, and the peak that this table predicts: as loud for the
+    // stated threshold as the plain file predicts it.
     let loud = level(name) * rig.table(&rig.nominal).peak_at_full_scale_m;
     let felt = |plate: &Plate, told: &Feeling| -> Vec<(f64, f64, f64)> {
         let table = rig.table(plate);
@@ -156,7 +156,7 @@ fn touches_on_an_unknown_drive_put_the_felt_edge_nearly_as_right_as_anything_can
         let ([before, after], judged) = truths("membrane", Drive::Unknown, count, 20);
         assert_eq!(judged.len(), 20, "none is refused");
         assert!(after.0 <= most_mm && after.0 < 0.4 * before.0, "{count}: {before:?} {after:?}");
-        // What is told of the edge and of the speed must hold: for 95 % of all, so for 17 of 20 nearly always.
+        // The stated intervals of edge and speed must hold: for 95 % of all, so for 17 of 20 nearly always.
         let within = judged.iter().filter(|it| it.off_mm[1] <= it.told_mm).count();
         let held = judged.iter().filter(|it| it.holds_speed).count();
         assert!(within >= 17 && held >= 17, "{count}: {within} {held}");

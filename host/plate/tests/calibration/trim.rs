@@ -1,11 +1,11 @@
-//! The wave speed of a calibrated plate changes: one sensor tells by how much.
+//! The wave speed of a calibrated plate changes: one sensor measures by how much.
 
 use super::rig::{Random, Rig, Solver};
 use super::{PLACES, calibrated, count, measured};
 use slipline_plate::calibrate::{CalibrateError, MeasuredPoint, Measurement, SpeedTrim};
 use slipline_plate::{Finger, Plate};
 
-/// Every so many of the first frequencies are tones of the later measurements: 15 of 60 and of 150.
+/// The step through the first frequencies to the tones of the later measurements: 15 of 60 and of 150.
 fn every(name: &str) -> usize {
     count(name) / 15
 }

@@ -5,7 +5,7 @@
 //! | light | is not green where, in two dimensions, |
 //! |---|---|
 //! | edge slope, edge curvature, wavelengths: one of them | peak or felt edge are a quarter of the edge's width off |
-//! | edge width | the edge is a quarter wider or narrower than told |
+//! | edge width | the edge is a quarter wider or narrower than stated |
 //! | peak | there is none, or another place vibrates 2 dB more |
 //! | sensitivity | the level is 2 dB off: as the plate is, with 1 % of wave speed, with its tolerance of loss |
 //! | finger load | a light touch takes 2 dB from the peak |
@@ -13,7 +13,7 @@
 //! | thin plate | shear and rotary inertia move the peak by a quarter of the edge |
 //!
 //! Edge slope and edge curvature say whether there is one wave of the local width at all. Where one of them is not green,
-//! the user has been told so, and what the others compute from that wave is not judged.
+//! the user is informed, and what the others compute from that wave is not judged.
 
 mod plates;
 mod truth;
@@ -172,7 +172,7 @@ fn no_light_is_green_where_the_plate_itself_is_two_decibels_or_a_quarter_of_the_
         }
     }
     assert!(found.is_empty(), "{} green: {found:#?}\n{off:?}", found.len());
-    // A truth that is never off would judge nothing. (No edge was ever found a quarter wider than told.)
+    // A truth that is never off would judge nothing. (No edge was ever found a quarter wider than stated.)
     for (what, own) in [
         ("place of the peak", false),
         ("peak", true),
