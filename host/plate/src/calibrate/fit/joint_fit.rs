@@ -5,44 +5,27 @@
 //! the best of them.
 
 use super::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
-use super::least_squares::{self, Fit, Problem, minima, slope};
+use super::least_squares::Fit;
 use super::pairs::MODEL_ERROR;
 use super::response::plate_response::{PlateResponse, Units, answers};
 use super::response::wave::{COARSE, FINE, points};
+use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Scan, Searched, column};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
-use super::unknowns::{OF_PLATE, Priors, SPEED, STEPS, spec_at};
+use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::SensorKind;
 use crate::definition::{Plate, PlateSpec};
 
-/// Model error during the scan: beside a node little is to be learnt as long as the plate is wrong.
-const SCAN_ERROR: f64 = 0.2;
-/// The same from fit to fit on the way to the bottom of a valley: at first the widths and the place stay what calipers say.
-/// With each, the most chi^2 per number from which a fit of [`CHI2_PER_N_MAX`] may still be reached: others are left.
-const ERRORS: [(f64, f64); 3] = [(0.2, 0.25), (0.05, 2.0), (MODEL_ERROR, f64::INFINITY)];
-/// Most steps of each of these fits.
-const STEPS_MAX: usize = 30;
-/// Wave speeds that are tried first, and then, as the logarithm over the file's.
-const SPEEDS: [(f64, f64); 2] = [(-SPEED_MAX, SPEED_MAX), (-0.29, 0.29)];
 /// Radians that the phase of the wave may change on its way to the turning point and back from one speed to the next.
 const SCAN_RADIANS: f64 = 0.5;
-/// Loss factors over the file's that are tried.
-const LOSSES: [f64; 3] = [0.5, 1.0, 2.2];
-/// Most frequencies of the scan.
-const SCAN_FREQUENCIES: usize = 60;
 /// Valleys of the scan that are followed to their bottom.
 const VALLEYS: usize = 4;
-/// A bottom with no more chi^2 per number is that of the plate.
-const ENOUGH: f64 = 1.5;
 /// A bottom within this much chi^2 of the best is as good; if its speed is [`FAR`] standard deviations away, it is another
 /// plate.
 const AS_GOOD: f64 = 25.0;
 const FAR: f64 = 6.0;
-/// When a fit ends, as a share of the standard deviations: among the valleys, and at last.
-const STILL: (f64, f64) = (1e-2, 1e-5);
-/// Way over which the derivative by a place is taken, metres, and by a coordinate of the source.
-const PLACE_STEP_M: f64 = 1e-7;
+/// Way over which the derivative by a coordinate of the source is taken.
 const SOURCE_STEP: f64 = 1e-5;
 /// Coordinates of a source's resistance, mass and stiffness: none is below zero.
 const OF_IMPEDANCE: usize = 3;
@@ -67,8 +50,6 @@ pub(crate) struct Joint<'a, S> {
     pub(crate) deviations: Vec<f64>,
     pub(crate) frequencies_hz: Vec<f64>,
     pub(crate) data: Vec<Datum>,
-    /// chi^2 and the coordinate of the speed at the bottoms of all valleys that were followed.
-    speeds: Vec<(f64, f64)>,
     /// Radians to the turning point and back at the highest frequency.
     turns: f64,
 }
@@ -86,17 +67,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         let deviations = priors.deviations().into_iter().chain(of_place).chain(source.deviations()).collect();
         let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
         let turns = 2.0 * plate.width_mode(1).phase_to(plate.length_m(), highest_hz);
-        Self {
-            nominal: plate.spec(),
-            source,
-            units,
-            place,
-            deviations,
-            frequencies_hz,
-            data,
-            speeds: Vec::new(),
-            turns,
-        }
+        Self { nominal: plate.spec(), source, units, place, deviations, frequencies_hz, data, turns }
     }
 
     /// Where the source's coordinates begin.
@@ -111,7 +82,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
 
     /// The best coordinates and chi^2 over the number of residuals, if the model fits the data.
     pub(crate) fn accepted(&mut self) -> Result<(Fit, f64), CalibrateError> {
-        let fit = self.fit().ok_or(CalibrateError::NoFit)?;
+        let (fit, bottoms) = self.fit().ok_or(CalibrateError::NoFit)?;
         let chi2_per_n = fit.chi2 / (self.residual_count() - fit.parameters.len()) as f64;
         if chi2_per_n > CHI2_PER_N_MAX {
             return Err(CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX });
@@ -119,41 +90,23 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         // Another plate fits as well.
         let margin = AS_GOOD * chi2_per_n.max(1.0);
         let deviation = fit.covariance[(SPEED, SPEED)].sqrt();
-        let other = self.speeds.iter().find(|(chi2, speed)| {
-            *chi2 < fit.chi2 + margin && (speed - fit.parameters[SPEED]).abs() > FAR * deviation
-        });
-        match other {
-            Some((_, speed)) if S::ALL => {
-                Err(CalibrateError::Ambiguous { shares: [fit.parameters[SPEED].exp(), speed.exp()] })
+        let is_other = |bottom: &&Fit| {
+            bottom.chi2 < fit.chi2 + margin
+                && (bottom.parameters[SPEED] - fit.parameters[SPEED]).abs() > FAR * deviation
+        };
+        match bottoms.iter().find(is_other) {
+            Some(other) if S::ALL => {
+                let shares = [&fit, other].map(|fit| fit.parameters[SPEED].exp());
+                Err(CalibrateError::Ambiguous { shares })
             }
             _ => Ok((fit, chi2_per_n)),
         }
     }
 
-    /// The best coordinates.
-    fn fit(&mut self) -> Option<Fit> {
-        let mut best: Option<Fit> = None;
-        self.speeds.clear();
-        'scans: for speeds in SPEEDS {
-            for starts in self.valleys(speeds) {
-                for start in starts {
-                    let Some(bottom) = self.bottom(&start) else { continue };
-                    let is_enough = self.is_below(Some(&bottom), ENOUGH);
-                    self.speeds.push((bottom.chi2, bottom.parameters[SPEED]));
-                    best = best.into_iter().chain([bottom]).min_by(|a, b| a.chi2.total_cmp(&b.chi2));
-                    if is_enough && S::ALL {
-                        break;
-                    }
-                    if is_enough {
-                        break 'scans;
-                    }
-                }
-            }
-            if self.is_below(best.as_ref(), CHI2_PER_N_MAX) {
-                break;
-            }
-        }
-        let mut fit = self.refined(&best?)?;
+    /// The best coordinates, and the bottoms of all valleys that were followed.
+    fn fit(&mut self) -> Option<(Fit, Vec<Fit>)> {
+        let (best, bottoms) = self.lowest()?;
+        let mut fit = self.refined(&best)?;
         // A resistance, mass or spring below zero is none.
         for _ in 0..OF_IMPEDANCE {
             let first = self.of_source();
@@ -168,28 +121,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
             fit.parameters[lowest] = 0.0;
             fit = self.refined(&fit)?;
         }
-        Some(fit)
-    }
-
-    /// The bottom of the valley that begins at `start`.
-    fn bottom(&self, start: &[f64]) -> Option<Fit> {
-        let mut found: Option<Fit> = None;
-        for (model_error, most) in ERRORS {
-            let from = found.as_ref().map_or(start, |found| &found.parameters);
-            let problem = OnGrid { joint: self, radians: COARSE, model_error };
-            let fit = least_squares::fit_within(&problem, from, STILL.0, STEPS_MAX);
-            found = Some(fit.filter(|fit| self.is_below(Some(fit), most))?);
-        }
-        found
-    }
-
-    fn refined(&self, from: &Fit) -> Option<Fit> {
-        let problem = OnGrid { joint: self, radians: FINE, model_error: MODEL_ERROR };
-        least_squares::fit(&problem, &from.parameters, STILL.1)
-    }
-
-    fn is_below(&self, fit: Option<&Fit>, chi2_per_n: f64) -> bool {
-        fit.is_some_and(|fit| fit.chi2 <= chi2_per_n * self.residual_count() as f64)
+        Some((fit, bottoms))
     }
 
     /// The resistance, mass and stiffness of the source in units, none below zero.
@@ -224,7 +156,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
     }
 
     /// Residuals of the data, real and imaginary parts, then of what was known beforehand.
-    fn residuals(
+    fn residuals_of(
         &self,
         coordinates: &[f64],
         answers: &[PlateResponse],
@@ -242,33 +174,34 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         residuals.extend(known.map(|(at, deviation)| at / deviation));
         residuals
     }
+}
 
-    /// Starts at each of the lowest minima of a scan over wave speeds and losses.
-    fn valleys(&self, (slowest, fastest): (f64, f64)) -> Vec<Vec<Vec<f64>>> {
+impl<S: SourceModel> Searched for Joint<'_, S> {
+    const SPEEDS: &'static [(f64, f64)] = &[(-SPEED_MAX, SPEED_MAX), (-0.29, 0.29)];
+    // At first the widths and the place stay what calipers say.
+    const ERRORS: &'static [(f64, f64)] = &[(0.2, 0.25), (0.05, 2.0), (MODEL_ERROR, f64::INFINITY)];
+    const STEPS_MAX: usize = 30;
+    const ALL: bool = S::ALL;
+
+    fn count(&self) -> f64 {
+        self.residual_count() as f64
+    }
+
+    fn starts(&self, speeds: (f64, f64)) -> Vec<Vec<Vec<f64>>> {
         let every = self.data.len().div_ceil(SCAN_FREQUENCIES).max(1);
         let some: Vec<Datum> = self.data.iter().copied().step_by(every).collect();
         let frequencies_hz: Vec<f64> = self.frequencies_hz.iter().copied().step_by(every).collect();
-        let count = ((fastest - slowest) * self.turns.max(1.0) / SCAN_RADIANS).ceil();
-        let speed = |i: usize| slowest + (fastest - slowest) * i as f64 / count;
         let places_m: Vec<f64> = self.place.iter().map(|place| place.place_m).collect();
         let on_plate = |coordinates: [f64; OF_PLATE]| {
             self.answers(&coordinates, &places_m, &frequencies_hz, COARSE, false)
         };
-        let mut found = Vec::new();
-        for loss in LOSSES.map(f64::ln) {
-            let suited = |i: usize| {
-                let answers = on_plate([speed(i), loss, 0.0, 0.0])?;
-                self.source.suited(&some, &answers, SCAN_ERROR)
-            };
-            let along: Vec<f64> = (0..=count as usize).map(|i| suited(i).unwrap_or(f64::INFINITY)).collect();
-            found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
-        }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut scan = Scan::new(speeds, self.turns, SCAN_RADIANS, |coordinates| {
+            self.source.suited(&some, &on_plate(coordinates)?, SCAN_ERROR)
+        });
         // One valley goes through all losses.
         let mut speeds: Vec<f64> = Vec::new();
-        let step = (fastest - slowest) / count;
-        found.retain(|(_, [speed, _])| {
-            let is_new = speeds.iter().all(|other| (other - speed).abs() > 1.5 * step);
+        scan.minima.retain(|(_, [speed, _])| {
+            let is_new = speeds.iter().all(|other| (other - speed).abs() > 1.5 * scan.step);
             speeds.extend(is_new.then_some(*speed));
             is_new
         });
@@ -280,61 +213,29 @@ impl<'a, S: SourceModel> Joint<'a, S> {
             };
             self.source.starts(&some, &answers).into_iter().map(whole).collect::<Vec<_>>()
         };
-        found.into_iter().take(VALLEYS).map(starts).collect()
-    }
-}
-
-/// The least squares on a grid of a given fineness.
-struct OnGrid<'j, 'a, S> {
-    joint: &'j Joint<'a, S>,
-    radians: f64,
-    model_error: f64,
-}
-
-impl<S: SourceModel> OnGrid<'_, '_, S> {
-    fn answers(&self, at: &[f64], places_m: &[f64]) -> Option<Vec<PlateResponse>> {
-        self.joint.answers(at, places_m, &self.joint.frequencies_hz, self.radians, false)
-    }
-}
-
-impl<S: SourceModel> Problem for OnGrid<'_, '_, S> {
-    fn residuals(&self, at: &[f64]) -> Option<Vec<f64>> {
-        let answers = self.answers(at, &self.joint.places_at(at)?)?;
-        Some(self.joint.residuals(at, &answers, 0, self.model_error))
+        scan.minima.into_iter().take(VALLEYS).map(starts).collect()
     }
 
-    fn slopes(&self, at: &[f64], r: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let joint = self.joint;
-        let beside = |i: usize, step: f64| {
-            let mut beside = at.to_vec();
-            beside[i] += step;
-            beside
-        };
-        let of_plate = STEPS.iter().enumerate().map(|(i, &step)| {
-            let above = self.residuals(&beside(i, step))?;
-            if self.radians > FINE {
-                return Some(slope(&above, r, step));
-            }
-            Some(slope(&above, &self.residuals(&beside(i, -step))?, 2.0 * step))
-        });
-        let mut columns: Vec<Vec<f64>> = of_plate.collect::<Option<_>>()?;
+    fn residuals(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<f64>> {
+        let answers = self.answers(at, &self.places_at(at)?, &self.frequencies_hz, radians, false)?;
+        Some(self.residuals_of(at, &answers, 0, model_error))
+    }
+
+    fn columns(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<Vec<f64>>> {
         // One field serves the place and the source.
-        let mut places_m = joint.places_at(at)?;
+        let mut places_m = self.places_at(at)?;
         if let Some(&place_m) = places_m.first() {
             places_m.extend([place_m + PLACE_STEP_M, place_m - PLACE_STEP_M]);
         }
-        let answers = self.answers(at, &places_m)?;
-        if joint.place.is_some() {
-            let [above, below] = [(1, PLACE_STEP_M), (2, -PLACE_STEP_M)].map(|(place, step)| {
-                joint.residuals(&beside(OF_PLATE, step), &answers, place, self.model_error)
-            });
-            columns.push(slope(&above, &below, 2.0 * PLACE_STEP_M));
-        }
-        for i in joint.of_source()..at.len() {
-            let [above, below] = [SOURCE_STEP, -SOURCE_STEP]
-                .map(|step| joint.residuals(&beside(i, step), &answers, 0, self.model_error));
-            columns.push(slope(&above, &below, 2.0 * SOURCE_STEP));
-        }
-        Some(columns)
+        let answers = self.answers(at, &places_m, &self.frequencies_hz, radians, false)?;
+        let of_place = self.place.map(|_| {
+            column(at, OF_PLATE, PLACE_STEP_M, |moved, side| {
+                self.residuals_of(moved, &answers, 1 + side, model_error)
+            })
+        });
+        let of_source = (self.of_source()..at.len()).map(|i| {
+            column(at, i, SOURCE_STEP, |moved, _| self.residuals_of(moved, &answers, 0, model_error))
+        });
+        Some(of_place.into_iter().chain(of_source).collect())
     }
 }

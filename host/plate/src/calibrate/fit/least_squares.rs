@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 /// Steps of lambda and of the parameters together, after which a fit that has not converged is given up.
-const STEPS_MAX: usize = 60;
+pub(crate) const STEPS_MAX: usize = 60;
 /// Largest lambda: with it the parameters stand still.
 const LAMBDA_MAX: f64 = 1e12;
 

@@ -2,7 +2,7 @@
 //! follow. What a finger feels is in [`super::felt`].
 //!
 //! ```text
-//! two_places -> ratio ------+-> acceptance -> gain, spread -> result
+//! two_places -> ratio ------+-> search -> acceptance -> gain, spread -> result
 //! one_sensor -> joint_fit --+
 //! shunt ------> joint_fit --+
 //! speed_trim: one_sensor at first, then phases
@@ -21,6 +21,7 @@ pub(crate) mod pairs;
 pub(crate) mod ratio;
 pub(crate) mod response;
 pub(crate) mod result;
+pub(crate) mod search;
 pub(crate) mod shunt;
 pub(crate) mod source;
 pub(crate) mod speed_trim;
