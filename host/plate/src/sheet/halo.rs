@@ -94,6 +94,13 @@ impl HaloExchange {
 
     /// Waits until a condition is true, or panics if another band has panicked. It spins first, because a block takes
     /// only some tens of microseconds.
+    #[cfg_attr(
+        not(test),
+        expect(
+            clippy::disallowed_methods,
+            reason = "one band waits for another on its thread; on wasm there is one band"
+        )
+    )]
     fn wait_until(&self, is_so: impl Fn() -> bool) {
         let mut spins = 0;
         while !is_so() {
