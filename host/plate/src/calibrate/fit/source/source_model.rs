@@ -5,7 +5,7 @@ use crate::calibrate::fit::response::plate_response::PlateResponse;
 use num_complex::Complex64;
 
 /// What lies between the code and the response beside the plate, with coordinates of its own; the first three are
-/// resistance, mass and stiffness in [`Units`].
+/// resistance, mass and stiffness in units of the plate.
 pub(crate) trait SourceModel {
     /// Whether every valley must be followed, because another plate may fit nearly as well; and then none may.
     const ALL: bool = false;
