@@ -13,7 +13,7 @@ use super::mean_edges::MeanEdges;
 use super::touch::{self, Touch, TouchedDrive};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
-use crate::calibrate::fit::result::{Parameter, numbers};
+use crate::calibrate::fit::parameter::{Parameter, numbers};
 use crate::calibrate::fit::unknowns::{HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
 use crate::definition::{Calibration, Impedance, Plate, limits};
 use crate::feeling::Feeling;

@@ -45,13 +45,13 @@ pub(crate) fn check_count(count: usize) -> Result<(), CalibrateError> {
 pub(crate) fn check_coordinates(
     coordinates: &[f64],
     deviations: &[f64],
-    places_m: &[f64],
+    sensors: &[&Measurement],
 ) -> Result<(), CalibrateError> {
     if coordinates[SPEED].abs() > SPEED_MAX {
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
     }
     let in_deviations = |at: usize| coordinates[at] / deviations[at];
-    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..places_m.len()).map(|i| OF_PLATE + i));
+    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..sensors.len()).map(|i| OF_PLATE + i));
     let square: f64 = known.clone().map(|at| in_deviations(at).powi(2)).sum();
     if square <= DEVIATIONS_MAX * DEVIATIONS_MAX {
         return Ok(());
@@ -63,15 +63,16 @@ pub(crate) fn check_coordinates(
             share: coordinates[HALF_WIDTH].exp(),
         },
         Some(at) if at >= OF_PLATE => {
-            let place_m = places_m[at - OF_PLATE];
+            let place_m = sensors[at - OF_PLATE].place_m;
             CalibrateError::Misplaced { place_m, found_m: place_m + coordinates[at] }
         }
         _ => CalibrateError::AnotherPlate { what: "taper", share: 1.0 + coordinates[TAPER] },
     })
 }
 
-/// Refuses measurements from `low_hz` to `high_hz` that do not cover the span of the fitted plate.
-pub(crate) fn check_band(fitted: &Plate, low_hz: f64, high_hz: f64) -> Result<(), CalibrateError> {
+/// Refuses measurements at rising `frequencies_hz` that do not cover the span of the fitted plate.
+pub(crate) fn check_band(fitted: &Plate, frequencies_hz: &[f64]) -> Result<(), CalibrateError> {
+    let [low_hz, .., high_hz] = *frequencies_hz else { return Err(CalibrateError::NoFit) };
     let needed = fitted.band_hz();
     if low_hz <= needed.0 * (1.0 + BEYOND) && high_hz >= needed.1 * (1.0 - BEYOND) {
         return Ok(());

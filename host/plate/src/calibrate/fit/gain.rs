@@ -3,12 +3,12 @@
 //! At each frequency the fit leaves the source's amplitude s, and the wave's peak is s p_peak. Over what the fitted
 //! plate file says of its drive this is the correction that the file carries: with it a table inverts what was measured.
 
+use super::response::prediction::per_metre;
 use crate::calibrate::error::CalibrateError;
-use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
+use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Plate, ResponseCurve};
 use crate::progress::Progress;
 use crate::table::level::{DriveToPeak, Level};
-use std::f64::consts::TAU;
 
 /// Points whose amplitude is known worse than this, relative to the best half of them, are left out: the curve goes
 /// straight over a frequency at which both sensors stand near a node.
@@ -57,7 +57,8 @@ pub(crate) fn correction(
     let predicted_db = levels_db(plate, &clear)?;
     let mut points: Vec<[f64; 3]> = Vec::with_capacity(clear.len());
     for (point, predicted_db) in clear.iter().zip(&predicted_db) {
-        let measured_m = point.peak * metres_per_response(plate, sensor, point.frequency_hz);
+        let per_metre = per_metre(plate, sensor, point.frequency_hz).norm();
+        let measured_m = point.peak * (sensor.unit_per_response.unwrap_or(1.0) / per_metre);
         points.push([point.frequency_hz, 20.0 * measured_m.log10() - predicted_db, 0.0]);
     }
     let level_db = if sensor.unit_per_response.is_some() {
@@ -75,17 +76,4 @@ pub(crate) fn correction(
 
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
-}
-
-/// Metres of deflection per unit of the sensor's response; for an uncalibrated one, in an unknown unit.
-pub(crate) fn metres_per_response(plate: &Plate, sensor: &Measurement, frequency_hz: f64) -> f64 {
-    let omega = TAU * frequency_hz;
-    let per_metre = match sensor.sensor {
-        SensorKind::Displacement => 1.0,
-        SensorKind::Velocity => omega,
-        SensorKind::Acceleration => omega * omega,
-        // The surface is half of the thickness away from the neutral plane: strain = h/2 w''.
-        SensorKind::Strain => plate.spec().model.bending().map_or(1.0, |bending| 0.5 * bending.thickness_m),
-    };
-    sensor.unit_per_response.unwrap_or(1.0) / per_metre
 }

@@ -14,7 +14,7 @@ use super::source::data::Datum;
 use super::source::source_model::SourceModel;
 use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
 use crate::calibrate::error::CalibrateError;
-use crate::calibrate::measurement::sensor::SensorKind;
+use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
 
 /// Radians that the phase of the wave may change on its way to the turning point and back from one speed to the next.
@@ -32,20 +32,13 @@ const OF_IMPEDANCE: usize = 3;
 /// Deviation of a coordinate that is held at zero.
 const HELD: f64 = 1e-9;
 
-/// Place of a sensor on the plate, and what it measures.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Place {
-    pub(crate) place_m: f64,
-    pub(crate) tolerance_m: f64,
-    pub(crate) sensor: SensorKind,
-}
-
 /// The least squares of a plate and a source.
 pub(crate) struct Joint<'a, S> {
     pub(crate) nominal: &'a PlateSpec,
     pub(crate) source: S,
     pub(crate) units: Units,
-    pub(crate) place: Option<Place>,
+    /// The sensor on the plate; none for a current.
+    pub(crate) sensor: Option<&'a Measurement>,
     /// Of all coordinates: the plate's, the place's, the source's.
     pub(crate) deviations: Vec<f64>,
     pub(crate) frequencies_hz: Vec<f64>,
@@ -59,20 +52,21 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         plate: &'a Plate,
         source: S,
         units: Units,
-        place: Option<Place>,
+        sensor: Option<&'a Measurement>,
         priors: &Priors,
-        (frequencies_hz, data): (Vec<f64>, Vec<Datum>),
+        (points, data): (&[MeasuredPoint], Vec<Datum>),
     ) -> Self {
-        let of_place = place.iter().map(|place| place.tolerance_m.max(PLACE_STEP_M));
+        let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
+        let of_place = sensor.iter().map(|sensor| sensor.place_tolerance_m.max(PLACE_STEP_M));
         let deviations = priors.deviations().into_iter().chain(of_place).chain(source.deviations()).collect();
         let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
         let turns = 2.0 * plate.width_mode(1).phase_to(plate.length_m(), highest_hz);
-        Self { nominal: plate.spec(), source, units, place, deviations, frequencies_hz, data, turns }
+        Self { nominal: plate.spec(), source, units, sensor, deviations, frequencies_hz, data, turns }
     }
 
     /// Where the source's coordinates begin.
     pub(crate) fn of_source(&self) -> usize {
-        OF_PLATE + usize::from(self.place.is_some())
+        OF_PLATE + usize::from(self.sensor.is_some())
     }
 
     /// Number of all residuals.
@@ -145,13 +139,13 @@ impl<'a, S: SourceModel> Joint<'a, S> {
     ) -> Option<Vec<PlateResponse>> {
         let points = points(self.nominal, *self.frequencies_hz.last()?, radians);
         let spec = spec_at(self.nominal, coordinates);
-        let sensor = self.place.map_or(SensorKind::Displacement, |place| place.sensor);
+        let sensor = self.sensor.map_or(SensorKind::Displacement, |sensor| sensor.sensor);
         answers(&spec, points, self.units, sensor, places_m, frequencies_hz, with_peak)
     }
 
     fn places_at(&self, coordinates: &[f64]) -> Option<Vec<f64>> {
-        let Some(place) = self.place else { return Some(Vec::new()) };
-        let place_m = place.place_m + coordinates[OF_PLATE];
+        let Some(sensor) = self.sensor else { return Some(Vec::new()) };
+        let place_m = sensor.place_m + coordinates[OF_PLATE];
         (0.0..=self.nominal.length_m).contains(&place_m).then(|| vec![place_m])
     }
 
@@ -191,7 +185,7 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         let every = self.data.len().div_ceil(SCAN_FREQUENCIES).max(1);
         let some: Vec<Datum> = self.data.iter().copied().step_by(every).collect();
         let frequencies_hz: Vec<f64> = self.frequencies_hz.iter().copied().step_by(every).collect();
-        let places_m: Vec<f64> = self.place.iter().map(|place| place.place_m).collect();
+        let places_m: Vec<f64> = self.sensor.iter().map(|sensor| sensor.place_m).collect();
         let on_plate = |coordinates: [f64; OF_PLATE]| {
             self.answers(&coordinates, &places_m, &frequencies_hz, COARSE, false)
         };
@@ -207,7 +201,7 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         });
         let starts = |(_, [speed, loss]): (f64, [f64; 2])| {
             let answers = on_plate([speed, loss, 0.0, 0.0]).unwrap_or_default();
-            let of_place = self.place.map(|_| 0.0);
+            let of_place = self.sensor.map(|_| 0.0);
             let whole = move |source: Vec<f64>| {
                 [speed, loss, 0.0, 0.0].into_iter().chain(of_place).chain(source).collect::<Vec<f64>>()
             };
@@ -228,7 +222,7 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
             places_m.extend([place_m + PLACE_STEP_M, place_m - PLACE_STEP_M]);
         }
         let answers = self.answers(at, &places_m, &self.frequencies_hz, radians, false)?;
-        let of_place = self.place.map(|_| {
+        let of_place = self.sensor.map(|_| {
             column(at, OF_PLATE, PLACE_STEP_M, |moved, side| {
                 self.residuals_of(moved, &answers, 1 + side, model_error)
             })

@@ -18,6 +18,7 @@ pub(crate) mod least_squares;
 pub(crate) mod linear_least_squares;
 pub(crate) mod one_sensor;
 pub(crate) mod pairs;
+pub(crate) mod parameter;
 pub(crate) mod ratio;
 pub(crate) mod response;
 pub(crate) mod result;

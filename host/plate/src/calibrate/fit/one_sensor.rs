@@ -1,8 +1,7 @@
 //! The calibration by one sensor, with the full model of the source.
 
-use super::acceptance;
 use super::gain::Carried;
-use super::joint_fit::{Joint, Place};
+use super::joint_fit::Joint;
 use super::least_squares::Fit;
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
 use super::result::{AcceptedFit, Calibrated};
@@ -10,7 +9,7 @@ use super::source::data::{Datum, entering, of_deflection};
 use super::source::sensor_signal::{CURVE, DELAY, RISE, SensorSignal};
 use super::source::source_file::FittedSource;
 use super::source::source_model::SourceModel;
-use super::unknowns::{Priors, spec_at};
+use super::unknowns::Priors;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
@@ -54,13 +53,9 @@ pub(crate) fn fitted(
     let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
     let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
     let data = of_deflection(&points, sensor, units);
-    let (place_m, tolerance_m) = (sensor.place_m, sensor.place_tolerance_m);
-    let place = Place { place_m, tolerance_m, sensor: sensor.sensor };
-    let frequencies_hz = points.iter().map(|point| point.frequency_hz).collect();
     let source = SensorSignal::new(units, measured_hz.1);
-    let mut joint = Joint::new(plate, source, units, Some(place), priors, (frequencies_hz, data));
+    let mut joint = Joint::new(plate, source, units, Some(sensor), priors, (&points, data));
     let (fit, chi2_per_n) = joint.accepted()?;
-    acceptance::check_coordinates(&fit.parameters, &joint.deviations, &[place_m])?;
 
     let first = joint.of_source();
     let of_source = &fit.parameters[first..];
@@ -83,14 +78,13 @@ pub(crate) fn fitted(
     };
     let accepted = AcceptedFit {
         nominal: plate,
-        fitted: source.on(spec_at(plate.spec(), &fit.parameters))?,
         fit: &fit,
         chi2_per_n,
         deviations: &joint.deviations,
         sensors: &[sensor],
         levels: sensor,
         source: Some(source),
-        measured_hz,
+        frequencies_hz: &joint.frequencies_hz,
         carried: &carried,
     };
     Ok((accepted.finish()?, fit))

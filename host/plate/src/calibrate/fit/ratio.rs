@@ -33,7 +33,7 @@ pub(crate) struct Ratio<'a> {
     /// Standard deviations of all coordinates: the plate's, then the places'.
     pub(crate) deviations: Vec<f64>,
     pub(crate) pairs: Vec<Pair>,
-    frequencies_hz: Vec<f64>,
+    pub(crate) frequencies_hz: Vec<f64>,
 }
 
 impl<'a> Ratio<'a> {

@@ -1,14 +1,13 @@
 //! The calibration by the drive's current alone, plate unloaded.
 
-use super::acceptance;
 use super::gain::Carried;
 use super::joint_fit::Joint;
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
 use super::result::{AcceptedFit, Calibrated};
-use super::source::data::{droop, entering, normalised};
+use super::source::data::{entering, normalised};
 use super::source::drive_current::{ACTUATOR, DriveCurrent, Transducer};
 use super::source::source_file::FittedSource;
-use super::unknowns::{Priors, spec_at};
+use super::unknowns::Priors;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::calibrate::measurement::signal;
@@ -43,12 +42,9 @@ pub fn from_shunt(
     let points = entering(plate, current)?;
     let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
     let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
-    let data = normalised(&points, |hz| Complex64::from(droop(current, hz)));
-    let frequencies_hz = points.iter().map(|point| point.frequency_hz).collect();
-    let mut joint =
-        Joint::new(plate, DriveCurrent { transducer }, units, None, priors, (frequencies_hz, data));
+    let data = normalised(&points, |hz| Complex64::from(current.hold_droop(hz)));
+    let mut joint = Joint::new(plate, DriveCurrent { transducer }, units, None, priors, (&points, data));
     let (fit, chi2_per_n) = joint.accepted()?;
-    acceptance::check_coordinates(&fit.parameters, &joint.deviations, &[])?;
 
     let first = joint.of_source();
     let of_source = &fit.parameters[first..];
@@ -67,21 +63,20 @@ pub fn from_shunt(
     };
     let carried = |at: &[f64]| {
         let each = |answer: &PlateResponse| {
-            let peak = joint.source.peak(answer, &at[first..]) * droop(current, answer.frequency_hz);
+            let peak = joint.source.peak(answer, &at[first..]) * current.hold_droop(answer.frequency_hz);
             Carried { frequency_hz: answer.frequency_hz, peak, error: 0.0 }
         };
         Some(joint.answers_with_peak(at)?.iter().map(each).collect())
     };
     let accepted = AcceptedFit {
         nominal: plate,
-        fitted: source.on(spec_at(plate.spec(), &fit.parameters))?,
         fit: &fit,
         chi2_per_n,
         deviations: &joint.deviations,
         sensors: &[],
         levels: current,
         source: Some(source),
-        measured_hz,
+        frequencies_hz: &joint.frequencies_hz,
         carried: &carried,
     };
     accepted.finish()

@@ -3,7 +3,7 @@
 use super::acceptance::{self, CHI2_PER_N_MAX};
 use super::ratio::Ratio;
 use super::result::{AcceptedFit, Calibrated};
-use super::unknowns::{Priors, spec_at};
+use super::unknowns::Priors;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::calibrate::measurement::signal;
@@ -46,20 +46,17 @@ pub fn from_ratio(
             CalibrateError::Unlike { chi2_per_n, most: CHI2_PER_N_MAX }
         });
     }
-    acceptance::check_coordinates(&fit.parameters, &ratio.deviations, &ratio.places_m)?;
 
     let carried = |coordinates: &[f64]| Some(ratio.carried(&ratio.with_peak(coordinates)?).collect());
-    let last = ratio.pairs.len() - 1;
     let accepted = AcceptedFit {
         nominal: plate,
-        fitted: Plate::new(spec_at(plate.spec(), &fit.parameters))?,
         fit: &fit,
         chi2_per_n,
         deviations: &ratio.deviations,
         sensors: &sensors,
         levels: sensors[0],
         source: None,
-        measured_hz: (ratio.pairs[0].frequency_hz, ratio.pairs[last].frequency_hz),
+        frequencies_hz: &ratio.frequencies_hz,
         carried: &carried,
     };
     accepted.finish()

@@ -1,7 +1,7 @@
 //! The measurement of a sensor at one place: complex responses at given frequencies, with their noise.
 
 use crate::calibrate::error::CalibrateError;
-use crate::definition::limits;
+use crate::definition::{limits, sample_rate};
 use crate::quantity::{Count, Counted, OutOfRange, Range, WrongCount};
 use num_complex::Complex64;
 
@@ -42,6 +42,15 @@ impl SensorKind {
             Self::Velocity => "velocity",
             Self::Acceleration => "acceleration",
             Self::Strain => "strain",
+        }
+    }
+
+    /// The signal over deflection or curvature, where a derivative in time is a factor `rate`.
+    pub(crate) fn rise(self, rate: Complex64) -> Complex64 {
+        match self {
+            Self::Displacement | Self::Strain => Complex64::ONE,
+            Self::Velocity => rate,
+            Self::Acceleration => rate * rate,
         }
     }
 }
@@ -109,6 +118,11 @@ impl Measurement {
             sample_rate_hz: None,
             points,
         }
+    }
+
+    /// The gain of the hold of the DAC that played the tones.
+    pub(crate) fn hold_droop(&self, frequency_hz: f64) -> f64 {
+        self.sample_rate_hz.map_or(1.0, |rate_hz| sample_rate::hold_droop(frequency_hz, rate_hz))
     }
 
     /// Refuses a number that is out of its range.

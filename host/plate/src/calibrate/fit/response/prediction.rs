@@ -4,7 +4,7 @@ use super::wave::{FINE, points, seen};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::calibrate::measurement::signal;
-use crate::definition::{Plate, sample_rate};
+use crate::definition::Plate;
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::{Equation, respond_range};
 use num_complex::Complex64;
@@ -46,34 +46,22 @@ pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Compl
     let mut found = Vec::with_capacity(entering.len());
     numerov::solve_each(&grid, plate, &entering, |number, field| {
         let hertz = entering[number];
-        let before = plate.drive_response(hertz) * plate.spec().full_scale_m * droop(sensor, hertz);
-        found.push(
-            before * seen(field, step_m, sensor.place_m, sensor.sensor) * per_metre(plate, sensor, hertz),
-        );
+        let before = plate.drive_response(hertz) * plate.spec().full_scale_m * sensor.hold_droop(hertz);
+        let per_metre = per_metre(plate, sensor, hertz) / sensor.unit_per_response.unwrap_or(1.0);
+        found.push(before * seen(field, step_m, sensor.place_m, sensor.sensor) * per_metre);
     });
     let mut found = found.into_iter();
     Ok(hertz().map(|hertz| if allowed.contains(hertz) { found.next() } else { None }).collect())
 }
 
-/// What the zero-order hold leaves of a tone.
-fn droop(sensor: &Measurement, frequency_hz: f64) -> f64 {
-    sensor.sample_rate_hz.map_or(1.0, |rate_hz| sample_rate::hold_droop(frequency_hz, rate_hz))
-}
-
 /// The sensor's response over the deflection, or over the curvature for strain. Time goes as e^(-j omega t).
-fn per_metre(plate: &Plate, sensor: &Measurement, frequency_hz: f64) -> Complex64 {
-    let rate = Complex64::new(0.0, -TAU * frequency_hz);
-    let per_metre = match sensor.sensor {
-        SensorKind::Displacement => Complex64::ONE,
-        SensorKind::Velocity => rate,
-        SensorKind::Acceleration => rate * rate,
-        // The surface is half of the thickness away from the neutral plane.
-        SensorKind::Strain => {
-            let thickness_m = plate.spec().model.bending().map_or(f64::NAN, |bending| bending.thickness_m);
-            Complex64::from(0.5 * thickness_m)
-        }
-    };
-    per_metre / sensor.unit_per_response.unwrap_or(1.0)
+pub(crate) fn per_metre(plate: &Plate, sensor: &Measurement, frequency_hz: f64) -> Complex64 {
+    let rise = sensor.sensor.rise(Complex64::new(0.0, -TAU * frequency_hz));
+    if sensor.sensor != SensorKind::Strain {
+        return rise;
+    }
+    // The surface is half of the thickness away from the neutral plane: strain = h/2 w''.
+    rise * plate.spec().model.bending().map_or(f64::NAN, |bending| 0.5 * bending.thickness_m)
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::check_count;
 use crate::calibrate::fit::response::plate_response::Units;
-use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
-use crate::definition::{Plate, sample_rate};
+use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
+use crate::definition::Plate;
 use crate::frequency::respond_range;
 use num_complex::Complex64;
 
@@ -25,12 +25,7 @@ impl Datum {
 
 /// The responses without the sensor's own rise and the hold of the DAC.
 pub(crate) fn of_deflection(points: &[MeasuredPoint], sensor: &Measurement, units: Units) -> Vec<Datum> {
-    let rise = |rate: Complex64| match sensor.sensor {
-        SensorKind::Displacement | SensorKind::Strain => Complex64::ONE,
-        SensorKind::Velocity => rate,
-        SensorKind::Acceleration => rate * rate,
-    };
-    normalised(points, |hz| rise(units.rate(hz)) * droop(sensor, hz))
+    normalised(points, |hz| sensor.sensor.rise(units.rate(hz)) * sensor.hold_droop(hz))
 }
 
 /// The points of a measurement at which a wave enters the plate.
@@ -40,11 +35,6 @@ pub(crate) fn entering(plate: &Plate, sensor: &Measurement) -> Result<Vec<Measur
         sensor.points.iter().copied().filter(|point| allowed.contains(point.frequency_hz)).collect();
     check_count(points.len())?;
     Ok(points)
-}
-
-/// The gain of the hold of the DAC that played the tones.
-pub(crate) fn droop(sensor: &Measurement, frequency_hz: f64) -> f64 {
-    sensor.sample_rate_hz.map_or(1.0, |rate_hz| sample_rate::hold_droop(frequency_hz, rate_hz))
 }
 
 /// The responses over `rise`, and over the root of their mean square.

@@ -1,0 +1,70 @@
+//! Calibrated numbers by their names in a plate file, with their intervals.
+
+use super::unknowns::{OF_PLATE, spec_at};
+use crate::definition::{Model, PlateSpec, Taper};
+
+/// Standard deviations of a 95 % interval.
+pub(crate) const INTERVAL: f64 = 1.96;
+
+/// A calibrated number of the plate or of a sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name in the plate file: `model.wave_speed_m_per_s`; `place_m` for a sensor's.
+    pub name: &'static str,
+    /// The best value, in the unit of its name.
+    pub value: f64,
+    /// Ends of the 95 % interval.
+    pub low: f64,
+    /// The upper end.
+    pub high: f64,
+}
+
+impl Parameter {
+    /// A parameter with half of its interval.
+    pub(crate) const fn about(name: &'static str, value: f64, half: f64) -> Self {
+        Self { name, value, low: value - half, high: value + half }
+    }
+}
+
+/// The plate's numbers by their names in the file, each from the ends of its coordinate's interval.
+pub(crate) fn parameters_of_plate(
+    nominal: &PlateSpec,
+    coordinates: &[f64],
+    half: impl Fn(usize) -> f64,
+) -> Vec<Parameter> {
+    let best = numbers(&spec_at(nominal, coordinates));
+    let at_end = |i: usize, side: f64| {
+        let mut coordinates = coordinates.to_vec();
+        coordinates[i] += side * half(i);
+        numbers(&spec_at(nominal, &coordinates))[i].1
+    };
+    (0..OF_PLATE)
+        .map(|i| {
+            let (name, value) = best[i];
+            let ends = [at_end(i, -1.0), at_end(i, 1.0)];
+            Parameter { name, value, low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) }
+        })
+        .collect()
+}
+
+/// The number that each coordinate moves, with its name in a plate file.
+pub(crate) fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
+    let speed = match &spec.model {
+        Model::Membrane { wave_speed_m_per_s, .. } => ("model.wave_speed_m_per_s", *wave_speed_m_per_s),
+        Model::ShearHorizontal { shear_modulus_pa, .. } => ("model.shear_modulus_pa", *shear_modulus_pa),
+        Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
+            ("model.youngs_modulus_pa", bending.youngs_modulus_pa)
+        }
+    };
+    let (taper, half_width_m) = match &spec.taper {
+        Taper::Exponential { half_width_m, rate_per_m } => (("taper.rate_per_m", *rate_per_m), *half_width_m),
+        Taper::Linear { half_width_m, end_half_width_m } => {
+            (("taper.end_half_width_m", *end_half_width_m), *half_width_m)
+        }
+        Taper::Sampled { points } => {
+            let width = |point: Option<&[f64; 2]>| point.map_or(f64::NAN, |point| point[1]);
+            (("taper.points[last][1]", width(points.last())), width(points.first()))
+        }
+    };
+    [speed, ("loss_factor", spec.loss_factor), taper, ("taper.half_width_m", half_width_m)]
+}
