@@ -2,7 +2,7 @@
 
 use super::candidates::{Felt, Marked, PlayedTone};
 use super::importance_sampling::{Coordinates, OUTER, Sample, Samples};
-use crate::calibrate::fit::least_squares::{self, Problem, slope};
+use crate::calibrate::fit::least_squares::{self, Problem, STEPS_MAX, slope};
 use crate::feeling::FeltEdge;
 
 /// Deviation of an edge of the calibrated plate from the mean of all edges that does not matter, metres.
@@ -76,7 +76,7 @@ impl<'a> MeanEdges<'a> {
     }
 
     pub(crate) fn likeliest(&self) -> Option<Coordinates> {
-        let fit = least_squares::fit(self, &self.mean.as_slice()[OUTER..], 1e-3)?;
+        let fit = least_squares::fit(self, &self.mean.as_slice()[OUTER..], 1e-3, STEPS_MAX)?;
         Some(self.with_drive(&fit.parameters))
     }
 

@@ -9,7 +9,7 @@ use super::least_squares::Fit;
 use super::pairs::MODEL_ERROR;
 use super::response::plate_response::{PlateResponse, Units, answers};
 use super::response::wave::{COARSE, FINE, points};
-use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Scan, Searched, column};
+use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
 use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
@@ -189,13 +189,13 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         let on_plate = |coordinates: [f64; OF_PLATE]| {
             self.answers(&coordinates, &places_m, &frequencies_hz, COARSE, false)
         };
-        let mut scan = Scan::new(speeds, self.turns, SCAN_RADIANS, |coordinates| {
+        let (mut minima, step) = scan(speeds, self.turns, SCAN_RADIANS, |coordinates| {
             self.source.suited(&some, &on_plate(coordinates)?, SCAN_ERROR)
         });
         // One valley goes through all losses.
         let mut speeds: Vec<f64> = Vec::new();
-        scan.minima.retain(|(_, [speed, _])| {
-            let is_new = speeds.iter().all(|other| (other - speed).abs() > 1.5 * scan.step);
+        minima.retain(|(_, [speed, _])| {
+            let is_new = speeds.iter().all(|other| (other - speed).abs() > 1.5 * step);
             speeds.extend(is_new.then_some(*speed));
             is_new
         });
@@ -207,7 +207,7 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
             };
             self.source.starts(&some, &answers).into_iter().map(whole).collect::<Vec<_>>()
         };
-        scan.minima.into_iter().take(VALLEYS).map(starts).collect()
+        minima.into_iter().take(VALLEYS).map(starts).collect()
     }
 
     fn residuals(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<f64>> {

@@ -33,14 +33,9 @@ pub(crate) struct Fit {
     pub(crate) covariance: DMatrix<f64>,
 }
 
-/// Minimises |r|^2 from `start`, until no parameter moves by more than the share `still` of its standard deviation.
-/// `None` if the start has no residuals, or if a parameter has no effect.
-pub(crate) fn fit(problem: &impl Problem, start: &[f64], still: f64) -> Option<Fit> {
-    fit_within(problem, start, still, STEPS_MAX)
-}
-
-/// As [`fit`], in at most this many steps.
-pub(crate) fn fit_within(problem: &impl Problem, start: &[f64], still: f64, steps: usize) -> Option<Fit> {
+/// Minimises |r|^2 from `start`, until no parameter moves by more than the share `still` of its standard deviation, in at
+/// most this many steps. `None` if the start has no residuals, or if a parameter has no effect.
+pub(crate) fn fit(problem: &impl Problem, start: &[f64], still: f64, steps: usize) -> Option<Fit> {
     let mut at = DVector::from_column_slice(start);
     let mut r = DVector::from_vec(problem.residuals(start)?);
     let mut lambda = 1e-3;
@@ -132,7 +127,7 @@ mod tests {
     }
 
     fn fitted(start: &[f64], residuals: impl Fn(&[f64]) -> Option<Vec<f64>>) -> Option<Fit> {
-        fit(&Numeric(residuals), start, 1e-6)
+        fit(&Numeric(residuals), start, 1e-6, STEPS_MAX)
     }
 
     #[test]

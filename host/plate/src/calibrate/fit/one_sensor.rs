@@ -50,10 +50,9 @@ pub(crate) fn fitted(
     signal::check_sensor(plate, sensor)?;
     takes_a_source(&plate.spec().model)?;
     let points = entering(plate, sensor)?;
-    let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
-    let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
+    let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let data = of_deflection(&points, sensor, units);
-    let source = SensorSignal::new(units, measured_hz.1);
+    let source = SensorSignal::new(units, points[points.len() - 1].frequency_hz);
     let mut joint = Joint::new(plate, source, units, Some(sensor), priors, (&points, data));
     let (fit, chi2_per_n) = joint.accepted()?;
 

@@ -13,7 +13,7 @@ use super::gain::Carried;
 use super::least_squares::{self, Fit};
 use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
-use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Scan, Searched, column};
+use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::unknowns::{OF_PLATE, Priors, spec_at};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
@@ -26,6 +26,7 @@ const SCAN_RADIANS: f64 = 0.25;
 const VALLEYS: usize = 3;
 
 /// The fit of the ratio of two measurements of one plate.
+#[derive(Clone)]
 pub(crate) struct Ratio<'a> {
     nominal: &'a PlateSpec,
     sensor: SensorKind,
@@ -52,11 +53,10 @@ impl<'a> Ratio<'a> {
 
     /// The same with the two places swapped.
     pub(crate) fn swapped(&self) -> Self {
-        let [a, b] = self.places_m;
-        let mut deviations = self.deviations.clone();
-        deviations.swap(OF_PLATE, OF_PLATE + 1);
-        let (pairs, frequencies_hz) = (self.pairs.clone(), self.frequencies_hz.clone());
-        Self { places_m: [b, a], deviations, pairs, frequencies_hz, ..*self }
+        let mut swapped = self.clone();
+        swapped.places_m.swap(0, 1);
+        swapped.deviations.swap(OF_PLATE, OF_PLATE + 1);
+        swapped
     }
 
     /// The best coordinates.
@@ -123,7 +123,7 @@ impl Searched for Ratio<'_> {
         let Some(&highest_hz) = frequencies_hz.last() else { return Vec::new() };
         let shortest = self.nominal.model.wavenumber_squared(TAU * highest_hz).sqrt();
         let turns = shortest * self.places_m[0].max(self.places_m[1]);
-        let scan = Scan::new(speeds, turns, SCAN_RADIANS, |coordinates| {
+        let (minima, _) = scan(speeds, turns, SCAN_RADIANS, |coordinates| {
             let rows = self.wave(&coordinates, COARSE)?.at(self.sensor, &self.places_m, &frequencies_hz);
             Some(some.iter().zip(&rows).map(|(pair, p)| pair.residual(p, SCAN_ERROR).powi(2)).sum())
         });
@@ -132,7 +132,7 @@ impl Searched for Ratio<'_> {
             start[..2].copy_from_slice(at);
             vec![start]
         };
-        scan.minima.iter().take(VALLEYS).map(start).collect()
+        minima.iter().take(VALLEYS).map(start).collect()
     }
 
     fn residuals(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<f64>> {

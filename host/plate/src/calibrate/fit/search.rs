@@ -71,7 +71,7 @@ pub(crate) trait Searched: Sized {
         for &(model_error, most) in Self::ERRORS {
             let from = found.as_ref().map_or(start, |found| &found.parameters);
             let problem = OnGrid { searched: self, radians: COARSE, model_error };
-            let fit = least_squares::fit_within(&problem, from, STILL.0, Self::STEPS_MAX);
+            let fit = least_squares::fit(&problem, from, STILL.0, Self::STEPS_MAX);
             found = Some(fit.filter(|fit| self.is_below(fit, most))?);
         }
         found
@@ -81,7 +81,7 @@ pub(crate) trait Searched: Sized {
     fn refined(&self, from: &Fit) -> Option<Fit> {
         let (model_error, _) = *Self::ERRORS.last()?;
         let problem = OnGrid { searched: self, radians: FINE, model_error };
-        least_squares::fit(&problem, &from.parameters, STILL.1)
+        least_squares::fit(&problem, &from.parameters, STILL.1, least_squares::STEPS_MAX)
     }
 
     fn is_below(&self, fit: &Fit, chi2_per_n: f64) -> bool {
@@ -135,31 +135,22 @@ pub(crate) fn column(
     slope(&above, &below, 2.0 * step)
 }
 
-/// The minima of chi^2 over wave speed and loss, the lowest first.
-pub(crate) struct Scan {
-    pub(crate) minima: Vec<(f64, [f64; 2])>,
-    /// From one speed to the next.
-    pub(crate) step: f64,
-}
-
-impl Scan {
-    /// Scans from `slowest` to `fastest`. The phase of the wave changes by at most `radians` of `turns` from one speed to the
-    /// next.
-    pub(crate) fn new(
-        (slowest, fastest): (f64, f64),
-        turns: f64,
-        radians: f64,
-        chi2: impl Fn([f64; OF_PLATE]) -> Option<f64>,
-    ) -> Self {
-        let count = ((fastest - slowest) * turns.max(1.0) / radians).ceil();
-        let speed = |i: usize| slowest + (fastest - slowest) * i as f64 / count;
-        let mut found = Vec::new();
-        for loss in LOSSES.map(f64::ln) {
-            let chi2 = |i: usize| chi2([speed(i), loss, 0.0, 0.0]).unwrap_or(f64::INFINITY);
-            let along: Vec<f64> = (0..=count as usize).map(chi2).collect();
-            found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
-        }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { minima: found, step: (fastest - slowest) / count }
+/// The minima of chi^2 over wave speed and loss from `slowest` to `fastest`, the lowest first, and the step of the speed. The
+/// phase of the wave changes by at most `radians` of `turns` in one step.
+pub(crate) fn scan(
+    (slowest, fastest): (f64, f64),
+    turns: f64,
+    radians: f64,
+    chi2: impl Fn([f64; OF_PLATE]) -> Option<f64>,
+) -> (Vec<(f64, [f64; 2])>, f64) {
+    let count = ((fastest - slowest) * turns.max(1.0) / radians).ceil();
+    let speed = |i: usize| slowest + (fastest - slowest) * i as f64 / count;
+    let mut found = Vec::new();
+    for loss in LOSSES.map(f64::ln) {
+        let chi2 = |i: usize| chi2([speed(i), loss, 0.0, 0.0]).unwrap_or(f64::INFINITY);
+        let along: Vec<f64> = (0..=count as usize).map(chi2).collect();
+        found.extend(minima(&along).map(|(i, here)| (here, [speed(i), loss])));
     }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (found, (fastest - slowest) / count)
 }

@@ -40,8 +40,7 @@ pub fn from_shunt(
     signal::check_sensor(plate, current)?;
     takes_a_source(&plate.spec().model)?;
     let points = entering(plate, current)?;
-    let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
-    let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
+    let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let data = normalised(&points, |hz| Complex64::from(current.hold_droop(hz)));
     let mut joint = Joint::new(plate, DriveCurrent { transducer }, units, None, priors, (&points, data));
     let (fit, chi2_per_n) = joint.accepted()?;

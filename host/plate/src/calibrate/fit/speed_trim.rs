@@ -119,8 +119,7 @@ impl SpeedTrim {
             return Err(CalibrateError::Misplaced { place_m, found_m: place_m + aside_m });
         }
         let points = entering(plate, first)?;
-        let measured_hz = (points[0].frequency_hz, points[points.len() - 1].frequency_hz);
-        let units = Units::of(plate, measured_hz).ok_or(CalibrateError::NoFit)?;
+        let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
         let of_widths =
             OF_WIDTHS * calibration.half_width_tolerance.hypot(calibration.taper_tolerance) / INTERVAL;
         let of_answers = fit.covariance[(SPEED, SPEED)].sqrt() * found.chi2_per_n.max(1.0).sqrt();

@@ -5,7 +5,7 @@
 //! p(0) and p'(0), and F = F_p + D f(0). So two sources determine all others.
 
 use super::wave::Wave;
-use crate::calibrate::measurement::sensor::SensorKind;
+use crate::calibrate::measurement::sensor::{MeasuredPoint, SensorKind};
 use crate::definition::{DriveEnd, Impedance, Model, Plate, PlateSpec, Source};
 use crate::frequency::driven_end::DrivenEnd;
 use num_complex::Complex64;
@@ -21,9 +21,9 @@ pub(crate) struct Units {
 }
 
 impl Units {
-    /// For a nominal plate that is measured from `low_hz` to `high_hz`; `None` if the file does not state the impedance.
-    pub(crate) fn of(plate: &Plate, (low_hz, high_hz): (f64, f64)) -> Option<Self> {
-        let middle_hz = (low_hz * high_hz).sqrt();
+    /// For a nominal plate that is measured at these points; `None` if the file does not state the impedance.
+    pub(crate) fn of(plate: &Plate, points: &[MeasuredPoint]) -> Option<Self> {
+        let middle_hz = (points.first()?.frequency_hz * points.last()?.frequency_hz).sqrt();
         let impedance = plate.wave_impedance_n_s_per_m(middle_hz).filter(|z| *z > 0.0)?;
         Some(Self { impedance, omega: TAU * middle_hz })
     }

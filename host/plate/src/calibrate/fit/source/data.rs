@@ -21,6 +21,11 @@ impl Datum {
     pub(crate) fn deviation(&self, model_error: f64) -> f64 {
         (self.variance + model_error * model_error * self.response.norm_sqr()).sqrt()
     }
+
+    /// The same over the response.
+    pub(crate) fn relative(&self, model_error: f64) -> f64 {
+        self.deviation(model_error) / self.response.norm().max(1e-300)
+    }
 }
 
 /// The responses without the sensor's own rise and the hold of the DAC.

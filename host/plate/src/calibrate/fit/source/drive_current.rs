@@ -18,7 +18,7 @@
 //! products, and A makes that thirteen: what a scan solves. With R, m, s and A known it is linear in b0, b1, t.
 
 use super::data::Datum;
-use super::sensor_signal::{IMPEDANCES, OF_ACTUATOR, OF_PLATE_SIZE, lag};
+use super::sensor_signal::{IMPEDANCES, OF_ACTUATOR, OF_PLATE_SIZE, actuator, lag};
 use super::source_model::SourceModel;
 use crate::calibrate::fit::linear_least_squares::Columns;
 use crate::calibrate::fit::response::plate_response::{PlateResponse, dynamic_stiffness};
@@ -81,7 +81,7 @@ impl DriveCurrent {
             Transducer::Coil => (source[BLOCKED] + rate * source[RISE]).inv(),
             Transducer::Piezo => Complex64::ONE,
         };
-        per_voltage / amplifier(source, rate)
+        per_voltage / actuator(&source[ACTUATOR..], rate)
     }
 
     /// The peak per code on a plate with this answer, in any unit.
@@ -97,8 +97,8 @@ impl DriveCurrent {
         let source = &*to;
         let weighed = |of: &dyn Fn(&PlateResponse) -> Complex64| {
             let each = |(datum, answer): (&Datum, &PlateResponse)| {
-                let plain = self.linear(datum.response * amplifier(source, answer.rate));
-                of(answer) / (plain * relative(datum, START_ERROR))
+                let plain = self.linear(datum.response * actuator(&source[ACTUATOR..], answer.rate));
+                of(answer) / (plain * datum.relative(START_ERROR))
             };
             data.iter().zip(answers).map(each).collect::<Vec<Complex64>>()
         };
@@ -108,25 +108,16 @@ impl DriveCurrent {
             weighed(&|answer| answer.rate),
             weighed(&|answer| motional(answer, impedance)),
         ])?;
-        let wanted = data.iter().map(|datum| Complex64::from(relative(datum, START_ERROR).recip()));
+        let wanted = data.iter().map(|datum| Complex64::from(datum.relative(START_ERROR).recip()));
         let (x, left) = columns.solve(&wanted.collect::<Vec<_>>());
         to[BLOCKED..=COUPLING].copy_from_slice(&x);
         x.iter().all(|x| x.is_finite()).then_some(left)
     }
 }
 
-/// A = 1 + a1 sigma + a2 sigma^2.
-fn amplifier(source: &[f64], rate: Complex64) -> Complex64 {
-    1.0 + rate * (source[ACTUATOR] + rate * source[ACTUATOR + 1])
-}
-
 /// Z/(Z_m + Z_p).
 fn motional(answer: &PlateResponse, impedance: [f64; 3]) -> Complex64 {
     answer.rate * answer.motion / answer.load(impedance)
-}
-
-fn relative(datum: &Datum, model_error: f64) -> f64 {
-    datum.deviation(model_error) / datum.response.norm().max(1e-300)
 }
 
 impl SourceModel for DriveCurrent {
@@ -141,7 +132,7 @@ impl SourceModel for DriveCurrent {
     fn response(&self, answer: &PlateResponse, _: usize, source: &[f64]) -> Complex64 {
         let motion = source[COUPLING] * motional(answer, [source[0], source[1], source[2]]);
         let electric = source[BLOCKED] + source[RISE] * answer.rate + motion;
-        self.linear(electric) * lag(answer, source[DELAY]) / amplifier(source, answer.rate)
+        self.linear(electric) * lag(answer, source[DELAY]) / actuator(&source[ACTUATOR..], answer.rate)
     }
 
     const ALL: bool = true;
@@ -152,7 +143,7 @@ impl SourceModel for DriveCurrent {
         for (datum, answer) in data.iter().zip(answers) {
             let q = self.linear(datum.response);
             let size = answer.force.norm().hypot(answer.motion.norm());
-            let weight = (q.norm() * size * relative(datum, model_error)).recip();
+            let weight = (q.norm() * size * datum.relative(model_error)).recip();
             let (force, motion) = (answer.force * weight, answer.motion * weight);
             let power = |k: usize| answer.rate.powi(k as i32);
             // A is on the side of q for a piezo, on the other for a coil.

@@ -60,11 +60,11 @@ impl SensorSignal {
         let count = ((DELAYS.1 - DELAYS.0) / DELAY_STEP) as usize;
         (0..=count).map(move |i| (DELAYS.0 + i as f64 * DELAY_STEP) * period)
     }
+}
 
-    /// A = 1 + a1 sigma + a2 sigma^2 over which the end moves.
-    pub(crate) fn actuator(source: &[f64], rate: Complex64) -> Complex64 {
-        1.0 + rate * (source[RISE] + rate * source[CURVE])
-    }
+/// A = 1 + a1 sigma + a2 sigma^2, from a1 on.
+pub(crate) fn actuator(a: &[f64], rate: Complex64) -> Complex64 {
+    1.0 + rate * (a[0] + rate * a[1])
 }
 
 /// e^(j omega tau) with the delay in units.
@@ -84,7 +84,7 @@ impl SourceModel for SensorSignal {
     fn response(&self, answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64 {
         let load = answer.load([source[0], source[1], source[2]]);
         source[GAIN] * lag(answer, source[DELAY]) * answer.seen[place]
-            / (load * Self::actuator(source, answer.rate))
+            / (load * actuator(&source[RISE..], answer.rate))
     }
 
     fn suited(&self, data: &[Datum], answers: &[PlateResponse], model_error: f64) -> Option<f64> {
@@ -144,8 +144,7 @@ impl Weighed {
         let per_force = |answer: &PlateResponse| (answer.seen[0].norm() / size(answer)).powi(2);
         let usual = (answers.iter().map(per_force).sum::<f64>() / answers.len() as f64).sqrt();
         let weight = |(datum, answer): (&Datum, &PlateResponse)| {
-            let relative = datum.deviation(model_error) / datum.response.norm().max(1e-300);
-            (relative * answer.seen[0].norm().max(NODE * usual * size(answer))).recip()
+            (datum.relative(model_error) * answer.seen[0].norm().max(NODE * usual * size(answer))).recip()
         };
         let weights: Vec<f64> = data.iter().zip(answers).map(weight).collect();
         let wanted = answers.iter().zip(&weights).map(|(answer, w)| answer.seen[0] * w).collect();
@@ -171,7 +170,7 @@ impl Weighed {
     /// The impedance that suits the actuator of `source`.
     fn suit_impedance(&self, answers: &[PlateResponse], source: &mut [f64]) -> Option<()> {
         let columns = self.columns(answers, |answer| {
-            let a = SensorSignal::actuator(source, answer.rate);
+            let a = actuator(&source[RISE..], answer.rate);
             let moved = answer.motion * a;
             [answer.force * a, moved * answer.rate, moved * answer.rate * answer.rate, moved]
         })?;
