@@ -1,5 +1,5 @@
-//! A shell of the instrument (the window) hands over what its user does, and shows what the instrument reports: it names no
-//! request to the link and no procedure, and keeps no bag of their state.
+//! A shell of the instrument (the window, the command line) hands over what its user does, and shows what the instrument
+//! reports: it names no request to the link, and keeps no bag of the state of what runs.
 
 use slipline_tests::source_tree::root;
 use std::path::{Path, PathBuf};
@@ -41,6 +41,19 @@ fn the_window_names_no_request_and_no_procedure() {
         let text = std::fs::read_to_string(&path).expect("a source");
         for (krate, name) in [("slipline_link", "Request"), ("slipline_instrument", "Procedure")] {
             let found = naming(&text, krate, name);
+            assert!(found.is_empty(), "{}: {found:?}", path.display());
+        }
+    }
+}
+
+#[test]
+fn the_command_line_names_no_request_no_worker_and_no_outcome() {
+    let sources = sources(&root().join("host/src/cli"));
+    assert!(sources.len() > 30, "{}", sources.len());
+    for path in sources {
+        let text = std::fs::read_to_string(&path).expect("a source");
+        for name in ["Request", "Worker", "Outcome"] {
+            let found = naming(&text, "slipline_link", name);
             assert!(found.is_empty(), "{}: {found:?}", path.display());
         }
     }

@@ -23,7 +23,7 @@ const LIMITS: [&str; 7] =
 /// Each file of test code that sleeps, with its sleeps in order.
 const SLEEPS: &[(&str, &[Sleep])] = &[
     (
-        "host/src/cli/device.rs",
+        "host/instrument/src/native/client.rs",
         &[Because(
             "no wait: it stands for a computation that is longer than the link waits for a sign of life",
         )],

@@ -25,6 +25,9 @@ mod instrument;
 pub mod jobs;
 pub mod measure;
 pub mod measured_file;
+#[cfg(feature = "native")]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "this computer's threads"))]
+pub mod native;
 pub mod recording;
 pub mod rig;
 

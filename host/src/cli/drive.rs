@@ -1,7 +1,6 @@
 //! `slipline drive`.
 
-use super::bench::Bench;
-use super::device::Device;
+use super::device::{Bench, Device};
 use super::hold::Holder;
 use super::known_drive;
 use super::{Begin, DriveArguments, Failure, argument, output};
@@ -9,7 +8,7 @@ use crate::signals;
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
-use slipline_link::{ChordRequest, DriveRequest, LinkState, Request, Snapshot};
+use slipline_link::{ChordRequest, DriveRequest, LinkState, Snapshot};
 use slipline_model::atomic_file::{read_text, said};
 use slipline_model::setup::file::{self, Opened};
 use slipline_model::setup::{Setup, edit};
@@ -32,7 +31,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let device = Device::connect(port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     if arguments.clear_faults {
-        device.perform(Request::ClearFaults)?;
+        device.clear_faults()?;
     }
     let bench = Bench::new(&device, &plate)?;
     known_drive::check(&bench, arguments.known.known(None))?;
@@ -55,16 +54,16 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         Begin::Now => Apply::Next,
         Begin::Trigger => Apply::AtTrigger,
     };
-    let at = device.perform_at(match chord {
-        Some(chord) => Request::Chord(ChordRequest { apply, ..chord }),
-        None => Request::Drive(DriveRequest { apply, ..request }),
-    })?;
+    let at = match chord {
+        Some(chord) => device.play_chord(ChordRequest { apply, ..chord }),
+        None => device.play(DriveRequest { apply, ..request }),
+    }?;
     // Before it is said that Ctrl-C ends the drive.
     let (interrupted, interruption) = channel();
-    let stop = device.handle();
+    let stop = device.stopper();
     let _closing = signals::end_by(move || {
         // Sent at once, before waiting for anything.
-        stop.send(Request::Stop);
+        stop();
         let _ = interrupted.send(());
     });
 
@@ -120,7 +119,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         }
         None => 0.0,
     };
-    let stopped_at = device.perform_at(Request::Stop)?;
+    let stopped_at = device.stop()?;
     let value = json!({
         "port": port.to_string(),
         "plate": plate.name(),
@@ -218,7 +217,7 @@ fn watch(
             return Ok(true);
         }
         match interruption.recv_timeout(left.min(GLANCE)) {
-            Ok(()) => return device.check_attended().map(|()| false),
+            Ok(()) => return Ok(device.check_attended().map(|()| false)?),
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(GLANCE),
             Err(RecvTimeoutError::Timeout) => {}
         }

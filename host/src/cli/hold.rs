@@ -101,9 +101,9 @@ impl Holder {
         self.holding.switch_on(&self.plate, self.plan.max_rise_db, Some(at));
         loop {
             if interruption.try_recv().is_ok() {
-                return device.check_attended().map(|()| false);
+                return Ok(device.check_attended().map(|()| false)?);
             }
-            self.turn(device);
+            device.turn_hold(&mut self.holding, &self.plate);
             let snapshot = device.snapshot();
             match self.holding.standing(&snapshot) {
                 Standing::Holding(_) => return Ok(true),
@@ -116,13 +116,6 @@ impl Holder {
             }
             device.check_attended()?;
             device.pause(GLANCE);
-        }
-    }
-
-    fn turn(&mut self, device: &Device) {
-        // Nobody drags anything.
-        while let Some(request) = self.holding.turn(&device.snapshot(), &self.plate, true) {
-            self.holding.sent(device.handle().send(request));
         }
     }
 

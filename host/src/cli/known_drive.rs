@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::argument::within;
-use super::bench::{Bench, run};
+use super::device::{Bench, run};
 use clap::{ArgGroup, Args};
 use slipline_instrument::measure::circuit::{
     AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt,

@@ -1,8 +1,7 @@
 //! A measurement with a device: for `measure` and `calibrate`.
 
 use super::argument::{self, Typed};
-use super::bench::{Bench, run};
-use super::device::Device;
+use super::device::{Bench, Device, run};
 use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::SensorArgument;
 use super::{ArmingArgument, Failure, PortArgument};

@@ -5,7 +5,6 @@
 //! already are replaced with `--force` only.
 
 mod argument;
-mod bench;
 mod calibrate;
 mod calibrated;
 mod check;

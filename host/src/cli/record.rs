@@ -3,8 +3,8 @@
 use super::destination::Destination;
 use super::{Failure, RecordArguments, argument, output, progress};
 use serde_json::json;
+use slipline_link::DriveRequest;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{DriveRequest, Request};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 
@@ -32,11 +32,11 @@ fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -
     let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     table.check_sum(tones).map_err(Failure::usage)?;
     let mut chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
-    chain.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
+    chain.use_table(table).map_err(Failure::failed)?;
     let begin = chain.samples();
     let mut codes = Vec::new();
-    let drive = Request::Drive(DriveRequest::at(tones));
-    let at = chain.perform(drive, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
+    let drive = DriveRequest::at(tones);
+    let at = chain.play(drive, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
 
     let spec = hound::WavSpec {
         channels: 1,

@@ -71,17 +71,14 @@ fn rig(arguments: &ServeArguments, plate: &Plate, sensor: &Typed<f64>) -> Result
 #[cfg(unix)]
 fn options(plate: &Plate) -> Result<slipline_link::simulator::Options, Failure> {
     use super::progress;
-    use slipline_link::Request;
     use slipline_link::simulator::Options;
     use slipline_link::simulator::loopback::Loopback;
 
     let rate_hz = Options::default().sample_rate_hz;
     let (_, table) = progress::table_for(plate, rate_hz)?;
     let mut loopback = Loopback::connect(rate_hz).map_err(Failure::failed)?;
-    loopback.perform(Request::Upload(table), |_| ()).map_err(Failure::failed)?;
-    // An armed device does not write its flash.
-    loopback.perform(Request::Disarm, |_| ()).map_err(Failure::failed)?;
-    loopback.perform(Request::Store, |_| ()).map_err(Failure::failed)?;
+    loopback.use_table(table).map_err(Failure::failed)?;
+    loopback.store().map_err(Failure::failed)?;
     Ok(Options { flash: loopback.flash(), ..Options::default() })
 }
 

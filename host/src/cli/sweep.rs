@@ -1,8 +1,7 @@
 //! `slipline sweep`.
 
-use super::bench::{Bench, run};
 use super::destination::Destination;
-use super::device::Device;
+use super::device::{Bench, Device, run};
 use super::measuring::FrequenciesArgument;
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use clap::Args;

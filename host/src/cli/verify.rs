@@ -12,7 +12,7 @@ use slipline_link::protocol::command::DigestWindow;
 use slipline_link::protocol::event::Digest;
 use slipline_link::protocol::frame::CRC;
 use slipline_link::protocol::limits::MAX_DIGEST_SAMPLES;
-use slipline_link::{DriveRequest, Outcome, Request, Snapshot, ToneRequest};
+use slipline_link::{DriveRequest, Snapshot, ToneRequest};
 use slipline_plate::quantity::{Measure, Range};
 use std::sync::Arc;
 use std::time::Duration;
@@ -81,22 +81,18 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     follow(&device, &mut replay)?;
     let mut compared = Vec::new();
     for stage in Stage::ALL {
-        let from = device.perform_at(Request::Refresh)? + (AHEAD_S * rate) as u64;
+        let from = device.refresh()? + (AHEAD_S * rate) as u64;
         let window = DigestWindow { from, count: (window_s * rate) as u32 };
-        let ticket = device.handle().send(Request::Digest(window));
-        // To the beginning of the window, and a little into it.
-        device.pause(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
-        act(stage, &device, &plate, count, window_s)?;
         let patience = Duration::from_secs_f64(5.0 + 2.0 * window_s);
-        let digest = match device.wait(ticket, patience) {
-            Some(Outcome::Digest(digest)) => digest,
-            Some(Outcome::Refused(refusal)) => return Err(Failure::failed(refusal)),
-            _ => return Err(Failure::Failed("the device gave no digest".to_owned())),
-        };
+        let digest = device.digest(window, patience, || {
+            // To the beginning of the window, and a little into it.
+            device.pause(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
+            act(stage, &device, &plate, count, window_s)
+        })?;
         let mirror = mirror_digest(&device, &mut replay, window)?;
         compared.push(Compared { stage, digest, mirror });
     }
-    device.perform(Request::Stop)?;
+    device.stop()?;
     report(port.to_string(), &compared, as_json)?;
     if compared.iter().all(Compared::is_equal) {
         Ok(())
@@ -125,7 +121,7 @@ fn act(
                 }
             })
             .collect();
-        device.perform(Request::Drive(DriveRequest::of(tones)))
+        device.play(DriveRequest::of(tones))
     };
     match stage {
         Stage::Start => drop(drive(0.0)?),
@@ -136,7 +132,7 @@ fn act(
                 device.pause(Duration::from_secs_f64(0.1 * window_s));
             }
         }
-        Stage::Stop => drop(device.perform(Request::Stop)?),
+        Stage::Stop => drop(device.stop()?),
     }
     Ok(())
 }
@@ -144,7 +140,7 @@ fn act(
 /// The CRC-32 of a window that is over, from what the device has agreed to.
 fn mirror_digest(device: &Device, replay: &mut Replay, window: DigestWindow) -> Result<u32, Failure> {
     // The thermal fold-back up to the window's end is known from the status after it.
-    device.perform(Request::Refresh)?;
+    device.refresh()?;
     let snapshot = follow(device, replay)?;
     let crc = device.during(|| {
         replay.exact_codes(window.from, window.count).map(|codes| {

@@ -9,11 +9,13 @@
 use super::device::{Options, SimulatedDevice};
 use super::peripherals::MemoryFlash;
 use crate::connection::Connection;
+use crate::drive::DriveRequest;
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
 use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use crate::snapshot::Snapshot;
+use crate::table::DeviceTable;
 use crate::transport::{Opener, Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
 use std::io;
@@ -121,6 +123,31 @@ impl Loopback {
             }
         }
         Err(LoopbackError::NoAnswer)
+    }
+
+    /// Has the device hold this table.
+    ///
+    /// # Errors
+    /// [`LoopbackError`], as of every request.
+    pub fn use_table(&mut self, table: Arc<DeviceTable>) -> Result<(), LoopbackError> {
+        self.perform(Request::Upload(table), |_| ()).map(drop)
+    }
+
+    /// Has the device play these tones; the index at which they begin. `sink` gets the codes until then.
+    ///
+    /// # Errors
+    /// [`LoopbackError`], as of every request.
+    pub fn play(&mut self, drive: DriveRequest, sink: impl FnMut(&[u16])) -> Result<u64, LoopbackError> {
+        self.perform(Request::Drive(drive), sink)
+    }
+
+    /// Disarms the device, which does not write its flash else, and has it store its table there.
+    ///
+    /// # Errors
+    /// [`LoopbackError`], as of every request.
+    pub fn store(&mut self) -> Result<(), LoopbackError> {
+        self.perform(Request::Disarm, |_| ())?;
+        self.perform(Request::Store, |_| ()).map(drop)
     }
 
     /// Hands a request over; [`Loopback::pass`] lets the time pass in which it is done, and the view tells how it ends.

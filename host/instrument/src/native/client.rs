@@ -1,0 +1,322 @@
+//! A blocking client: each call ends when the device has answered. While it waits, pauses or computes by these calls, it gives
+//! the signs of life that the link wants while the device is armed.
+
+use super::ClientError;
+use crate::hold::Holding;
+use crate::measure::{Procedure, Step};
+use crate::rig::PreparedRig;
+use slipline_link::native::{Handle, SystemOpener, Worker};
+use slipline_link::protocol::command::DigestWindow;
+use slipline_link::protocol::event::{Digest, Identity, State};
+use slipline_link::protocol::version::Compatibility;
+use slipline_link::table::DeviceTable;
+use slipline_link::{
+    ChordRequest, DriveRequest, Outcome, Port, Request, SIGN_PERIOD, Snapshot, Ticket, upkeep,
+};
+use slipline_plate::Plate;
+use std::cell::Cell;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::thread;
+use std::time::Duration;
+
+/// Time limit for opening a port and the handshake; usually the link gives up earlier.
+const CONNECTING: Duration = Duration::from_secs(5);
+/// Time limit of a request. The longest is a table over a slow link: 47 chunks of a few milliseconds each, and
+/// repeats.
+const PATIENCE: Duration = Duration::from_secs(30);
+/// Time between two looks at the device.
+const GLANCE: Duration = Duration::from_millis(50);
+/// Looks until what sounds must have faded.
+const FADING: usize = 100;
+
+/// A device in use. When it is dropped, the device is stopped and disarmed.
+pub struct Client {
+    worker: Worker,
+    /// How often this program had been held up when the device was armed.
+    stalls_before: Cell<u32>,
+}
+
+impl Client {
+    /// A client that is connected to nothing; the simulated device is wired to `rig`, if there is one.
+    ///
+    /// # Errors
+    /// [`ClientError::Thread`].
+    pub fn new(rig: Option<&PreparedRig>) -> Result<Self, ClientError> {
+        let opener = rig
+            .cloned()
+            .map_or_else(SystemOpener::default, |rig| SystemOpener::with_inputs(move || rig.inputs()));
+        let worker = Worker::spawn_with(opener, || ())?;
+        Ok(Self { worker, stalls_before: Cell::new(0) })
+    }
+
+    /// Connects to a device. A lost link is not reconnected.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`] and [`ClientError::NoAnswer`].
+    pub fn connect(&self, port: &Port) -> Result<(), ClientError> {
+        self.worker.send(Request::AutoReconnect(false));
+        let ticket = self.worker.send(Request::Connect(port.clone()));
+        match self.worker.wait(ticket, CONNECTING) {
+            Some(Outcome::Done { .. }) => Ok(()),
+            Some(Outcome::Refused(refusal)) => Err(refusal.into()),
+            _ => Err(ClientError::NoAnswer(port.clone())),
+        }
+    }
+
+    /// The latest state of link and device.
+    #[must_use]
+    pub fn snapshot(&self) -> Arc<Snapshot> {
+        self.worker.snapshot()
+    }
+
+    /// A handle of the link, for another thread.
+    #[must_use]
+    pub fn handle(&self) -> Handle {
+        self.worker.handle()
+    }
+
+    /// What stops the drive from another thread.
+    pub fn stopper(&self) -> impl Fn() + Send + 'static {
+        let handle = self.worker.handle();
+        move || {
+            handle.send(Request::Stop);
+        }
+    }
+
+    /// Says that this program is alive: for a loop of its own.
+    pub fn sign_of_life(&self) {
+        self.worker.handle().sign_of_life();
+    }
+
+    /// Sleeps.
+    pub fn pause(&self, time: Duration) {
+        self.worker.pause(time);
+    }
+
+    /// Computes something on a thread of its own, while this one gives signs of life.
+    pub fn during<R: Send>(&self, compute: impl FnOnce() -> R + Send) -> R {
+        thread::scope(|scope| {
+            let (running, ended) = channel::<()>();
+            let work = scope.spawn(move || {
+                let _running = running;
+                compute()
+            });
+            self.sign_of_life();
+            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGN_PERIOD) {
+                self.sign_of_life();
+            }
+            work.join().unwrap_or_else(|panic| resume_unwind(panic))
+        })
+    }
+
+    /// The identity of the device.
+    ///
+    /// # Errors
+    /// [`ClientError::Mismatch`] where its firmware may not be driven, [`ClientError::Gone`].
+    pub fn identity(&self) -> Result<Arc<Identity>, ClientError> {
+        let snapshot = self.snapshot();
+        match (&snapshot.identity, snapshot.compatibility) {
+            (Some(identity), Some(compatibility)) if compatibility.may_drive() => Ok(identity.clone()),
+            (_, Some(compatibility)) => Err(ClientError::Mismatch(compatibility)),
+            (_, None) => Err(ClientError::Gone),
+        }
+    }
+
+    /// Makes sure that the device may be armed: its brown-out level is set.
+    ///
+    /// # Errors
+    /// [`ClientError::Unguarded`], with what its user must know.
+    pub fn may_be_armed(&self) -> Result<(), ClientError> {
+        let warning = self.snapshot().maintenance.as_ref().and_then(upkeep::before_arming);
+        warning.map_or(Ok(()), |warning| Err(ClientError::Unguarded(warning)))
+    }
+
+    /// Arms the device.
+    ///
+    /// # Errors
+    /// Any of a request: refused, lost, late, held up.
+    pub fn arm(&self) -> Result<(), ClientError> {
+        self.stalls_before.set(self.snapshot().driver_stalls);
+        self.perform(Request::Arm).map(drop)
+    }
+
+    /// Disarms the device, and waits until what sounded has faded: it is armed again in silence only.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn disarm(&self) -> Result<(), ClientError> {
+        self.perform(Request::Disarm)?;
+        for _ in 0..FADING {
+            self.refresh()?;
+            if self.snapshot().status.is_some_and(|status| status.state != State::Stopping) {
+                break;
+            }
+            self.pause(GLANCE);
+        }
+        Ok(())
+    }
+
+    /// Clears the faults whose causes are gone.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn clear_faults(&self) -> Result<(), ClientError> {
+        self.perform(Request::ClearFaults).map(drop)
+    }
+
+    /// Makes sure that the device holds this table.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn use_table(&self, table: Arc<DeviceTable>) -> Result<(), ClientError> {
+        self.perform(Request::Upload(table)).map(drop)
+    }
+
+    /// Plays these tones; the sample index at which they begin.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn play(&self, drive: DriveRequest) -> Result<u64, ClientError> {
+        self.perform_at(Request::Drive(drive))
+    }
+
+    /// Plays this chord; the sample index at which it begins.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn play_chord(&self, chord: ChordRequest) -> Result<u64, ClientError> {
+        self.perform_at(Request::Chord(chord))
+    }
+
+    /// Ramps to silence; the sample index at which the ramp begins.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn stop(&self) -> Result<u64, ClientError> {
+        self.perform_at(Request::Stop)
+    }
+
+    /// Has the device report its state; its sample index.
+    ///
+    /// # Errors
+    /// Any of a request.
+    pub fn refresh(&self) -> Result<u64, ClientError> {
+        self.perform_at(Request::Refresh)
+    }
+
+    /// Has the device make a digest of a window of its codes that lies ahead, while `act` does something; waits up to `patience`
+    /// for the digest after that.
+    ///
+    /// # Errors
+    /// Those of `act`, [`ClientError::Refused`] and [`ClientError::NoDigest`].
+    pub fn digest<E: From<ClientError>>(
+        &self,
+        window: DigestWindow,
+        patience: Duration,
+        act: impl FnOnce() -> Result<(), E>,
+    ) -> Result<Digest, E> {
+        let ticket = self.worker.send(Request::Digest(window));
+        act()?;
+        match self.worker.wait(ticket, patience) {
+            Some(Outcome::Digest(digest)) => Ok(digest),
+            Some(Outcome::Refused(refusal)) => Err(ClientError::Refused(refusal).into()),
+            _ => Err(ClientError::NoDigest.into()),
+        }
+    }
+
+    /// Arms the device, runs a procedure to its end, and disarms the device. `watch` is told the share that is done, 0 to 1.
+    ///
+    /// # Errors
+    /// [`ClientError::Procedure`] and any of a request.
+    pub fn run<P: Procedure>(
+        &self,
+        mut procedure: P,
+        mut watch: impl FnMut(f64),
+    ) -> Result<P::Found, ClientError> {
+        self.arm()?;
+        let mut ticket: Option<Ticket> = None;
+        loop {
+            let snapshot = self.snapshot();
+            procedure.watch(&snapshot);
+            watch(procedure.progress(snapshot.status.map_or(0, |status| status.now)));
+            match procedure.step() {
+                Step::Ask(request) => ticket = Some(self.worker.send(request)),
+                Step::Wait => {
+                    let outcome = ticket.and_then(|ticket| self.worker.wait(ticket, GLANCE));
+                    if let Some(outcome) = outcome {
+                        procedure.take(&outcome);
+                    }
+                }
+                Step::Ended => break,
+            }
+        }
+        self.check_attended()?;
+        let found = procedure.finish()?;
+        self.disarm()?;
+        Ok(found)
+    }
+
+    /// Sends what a level hold asks for now, while nobody moves its tones.
+    pub fn turn_hold(&self, holding: &mut Holding, plate: &Arc<Plate>) {
+        while let Some(request) = holding.turn(&self.snapshot(), plate, true) {
+            holding.sent(self.worker.send(request));
+        }
+    }
+
+    /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up.
+    ///
+    /// # Errors
+    /// [`ClientError::HeldUp`].
+    pub fn check_attended(&self) -> Result<(), ClientError> {
+        let is_attended = self.snapshot().driver_stalls == self.stalls_before.get();
+        if is_attended { Ok(()) } else { Err(ClientError::HeldUp) }
+    }
+
+    /// Sends a request and waits for its result.
+    fn perform(&self, request: Request) -> Result<Outcome, ClientError> {
+        let ticket = self.worker.send(request);
+        match self.worker.wait(ticket, PATIENCE) {
+            Some(Outcome::Refused(refusal)) => {
+                // A device that was disarmed refuses to be driven; this is why.
+                self.check_attended()?;
+                Err(refusal.into())
+            }
+            Some(Outcome::DeviceTooOld) => Err(ClientError::Mismatch(Compatibility::DeviceOlder)),
+            Some(Outcome::NotConnected) => {
+                let error = self.snapshot().error.clone();
+                Err(error.map_or(ClientError::Gone, ClientError::Lost))
+            }
+            Some(outcome) => Ok(outcome),
+            None => Err(ClientError::Late),
+        }
+    }
+
+    /// Sends a request and returns the sample index at which its effect begins.
+    fn perform_at(&self, request: Request) -> Result<u64, ClientError> {
+        match self.perform(request)? {
+            Outcome::Done { at } => Ok(at),
+            _ => Err(ClientError::Unexpected),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_link::SIGN_PATIENCE;
+
+    #[test]
+    fn what_takes_longer_than_the_links_patience_is_computed_without_losing_the_device() {
+        let client = Client::new(None).unwrap();
+        client.connect(&Port::Simulated).unwrap();
+        client.arm().unwrap();
+        let computed = client.during(|| {
+            thread::sleep(SIGN_PATIENCE + SIGN_PERIOD);
+            7
+        });
+        assert_eq!(computed, 7);
+        client.check_attended().unwrap();
+    }
+}
