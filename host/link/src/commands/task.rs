@@ -48,12 +48,60 @@ impl Job {
     /// Whether this stop, emergency stop or disarm undoes it.
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
         match self {
+            Self::Send(command) => is_undone_by(command, stop),
             Self::Drive(_) | Self::Chord(_) | Self::Comb(_) | Self::Hold(_) => true,
-            Self::ArmUnasked | Self::Send(Command::Arm | Command::ClearFaults) => {
-                matches!(stop, Command::EmergencyStop)
-            }
-            _ => false,
+            Self::ArmUnasked => matches!(stop, Command::EmergencyStop),
+            Self::Listen(_)
+            | Self::Capture(_)
+            | Self::BeginUpload(_)
+            | Self::CancelUpload
+            | Self::DigestRead
+            | Self::ListenRead(_)
+            | Self::CaptureRead(_)
+            | Self::HoldRead
+            | Self::FirstReadBack => false,
         }
+    }
+}
+
+/// Whether a stop, an emergency stop or a disarm undoes this command.
+const fn is_undone_by(command: &Command, stop: &Command) -> bool {
+    match command {
+        // These have jobs of their own; sent as they are, they would sound all the same.
+        Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_) => true,
+        Command::Arm | Command::ClearFaults => matches!(stop, Command::EmergencyStop),
+        // They neither sound nor arm.
+        Command::Hello(_)
+        | Command::KeepAlive(_)
+        | Command::Status
+        | Command::Maintenance
+        | Command::Disarm
+        | Command::Stop
+        | Command::EmergencyStop
+        | Command::SetTravelLimit(_)
+        | Command::TravelLimit
+        | Command::Trigger
+        | Command::TableBegin(_)
+        | Command::TableChunk(_)
+        | Command::TableCommit
+        | Command::TableAbort
+        | Command::TableDigest
+        | Command::DigestStart(_)
+        | Command::DigestRead
+        | Command::Store
+        | Command::Forget
+        | Command::BootloaderToken
+        | Command::BootloaderEnter(_)
+        | Command::Inputs
+        | Command::Listen(_)
+        | Command::ListenRead(_)
+        | Command::ListenStop
+        | Command::Capture(_)
+        | Command::CaptureRead(_)
+        | Command::CaptureStop
+        | Command::HoldRead => false,
+        #[cfg(slipline_next)]
+        Command::MeasureCoil(_) => false,
     }
 }
 
@@ -92,3 +140,6 @@ pub(super) enum Stage {
     /// The firmware's version may not be driven.
     Limited,
 }
+
+#[cfg(test)]
+mod tests;
