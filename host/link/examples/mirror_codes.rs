@@ -12,6 +12,8 @@
 //! and the codes that an input has sampled in it, written likewise, in hexadecimal (`shape` is 0 for a rectangular window, 1
 //! for Hann's): the weight and the slots that were followed, and for each slot a line with I and Q, 0 if it was not followed.
 
+#![warn(clippy::wildcard_enum_match_arm)]
+
 use std::io::{self, BufRead, Write};
 use std::sync::Arc;
 
@@ -54,7 +56,33 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     Command::Comb(comb) => mirror.acknowledge_comb(&comb, at)?,
                     Command::Stop | Command::Disarm => mirror.acknowledge_stop(Stop::Normal, at)?,
                     Command::EmergencyStop => mirror.acknowledge_stop(Stop::Emergency, at)?,
-                    _ => {}
+                    // They change no code.
+                    Command::Hello(_)
+                    | Command::KeepAlive(_)
+                    | Command::Status
+                    | Command::Maintenance
+                    | Command::Arm
+                    | Command::ClearFaults
+                    | Command::SetTravelLimit(_)
+                    | Command::TravelLimit
+                    | Command::Trigger
+                    | Command::TableAbort
+                    | Command::TableDigest
+                    | Command::DigestStart(_)
+                    | Command::DigestRead
+                    | Command::Store
+                    | Command::Forget
+                    | Command::BootloaderToken
+                    | Command::BootloaderEnter(_)
+                    | Command::Inputs
+                    | Command::Listen(_)
+                    | Command::ListenRead(_)
+                    | Command::ListenStop
+                    | Command::Capture(_)
+                    | Command::CaptureRead(_)
+                    | Command::CaptureStop
+                    | Command::Hold(_)
+                    | Command::HoldRead => {}
                 }
             }
             _ => return Err(format!("not understood: {line}").into()),

@@ -34,10 +34,12 @@ enum Lane {
 
 impl Lane {
     const fn of(command: &Command) -> Self {
-        match command {
-            Command::Stop | Command::EmergencyStop => Self::Urgent,
-            _ if command.is_sequenced() => Self::Ordered,
-            _ => Self::Periodic,
+        if matches!(command, Command::Stop | Command::EmergencyStop) {
+            Self::Urgent
+        } else if command.is_sequenced() {
+            Self::Ordered
+        } else {
+            Self::Periodic
         }
     }
 }
@@ -350,12 +352,13 @@ impl Channel {
         })?;
         let pending = self.lane_mut(lane).take()?;
         if lane == Lane::Ordered {
-            self.sequence = match &reply {
+            self.sequence = if let Reply::Event(event) = &reply
+                && let Event::Refused(Refusal::BadSequence { expected }) = **event
+            {
                 // The device has not counted this command.
-                Reply::Event(event) if let Event::Refused(Refusal::BadSequence { expected }) = **event => {
-                    expected
-                }
-                _ => self.sequence.wrapping_add(1),
+                expected
+            } else {
+                self.sequence.wrapping_add(1)
             };
         }
         Some(Answer { round_trip: now.saturating_sub(pending.sent), command: pending.command, reply })

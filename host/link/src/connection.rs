@@ -166,13 +166,8 @@ impl<O: Opener> Connection<O> {
 
     /// A transport that has just been opened, once.
     pub fn take_new_transport(&mut self) -> Option<&mut O::Transport> {
-        match &mut self.phase {
-            Phase::Open(open) if open.is_new => {
-                open.is_new = false;
-                Some(&mut open.transport)
-            }
-            _ => None,
-        }
+        let Phase::Open(open) = &mut self.phase else { return None };
+        std::mem::take(&mut open.is_new).then_some(&mut open.transport)
     }
 
     /// Takes a request. What cannot be done now ends at once.
@@ -232,7 +227,9 @@ impl<O: Opener> Connection<O> {
                             if never_there { LinkState::Disconnected } else { LinkState::Lost(error) };
                         self.recorder.link(state);
                     }
-                    _ => {}
+                    (LinkState::Lost(_), false)
+                    | (LinkState::Reconnecting(_), true)
+                    | (LinkState::Disconnected | LinkState::Connecting | LinkState::Connected, _) => {}
                 }
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
@@ -240,21 +237,48 @@ impl<O: Opener> Connection<O> {
                 self.recorder.log(severity, text);
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
-            request => match &mut self.phase {
-                Phase::Open(open) => open.queue.request(ticket, request, &mut self.recorder, now),
-                Phase::Closed | Phase::Seeking { .. } => {
-                    self.recorder.finish(Some(ticket), Outcome::NotConnected);
-                }
-            },
+            Request::Arm
+            | Request::Disarm
+            | Request::Drive(_)
+            | Request::Chord(_)
+            | Request::Comb(_)
+            | Request::Listen(_)
+            | Request::Capture(_)
+            | Request::Hold(_)
+            | Request::Stop
+            | Request::EmergencyStop
+            | Request::ClearFaults
+            | Request::Upload(_)
+            | Request::CancelUpload
+            | Request::ReadBack
+            | Request::Store
+            | Request::Forget
+            | Request::Bootloader
+            | Request::Refresh
+            | Request::Digest(_) => self.request_of_device(ticket, request, now),
+            #[cfg(slipline_next)]
+            Request::MeasureCoil => self.request_of_device(ticket, request, now),
+        }
+    }
+
+    /// Passes a request on to the device, if there is one.
+    fn request_of_device(&mut self, ticket: Ticket, request: Request, now: Duration) {
+        match &mut self.phase {
+            Phase::Open(open) => open.queue.request(ticket, request, &mut self.recorder, now),
+            Phase::Closed | Phase::Seeking { .. } => {
+                self.recorder.finish(Some(ticket), Outcome::NotConnected);
+            }
         }
     }
 
     /// Does all that is due: reads, handles the replies, sends, writes, looks for a lost device.
     pub fn step(&mut self, now: Duration) {
         self.recorder.set_time(now);
-        match self.recorder.view.link.clone() {
-            LinkState::Lost(error) if self.recorder.view.auto_reconnect => self.seek(error, now),
-            _ => {}
+        if self.recorder.view.auto_reconnect
+            && let LinkState::Lost(error) = &self.recorder.view.link
+        {
+            let error = error.clone();
+            self.seek(error, now);
         }
         if let Phase::Seeking { next } = self.phase
             && now >= next
@@ -272,12 +296,14 @@ impl<O: Opener> Connection<O> {
     /// The latest time of the next [`Connection::step`]; `None` while nothing can happen by itself.
     #[must_use]
     pub fn deadline(&self, now: Duration) -> Option<Duration> {
+        if self.has_more {
+            return Some(now);
+        }
         match &self.phase {
-            _ if self.has_more => Some(now),
-            Phase::Closed => match self.recorder.view.link {
-                LinkState::Lost(_) if self.recorder.view.auto_reconnect => Some(now),
-                _ => None,
-            },
+            Phase::Closed => {
+                let is_lost = matches!(self.recorder.view.link, LinkState::Lost(_));
+                (is_lost && self.recorder.view.auto_reconnect).then_some(now)
+            }
             Phase::Seeking { next } => Some(*next),
             Phase::Open(open) => {
                 let unwritten = !open.queue.is_written();
@@ -302,7 +328,7 @@ impl<O: Opener> Connection<O> {
                     let bytes = buffer.get(..count).unwrap_or_default();
                     match open.queue.receive(bytes, &mut self.recorder, now) {
                         Next::Continue => {}
-                        verdict => return verdict,
+                        verdict @ (Next::Close | Next::Lose(_)) => return verdict,
                     }
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
@@ -320,7 +346,7 @@ impl<O: Opener> Connection<O> {
         }
         match open.queue.send_due(&mut self.recorder, now) {
             Next::Continue => {}
-            verdict => return verdict,
+            verdict @ (Next::Close | Next::Lose(_)) => return verdict,
         }
         self.recorder.count(open.queue.channel());
         let output = open.queue.output();

@@ -43,6 +43,7 @@ pub enum LinkError {
 impl LinkError {
     /// The meaning of a system error while a port is opened.
     #[must_use]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the system's kinds of errors grow with each Rust")]
     pub fn opening(port: &Port, error: &io::Error) -> Self {
         match error.kind() {
             ErrorKind::NotFound | ErrorKind::ConnectionRefused => Self::NoSuchPort(port.clone()),
@@ -54,6 +55,7 @@ impl LinkError {
 
     /// The meaning of a system error while reading or writing; `None` for errors that only mean "not yet".
     #[must_use]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "the system's kinds of errors grow with each Rust")]
     pub fn transfer(error: &io::Error) -> Option<Self> {
         match error.kind() {
             ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => None,

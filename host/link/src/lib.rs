@@ -16,6 +16,9 @@
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+// A new command, request or job must be placed wherever one is dispatched: a drive that falls into a wildcard could
+// survive a stop.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 mod channel;
 pub mod chord;

@@ -99,17 +99,21 @@ impl CommandQueue {
         now: Duration,
     ) {
         let limited = self.stage == Stage::Limited;
+        // What a device of a foreign version can be asked for, too.
+        let is_for_any_version = matches!(
+            request,
+            Request::Stop | Request::EmergencyStop | Request::Refresh | Request::Bootloader
+        );
+        if limited && !is_for_any_version {
+            let refusal = recorder.view.compatibility.map_or(Refusal::UnexpectedReply, Refusal::Incompatible);
+            return recorder.finish(Some(ticket), Outcome::Refused(refusal));
+        }
         let job = match request {
             Request::Stop => return self.stop(ticket, Command::Stop, recorder, now),
             Request::EmergencyStop => return self.stop(ticket, Command::EmergencyStop, recorder, now),
             Request::Refresh if limited => return recorder.finish(Some(ticket), Outcome::Done { at: 0 }),
             Request::Refresh => return self.status_wanted.push(ticket),
             Request::Bootloader => Job::Send(Command::BootloaderToken),
-            _ if limited => {
-                let refusal =
-                    recorder.view.compatibility.map_or(Refusal::UnexpectedReply, Refusal::Incompatible);
-                return recorder.finish(Some(ticket), Outcome::Refused(refusal));
-            }
             #[cfg(slipline_next)]
             Request::MeasureCoil => {
                 Job::Send(Command::MeasureCoil(slipline_protocol::command::CoilTest { current_ma: 5 }))

@@ -50,17 +50,14 @@ impl CommandQueue {
         if event == Event::Refused(refusal::Refusal::StaleSession) {
             return Next::Lose(LinkError::SessionEnded);
         }
-        match command {
-            Command::Stop | Command::EmergencyStop => {
-                self.stopped(&command, &event, recorder);
-                Next::Continue
-            }
-            Command::KeepAlive(_) | Command::Status => {
-                self.reported(event, recorder);
-                Next::Continue
-            }
-            command => self.numbered(command, event, recorder, now),
+        if matches!(command, Command::Stop | Command::EmergencyStop) {
+            self.stopped(&command, &event, recorder);
+        } else if matches!(command, Command::KeepAlive(_) | Command::Status) {
+            self.reported(event, recorder);
+        } else {
+            return self.numbered(command, event, recorder, now);
         }
+        Next::Continue
     }
 
     fn take_hello(

@@ -34,11 +34,15 @@ pub struct Serial(Native);
 pub fn open(name: &str) -> Result<Serial, LinkError> {
     let port = Port::Serial(name.to_owned());
     let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(PATIENCE);
-    let native = Native::open(&builder).map_err(|error| match error.kind {
-        // The crate says "no device" for a port that another program has locked, too.
-        ErrorKind::NoDevice if Path::new(name).exists() => LinkError::Busy(port.clone()),
-        _ if is_no_device(Path::new(name)) => LinkError::NotSerial(port.clone()),
-        _ => LinkError::opening(&port, &io::Error::from(error)),
+    let native = Native::open(&builder).map_err(|error| {
+        if matches!(error.kind, ErrorKind::NoDevice) && Path::new(name).exists() {
+            // The crate says "no device" for a port that another program has locked, too.
+            LinkError::Busy(port.clone())
+        } else if is_no_device(Path::new(name)) {
+            LinkError::NotSerial(port.clone())
+        } else {
+            LinkError::opening(&port, &io::Error::from(error))
+        }
     })?;
     // Bytes that arrived for the program that had the port before.
     native.clear(serialport::ClearBuffer::All).ok();

@@ -134,10 +134,10 @@ fn codes_over_a_skipped_silence_are_those_of_a_mirror_that_renders_all_of_it() {
     let mut mirror = Mirror::new(RATE_HZ, 12_800);
     mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
     for (_, at, change) in &entries {
-        match change {
-            Change::Drive(drive) => mirror.acknowledge_drive(drive, *at).unwrap(),
-            Change::Stop => mirror.acknowledge_stop(Stop::Normal, *at).unwrap(),
-            _ => {}
+        if let Change::Drive(drive) = change {
+            mirror.acknowledge_drive(drive, *at).unwrap();
+        } else if matches!(change, Change::Stop) {
+            mirror.acknowledge_stop(Stop::Normal, *at).unwrap();
         }
     }
     let mut whole = Vec::new();
