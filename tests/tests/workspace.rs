@@ -1,6 +1,6 @@
 //! The layout is the architecture: the crates' arrows, one lint table, no stray files at the top.
 
-use slipline_tests::source_tree::root;
+use slipline_tests::source_tree::{root, rust_files};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -153,6 +153,55 @@ fn every_crate_of_the_browser_build_is_checked_for_what_a_browser_lacks() {
     ] {
         assert!(root_attributes(folder).iter().all(|attributes| attributes.contains(lint)), "{folder}");
         assert!(gate.contains(&format!("-p {package}")), "{package} is part of the gate's step wasm");
+    }
+}
+
+/// The crates that the shells stand on, as far as they exist.
+const BELOW_THE_SHELLS: [&str; 3] = ["host/link", "host/model", "host/instrument"];
+
+#[test]
+fn the_crates_below_the_shells_give_typed_errors() {
+    // A shell acts on the variant of an error and words it in its own way; a text can only be shown.
+    let text_error = ["String>", "&'static str>", "Box<str>>"].map(|text| format!(", {text}"));
+    for folder in BELOW_THE_SHELLS.iter().filter(|folder| root().join(folder).exists()) {
+        let files = rust_files(&root().join(folder).join("src"));
+        assert!(!files.is_empty(), "{folder} has no sources");
+        for file in files {
+            let text = std::fs::read_to_string(&file).expect("a source file");
+            // A long signature is broken into lines, the last of which ends with a comma.
+            let code = text.split_whitespace().collect::<Vec<_>>().join(" ").replace(", >", ">");
+            for (at, _) in code.match_indices("Result<") {
+                let result = generic(&code[at..]);
+                assert!(
+                    !text_error.iter().any(|error| result.ends_with(error)),
+                    "{}: {result}: the error has no type of its own",
+                    file.display()
+                );
+            }
+        }
+    }
+}
+
+/// A generic type at the beginning of a text, up to the bracket that closes it.
+fn generic(text: &str) -> &str {
+    let mut depth = 0;
+    let end = text.char_indices().find(|&(at, character)| {
+        let is_arrow = text[..at].ends_with(['-', '=']);
+        match character {
+            '<' => depth += 1,
+            '>' if !is_arrow => depth -= 1,
+            _ => return false,
+        }
+        depth == 0
+    });
+    end.map_or(text, |(at, _)| &text[..=at])
+}
+
+#[test]
+fn the_link_and_the_instrument_have_no_wildcard_over_an_enum() {
+    for folder in ["host/link"] {
+        let is_checked = |lints: &String| lints.contains("warn(clippy::wildcard_enum_match_arm)");
+        assert!(!root().join(folder).exists() || root_attributes(folder).iter().all(is_checked), "{folder}");
     }
 }
 

@@ -8,8 +8,8 @@ pub use remedy::Remedy;
 pub use step::Step;
 
 use crate::jobs::calibrate::CalibrateJob;
-use slipline_plate::Plate;
 use slipline_plate::calibrate::{Calipers, Measurement};
+use slipline_plate::{Plate, PlateError};
 use std::sync::Arc;
 
 /// Shares of the length at which the sensor stands: beyond the near field of the driven end, and where most of the span's
@@ -72,9 +72,9 @@ impl Calibration {
     ///
     /// # Errors
     /// Which length is out of its range, or makes a plate that is none. What was known before stays.
-    pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), String> {
+    pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), PlateError> {
         if let Some(calipers) = calipers {
-            calipers.applied_to(&self.plate).map_err(|error| error.to_string())?;
+            calipers.applied_to(&self.plate)?;
         }
         self.calipers = calipers;
         Ok(())

@@ -60,7 +60,7 @@ pub struct Desk {
     /// Draws small pictures of the scenes.
     pub scenes: JobQueue<(), Vec<Thumbnail>>,
     /// Draws figures.
-    pub figures: JobQueue<FigureJob, Result<plate::File, String>>,
+    pub figures: JobQueue<FigureJob, Result<plate::File, DrawError>>,
     /// Plays sound.
     pub speaker: Box<dyn Speaker>,
     /// Files.

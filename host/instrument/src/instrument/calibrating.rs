@@ -67,8 +67,8 @@ impl Instrument {
                 }
             }
             CalibrateIntent::Calipers(calipers) => {
-                if let Err(reason) = calibration.take_calipers(calipers) {
-                    self.fail(reason);
+                if let Err(error) = calibration.take_calipers(calipers) {
+                    self.fail(error.to_string());
                 }
             }
             CalibrateIntent::OpenAnswer => self.outputs.push(Output::ChooseMeasurement),

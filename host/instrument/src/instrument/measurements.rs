@@ -5,10 +5,10 @@ use super::shown::{Asked, AskedContent, LiveScene, MeasureScene};
 use super::{MeasureIntent, Output, Page};
 use crate::jobs::recorded::{Recorded, RecordedJob};
 use crate::measure::PlayedSweep;
-use crate::measured_file::{self, Opened, Told, ToldOfRecording};
+use crate::measured_file::{self, Opened, Told, ToldOfRecording, Untold};
 use slipline_link::Severity;
 use slipline_model::jobs::compare::{CompareJob, Compared};
-use slipline_model::response::{Entry, Shelf};
+use slipline_model::response::{Entry, Shelf, ShelfFull};
 use slipline_plate::calibrate::{Measurement, SNR_DB};
 use std::path::Path;
 use std::sync::Arc;
@@ -25,6 +25,15 @@ pub(crate) struct Measures {
     sweep: Option<(String, Arc<PlayedSweep>)>,
 }
 
+/// Why a file that was asked about is no measurement of the list.
+#[derive(Debug, thiserror::Error)]
+enum NotTaken {
+    #[error(transparent)]
+    Untold(#[from] Untold),
+    #[error(transparent)]
+    Full(#[from] ShelfFull),
+}
+
 impl Measures {
     /// The measurement of this number.
     pub(crate) fn entry(&self, number: u64) -> Option<&Entry> {
@@ -36,7 +45,7 @@ impl Measures {
     }
 
     /// Adds a measurement to the list; its number.
-    pub(crate) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, String> {
+    pub(crate) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, ShelfFull> {
         self.shelf.add(name, measurement)
     }
 
@@ -106,8 +115,8 @@ impl Instrument {
         }
         match Opened::read(bytes) {
             Ok(Opened::Own(measurement)) => {
-                if let Err(reason) = self.take_opened(name, measurement) {
-                    self.not_opened(name, &reason);
+                if let Err(error) = self.take_opened(name, measurement) {
+                    self.not_opened(name, &error.to_string());
                 }
             }
             Ok(Opened::Foreign(foreign)) => {
@@ -166,7 +175,7 @@ impl Instrument {
         match &mut asked.content {
             AskedContent::Table(foreign) => {
                 let measured = measured_file::measurement(plate, foreign, &asked.told);
-                self.take_asked_measurement(measured.map_err(|error| error.to_string()));
+                self.take_asked_measurement(measured);
             }
             AskedContent::Recording { wav, sweep: Some((_, sweep)), is_read } => {
                 *is_read = true;
@@ -199,14 +208,16 @@ impl Instrument {
     }
 
     /// The file that waits is done, or why not is said where it was told.
-    fn take_asked_measurement(&mut self, measured: Result<Measurement, String>) {
+    fn take_asked_measurement(&mut self, measured: Result<Measurement, Untold>) {
         let Some(asked) = self.measures.foreign.take() else { return };
-        if let Err(reason) = measured.and_then(|measurement| self.take_opened(&asked.name, measurement)) {
-            self.measures.foreign = Some(Asked { refused: Some(reason), ..asked });
+        let taken = measured.map_err(NotTaken::from);
+        let taken = taken.and_then(|measurement| Ok(self.take_opened(&asked.name, measurement)?));
+        if let Err(error) = taken {
+            self.measures.foreign = Some(Asked { refused: Some(error.to_string()), ..asked });
         }
     }
 
-    fn take_opened(&mut self, name: &str, measurement: Measurement) -> Result<(), String> {
+    fn take_opened(&mut self, name: &str, measurement: Measurement) -> Result<(), ShelfFull> {
         let number = self.measures.shelf.add(name, measurement)?;
         if !self.answered(number) {
             self.outputs.push(Output::Open(Page::Measurements));

@@ -85,6 +85,23 @@ impl Live {
     }
 }
 
+/// Why the device cannot carry a measurement out now.
+#[derive(Debug, thiserror::Error)]
+enum MeasuringRefused {
+    #[error("{0}")]
+    NoDrive(String),
+    #[error("This device has no input for a sensor: its board or its firmware has none.")]
+    NoSensorInput,
+    #[error("The device does not hold this plate's table yet: wait for it, or upload it.")]
+    NoTable,
+    #[error("The sensor at {} is not on the plate.", show_place(*.place_m))]
+    OffThePlate { place_m: f64 },
+    #[error("This device has no input for the drive's current: measure without the check.")]
+    NoCurrentInput,
+    #[error("Not measured: {0}.")]
+    Measure(#[from] MeasureError),
+}
+
 impl Instrument {
     /// Begins a measurement, or tells what hinders it.
     pub(crate) fn begin_measuring(&mut self, answers: Option<usize>) {
@@ -93,7 +110,7 @@ impl Instrument {
         }
         self.live.failed = None;
         match self.prepared_measuring() {
-            Err(reason) => self.notices.hinder(reason),
+            Err(refused) => self.notices.hinder(refused.to_string()),
             Ok(_) if self.snapshot.is_simulated() && !self.is_rig_standing() => {
                 self.put_rig_together(answers);
             }
@@ -113,41 +130,35 @@ impl Instrument {
     }
 
     /// The measurement of the draft, or why the device cannot carry it out now.
-    fn prepared_measuring(&self) -> Result<AfterCheck<Measuring>, String> {
+    fn prepared_measuring(&self) -> Result<AfterCheck<Measuring>, MeasuringRefused> {
         if let Some(reason) = self.obstacle_to_drive() {
-            return Err(reason);
+            return Err(MeasuringRefused::NoDrive(reason));
         }
         let inputs = self.snapshot.inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
-        let inputs =
-            inputs.ok_or("This device has no input for a sensor: its board or its firmware has none.")?;
+        let inputs = inputs.ok_or(MeasuringRefused::NoSensorInput)?;
         let made = self.screen_table().filter(|_| self.is_table_there());
-        let made =
-            made.ok_or("The device does not hold this plate's table yet: wait for it, or upload it.")?;
+        let made = made.ok_or(MeasuringRefused::NoTable)?;
         let MeasureDraft { place_m, kind, level, is_checked, drive } = self.live.draft;
         let plate = &self.setup.plate;
         if !(0.0..=plate.length_m()).contains(&place_m) {
-            return Err(format!("The sensor at {} is not on the plate.", show_place(place_m)));
+            return Err(MeasuringRefused::OffThePlate { place_m });
         }
         let wanted = Wanted { level, ..Wanted::of(plate) };
-        let sentence = |error: MeasureError| format!("Not measured: {error}.");
-        let plan = Plan::new(plate, &wanted, self.sample_rate_hz(), usize::from(inputs.lock_ins))
-            .map_err(sentence)?;
+        let plan = Plan::new(plate, &wanted, self.sample_rate_hz(), usize::from(inputs.lock_ins))?;
         let sensor = Sensor { place_m, kind, input: SENSOR_INPUT };
         let table = &made.device_table;
-        let measuring = Measuring::new(plan, Arc::clone(table), sensor, &inputs).map_err(sentence)?;
+        let measuring = Measuring::new(plan, Arc::clone(table), sensor, &inputs)?;
         if !is_checked {
             return Ok(AfterCheck::new(None, measuring));
         }
         if inputs.inputs <= CURRENT_INPUT {
-            return Err(
-                "This device has no input for the drive's current: measure without the check.".to_owned()
-            );
+            return Err(MeasuringRefused::NoCurrentInput);
         }
         let drive = if self.is_at_bench() { self.live.rig.known_drive() } else { Some(drive) };
         let check =
             |drive| DriveChecking::new(plate, drive, Arc::clone(table), self.sample_rate_hz(), &inputs);
         // Without a drive the rig is put together first.
-        let checking = drive.map(check).transpose().map_err(sentence)?;
+        let checking = drive.map(check).transpose()?;
         Ok(AfterCheck::new(checking, measuring))
     }
 
@@ -213,7 +224,7 @@ impl Instrument {
                     self.take_answer(sensor, number);
                 }
             }
-            Err(reason) => return self.fail(reason),
+            Err(error) => return self.fail(error.to_string()),
         }
         let sentences: Vec<String> = warnings.iter().map(|warning| warning.sentence()).collect();
         for sentence in &sentences {

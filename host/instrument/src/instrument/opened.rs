@@ -1,7 +1,7 @@
 //! Files that were opened: what a text is by its content, and what is said of it.
 
 use super::Instrument;
-use crate::recording::Recording;
+use crate::recording::{Recording, RecordingError};
 use slipline_link::Severity;
 use slipline_model::response::is_measurement;
 
@@ -9,7 +9,7 @@ impl Instrument {
     /// Takes a recorded drag or a measurement; whether the text is one of them.
     pub fn opened_table(&mut self, name: &str, text: &str) -> bool {
         if Recording::is_one(text) {
-            self.open_recording(name, Recording::from_csv(text).map_err(|error| error.to_string()));
+            self.open_recording(name, Recording::from_csv(text));
         } else if is_measurement(text) {
             self.open_measurement(name, text.as_bytes().to_vec());
         } else {
@@ -18,14 +18,14 @@ impl Instrument {
         true
     }
 
-    fn open_recording(&mut self, name: &str, recording: Result<Recording, String>) {
+    fn open_recording(&mut self, name: &str, recording: Result<Recording, RecordingError>) {
         match recording {
             Ok(recording) => {
                 self.take_recording(recording);
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}: press Play on the page Play"));
             }
-            Err(reason) => self.not_opened(name, &reason),
+            Err(error) => self.not_opened(name, &error.to_string()),
         }
     }
 

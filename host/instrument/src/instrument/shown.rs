@@ -25,7 +25,7 @@ use slipline_model::setup::compare::Compare;
 use slipline_model::texture::WishDraft;
 use slipline_model::wav::Wav;
 use slipline_model::waveform::Waveform;
-use slipline_plate::calibrate::{Comparison, Foreign};
+use slipline_plate::calibrate::{CalibrateError, Comparison, Foreign};
 use slipline_plate::{DriveTable, Finger};
 use std::sync::Arc;
 
@@ -226,10 +226,10 @@ pub struct LiveScene<'a> {
 impl<'a> MeasureScene<'a> {
     /// How the chosen measurement differs from the plate's model, or why that cannot be said; `None` until it is computed.
     #[must_use]
-    pub fn result(&self) -> Option<Result<&'a Comparison, &'a str>> {
+    pub fn result(&self) -> Option<Result<&'a Comparison, &'a CalibrateError>> {
         let chosen = self.shelf.chosen()?;
         let compared = self.compared.filter(|it| Arc::ptr_eq(&it.job.measurement, &chosen.measurement))?;
-        Some(compared.result.as_ref().map_err(String::as_str))
+        Some(compared.result.as_ref())
     }
 
     /// How the chosen measurement differs from the plate's model, where that is known.

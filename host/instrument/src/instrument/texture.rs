@@ -120,17 +120,13 @@ impl Instrument {
     }
 
     /// Draws the texture by a profile from a file, and opens its page.
-    pub fn take_profile(&mut self, name: &str, bytes: Result<Vec<u8>, String>) {
-        let length_m = self.setup.plate.length_m();
-        let read = bytes.and_then(|bytes| {
-            let profile = if bytes.starts_with(PNG_SIGNATURE) {
-                from_png(&bytes, length_m)
-            } else {
-                from_csv(&String::from_utf8_lossy(&bytes))
-            };
-            profile.map_err(|error| error.to_string())
-        });
-        match read {
+    pub fn take_profile(&mut self, name: &str, bytes: &[u8]) {
+        let profile = if bytes.starts_with(PNG_SIGNATURE) {
+            from_png(bytes, self.setup.plate.length_m())
+        } else {
+            from_csv(&String::from_utf8_lossy(bytes))
+        };
+        match profile {
             Ok(breakpoints) => {
                 let mut draft = if Arc::ptr_eq(&self.textures.plate, &self.setup.plate) {
                     self.textures.draft.clone()
@@ -144,7 +140,7 @@ impl Instrument {
                 self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.tell(format!("Opened {name}"));
             }
-            Err(reason) => self.not_opened(name, &reason),
+            Err(error) => self.not_opened(name, &error.to_string()),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A recording of the sweep as a measurement, in the background.
 
 use crate::measure::PlayedSweep;
-use crate::measured_file::{ToldOfRecording, recorded};
+use crate::measured_file::{ToldOfRecording, Untold, recorded};
 use slipline_model::jobs::Task;
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
@@ -22,11 +22,11 @@ pub struct RecordedJob {
 }
 
 /// The measurement and what is to be told of it, in sentences; or why there is none.
-pub type Recorded = Result<(Measurement, Vec<String>), String>;
+pub type Recorded = Result<(Measurement, Vec<String>), Untold>;
 
 /// The work of the thread: less than a second for the usual recording.
 #[must_use]
 pub fn work(job: RecordedJob, task: &Task) -> Option<Recorded> {
-    let found = recorded(&job.plate, &job.wav, &job.sweep, &job.told).map_err(|error| error.to_string());
+    let found = recorded(&job.plate, &job.wav, &job.sweep, &job.told);
     task.tell(1.0).then_some(found)
 }

@@ -1,6 +1,6 @@
 //! The rig of a simulated device, put together in the background: it takes up to a second.
 
-use crate::rig::{PreparedRig, RigOptions};
+use crate::rig::{PreparedRig, RigError, RigOptions};
 use slipline_model::jobs::Task;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::{Finger, Plate};
@@ -40,7 +40,7 @@ pub struct RigPrepared {
     /// What was asked.
     pub job: RigJob,
     /// The rig, or why there is none.
-    pub result: Result<PreparedRig, String>,
+    pub result: Result<PreparedRig, RigError>,
 }
 
 /// The work of the thread. It is not interrupted; `None` when the task was over before or after it.
@@ -51,7 +51,6 @@ pub fn work(job: RigJob, task: &Task) -> Option<RigPrepared> {
     }
     let RigJob { place_m, sensor, full_scale, finger, .. } = job;
     let options = RigOptions { place_m, sensor, full_scale, finger, ..RigOptions::default() };
-    let result =
-        PreparedRig::new(&job.truth, &options, job.sample_rate_hz).map_err(|error| error.to_string());
+    let result = PreparedRig::new(&job.truth, &options, job.sample_rate_hz);
     task.tell(1.0).then_some(RigPrepared { job, result })
 }

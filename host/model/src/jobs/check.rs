@@ -30,7 +30,7 @@ pub struct Checked {
     /// The plate and boundary that were checked.
     pub job: CheckJob,
     /// The lights, or the reason why there are none.
-    pub report: Result<Report, String>,
+    pub report: Result<Report, CheckError>,
 }
 
 impl Checked {
@@ -47,12 +47,9 @@ impl Checked {
 pub fn work() -> impl FnMut(CheckJob, &Task) -> Option<Checked> + Send {
     let mut kept: Option<(Arc<Plate>, Checker)> = None;
     move |job, task| {
-        let report = match check(&mut kept, &job, task) {
-            Ok(report) => Ok(report),
-            Err(CheckError::Stopped(_)) => return None,
-            Err(error) => Err(error.to_string()),
-        };
-        Some(Checked { job, report })
+        let report = check(&mut kept, &job, task);
+        let is_stopped = matches!(report, Err(CheckError::Stopped(_)));
+        (!is_stopped).then_some(Checked { job, report })
     }
 }
 
@@ -94,6 +91,6 @@ mod tests {
         let again = kept(job(0.2, 0.3), &task).unwrap().report.unwrap();
         let fresh = work()(job(0.2, 0.3), &task).unwrap().report.unwrap();
         assert_eq!(again, fresh);
-        assert!(kept(job(9.0, 1.0), &task).unwrap().report.unwrap_err().contains("boundary"));
+        assert!(kept(job(9.0, 1.0), &task).unwrap().report.unwrap_err().to_string().contains("boundary"));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::jobs::Task;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{Comparison, Measurement};
+use slipline_plate::calibrate::{CalibrateError, Comparison, Measurement};
 use std::sync::Arc;
 
 /// A plate and what was measured.
@@ -26,13 +26,13 @@ pub struct Compared {
     /// What was compared.
     pub job: CompareJob,
     /// How they differ, or why they cannot be compared.
-    pub result: Result<Comparison, String>,
+    pub result: Result<Comparison, CalibrateError>,
 }
 
 /// The work of the thread: some milliseconds.
 #[must_use]
 pub fn work(job: CompareJob, task: &Task) -> Option<Compared> {
-    let result = Comparison::of(&job.plate, &job.measurement).map_err(|error| error.to_string());
+    let result = Comparison::of(&job.plate, &job.measurement);
     task.tell(1.0).then_some(Compared { job, result })
 }
 
@@ -59,7 +59,7 @@ mod tests {
         let task = Task::default();
         assert_eq!(work(job(0.1), &task).unwrap().result.unwrap().count, 10);
         let reason = work(job(0.5), &task).unwrap().result.unwrap_err();
-        assert_eq!(reason, "the sensor at 500.0 mm is beyond the plate's end at 320.0 mm");
+        assert_eq!(reason.to_string(), "the sensor at 500.0 mm is beyond the plate's end at 320.0 mm");
         task.end();
         assert!(work(job(0.1), &task).is_none());
     }

@@ -40,14 +40,14 @@ pub struct PlaneChecked {
     /// What was computed.
     pub job: PlaneJob,
     /// Where the field in two dimensions differs from that of the one-mode equation, or why it was not computed.
-    pub result: Result<Comparison, String>,
+    pub result: Result<Comparison, PlaneError>,
 }
 
 /// The work of the thread. A solution takes some milliseconds and is not interrupted; `None` when the task was over
 /// before or after it.
 #[must_use]
 pub fn work(job: PlaneJob, task: &Task) -> Option<PlaneChecked> {
-    let result = compare(&job, task).transpose()?.map_err(|error| error.to_string());
+    let result = compare(&job, task).transpose()?;
     Some(PlaneChecked { job, result })
 }
 
@@ -141,7 +141,7 @@ mod tests {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let job = |boundary_m| PlaneJob { plate: Arc::clone(&plate), boundary_m, finger: None };
         let reason = work(job(f64::NAN), &Task::default()).unwrap().result.unwrap_err();
-        assert!(reason.contains("frequency"), "{reason}");
+        assert!(reason.to_string().contains("frequency"), "{reason}");
         let over = Task::default();
         over.end();
         assert!(work(job(0.18), &over).is_none());

@@ -39,13 +39,21 @@ pub struct TextureJob {
     pub begun: Option<Arc<Made>>,
 }
 
+/// Why there is no texture; numbers out of range are shown in the units that suit them.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", match .0 {
+    TextureError::OutOfRange(error) => error.in_suitable_units(),
+    error => error.to_string(),
+})]
+pub struct TextureRefused(pub TextureError);
+
 /// The result of a job.
 #[derive(Clone, Debug)]
 pub struct Textured {
     /// What was wanted.
     pub wish: TextureWish,
     /// The texture, or why there is none.
-    pub result: Result<Arc<Made>, String>,
+    pub result: Result<Arc<Made>, TextureRefused>,
     /// RMS displacement of its tones at places uniform from 0 to the plate's end, in metres; empty if there is none.
     pub rms_m: Vec<f64>,
     /// Whether nothing more will be known of it.
@@ -77,8 +85,7 @@ pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
     let (rms_m, result) = match drawn {
         Ok((rms_m, made)) => (rms_m, Ok(made)),
         Err(TextureError::Stopped(_)) => return None,
-        Err(TextureError::OutOfRange(error)) => (Vec::new(), Err(error.in_suitable_units())),
-        Err(error) => (Vec::new(), Err(error.to_string())),
+        Err(error) => (Vec::new(), Err(TextureRefused(error))),
     };
     let is_finished = is_finished || result.is_err();
     Some(Textured { wish, result, rms_m, is_finished })

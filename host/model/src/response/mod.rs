@@ -13,5 +13,5 @@ mod words;
 
 pub use bode::{Bode, SHOWN_OVER_NOISE, levels_db, unwrapped_deg};
 pub use headroom::{Headroom, LIGHT_DB, light};
-pub use shelf::{Entry, MEASUREMENTS_MAX, Shelf};
+pub use shelf::{Entry, MEASUREMENTS_MAX, Shelf, ShelfFull};
 pub use words::{differs, is_measurement};

@@ -23,6 +23,14 @@ pub struct Entry {
     pub is_shown: bool,
 }
 
+/// The list has no room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("{}", must_be(
+    format_args!("{} measurements", MEASUREMENTS_MAX + 1),
+    format_args!("at most {MEASUREMENTS_MAX}: remove one first"),
+))]
+pub struct ShelfFull;
+
 /// The list.
 #[derive(Debug, Clone, Default)]
 pub struct Shelf {
@@ -35,8 +43,8 @@ impl Shelf {
     /// Adds a measurement and chooses it. One of the same name whose numbers are the same is chosen instead.
     ///
     /// # Errors
-    /// When there are [`MEASUREMENTS_MAX`] already: what is to be done.
-    pub fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, String> {
+    /// When there are [`MEASUREMENTS_MAX`] already.
+    pub fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, ShelfFull> {
         let same = |entry: &&Entry| entry.name == name && *entry.measurement == measurement;
         if let Some(same) = self.entries.iter().find(same).map(|entry| entry.number) {
             self.show(same, true);
@@ -44,9 +52,7 @@ impl Shelf {
             return Ok(same);
         }
         if self.entries.len() >= MEASUREMENTS_MAX {
-            let given = format_args!("{} measurements", self.entries.len() + 1);
-            let most = format_args!("at most {MEASUREMENTS_MAX}: remove one first");
-            return Err(must_be(given, most));
+            return Err(ShelfFull);
         }
         self.count += 1;
         let bode = Arc::new(Bode::of(&measurement));
@@ -139,7 +145,7 @@ mod tests {
         assert_eq!(shelf.add("a.csv", measurement(0.0)), Ok(1));
         assert_eq!(shelf.chosen().unwrap().number, 1);
         let refused = shelf.add("a.csv", measurement(0.3)).unwrap_err();
-        assert_eq!(refused, "33 measurements: must be at most 32: remove one first");
+        assert_eq!(refused.to_string(), "33 measurements: must be at most 32: remove one first");
         assert_eq!(shelf.entries().len(), MEASUREMENTS_MAX);
     }
 }

@@ -306,7 +306,10 @@ impl App {
                 if text.is_some_and(|text| self.instrument.opened_table(&name_of(&path), text)) {
                     return;
                 }
-                self.instrument.take_profile(&name_of(&path), bytes);
+                match bytes {
+                    Ok(bytes) => self.instrument.take_profile(&name_of(&path), &bytes),
+                    Err(reason) => self.instrument.not_opened(&name_of(&path), &reason),
+                }
             }
             FileEvent::Saved(path, Ok(())) => {
                 if path.extension().is_some_and(|extension| extension == "toml") {

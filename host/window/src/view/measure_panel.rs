@@ -96,7 +96,7 @@ fn told(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut Inten
     };
     match scene.measure.result() {
         None => sentence(ui, "Being compared with the plate's model…", palette.weak),
-        Some(Err(reason)) => sentence(ui, reason, palette.wrong),
+        Some(Err(reason)) => sentence(ui, &reason.to_string(), palette.wrong),
         Some(Ok(comparison)) => {
             let (is_off, text) = differs(comparison);
             sentence(ui, &text, if is_off { palette.wrong } else { palette.good });

@@ -19,8 +19,9 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     let is_running = result.is_none()
         && scene.background.plane_asked.is_some()
         && scene.background.plane_asked == scene.plane_job;
-    let refusal = match result.map(|checked| &checked.result) {
-        Some(Err(reason)) => Some(reason.as_str()),
+    let failed = result.and_then(|checked| checked.result.as_ref().err()).map(ToString::to_string);
+    let refusal = match &failed {
+        Some(reason) => Some(reason.as_str()),
         _ if is_running => Some("Being computed"),
         _ if scene.plane_job.is_none() => Some("There is no tone whose boundary could be computed"),
         _ => None,

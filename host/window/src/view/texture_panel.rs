@@ -148,7 +148,7 @@ fn result(ui: &mut egui::Ui, scene: &Scene<'_>) {
     };
     match &textured.result {
         Err(reason) => {
-            ui.add(egui::Label::new(RichText::new(reason).small().color(palette.wrong)).wrap());
+            ui.add(egui::Label::new(RichText::new(reason.to_string()).small().color(palette.wrong)).wrap());
         }
         Ok(made) => {
             numbers(ui, scene, textured, made);

@@ -116,7 +116,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     ui.add_space(4.0);
     match &checked.report {
         Err(reason) => {
-            ui.label(RichText::new(reason).color(palette.warn));
+            ui.label(RichText::new(reason.to_string()).color(palette.warn));
         }
         Ok(report) => {
             if let Some(known) = report.known() {

@@ -5,7 +5,7 @@ use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_plate::plane::{self, Comparison, Setup};
+use slipline_plate::plane::{self, Comparison, PlaneError, Setup};
 use slipline_plate::{Equation, Finger, respond_touched};
 
 const BUTTON: &str = "Check in two dimensions";
@@ -67,9 +67,10 @@ fn what_is_refused_tells_the_reason_and_the_button_waits_for_another_boundary() 
     let mut app = TestApp::driving();
     open_page(&mut app, "Validity");
     assert!(!app.window.get_by_label(BUTTON).accesskit_node().is_disabled());
-    *app.plane_refusal.borrow_mut() = Some("unknowns = 9: must be at most 8".to_owned());
+    *app.plane_refusal.borrow_mut() = Some(PlaneError::TooFine { frequency_hz: 20e3, unknowns: 9, most: 8 });
     press(&mut app);
-    assert!(app.window.query_by_label("Not computed: unknowns = 9: must be at most 8.").is_some());
+    let reason = "Not computed: unknowns of the two-dimensional field at 20000 Hz = 9: must be at most 8.";
+    assert!(app.window.query_by_label(reason).is_some());
     assert!(app.window.get_by_label(BUTTON).accesskit_node().is_disabled(), "it would be refused again");
     app.plane_refusal.take();
     app.window.get_by_role_and_label(Role::Slider, "Boundary").focus();

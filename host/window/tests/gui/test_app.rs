@@ -18,6 +18,7 @@ use slipline_model::jobs::plane::{self, PlaneChecked};
 use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
+use slipline_plate::plane::PlaneError;
 use slipline_window::app::{App, Desk, Jobs, Link, Parts, TableJob, TableState, first_setup};
 use slipline_window::settings::{Settings, ThemeChoice};
 use std::cell::{Cell, RefCell};
@@ -40,7 +41,7 @@ pub(crate) struct TestApp {
     /// Jobs that the simulated plate in time was asked for.
     pub(crate) time_domain_jobs: Rc<Cell<usize>>,
     /// Why the computation in two dimensions is refused; `None` while it is not.
-    pub(crate) plane_refusal: Rc<RefCell<Option<String>>>,
+    pub(crate) plane_refusal: Rc<RefCell<Option<PlaneError>>>,
     worker: Rc<RefCell<SteppedWorker>>,
 }
 
@@ -129,7 +130,7 @@ impl TestApp {
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
         let sheet_jobs = Rc::default();
         let speaker = FakeSpeaker::default();
-        let plane_refusal: Rc<RefCell<Option<String>>> = Rc::default();
+        let plane_refusal: Rc<RefCell<Option<PlaneError>>> = Rc::default();
         let refusal = Rc::clone(&plane_refusal);
         let mut parts = parts(link, &files, tables, &sheet_jobs);
         parts.desk.speaker = Box::new(speaker.clone());

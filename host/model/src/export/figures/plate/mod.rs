@@ -72,12 +72,12 @@ pub struct File {
 
 /// The work of the figure thread: the file, or the reason why there is none. `None` when the task was over before.
 #[must_use]
-pub fn work(job: &FigureJob, task: &Task) -> Option<Result<File, String>> {
+pub fn work(job: &FigureJob, task: &Task) -> Option<Result<File, DrawError>> {
     if task.is_over() {
         return None;
     }
     let bytes = plate_figure(&job.subject).and_then(|drawing| drawing.file(job.format));
-    Some(bytes.map(|bytes| File { format: job.format, bytes }).map_err(|error| error.to_string()))
+    Some(bytes.map(|bytes| File { format: job.format, bytes }))
 }
 
 /// Draws the state of the screen.
