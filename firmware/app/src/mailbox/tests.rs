@@ -300,8 +300,10 @@ fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
 }
 
 /// A lock between true threads.
+#[cfg(not(target_family = "wasm"))]
 struct BetweenThreads(std::sync::Mutex<()>);
 
+#[cfg(not(target_family = "wasm"))]
 #[expect(unsafe_code, reason = "the trait is unsafe; listed in firmware/UNSAFE.md")]
 // SAFETY: the standard library's mutex lets one thread in at a time; no lock is taken within another.
 unsafe impl RawMutex for BetweenThreads {
@@ -313,6 +315,8 @@ unsafe impl RawMutex for BetweenThreads {
     }
 }
 
+// It needs a second thread, which wasm32-wasip1 lacks.
+#[cfg(not(target_family = "wasm"))]
 #[test]
 fn a_view_never_mixes_two_motions() {
     use std::sync::atomic::{AtomicBool, Ordering};
