@@ -199,7 +199,7 @@ fn generic(text: &str) -> &str {
 
 #[test]
 fn the_link_and_the_instrument_have_no_wildcard_over_an_enum() {
-    for folder in ["host/link"] {
+    for folder in ["host/link", "host/instrument"] {
         let is_checked = |lints: &String| lints.contains("warn(clippy::wildcard_enum_match_arm)");
         assert!(!root().join(folder).exists() || root_attributes(folder).iter().all(is_checked), "{folder}");
     }

@@ -16,6 +16,8 @@
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what a browser lacks.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+// What is new among requests, outcomes or changes must be placed wherever one is dispatched.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 pub mod autopilot;
 pub mod bench;

@@ -36,7 +36,22 @@ impl Remedy {
             CalibrateError::DifferentSensors | CalibrateError::SamePlace { .. } => {
                 Self::Page(Step::SecondPlace)
             }
-            _ => Self::Page(Step::Plate),
+            CalibrateError::OutOfRange(_)
+            | CalibrateError::WrongCount(_)
+            | CalibrateError::Plate(_)
+            | CalibrateError::Table(_)
+            | CalibrateError::NoFit
+            | CalibrateError::Unlike { .. }
+            | CalibrateError::EdgesUnlike { .. }
+            | CalibrateError::AnotherPlate { .. }
+            | CalibrateError::CloseMarks { .. }
+            | CalibrateError::EdgesOpen { .. }
+            | CalibrateError::NoEdge
+            | CalibrateError::NotCarriedByCurrent { .. }
+            | CalibrateError::NotCalibrated
+            | CalibrateError::AnotherSensor { .. }
+            | CalibrateError::PhasesUnlike { .. }
+            | CalibrateError::Ambiguous { .. } => Self::Page(Step::Plate),
         }
     }
 

@@ -245,7 +245,7 @@ fn goes_on(held: &Held) -> Result<Option<Request>, HoldEnd> {
         HoldProgress::Lost => {
             let losses = held.tones.iter().filter_map(|tone| match tone.state {
                 HoldState::Lost(loss) => Some(loss),
-                _ => None,
+                HoldState::Settling | HoldState::Held | HoldState::AtLimit(_) => None,
             });
             Err(HoldEnd::lost(losses))
         }

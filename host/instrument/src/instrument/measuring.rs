@@ -240,11 +240,10 @@ impl Instrument {
 
 /// Why nothing was measured.
 fn not_measured(error: &MeasureError) -> String {
-    match error {
-        MeasureError::NotOn(check @ DriveCheck::TooQuiet { .. }) => {
-            format!("Not measured. {check} Nothing louder is played before the drive is known to be on.")
-        }
-        MeasureError::NotOn(check) => format!("Not measured. {check}"),
-        error => format!("Not measured: {error}."),
+    let MeasureError::NotOn(check) = error else { return format!("Not measured: {error}.") };
+    if matches!(check, DriveCheck::TooQuiet { .. }) {
+        format!("Not measured. {check} Nothing louder is played before the drive is known to be on.")
+    } else {
+        format!("Not measured. {check}")
     }
 }

@@ -45,10 +45,8 @@ impl Instrument {
         let told = self.live.looks.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
         if let Some(outcome) = told {
             // What was refused shows nothing; the next look may.
-            self.live.looks.latest = match outcome {
-                Outcome::Listened(listened) => Some(Signal::of(listened)),
-                _ => None,
-            };
+            self.live.looks.latest =
+                if let Outcome::Listened(listened) = outcome { Some(Signal::of(listened)) } else { None };
             self.live.looks.awaited = None;
         }
         if self.live.looks.awaited.is_none() {

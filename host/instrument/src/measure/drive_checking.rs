@@ -155,7 +155,7 @@ impl Procedure for DriveChecking {
                         self.ended = self.judge(measuring.finish()).transpose();
                     }
                 }
-                step => return step,
+                step @ (Step::Ask(_) | Step::Wait) => return step,
             }
         }
     }

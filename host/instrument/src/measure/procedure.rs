@@ -83,12 +83,8 @@ const TRAVEL: f64 = 0.99;
 
 /// How much quieter the tones must be for the actuator's travel; nothing if that did not refuse them.
 pub(super) fn quieter(outcome: &Outcome) -> Option<f64> {
-    match outcome {
-        Outcome::Refused(Refusal::Device(DeviceRefusal::Travel { allowed_per_mille, .. }))
-            if *allowed_per_mille > 0 =>
-        {
-            Some(TRAVEL * f64::from(*allowed_per_mille) / 1000.0)
-        }
-        _ => None,
-    }
+    let Outcome::Refused(Refusal::Device(DeviceRefusal::Travel { allowed_per_mille, .. })) = outcome else {
+        return None;
+    };
+    (*allowed_per_mille > 0).then(|| TRAVEL * f64::from(*allowed_per_mille) / 1000.0)
 }

@@ -60,10 +60,7 @@ impl Motor {
         let (low_hz, high_hz) = plate.band_hz();
         let omega = TAU * 0.5 * (low_hz + high_hz);
         let metres = plate.spec().full_scale_m;
-        let source = match plate.spec().drive_end {
-            DriveEnd::Source(source) => Some(source),
-            _ => None,
-        };
+        let source = if let DriveEnd::Source(source) = plate.spec().drive_end { Some(source) } else { None };
         let at_hz = source.map_or(omega / TAU, |source| source.at_frequency_hz);
         let impedance = plate.wave_impedance_n_s_per_m(at_hz).filter(|z| *z > 0.0);
         // What launches a wave of full scale: 2 omega Z. An unknown Z of 1 N s/m changes the scale of force alone.

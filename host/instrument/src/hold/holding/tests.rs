@@ -139,11 +139,12 @@ impl Bench {
 
     /// The requests since the last call, by a letter each: Listen, Hold, Off.
     fn asked(&mut self) -> String {
-        let letter = |request: Request| match request {
-            Request::Listen(_) => 'L',
-            Request::Hold(hold) if hold.tones.is_empty() => 'O',
-            Request::Hold(_) => 'H',
-            other => panic!("{other:?}"),
+        let letter = |request: Request| {
+            if matches!(request, Request::Listen(_)) {
+                return 'L';
+            }
+            let Request::Hold(hold) = request else { panic!("{request:?}") };
+            if hold.tones.is_empty() { 'O' } else { 'H' }
         };
         std::mem::take(&mut self.asked).into_iter().map(letter).collect()
     }

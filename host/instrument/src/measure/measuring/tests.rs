@@ -59,26 +59,24 @@ impl Ideal {
 
     fn perform(&mut self, request: &Request) -> Outcome {
         self.now += 640;
-        match request {
-            Request::Stop => {
-                self.sounds = None;
-                self.stops += 1;
-                Outcome::Done { at: self.now }
-            }
-            Request::Comb(comb) => {
-                assert!(self.sounds.is_none(), "a comb begins in silence");
-                let sum = self.amplitudes(comb).iter().sum::<f64>();
-                if sum > self.travel {
-                    let allowed_per_mille = (1000.0 * self.travel / sum) as u16;
-                    let travel = DeviceRefusal::Travel { travel_per_mille: 1250, allowed_per_mille };
-                    return Outcome::Refused(Refusal::Device(travel));
-                }
-                self.sounds = Some((self.now, comb.clone()));
-                Outcome::Done { at: self.now }
-            }
-            Request::Listen(window) => self.listen(window),
-            other => panic!("{other:?}"),
+        if let Request::Listen(window) = request {
+            return self.listen(window);
         }
+        if matches!(request, Request::Stop) {
+            self.sounds = None;
+            self.stops += 1;
+            return Outcome::Done { at: self.now };
+        }
+        let Request::Comb(comb) = request else { panic!("{request:?}") };
+        assert!(self.sounds.is_none(), "a comb begins in silence");
+        let sum = self.amplitudes(comb).iter().sum::<f64>();
+        if sum > self.travel {
+            let allowed_per_mille = (1000.0 * self.travel / sum) as u16;
+            let travel = DeviceRefusal::Travel { travel_per_mille: 1250, allowed_per_mille };
+            return Outcome::Refused(Refusal::Device(travel));
+        }
+        self.sounds = Some((self.now, comb.clone()));
+        Outcome::Done { at: self.now }
     }
 
     /// Of each tone, by the table's gain or that of its nearer end.
@@ -132,10 +130,7 @@ impl Ideal {
 
 /// The answers of a window, to be changed.
 fn heard(outcome: &mut Outcome) -> Option<&mut Listened> {
-    match outcome {
-        Outcome::Listened(listened) => Some(Arc::make_mut(listened)),
-        _ => None,
-    }
+    if let Outcome::Listened(listened) = outcome { Some(Arc::make_mut(listened)) } else { None }
 }
 
 fn measuring(points: usize) -> (Measuring, Arc<DeviceTable>) {

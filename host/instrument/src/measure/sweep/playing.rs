@@ -143,12 +143,18 @@ impl Procedure for Playing {
 
     fn step(&mut self) -> Step {
         match self.stage {
-            _ if self.is_asked => {}
-            Stage::Until { from, number } if self.now > from + self.sent_from(number) => {
+            Stage::Until { from, number } if !self.is_asked && self.now > from + self.sent_from(number) => {
                 self.stage = Stage::Play { from, number };
             }
-            Stage::Codes { from, looks } => self.take_codes(from, looks),
-            _ => {}
+            Stage::Codes { from, looks } if !self.is_asked => self.take_codes(from, looks),
+            Stage::Silence
+            | Stage::Table
+            | Stage::Until { .. }
+            | Stage::Play { .. }
+            | Stage::Codes { .. }
+            | Stage::Ending
+            | Stage::Restore
+            | Stage::Ended => {}
         }
         if self.stage == Stage::Ended {
             return Step::Ended;
