@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The folders of the product's sources, from the root.
-pub const PRODUCT: [&str; 9] = [
+pub const PRODUCT: [&str; 10] = [
     "shared/src",
     "firmware/app/src",
     "firmware/stm32/src",
@@ -11,6 +11,7 @@ pub const PRODUCT: [&str; 9] = [
     "host/src",
     "host/link/src",
     "host/model/src",
+    "host/instrument/src",
     "host/plate/src",
     "host/window/src",
 ];
