@@ -297,7 +297,13 @@ impl Client {
     fn perform_at(&self, request: Request) -> Result<u64, ClientError> {
         match self.perform(request)? {
             Outcome::Done { at } => Ok(at),
-            _ => Err(ClientError::Unexpected),
+            Outcome::Digest(_)
+            | Outcome::Listened(_)
+            | Outcome::Captured(_)
+            | Outcome::Refused(_)
+            | Outcome::DeviceTooOld
+            | Outcome::Superseded
+            | Outcome::NotConnected => Err(ClientError::Unexpected),
         }
     }
 }

@@ -240,7 +240,7 @@ impl App {
             Export::Sound => match csv_wav::wav(self.instrument.waveform()) {
                 Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
                 Ok(None) => {
-                    self.instrument.fail("Nothing is driven, so there is no drive to save".to_owned())
+                    self.instrument.fail("Nothing is driven, so there is no drive to save".to_owned());
                 }
                 Err(error) => self.instrument.fail(format!("The sound could not be made: {error}")),
             },

@@ -204,7 +204,7 @@ fn colour([red, green, blue]: Rgb) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
-/// Signed displacement, -1..=1, in the colours of [`colour_map::diverging`]: the nearest of [`SHADES`] for each sign, as
+/// Signed displacement, -1..=1, in the colours of [`colour_map::diverging`]: the nearest of 1024 for each sign, as
 /// the plate has thousands of texels a frame.
 #[must_use]
 pub fn diverging(value: f32, dark: bool) -> Color32 {
