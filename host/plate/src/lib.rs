@@ -53,6 +53,6 @@ pub use table::{
     sensitivity_per_percent, sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
 };
 pub use time::{
-    Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate, TimeDomainLine,
-    WIDTH_MODE_MAX,
+    DriveCurveError, Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate,
+    TimeDomainLine, WIDTH_MODE_MAX,
 };

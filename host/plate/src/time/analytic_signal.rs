@@ -6,6 +6,7 @@
 //! so the oscillators can be integrated exactly. The filter keeps the droop of the DAC's hold and cancels the spline's
 //! droop.
 
+use super::drive_filter::DriveFilter;
 use crate::time::kernel;
 use num_complex::Complex64;
 use pulp::Arch;
@@ -139,7 +140,7 @@ fn bessel_i0(x: f64) -> f64 {
 }
 
 /// The filter with its state: codes in, spline coefficients out.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub(crate) struct AnalyticDrive {
     arch: Arch,
     plan: BandPlan,
@@ -158,10 +159,12 @@ pub(crate) struct AnalyticDrive {
     /// Samples after the first decimation until the next output.
     wait: usize,
     phase: usize,
+    /// What the drive has beside the actuator's resonance.
+    curve: Option<DriveFilter>,
 }
 
 impl AnalyticDrive {
-    pub(crate) fn new(plan: BandPlan, rate_of_drive: bool) -> Self {
+    pub(crate) fn new(plan: BandPlan, rate_of_drive: bool, curve: Option<DriveFilter>) -> Self {
         let taps = plan.taps(rate_of_drive);
         let count = taps.len();
         Self {
@@ -176,14 +179,16 @@ impl AnalyticDrive {
             beginning: 0.0,
             wait: plan.fine,
             phase: 0,
+            curve,
         }
     }
 
-    /// Delay of the filter, seconds: from a code to the spline coefficient whose taps it is in the middle of.
+    /// Delay of the filters, seconds: from a code to the spline coefficient whose taps it is in the middle of.
     pub(crate) fn delay_s(&self) -> f64 {
         let coarse = self.plan.coarse as f64;
         let triangle = if self.plan.coarse > 1 { coarse - 1.0 } else { 0.0 };
-        ((self.tap_re.len() / 2) as f64 * coarse + triangle) / self.plan.sample_rate_hz
+        let band = ((self.tap_re.len() / 2) as f64 * coarse + triangle) / self.plan.sample_rate_hz;
+        self.curve.as_ref().map_or(band, |curve| band + curve.delay() as f64 / self.plan.rate_hz())
     }
 
     /// Clears the history of codes. The mixing phase goes on.
@@ -191,6 +196,9 @@ impl AnalyticDrive {
         self.history.fill(0.0);
         self.ending = 0.0;
         self.beginning = 0.0;
+        if let Some(curve) = &mut self.curve {
+            curve.rest();
+        }
     }
 
     /// Takes one code (-1..=1 of full scale); returns a coefficient when one is due.
@@ -230,7 +238,7 @@ impl AnalyticDrive {
         let value = Complex64::new(re, im);
         let mixed = value * Complex64::cis(TAU * self.phase as f64 / CYCLE as f64);
         self.phase = (self.phase + self.plan.turn) % CYCLE;
-        Some(mixed)
+        Some(self.curve.as_mut().map_or(mixed, |curve| curve.push(mixed)))
     }
 }
 
@@ -256,7 +264,7 @@ mod tests {
         {
             let plan = BandPlan::new(rate, low, high);
             for tone in [low, (low * high).sqrt(), high] {
-                let mut drive = AnalyticDrive::new(plan, false);
+                let mut drive = AnalyticDrive::new(plan, false, None);
                 let mut found = Vec::new();
                 let samples = (drive.delay_s() * rate * 2.5) as usize + 12 * plan.coarse * plan.fine;
                 for n in 0..samples {

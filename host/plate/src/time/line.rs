@@ -1,7 +1,8 @@
 //! The plate in the time domain: one width mode, driven by DAC codes at the device's sample rate.
 //!
 //! ```text
-//! codes -> band filter, decimation (analytic) -> oscillators, integrated exactly -> field over x -> envelope
+//! codes -> band filter, decimation (analytic), curves of the drive -> oscillators, integrated exactly -> field over x
+//!       -> envelope
 //! ```
 //! The filter removes frequencies outside the plate's band: below 0.1 of its lowest frequency, and above 1.2 times its
 //! highest plus half of its lowest.
@@ -9,6 +10,7 @@
 mod error;
 
 use super::analytic_signal::{AnalyticDrive, BandPlan};
+use super::drive_filter::DriveFilter;
 use super::envelope::Envelope;
 use super::fit;
 use super::integration::prepare;
@@ -78,7 +80,8 @@ impl TimeDomainLine {
     ///
     /// # Errors
     /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
-    /// `mode`, [`LineError::ClampedEnd`] for a clamped plate whose end has a near field, and for a thick plate that of [`TimeDomainLine::fitted`].
+    /// `mode`, [`LineError::ClampedEnd`] for a clamped plate whose end has a near field,
+    /// [`LineError::Drive`] for a measured drive that changes too fast with the frequency, and for a thick plate that of [`TimeDomainLine::fitted`].
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         if !modal::fits(plate) {
             return Self::fitted(plate, sample_rate_hz, points, mode);
@@ -88,7 +91,7 @@ impl TimeDomainLine {
         let bank = modal::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &positions(plate, points));
         let settle_s = settle_time(&bank, plate);
         let (bank, quasi_static) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
-        Ok(Self::of_bank(plate, plan, points, &bank, &quasi_static, settle_s))
+        Self::of_bank(plate, plan, points, &bank, &quasi_static, settle_s)
     }
 
     /// As [`TimeDomainLine::new`], always by a rational fit of the frequency-domain field and never by eigenfunctions.
@@ -128,7 +131,7 @@ impl TimeDomainLine {
         let fit = fit::bank(response, &plan, points);
         check_fit(&fit)?;
         let settle_s = settle_time(&fit.bank, plate);
-        Ok(Self::of_bank(plate, plan, points, &fit.bank, &fit.quasi_static, settle_s))
+        Self::of_bank(plate, plan, points, &fit.bank, &fit.quasi_static, settle_s)
     }
 
     fn of_bank(
@@ -138,7 +141,8 @@ impl TimeDomainLine {
         bank: &ModalBank,
         quasi_static: &QuasiStatic,
         settle_s: f64,
-    ) -> Self {
+    ) -> Result<Self, LineError> {
+        let curve = DriveFilter::of(plate, &plan)?;
         let scale = plate.spec().full_scale_m;
         let shape = kernel::tiles(points, 3 + bank.pole.len(), |row, signal| {
             let value =
@@ -147,9 +151,9 @@ impl TimeDomainLine {
             [value.re as f32, value.im as f32]
         });
         let covered = points.div_ceil(kernel::TILE) * kernel::TILE;
-        Self {
+        Ok(Self {
             arch: Arch::new(),
-            drive: AnalyticDrive::new(plan, bank.input == Input::DriveRate),
+            drive: AnalyticDrive::new(plan, bank.input == Input::DriveRate, curve),
             plan,
             oscillators: prepare(bank, &plan),
             coefficient: [Complex64::ZERO; 6],
@@ -163,7 +167,7 @@ impl TimeDomainLine {
             stride: ((plan.rate_hz() / (2.5 * plan.half_band_hz)) as u64).max(1),
             field_step: 0,
             settle_s,
-        }
+        })
     }
 
     /// Advances the plate by one sample per code. Codes are -1 to 1 of full scale; larger ones are not clamped, NaN and
@@ -287,7 +291,7 @@ impl TimeDomainLine {
         self.settle_s + 2.0 * self.latency_s()
     }
 
-    /// Time from a code to its effect in the field, seconds: the delay of the band filter and of the spline.
+    /// Time from a code to its effect in the field, seconds: the delay of the filters of the drive and of the spline.
     pub fn latency_s(&self) -> f64 {
         self.drive.delay_s() + 3.0 / self.plan.rate_hz()
     }
@@ -318,9 +322,6 @@ pub(super) fn check(plate: &Plate, sample_rate_hz: f64, mode: u32) -> Result<(),
     OutOfRange::check("width mode", f64::from(mode), modes)?;
     if has_near_field && matches!(plate.spec().model, Model::BendingClamped(_)) {
         return Err(LineError::ClampedEnd { plate: plate.name().to_owned() });
-    }
-    if let Some(Actuator::Measured(_)) = plate.spec().actuator {
-        return Err(LineError::MeasuredActuator { plate: plate.name().to_owned() });
     }
     Ok(())
 }

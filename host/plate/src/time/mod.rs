@@ -3,11 +3,13 @@
 //! ```text
 //! galerkin -> modal (eigenfunctions of a thin plate) --+-> poles, residues -> integration -> line -> envelope
 //! frequency domain -> fit (whatever the field is) -----+                                      ^
-//!                                                      DAC codes -> analytic_signal ----------+
+//!                             DAC codes -> analytic_signal -> drive_filter (curves) -----------+
 //! frequency domain -> fit -> sensed (one place, one value per code)
 //! ```
 
 mod analytic_signal;
+mod drive_curve;
+mod drive_filter;
 mod envelope;
 mod fit;
 mod galerkin;
@@ -16,7 +18,12 @@ mod kernel;
 mod line;
 mod modal;
 mod sensed;
+mod toeplitz;
 
+pub(crate) use analytic_signal::{AnalyticDrive, BSPLINE, BandPlan};
+pub(crate) use drive_curve::DriveCurve;
+pub use drive_filter::DriveCurveError;
+pub(crate) use drive_filter::DriveFilter;
 pub use envelope::Envelope;
 pub use line::{LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};
 pub use sensed::{Output, Resonators, SenseError, SensedPlate};

@@ -1,8 +1,9 @@
-//! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator.
+//! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator's resonance.
 
 use crate::definition::plate::Plate;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
+use crate::definition::actuator::Actuator;
 use num_complex::Complex64;
 
 /// Error of the field, well below that of the fit.
@@ -48,8 +49,9 @@ fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
     (Grid::tangent(plate, mode, points, refinement), refinement)
 }
 
-/// The field at the positions, relative to the actuator's input.
+/// The field at the positions, relative to the resonator's input; curves of the drive are left to its filter.
 fn row(plate: &Plate, frequency_hz: f64, fine: &[Complex64], refinement: usize) -> Vec<Complex64> {
-    let actuator = plate.spec().actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
+    let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
+    let actuator = resonator.map_or(Complex64::ONE, |it| it.response(frequency_hz));
     fine.iter().step_by(refinement).map(|value| value * actuator).collect()
 }

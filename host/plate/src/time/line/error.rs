@@ -3,6 +3,7 @@
 use crate::definition::sample_rate::SampleRateError;
 use crate::frequency::error::RespondError;
 use crate::quantity::OutOfRange;
+use crate::time::drive_filter::DriveCurveError;
 use thiserror::Error;
 
 /// Largest error of a rational fit of the field, relative to the largest amplitude at the same frequency.
@@ -14,14 +15,9 @@ pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]
     SampleRate(#[from] SampleRateError),
-    /// The actuator is a measured curve. Its straight pieces have corners, which no sum of resonances has.
-    #[error(
-        "{plate}: a plate in the time domain cannot have a measured curve of the actuator: give a resonator"
-    )]
-    MeasuredActuator {
-        /// Name of the plate.
-        plate: String,
-    },
+    /// No filter has the measured curve of the plate's drive: its actuator's or its calibration's.
+    #[error(transparent)]
+    Drive(#[from] DriveCurveError),
     /// The end of a clamped plate has a near field. It belongs to the exact law of the strip, which a line does not have.
     #[error(
         "{plate}: a clamped plate in the time domain cannot have a source or a slope at its driven end: give end = \"displacement\", \"force\" or \"resistance\" without a slope"
