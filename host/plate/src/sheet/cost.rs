@@ -36,7 +36,7 @@ pub(super) struct Layout {
     pub(super) mirrored: bool,
     /// The condition at the driven end.
     pub(super) condition: DriveCondition,
-    /// The actuator before it.
+    /// The actuator's resonance before it.
     pub(super) resonator: Option<Resonator>,
 }
 
@@ -46,13 +46,7 @@ impl Layout {
             return Err(SheetError::Bends { plate: plate.name().to_owned() });
         };
         let condition = DriveCondition::of(plate)?;
-        let resonator = match plate.spec().actuator {
-            Some(Actuator::Measured(_)) => {
-                return Err(SheetError::MeasuredActuator { plate: plate.name().to_owned() });
-            }
-            Some(Actuator::Resonator(resonator)) => Some(resonator),
-            None => None,
-        };
+        let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator).copied();
         grid.validate(sample_rate_hz)?;
         let cells = 2 * grid.along * grid.across;
         WrongCount::check("the grid", cells, Count::at_most(CELLS_MAX, Counted::Cells))?;

@@ -4,6 +4,8 @@ use crate::definition::plate::Plate;
 use crate::definition::sample_rate::SAMPLE_RATE_MAX_HZ;
 use crate::frequency::RespondError;
 use crate::quantity::{OutOfRange, Range, WrongCount};
+use crate::definition::sample_rate::{SAMPLE_RATE_MAX_HZ, SampleRateError};
+use crate::time::DriveCurveError;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
@@ -134,12 +136,12 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
-    /// The actuator's response is a measured curve, which the sheet cannot step in time.
-    #[error("{plate} has a measured actuator curve: a sheet takes an actuator's resonance_hz and quality")]
-    MeasuredActuator {
-        /// Name of the plate.
-        plate: String,
-    },
+    /// The sample rate does not carry the band of a plate whose drive is a measured curve.
+    #[error(transparent)]
+    SampleRate(#[from] SampleRateError),
+    /// No filter has the measured curve of the plate's drive: its actuator's or its calibration's.
+    #[error(transparent)]
+    Drive(#[from] DriveCurveError),
     /// A finger that the plate cannot have.
     #[error(transparent)]
     Finger(RespondError),

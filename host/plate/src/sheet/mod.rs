@@ -1,7 +1,7 @@
 //! The plate in two dimensions, in the time domain: the scalar wave equation on the tapered plate, driven by DAC codes.
 //!
 //! ```text
-//!  codes -> mean or hold per step -> actuator -> driven column -> FDTD grid (rows x stations) -> field, envelope
+//!  codes -> mean or hold per step (curves of the drive: filter, spline) -> actuator -> driven column -> FDTD grid (rows x stations) -> field, envelope
 //! ```
 //!
 //! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid with an embedded boundary; a finger adds
@@ -13,6 +13,7 @@ mod band;
 mod block;
 mod contact;
 mod cost;
+mod drive;
 mod embedded_boundary;
 mod energy;
 mod fdtd;
@@ -38,6 +39,7 @@ use crate::definition::plate::Plate;
 use crate::frequency::Finger;
 use contact::Contact;
 use cost::Layout;
+use drive::CurvedDrive;
 use embedded_boundary::EmbeddedBoundary;
 use scheme::Scheme;
 use source::Source;
@@ -94,7 +96,10 @@ impl Sheet {
     ///
     /// # Errors
     /// [`SheetError::Bends`] for a plate in bending, [`SheetError::OutOfRange`] for a field of `grid` or the sample
-    /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells.
+    /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells. With a measured actuator or a calibrated drive,
+    /// [`SheetError::SampleRate`] for a rate that does not carry the plate's band and [`SheetError::Drive`] for a curve
+    /// that changes too fast with the frequency; such a sheet is driven within the plate's band alone, as a
+    /// [`crate::TimeDomainLine`].
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
         Self::with_contact(plate, None, sample_rate_hz, grid)
     }
@@ -122,6 +127,7 @@ impl Sheet {
     ) -> Result<Self, SheetError> {
         let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored, condition, resonator } =
             Layout::new(plate, sample_rate_hz, &grid)?;
+        let curve = CurvedDrive::of(plate, sample_rate_hz)?;
         let (low, high) = plate.band_hz();
         let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
         // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
@@ -132,7 +138,7 @@ impl Sheet {
         let side = edge.rows() as isize - 1;
         Ok(Self {
             fdtd: FdtdGrid::new(plan, grid.threads),
-            source: Source::new(ratio, step_s, term, resonator.as_ref()),
+            source: Source::new(ratio, step_s, term, resonator.as_ref(), curve),
             mirrored,
             positions_m: (0..=grid.along).map(|station| station as f64 * edge.dx).collect(),
             widths_m: (-side..=side).map(|row| row as f64 * edge.dz).collect(),

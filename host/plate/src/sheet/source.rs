@@ -4,6 +4,7 @@ use crate::definition::actuator::Resonator;
 use crate::definition::drive::DriveEnd;
 use crate::definition::plate::Plate;
 use crate::definition::sample_rate::SAMPLE_RATE_MAX_HZ;
+use super::drive::CurvedDrive;
 use crate::quantity::{OutOfRange, Range};
 use crate::sheet::SheetError;
 use std::f64::consts::PI;
@@ -92,6 +93,7 @@ pub(super) struct Source {
     ratio: StepRatio,
     term: SourceTerm,
     actuator: Option<DiscreteResonator>,
+    curve: Option<CurvedDrive>,
     sum: f64,
     taken: u32,
     /// The source's displacement one and two steps before.
@@ -99,9 +101,15 @@ pub(super) struct Source {
 }
 
 impl Source {
-    pub(super) fn new(ratio: StepRatio, step_s: f64, term: SourceTerm, actuator: Option<&Resonator>) -> Self {
+    pub(super) fn new(
+        ratio: StepRatio,
+        step_s: f64,
+        term: SourceTerm,
+        actuator: Option<&Resonator>,
+        curve: Option<CurvedDrive>,
+    ) -> Self {
         let actuator = actuator.and_then(|actuator| DiscreteResonator::new(actuator, step_s));
-        Self { ratio, term, actuator, sum: 0.0, taken: 0, last: [0.0; 2] }
+        Self { ratio, term, actuator, curve, sum: 0.0, taken: 0, last: [0.0; 2] }
     }
 
     /// Number of codes that give at most `steps` steps; at least one.
@@ -117,10 +125,15 @@ impl Source {
     pub(super) fn take(&mut self, codes: &[f32], steps: &mut Vec<f32>) {
         for &code in codes {
             let code = if code.is_finite() { f64::from(code.clamp(-1.0, 1.0)) } else { 0.0 };
+            if let Some(curve) = &mut self.curve {
+                curve.push(code);
+            }
             match self.ratio {
                 StepRatio::StepsPerCode(count) => {
-                    for _ in 0..count {
-                        self.step(code, steps);
+                    for step in 0..count {
+                        let share = f64::from(step) / f64::from(count);
+                        let drive = self.curve.as_ref().map_or(code, |curve| curve.at(share));
+                        self.step(drive, steps);
                     }
                 }
                 StepRatio::CodesPerStep(count) => {
@@ -129,7 +142,8 @@ impl Source {
                     if self.taken == count {
                         let mean = self.sum / f64::from(count);
                         (self.sum, self.taken) = (0.0, 0);
-                        self.step(mean, steps);
+                        let drive = self.curve.as_ref().map_or(mean, |curve| curve.at(0.0));
+                        self.step(drive, steps);
                     }
                 }
             }
