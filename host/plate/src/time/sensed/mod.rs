@@ -9,6 +9,7 @@
 //! The resonators do not know where the sensor stands: it may be moved while they ring. No filter lies between the codes
 //! and the plate, so an answer is late by the hold of the DAC alone.
 
+mod drive;
 mod error;
 mod fields;
 mod lanes;
@@ -16,6 +17,7 @@ mod output;
 mod resonators;
 
 use super::analytic_signal::BandPlan;
+use super::drive_curve::DriveCurve;
 use super::fit;
 use super::line::{LineError, check, check_fit};
 use crate::calibrate::SensorKind;
@@ -23,6 +25,7 @@ use crate::definition::plate::Plate;
 use crate::definition::sample_rate::hold_droop;
 use crate::frequency::finger::Finger;
 use crate::quantity::{OutOfRange, Range};
+use crate::definition::actuator::Actuator;
 use fields::Fields;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -79,8 +82,8 @@ impl SensedPlate {
     /// Prepares a plate, perhaps with a finger that rests on it, for codes at one of [`crate::sample_rates`].
     ///
     /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest to 1.05
-    /// of the highest) the answer is that of the frequency domain; above it falls off. A measured drive of the plate's
-    /// calibration is left out, as on a [`super::TimeDomainLine`].
+    /// of the highest) the answer is that of the frequency domain; above it falls off. A measured actuator and the
+    /// correction of a calibration belong to it, with the least phase of their gain.
     ///
     /// # Errors
     /// Those of [`super::TimeDomainLine::touched`].
@@ -99,11 +102,16 @@ impl SensedPlate {
             Some(finger) => fit::bank(fit::touched_response(plate, finger, PLACES, stop_hz.1), &plan, PLACES),
         };
         check_fit(&fit)?;
-        let pole = fields::with_background(&fit.bank.pole, stop_hz, sample_rate_hz);
         let exact_hz = (beyond.0 * low_hz, top_hz);
+        let decay = |pole: &[Complex64]| -> Vec<Complex64> {
+            let decays = pole.iter().map(|p| (Complex64::new(0.0, -1.0) * p / sample_rate_hz).exp());
+            decays.chain(SHORT).collect()
+        };
+        let mut pole = fit.bank.pole;
+        pole.extend(drive::resonances(plate, exact_hz, stop_hz, sample_rate_hz, decay));
+        let pole = fields::with_background(&pole, stop_hz, sample_rate_hz);
         let fields = Fields::new(plate, finger, &pole, exact_hz, stop_hz, sample_rate_hz);
-        let decays = pole.iter().map(|p| (Complex64::new(0.0, -1.0) * p / sample_rate_hz).exp());
-        let advance = decays.chain(SHORT).collect();
+        let advance = decay(&pole);
         Ok(Self { plate: plate.clone(), sample_rate_hz, fields, advance })
     }
 
@@ -190,12 +198,24 @@ impl SensedPlate {
     /// Metres of the drive per code of 1, over a drive of 1 of the plate's solver.
     fn code_to_drive(&self, frequency_hz: f64) -> Complex64 {
         let spec = self.plate.spec();
+        let resonator = spec.actuator.as_ref().and_then(Actuator::resonator);
+        let actuator = resonator.map_or(Complex64::ONE, |it| it.response(frequency_hz));
+        let drive = actuator * spec.full_scale_m;
+        DriveCurve::of(&self.plate).map_or(drive, |curve| drive * curve.least_phase_response(frequency_hz))
+    }
+
+    /// The same without the correction of a calibration: what the actuator alone does.
+    fn code_to_actuator(&self, frequency_hz: f64) -> Complex64 {
+        let spec = self.plate.spec();
         let actuator = spec.actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
         actuator * spec.full_scale_m
     }
 
     /// As [`SensedPlate::with_drive_point`], and between two shares of the cut-off, where no wave enters and the plate holds
     /// its drive, within some per cent of `signal`'s for a drive point that stands still.
+    ///
+    /// The velocity is that behind the actuator alone, in proportion to the actuator's input. The correction of a calibration,
+    /// the gain from the code to the peak, is not in it.
     ///
     /// # Errors
     /// [`SenseError::Unfit`].
@@ -214,7 +234,7 @@ impl SensedPlate {
             })
         };
         let drive = |hz: f64, field: &[Complex64]| {
-            signal(hz, Complex64::new(0.0, -TAU * hz) * field[0] * self.code_to_drive(hz))
+            signal(hz, Complex64::new(0.0, -TAU * hz) * field[0] * self.code_to_actuator(hz))
         };
         let fit =
             |weight: f64| self.output_with(0.0, drive, held().collect(), Held { low_hz, high_hz, weight });

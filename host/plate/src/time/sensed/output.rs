@@ -50,18 +50,33 @@ impl Output {
     /// lambda*. That is linear in Re c and Im c. Each frequency counts relative to its own answer; above all goals the
     /// output has to fall off, as behind the filter of an input.
     pub(super) fn fit(
-        mut goals: Vec<(f64, Complex64)>,
+        goals: Vec<(f64, Complex64)>,
         exact_hz: (f64, f64),
         held: Held,
         advance: &[Complex64],
         sample_rate_hz: f64,
     ) -> Result<Self, SenseError> {
+        let output = Self::nearest(goals, exact_hz, held, advance, sample_rate_hz);
+        if output.error.is_nan() || output.error > ERROR_MAX {
+            return Err(SenseError::Unfit { error: output.error });
+        }
+        Ok(output)
+    }
+
+    /// As [`Output::fit`], however large the error is.
+    pub(super) fn nearest(
+        mut goals: Vec<(f64, Complex64)>,
+        exact_hz: (f64, f64),
+        held: Held,
+        advance: &[Complex64],
+        sample_rate_hz: f64,
+    ) -> Self {
         let is_exact = |hz: f64| hz >= exact_hz.0 && hz <= exact_hz.1;
         let inside = goals.iter().filter(|(hz, _)| is_exact(*hz));
         let largest = inside.map(|(_, goal)| goal.norm()).fold(0.0, f64::max);
         if !(largest > 0.0 && largest.is_finite()) {
             let silent = in_lanes(advance.iter().map(|_| 0.0));
-            return Ok(Self { re: silent.clone(), im: silent, error: 0.0 });
+            return Self { re: silent.clone(), im: silent, error: 0.0 };
         }
         let top_hz = goals.last().map_or(exact_hz.1, |(hz, _)| *hz);
         let octaves = (0.5 * sample_rate_hz / (FREE * top_hz)).log2().max(0.0);
@@ -115,11 +130,7 @@ impl Output {
         let error = errors.map(|(k, _)| left[2 * k].hypot(left[2 * k + 1])).fold(0.0, f64::max);
         let part = |first: usize| (0..advance.len()).map(move |i| 2 * i + first);
         let value = |i: usize| solution[i] / size[i];
-        let output = Self { re: in_lanes(part(0).map(value)), im: in_lanes(part(1).map(value)), error };
-        if error.is_nan() || error > ERROR_MAX {
-            return Err(SenseError::Unfit { error });
-        }
-        Ok(output)
+        Self { re: in_lanes(part(0).map(value)), im: in_lanes(part(1).map(value)), error }
     }
 
     /// The steady amplitude per code at `frequency_hz`.

@@ -1,0 +1,255 @@
+//! Drives that are curves (a measured actuator, the correction of a calibration) in the time domain, against `respond` times
+//! `drive_response`: on the line, on the sheet and in the answers of a sensor.
+
+use slipline_plate::calibrate::{SensorKind, band_hz};
+use slipline_plate::truth::Random;
+use slipline_plate::{
+    Actuator, Calibration, Complex64, Equation, LineError, Plate, PlateSpec, Resonator, ResponseCurve,
+    SensedPlate, Sheet, SheetError, SheetGrid, TimeDomainLine, preset, presets, respond,
+};
+use std::f64::consts::{PI, TAU};
+
+/// Frequencies over the band, its ends included.
+const FREQUENCIES: u32 = 6;
+const DECIBELS: f64 = 0.05;
+
+/// The gain of an actuator that the plate file does not have and the ripple of a source that does not match, as a
+/// calibration measures them: at 60 frequencies of a scalar plate and 150 of one in bending, without a phase.
+fn correction(plate: &Plate, random: &mut Random) -> ResponseCurve {
+    let (low_hz, high_hz) = band_hz(plate);
+    let count = if plate.spec().model.bending().is_some() { 150 } else { 60 };
+    let resonance_hz = 0.5 * (low_hz + high_hz) * random.factor(0.5, 2.0);
+    let resonator = Resonator { resonance_hz, quality: random.factor(0.7, 5.0), travel: None };
+    let (ripple_db, periods, phase) =
+        (random.within(0.3, 1.5), random.within(2.0, 6.0), random.within(0.0, TAU));
+    let point = |i: usize| {
+        let share = i as f64 / (count - 1) as f64;
+        let hz = low_hz * (high_hz / low_hz).powf(share);
+        let ripple = ripple_db * (TAU * periods * share + phase).cos();
+        [hz, 20.0 * resonator.response(hz).norm().log10() + ripple, 0.0]
+    };
+    ResponseCurve { points: (0..count).map(point).collect() }
+}
+
+fn calibrated(plate: &Plate, correction: ResponseCurve) -> Plate {
+    let calibration = Calibration {
+        chi2_per_n: 1.0,
+        half_width_tolerance: 0.003,
+        taper_tolerance: 0.004,
+        level_tolerance_db: Some(0.3),
+        source_tolerance: None,
+        correction: Some(correction),
+    };
+    Plate::new(PlateSpec { calibration: Some(calibration), ..plate.spec().clone() }).expect("a valid plate")
+}
+
+fn with_actuator(plate: &Plate, curve: ResponseCurve) -> Plate {
+    let actuator = Some(Actuator::Measured(curve));
+    Plate::new(PlateSpec { actuator, ..plate.spec().clone() }).expect("a valid plate")
+}
+
+/// What an analyser measures of an actuator with a resonance in the middle of the band, and a curve of few points.
+fn actuators(plate: &Plate) -> [ResponseCurve; 2] {
+    let (low_hz, high_hz) = plate.band_hz();
+    let middle_hz = (low_hz * high_hz).sqrt();
+    let resonator = Resonator { resonance_hz: middle_hz, quality: 8.0, travel: None };
+    let point = |i: u32| {
+        let hz = 0.5 * low_hz * (4.0 * high_hz / low_hz).powf(f64::from(i) / 200.0);
+        let response = resonator.response(hz);
+        [hz, 20.0 * response.norm().log10(), -response.arg().to_degrees()]
+    };
+    let few = vec![[0.7 * low_hz, -3.0, -20.0], [middle_hz, 4.0, -80.0], [1.1 * high_hz, -1.0, -250.0]];
+    [ResponseCurve { points: (0..=200).map(point).collect() }, ResponseCurve { points: few }]
+}
+
+/// Drives of every kind on a plate.
+fn driven(plate: &Plate, random: &mut Random) -> Vec<Plate> {
+    let calibrations: Vec<ResponseCurve> = (0..2).map(|_| correction(plate, random)).collect();
+    let mut plates: Vec<Plate> = calibrations.iter().map(|curve| calibrated(plate, curve.clone())).collect();
+    plates.extend(actuators(plate).map(|curve| with_actuator(plate, curve)));
+    let [resonant, _] = actuators(plate);
+    plates.push(calibrated(&with_actuator(plate, resonant), calibrations[0].clone()));
+    plates
+}
+
+fn frequencies_hz(plate: &Plate) -> impl Iterator<Item = f64> {
+    let (low_hz, high_hz) = plate.band_hz();
+    (0..FREQUENCIES).map(move |i| low_hz * (high_hz / low_hz).powf(f64::from(i) / f64::from(FREQUENCIES - 1)))
+}
+
+fn hold(hz: f64, rate_hz: f64) -> f64 {
+    let turn = PI * hz / rate_hz;
+    turn.sin() / turn
+}
+
+/// The field of the frequency domain per code of 1, metres.
+fn exact_m(plate: &Plate, hz: f64, rate_hz: f64, points: usize) -> Vec<Complex64> {
+    let drive = plate.drive_response(hz) * plate.spec().full_scale_m * hold(hz, rate_hz);
+    let field = respond(plate, hz, points, Equation::Corrected).expect("in the band").amplitude;
+    field.into_iter().map(|f| f * drive).collect()
+}
+
+fn decibels(found: f64, exact: f64) -> f64 {
+    20.0 * (found / exact).log10()
+}
+
+#[test]
+fn a_settled_tone_on_a_line_has_the_whole_of_the_drive() {
+    let mut random = Random::new(26);
+    let mut worst: f64 = 0.0;
+    for entry in presets() {
+        let nominal = entry.plate().expect("a preset");
+        let rate_hz = (nominal.band_hz().1 * 10.0).clamp(4e3, 400e3);
+        for (number, plate) in driven(&nominal, &mut random).into_iter().enumerate() {
+            let mut line = TimeDomainLine::new(&plate, rate_hz, 129, 1).expect("a line");
+            for hz in frequencies_hz(&plate) {
+                line.rest();
+                let (settle, measured) =
+                    ((line.settle_time_s() * rate_hz) as usize, (20.0 * rate_hz / hz) as usize);
+                let code = |n: usize| (TAU * (hz * n as f64 / rate_hz).fract()).cos() as f32;
+                line.push(&(0..settle).map(code).collect::<Vec<f32>>());
+                line.reset_envelope();
+                line.push(&(settle..settle + measured).map(code).collect::<Vec<f32>>());
+                let exact = exact_m(&plate, hz, rate_hz, 129);
+                let top =
+                    (0..129).max_by(|&a, &b| exact[a].norm().total_cmp(&exact[b].norm())).expect("some");
+                let found = std::f64::consts::SQRT_2 * f64::from(line.envelope().rms_m()[top]);
+                let error = decibels(found, exact[top].norm());
+                worst = worst.max(error.abs());
+                assert!(error.abs() < DECIBELS, "{} {number} {hz} Hz: {error} dB", entry.name);
+            }
+        }
+    }
+    println!("line: {worst} dB at worst");
+}
+
+/// The settled field at place `at` of 65 over a tone that is as late as the line says.
+fn settled_phasor(plate: &Plate, hz: f64, rate_hz: f64, at: usize) -> Complex64 {
+    let mut line = TimeDomainLine::new(plate, rate_hz, 65, 1).expect("a line");
+    let wait = (line.settle_time_s() * rate_hz) as usize;
+    let code = |n: usize| (TAU * (hz * n as f64 / rate_hz).fract()).cos() as f32;
+    line.push(&(0..wait).map(code).collect::<Vec<f32>>());
+    // On to the next field.
+    let (fields, mut n) = (line.envelope().samples(), wait);
+    while line.envelope().samples() == fields {
+        line.push(&[code(n)]);
+        n += 1;
+    }
+    let mut field = vec![Complex64::ZERO; 65];
+    line.analytic_m(&mut field);
+    field[at] * Complex64::cis(TAU * (hz * (n as f64 / rate_hz - line.latency_s())).fract())
+}
+
+#[test]
+fn a_line_has_the_phase_of_the_drive_but_for_its_latency() {
+    let nominal = preset("al-bending").expect("a preset");
+    for plate in actuators(&nominal).map(|curve| with_actuator(&nominal, curve)) {
+        for hz in [21e3, 27e3, 38e3] {
+            let [plain, found] = [&nominal, &plate].map(|plate| settled_phasor(plate, hz, 400e3, 20));
+            let drive = plate.drive_response(hz) / nominal.drive_response(hz);
+            let ratio = found / (plain * drive);
+            assert!((ratio - 1.0).norm() < 5e-3, "{hz} Hz: {ratio}");
+        }
+    }
+}
+
+/// Root 2 times the RMS of a settled tone on the centre line, metres, and the rate of the steps.
+fn settled_m(plate: &Plate, rate_hz: f64, period: usize) -> (Vec<f64>, f64) {
+    let mut sheet = Sheet::new(plate, rate_hz, SheetGrid::new(64, 10)).expect("a sheet");
+    let line = TimeDomainLine::new(plate, rate_hz, 16, 1).expect("a line");
+    let wait = (line.settle_time_s() * rate_hz) as usize / period * period;
+    let code = |n: usize| (TAU * (n % period) as f64 / period as f64).cos() as f32;
+    sheet.push(&(0..wait).map(code).collect::<Vec<f32>>());
+    sheet.reset_envelope();
+    sheet.push(&(0..20 * period).map(code).collect::<Vec<f32>>());
+    let rms_m = sheet.envelope().rms_m;
+    let amplitude = |rms_m: &f32| std::f64::consts::SQRT_2 * f64::from(*rms_m);
+    (rms_m.iter().map(amplitude).collect(), sheet.step_rate_hz())
+}
+
+#[test]
+fn a_settled_tone_on_a_sheet_has_the_whole_of_the_drive() {
+    let mut random = Random::new(27);
+    let mut worst: f64 = 0.0;
+    for name in ["membrane", "al-sh"] {
+        let nominal = preset(name).expect("a preset");
+        let (low_hz, high_hz) = nominal.band_hz();
+        for (number, plate) in driven(&nominal, &mut random).into_iter().enumerate() {
+            for (hz, period) in [(1.1 * low_hz, 40), (0.95 * high_hz, 300)] {
+                let rate_hz = hz * period as f64;
+                // The sheet's own answer to its file without the curves.
+                let (plain, step_hz) = settled_m(&nominal, rate_hz, period);
+                let (found, _) = settled_m(&plate, rate_hz, period);
+                // Without curves a step has the mean of its codes, or a code holds for its steps.
+                let droop =
+                    hold(hz, rate_hz.max(step_hz)) / hold(hz, rate_hz.min(step_hz)) * hold(hz, rate_hz);
+                let top = (0..plain.len()).max_by(|&a, &b| plain[a].total_cmp(&plain[b])).expect("some");
+                let drive = plate.drive_response(hz).norm() / nominal.drive_response(hz).norm();
+                let error = decibels(found[top], plain[top] * drive * droop);
+                worst = worst.max(error.abs());
+                assert!(error.abs() < DECIBELS, "{name} {number} {hz} Hz: {error} dB");
+            }
+        }
+    }
+    println!("sheet: {worst} dB at worst");
+}
+
+#[test]
+fn a_sensors_answer_has_the_whole_of_the_drive() {
+    let mut random = Random::new(28);
+    let mut worst: f64 = 0.0;
+    for entry in presets() {
+        let nominal = entry.plate().expect("a preset");
+        for (number, plate) in driven(&nominal, &mut random).into_iter().enumerate() {
+            let what = format!("{} {number}", entry.name);
+            let sensed = SensedPlate::new(&plate, None, 400e3).expect("a plate in time");
+            let place_m = 0.3 * plate.length_m();
+            let output = sensed
+                .sensor(SensorKind::Displacement, place_m, 0.0)
+                .unwrap_or_else(|error| panic!("{what}: {error}"));
+            sensed.drive_point().unwrap_or_else(|error| panic!("{what}: {error}"));
+            let mut fields: Vec<(f64, f64)> = Vec::new();
+            for hz in frequencies_hz(&plate) {
+                let exact = exact_m(&plate, hz, 400e3, 2001)[600].norm();
+                fields.push((sensed.steady(&output, hz).norm(), exact));
+            }
+            let floor = 1e-5 * fields.iter().map(|it| it.1).fold(0.0, f64::max);
+            for (found, exact) in fields {
+                let error = decibels(found, exact);
+                if exact > floor {
+                    worst = worst.max(error.abs());
+                    assert!(error.abs() < DECIBELS, "{what}: {error} dB");
+                }
+            }
+        }
+    }
+    println!("sensor: {worst} dB at worst");
+}
+
+#[test]
+fn a_curve_that_no_filter_has_is_refused_by_its_field() {
+    let nominal = preset("membrane").expect("a preset");
+    // 20 dB up and down within 0.03 Hz.
+    let zigzag = |i: u32| [80.0 + 0.015 * f64::from(i), if i.is_multiple_of(2) { 10.0 } else { -10.0 }, 0.0];
+    let points = ResponseCurve { points: (0..10_000).map(zigzag).collect() };
+    for (plate, field) in [
+        (with_actuator(&nominal, points.clone()), "actuator.points"),
+        (calibrated(&nominal, points), "calibration.points"),
+    ] {
+        let refused = TimeDomainLine::new(&plate, 400e3, 65, 1).err().expect("refused");
+        assert!(matches!(&refused, LineError::Drive(error) if error.field == field), "{refused}");
+        assert!(refused.to_string().starts_with(field), "{refused}");
+        let refused = Sheet::new(&plate, 400e3, SheetGrid::new(64, 10)).expect_err("refused");
+        assert!(matches!(&refused, SheetError::Drive(error) if error.field == field), "{refused}");
+    }
+}
+
+#[test]
+fn a_sheet_with_a_curve_is_refused_a_rate_that_does_not_carry_the_band() {
+    let nominal = preset("al-sh").expect("a preset");
+    let plate = calibrated(&nominal, correction(&nominal, &mut Random::new(1)));
+    let new = |plate: &Plate| Sheet::new(plate, 80e3, SheetGrid::new(64, 10));
+    assert!(new(&nominal).is_ok(), "without a curve it goes");
+    let refused = new(&plate).expect_err("refused");
+    assert!(matches!(refused, SheetError::SampleRate(_)), "{refused}");
+}
