@@ -96,7 +96,7 @@ fn decibels(found: f64, exact: f64) -> f64 {
 #[test]
 fn a_settled_tone_on_a_line_has_the_whole_of_the_drive() {
     let mut random = Random::new(26);
-    let mut worst: f64 = 0.0;
+    let (mut worst, mut left_out): (f64, f64) = (0.0, 0.0);
     for entry in presets() {
         let nominal = entry.plate().expect("a preset");
         let rate_hz = (nominal.band_hz().1 * 10.0).clamp(4e3, 400e3);
@@ -115,12 +115,13 @@ fn a_settled_tone_on_a_line_has_the_whole_of_the_drive() {
                     (0..129).max_by(|&a, &b| exact[a].norm().total_cmp(&exact[b].norm())).expect("some");
                 let found = std::f64::consts::SQRT_2 * f64::from(line.envelope().rms_m()[top]);
                 let error = decibels(found, exact[top].norm());
-                worst = worst.max(error.abs());
+                let drive = decibels(plate.drive_response(hz).norm(), nominal.drive_response(hz).norm());
+                (worst, left_out) = (worst.max(error.abs()), left_out.max(drive.abs()));
                 assert!(error.abs() < DECIBELS, "{} {number} {hz} Hz: {error} dB", entry.name);
             }
         }
     }
-    println!("line: {worst} dB at worst");
+    println!("line: {worst} dB at worst, {left_out} dB without the curves");
 }
 
 /// The settled field at place `at` of 65 over a tone that is as late as the line says.
@@ -175,7 +176,7 @@ fn a_settled_tone_on_a_sheet_has_the_whole_of_the_drive() {
         let nominal = preset(name).expect("a preset");
         let (low_hz, high_hz) = nominal.band_hz();
         for (number, plate) in driven(&nominal, &mut random).into_iter().enumerate() {
-            for (hz, period) in [(1.1 * low_hz, 40), (0.95 * high_hz, 300)] {
+            for (hz, period) in [(1.1 * low_hz, 40), (0.95 * high_hz, 40)] {
                 let rate_hz = hz * period as f64;
                 // The sheet's own answer to its file without the curves.
                 let (plain, step_hz) = settled_m(&nominal, rate_hz, period);

@@ -45,14 +45,18 @@ impl<'a> DriveCurve<'a> {
     /// Bode's relation gives it: with u = ln(f/f0) the phase at f0 is 1/pi times the integral of d(ln |H|)/du
     /// ln coth(|u|/2) over all u. Between two points of a curve d(ln |H|)/du is constant, beyond its ends it is zero.
     pub(crate) fn least_phase_response(&self, frequency_hz: f64) -> Complex64 {
-        let pairs = self.curves.iter().flat_map(|curve| curve.points.windows(2));
-        let lead: f64 = pairs
-            .map(|pair| {
-                let [from, to] = [pair[0][0], pair[1][0]].map(|hz| (hz / frequency_hz).ln());
-                let nepers = (pair[1][1] - pair[0][1]) * LN_10 / 20.0;
-                nepers / (to - from) * (bode_integral(to) - bode_integral(from)) / PI
-            })
-            .sum();
+        let mut lead = 0.0;
+        for curve in &self.curves {
+            let mut before: Option<[f64; 3]> = None;
+            for [hz, gain_db, _] in &curve.points {
+                let u = (hz / frequency_hz).ln();
+                let here = [u, bode_integral(u), gain_db * LN_10 / 20.0];
+                if let Some([u, integral, nepers]) = before {
+                    lead += (here[2] - nepers) / (here[0] - u) * (here[1] - integral) / PI;
+                }
+                before = Some(here);
+            }
+        }
         Complex64::from_polar(self.response(frequency_hz).norm(), -lead)
     }
 
@@ -72,8 +76,14 @@ fn bode_integral(u: f64) -> f64 {
         log + size.powi(3) / 36.0 - 7.0 * size.powi(5) / 7200.0
     } else {
         // ln coth(v/2) = 2 sum over odd k of e^(-k v)/k; the sum of 1/k^2 over odd k is pi^2/8.
-        let tail = |k: u32| (-f64::from(k) * size).exp() / f64::from(k * k);
-        PI * PI / 4.0 - 2.0 * (1..=61).step_by(2).map(tail).sum::<f64>()
+        let step = (-2.0 * size).exp();
+        let (mut power, mut odd, mut sum) = ((-size).exp(), 1.0, 0.0);
+        while power > f64::EPSILON {
+            sum += power / (odd * odd);
+            power *= step;
+            odd += 2.0;
+        }
+        PI * PI / 4.0 - 2.0 * sum
     };
     value.copysign(u)
 }

@@ -1,4 +1,5 @@
 use super::*;
+use slipline_plate::{Calibration, PlateSpec, ResponseCurve};
 
 /// Tones on a plate that is what it was taken for, with its table's gains.
 fn on_plate<'a>(plate: &'a Plate, tones: &'a [(f64, f64)], solver: Solver) -> Simulation<'a> {
@@ -22,6 +23,34 @@ fn the_boundary_asked_for_is_where_the_wave_turns() {
         measured.amplitude
     );
     assert_eq!(result.clipped_samples, 0);
+}
+
+#[test]
+fn a_calibrated_plate_peaks_at_the_level_that_its_table_gives() {
+    let nominal = slipline_plate::preset("membrane").unwrap();
+    // 8 dB from end to end of the band, as the resonance of an actuator that the file does not have.
+    let points = vec![[80.0, -3.0, 0.0], [120.0, 2.0, 0.0], [160.0, 5.0, 0.0], [240.0, 1.0, 0.0]];
+    let calibration = Calibration {
+        chi2_per_n: 1.0,
+        half_width_tolerance: 0.003,
+        taper_tolerance: 0.004,
+        level_tolerance_db: None,
+        source_tolerance: None,
+        correction: Some(ResponseCurve { points }),
+    };
+    let plate = Plate::new(PlateSpec { calibration: Some(calibration), ..nominal.spec().clone() }).unwrap();
+    let simulated = |plate: &Plate, boundary_m: f64, solver: Solver| {
+        let result = on_plate(plate, &[(boundary_m, 0.8)], solver).run().unwrap();
+        result.tones[0].measured.unwrap().amplitude / (0.8 * result.peak_at_full_scale_m)
+    };
+    for boundary_m in [0.1, 0.16, 0.26] {
+        for solver in [Solver::Line, Solver::Sheet { threads: 1 }] {
+            let [level, plain] = [&plate, &nominal].map(|plate| simulated(plate, boundary_m, solver));
+            // The table rounds its gains.
+            let error_db = 20.0 * (level / plain).log10();
+            assert!(error_db.abs() < 0.05, "{boundary_m} {solver:?}: {error_db} dB, {level} {plain}");
+        }
+    }
 }
 
 /// The tone at `boundary_m` of a plate, on the sheet.
