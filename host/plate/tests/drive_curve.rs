@@ -228,6 +228,21 @@ fn a_sensors_answer_has_the_whole_of_the_drive() {
 }
 
 #[test]
+fn a_calibration_with_noise_has_a_line_and_an_answer_near_its_curve() {
+    let mut random = Random::new(29);
+    for name in ["membrane", "al-bending"] {
+        let nominal = preset(name).expect("a preset");
+        let mut noisy = correction(&nominal, &mut random);
+        noisy.points.iter_mut().for_each(|point| point[1] += 0.1 * random.normal());
+        let plate = calibrated(&nominal, noisy);
+        TimeDomainLine::new(&plate, 400e3, 65, 1).expect("a line");
+        let sensed = SensedPlate::new(&plate, None, 400e3).expect("a plate in time");
+        let output = sensed.sensor(SensorKind::Displacement, 0.3 * plate.length_m(), 0.0).expect("an answer");
+        assert!(output.error() < 0.03, "{name}: {}", output.error());
+    }
+}
+
+#[test]
 fn a_curve_that_no_filter_has_is_refused_by_its_field() {
     let nominal = preset("membrane").expect("a preset");
     // 20 dB up and down within 0.03 Hz.

@@ -14,12 +14,13 @@ use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
 
-/// Error at which the search for a longer filter ends, relative to the curve at the same frequency.
-const TOLERANCE: f64 = 1e-3;
-/// Largest error, relative to the curve at the same frequency: 0.04 dB.
-const ERROR_MAX: f64 = 5e-3;
+/// Error at which the search for a longer filter ends, relative to the curve at the same frequency: 0.026 dB.
+const TOLERANCE: f64 = 3e-3;
+/// Largest error, relative to the curve at the same frequency. The points of a measured curve have noise, which a longer
+/// filter would follow; it would be later for that.
+const ERROR_MAX: f64 = 3e-2;
 /// Shortest and longest delay, in steps of the decimated drive. Each is twice the one before.
-const DELAY: (usize, usize) = (4, 2048);
+const DELAY: (usize, usize) = (4, 512);
 /// Fewest frequencies of the least squares.
 const FREQUENCIES_MIN: usize = 256;
 /// Weight of the band filter's slopes beyond the plate's band, against the band.
@@ -61,7 +62,7 @@ impl DriveFilter {
         filter.map(Some).map_err(|error| DriveCurveError { field: curve.field(), error })
     }
 
-    /// The shortest filter that has `curve` over `band_hz` within a thousandth, or the best one within [`ERROR_MAX`].
+    /// The shortest filter that has `curve` over `band_hz` within [`TOLERANCE`], or the best one within [`ERROR_MAX`].
     ///
     /// # Errors
     /// The error of the best one, relative to the curve at the same frequency.

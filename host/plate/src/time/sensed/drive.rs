@@ -43,7 +43,7 @@ pub(super) fn resonances(
 
     let error = |pole: &[Complex64]| {
         let advance = decay(&fields::with_background(pole, stop_hz, sample_rate_hz));
-        Output::nearest(goals.clone(), exact_hz, Held::NOWHERE, &advance, sample_rate_hz).error()
+        Output::fit(goals.clone(), exact_hz, Held::NOWHERE, &advance, sample_rate_hz).error()
     };
     let [fewer @ .., most] = COUNTS;
     let found = fewer.into_iter().map(|count| comb(count, exact_hz)).find(|pole| error(pole) < TOLERANCE);

@@ -4,6 +4,8 @@ use crate::quantity::OutOfRange;
 
 /// Largest error of an output over the exact band, relative to the answer itself.
 pub(super) const ERROR_MAX: f64 = 5e-3;
+/// The same where the drive is a measured curve, whose points have noise.
+pub(super) const CURVE_ERROR_MAX: f64 = 3e-2;
 
 /// Why a place cannot be sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -17,9 +19,11 @@ pub enum SenseError {
     )]
     NoStrain,
     /// The answer at this place is no sum of decaying resonances.
-    #[error("the answer at this place cannot be simulated in time: it is off by {:.2} % of itself, at most {:.2} % is allowed", .error * 100.0, ERROR_MAX * 100.0)]
+    #[error("the answer at this place cannot be simulated in time: it is off by {:.2} % of itself, at most {:.2} % is allowed", .error * 100.0, .most * 100.0)]
     Unfit {
         /// Largest error over the exact band, relative to the answer.
         error: f64,
+        /// The largest that is allowed.
+        most: f64,
     },
 }

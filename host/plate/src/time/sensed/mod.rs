@@ -31,6 +31,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 pub use error::SenseError;
+use error::{CURVE_ERROR_MAX, ERROR_MAX};
 use output::Held;
 pub use output::Output;
 pub use resonators::Resonators;
@@ -83,7 +84,8 @@ impl SensedPlate {
     ///
     /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest to 1.05
     /// of the highest) the answer is that of the frequency domain; above it falls off. A measured actuator and the
-    /// correction of a calibration belong to it, with the least phase of their gain.
+    /// correction of a calibration belong to it, with the least phase of their gain; noise from one of their points to the
+    /// next is smoothed, see [`Output::error`].
     ///
     /// # Errors
     /// Those of [`super::TimeDomainLine::touched`].
@@ -266,7 +268,10 @@ impl SensedPlate {
             (hz, amplitude * hold_droop(hz, self.sample_rate_hz) * lag)
         };
         let goals = held.into_iter().chain(steady).map(goal).collect();
-        Output::fit(goals, self.exact_hz(), where_held, &self.advance, self.sample_rate_hz)
+        let output = Output::fit(goals, self.exact_hz(), where_held, &self.advance, self.sample_rate_hz);
+        let most = if DriveCurve::of(&self.plate).is_some() { CURVE_ERROR_MAX } else { ERROR_MAX };
+        let error = output.error();
+        if error.is_nan() || error > most { Err(SenseError::Unfit { error, most }) } else { Ok(output) }
     }
 
     /// How late every output is, seconds: by half a sample, for which the DAC has held a code in the mean. Inputs that are

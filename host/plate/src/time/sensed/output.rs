@@ -1,6 +1,5 @@
 //! One output: what the state of the resonators says of a place.
 
-use super::error::{ERROR_MAX, SenseError};
 use super::lanes::in_lanes;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
@@ -48,23 +47,8 @@ impl Output {
     /// Codes u = cos(theta n) make a state of which the part at this frequency is g(theta) e^(-j theta n)/2, and its mirror
     /// image, so that the amplitude is (c g(theta) + c* g~(theta))/2 with g = 1/(1 - lambda e^(j theta)), g~ the same with
     /// lambda*. That is linear in Re c and Im c. Each frequency counts relative to its own answer; above all goals the
-    /// output has to fall off, as behind the filter of an input.
+    /// output has to fall off, as behind the filter of an input. What is left in the exact band is [`Output::error`].
     pub(super) fn fit(
-        goals: Vec<(f64, Complex64)>,
-        exact_hz: (f64, f64),
-        held: Held,
-        advance: &[Complex64],
-        sample_rate_hz: f64,
-    ) -> Result<Self, SenseError> {
-        let output = Self::nearest(goals, exact_hz, held, advance, sample_rate_hz);
-        if output.error.is_nan() || output.error > ERROR_MAX {
-            return Err(SenseError::Unfit { error: output.error });
-        }
-        Ok(output)
-    }
-
-    /// As [`Output::fit`], however large the error is.
-    pub(super) fn nearest(
         mut goals: Vec<(f64, Complex64)>,
         exact_hz: (f64, f64),
         held: Held,
