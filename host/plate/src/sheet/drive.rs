@@ -1,8 +1,8 @@
 //! The curves of a plate's drive in front of a sheet: codes in, the drive at any time between two codes out.
 
 use super::grid::SheetError;
-use crate::spec::plate::Plate;
-use crate::spec::sample_rate;
+use crate::definition::plate::Plate;
+use crate::definition::sample_rate;
 use crate::time::{AnalyticDrive, BSPLINE, BandPlan, DriveCurve, DriveFilter};
 use num_complex::Complex64;
 use std::f64::consts::TAU;

@@ -1,10 +1,9 @@
 //! The request for a sheet: resolution, drive, recording and loss, with their ranges.
 
 use crate::definition::plate::Plate;
-use crate::definition::sample_rate::SAMPLE_RATE_MAX_HZ;
+use crate::definition::sample_rate::{SAMPLE_RATE_MAX_HZ, SampleRateError};
 use crate::frequency::RespondError;
 use crate::quantity::{OutOfRange, Range, WrongCount};
-use crate::definition::sample_rate::{SAMPLE_RATE_MAX_HZ, SampleRateError};
 use crate::time::DriveCurveError;
 use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;

@@ -1,10 +1,10 @@
 //! The source: DAC codes are converted to the step rate, filtered by the actuator and applied to the driven column.
 
+use super::drive::CurvedDrive;
 use crate::definition::actuator::Resonator;
 use crate::definition::drive::DriveEnd;
 use crate::definition::plate::Plate;
 use crate::definition::sample_rate::SAMPLE_RATE_MAX_HZ;
-use super::drive::CurvedDrive;
 use crate::quantity::{OutOfRange, Range};
 use crate::sheet::SheetError;
 use std::f64::consts::PI;

@@ -1,8 +1,8 @@
 //! The part of a plate's drive that is given as curves and not as a resonance.
 
-use crate::spec::actuator::Actuator;
-use crate::spec::plate::Plate;
-use crate::spec::response_curve::ResponseCurve;
+use crate::definition::actuator::Actuator;
+use crate::definition::plate::Plate;
+use crate::definition::response_curve::ResponseCurve;
 use num_complex::Complex64;
 use std::f64::consts::{LN_2, LN_10, PI};
 
@@ -91,7 +91,7 @@ fn bode_integral(u: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::actuator::Resonator;
+    use crate::definition::actuator::Resonator;
 
     #[test]
     fn the_gain_of_a_resonator_has_its_phase_as_the_least_phase() {

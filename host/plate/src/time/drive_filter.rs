@@ -9,7 +9,7 @@ use super::analytic_signal::BandPlan;
 use super::drive_curve::DriveCurve;
 use super::kernel;
 use super::toeplitz;
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;

@@ -16,7 +16,6 @@ use super::fit;
 use super::integration::prepare;
 use super::kernel::{self, ModalStates};
 use super::modal::{self, Input, ModalBank, QuasiStatic};
-use crate::definition::actuator::Actuator;
 use crate::definition::drive::DriveEnd;
 use crate::definition::model::Model;
 use crate::definition::plate::Plate;

@@ -1,9 +1,9 @@
 //! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator's resonance.
 
+use crate::definition::actuator::Actuator;
 use crate::definition::plate::Plate;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
-use crate::definition::actuator::Actuator;
 use num_complex::Complex64;
 
 /// Error of the field, well below that of the fit.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::definition::actuator::Actuator;
 use crate::definition::impedance::Impedance;
 use crate::definition::model::{Bending, Model};
 use crate::definition::plate::PlateSpec;
@@ -7,7 +8,6 @@ use crate::definition::response_curve::ResponseCurve;
 use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::equation::Equation;
 use crate::frequency::respond::respond_touched;
-use crate::definition::actuator::Actuator;
 
 /// Settles tones of the band on a line and compares amplitude and peak with the frequency domain.
 fn settled_tones_agree(plate: &Plate, line: TimeDomainLine, rate: f64) {

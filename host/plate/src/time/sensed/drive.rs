@@ -2,7 +2,7 @@
 
 use super::fields;
 use super::output::{Held, Output};
-use crate::spec::plate::Plate;
+use crate::definition::plate::Plate;
 use crate::time::DriveCurve;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
