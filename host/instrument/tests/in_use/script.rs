@@ -43,7 +43,7 @@ pub(crate) fn play(hands: &mut impl Hands) -> Vec<String> {
     hands.drive();
     hands.pass(500);
     hands.measure_a_secret();
-    hands.pass(20_000);
+    hands.pass(9000);
     hands.drive();
     hands.pass(500);
     hands.plug(false);
