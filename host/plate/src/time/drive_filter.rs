@@ -5,7 +5,7 @@
 //! has to be the curve's, later by D steps. The taps are the least squares over the band; a curve may lead, so half of them
 //! lie before the delay D and half after it.
 
-use super::analytic_signal::BandPlan;
+use super::band_plan::BandPlan;
 use super::drive_curve::DriveCurve;
 use super::kernel;
 use super::toeplitz;

@@ -1,6 +1,7 @@
 //! The coefficients of the oscillators' time steps: exact integrals for a drive that is a spline.
 
-use super::analytic_signal::{BSPLINE, BandPlan};
+use super::analytic_signal::BSPLINE;
+use super::band_plan::BandPlan;
 use super::kernel::ModalStates;
 use super::modal::ModalBank;
 use num_complex::Complex64;

@@ -9,7 +9,8 @@
 
 mod error;
 
-use super::analytic_signal::{AnalyticDrive, BandPlan};
+use super::analytic_signal::AnalyticDrive;
+use super::band_plan::BandPlan;
 use super::drive_filter::DriveFilter;
 use super::envelope::Envelope;
 use super::fit;

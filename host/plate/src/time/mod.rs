@@ -8,6 +8,7 @@
 //! ```
 
 mod analytic_signal;
+mod band_plan;
 mod drive_curve;
 mod drive_filter;
 mod envelope;
@@ -20,7 +21,8 @@ mod modal;
 mod sensed;
 mod toeplitz;
 
-pub(crate) use analytic_signal::{AnalyticDrive, BSPLINE, BandPlan};
+pub(crate) use analytic_signal::{AnalyticDrive, BSPLINE};
+pub(crate) use band_plan::BandPlan;
 pub(crate) use drive_curve::DriveCurve;
 pub use drive_filter::DriveCurveError;
 pub(crate) use drive_filter::DriveFilter;

@@ -16,7 +16,7 @@ mod samples;
 
 pub(super) use plate::{response, touched_response};
 
-use super::analytic_signal::BandPlan;
+use super::band_plan::BandPlan;
 use super::modal::{Input, ModalBank, QuasiStatic};
 use barycentric::Barycentric;
 use nalgebra::{DMatrix, DVector};

@@ -16,7 +16,7 @@ mod lanes;
 mod output;
 mod resonators;
 
-use super::analytic_signal::BandPlan;
+use super::band_plan::BandPlan;
 use super::drive_curve::DriveCurve;
 use super::fit;
 use super::line::{LineError, check, check_fit};
