@@ -22,185 +22,47 @@ mod measuring;
 mod notices;
 mod opened;
 mod playback;
+mod reading;
 mod replay;
 mod rig;
 mod setup;
+mod shell;
 mod shown;
 mod signal;
 mod start;
 mod stop_presses;
 mod texture;
+mod work;
 
 pub use calibrate_intent::CalibrateIntent;
 pub use device_intent::DeviceIntent;
 pub use measure_intent::{MeasureDraft, MeasureIntent};
 pub use replay::Recorder;
+pub use shell::{Attention, Link, Output, Page};
 pub use shown::{
     Asked, AskedContent, Background, CalibrateScene, DesignState, HoldScene, LiveScene, MeasureScene, Notice,
     Shown, TextureScene, Waiting,
 };
 pub use start::SAFE_MODE;
+pub use work::Jobs;
 
 use crate::autopilot::Autopilot;
 use crate::bench::Bench;
-use crate::jobs::calibrate::{CalibrateDone, CalibrateJob};
-use crate::jobs::recorded::{Recorded, RecordedJob};
-use crate::jobs::rig::{RigJob, RigPrepared};
 use notices::Notices;
 use playback::Playback;
 use slipline_link::{Request, Severity, Snapshot, Ticket};
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::Line;
-use slipline_model::field::sheet::{self, SheetJob, SourceChoice};
 use slipline_model::field::steady_field::SteadyField;
-use slipline_model::field::time_domain::{Measured, TimeDomainJob};
-use slipline_model::field::touch::Trace;
-use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::check::{CheckJob, Checked};
-use slipline_model::jobs::compare::{CompareJob, Compared};
-use slipline_model::jobs::design::{Designed, Draft};
-use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::{TableJob, TableMade, TableState};
-use slipline_model::jobs::texture::{TextureJob, Textured};
 use slipline_model::setup::compare::Compare;
 use slipline_model::setup::undo::History;
 use slipline_model::setup::{MAX_TONES, Setup};
 use slipline_model::texture::WishDraft;
-use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
 use std::sync::Arc;
 use std::time::Duration;
 use stop_presses::StopPresses;
-
-/// The link as an instrument needs it: the worker, or a test's stand-in that records the requests.
-pub trait Link {
-    /// Sends a request; never blocks.
-    fn send(&self, request: Request) -> Ticket;
-    /// The latest snapshot of link and device.
-    fn snapshot(&self) -> Arc<Snapshot>;
-}
-
-#[cfg(feature = "native")]
-impl Link for slipline_link::native::Worker {
-    fn send(&self, request: Request) -> Ticket {
-        Self::send(self, request)
-    }
-
-    fn snapshot(&self) -> Arc<Snapshot> {
-        Self::snapshot(self)
-    }
-}
-
-/// Work that takes longer than a frame. The shell decides where it runs: on threads, in workers, or at once.
-pub struct Jobs {
-    /// Computes turning-point tables.
-    pub tables: JobQueue<TableJob, TableState>,
-    /// Computes validity lights.
-    pub checks: JobQueue<CheckJob, Checked>,
-    /// Computes the plate in two dimensions.
-    pub planes: JobQueue<PlaneJob, PlaneChecked>,
-    /// Designs plates.
-    pub designs: JobQueue<Draft, Designed>,
-    /// Makes textures.
-    pub textures: JobQueue<TextureJob, Textured>,
-    /// Compares measurements with the plate's model.
-    pub comparisons: JobQueue<CompareJob, Compared>,
-    /// Recordings of the sweep, read.
-    pub recordings: JobQueue<RecordedJob, Recorded>,
-    /// Fits plates to measurements.
-    pub calibrations: JobQueue<CalibrateJob, CalibrateDone>,
-    /// Puts the rigs of the simulated device together.
-    pub rigs: JobQueue<RigJob, RigPrepared>,
-    /// Runs the 2-D sheet.
-    pub sheets: JobQueue<SheetJob, sheet::Frame>,
-    /// Replays the device's codes with the mirror.
-    pub waveforms: JobQueue<WaveformJob, Waveform>,
-    /// Runs the simulated plate in the time domain.
-    pub time_domain: JobQueue<TimeDomainJob, Measured>,
-}
-
-impl Jobs {
-    /// All work is done at once, in the call that asks for it.
-    #[must_use]
-    pub fn inline() -> Self {
-        Self {
-            tables: JobQueue::inline(slipline_model::jobs::table::make),
-            checks: JobQueue::inline(slipline_model::jobs::check::work()),
-            planes: JobQueue::inline(slipline_model::jobs::plane::work),
-            designs: JobQueue::inline(slipline_model::jobs::design::work),
-            textures: JobQueue::inline(slipline_model::jobs::texture::work),
-            comparisons: JobQueue::inline(slipline_model::jobs::compare::work),
-            recordings: JobQueue::inline(crate::jobs::recorded::work),
-            calibrations: JobQueue::inline(crate::jobs::calibrate::work),
-            rigs: JobQueue::inline(crate::jobs::rig::work),
-            sheets: JobQueue::inline(sheet::work()),
-            waveforms: JobQueue::inline(slipline_model::waveform::work()),
-            time_domain: JobQueue::inline(|job, task: &_| {
-                slipline_model::field::time_domain::run(&job, task)
-            }),
-        }
-    }
-}
-
-/// What the shell shows and the user holds, as far as it decides what is done next.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Attention {
-    /// The user's time, in seconds.
-    pub now_s: f64,
-    /// Whether a pointer is down: levels and places may still change.
-    pub is_pressed: bool,
-    /// Whether a line or the finger is dragged.
-    pub is_dragging: bool,
-    /// Whether the wave moves, or is paused.
-    pub is_animated: bool,
-    /// Whether a page is in front.
-    pub has_page: bool,
-    /// Whether that is the calibration.
-    pub is_calibration_open: bool,
-    /// Whether the page of measurements is open.
-    pub is_measurements_open: bool,
-    /// Whether the texture page is open.
-    pub is_texture_open: bool,
-    /// The source from which the wave is to be drawn.
-    pub wave: SourceChoice,
-    /// Whether a real device gets a new table without being asked.
-    pub uploads: bool,
-}
-
-/// A page that the shell opens.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Page {
-    /// The calibration.
-    Calibration,
-    /// The page of measurements.
-    Measurements,
-    /// The texture page.
-    Texture,
-    /// The question whether a real amplifier may be unmuted.
-    Arm,
-}
-
-/// What the shell does for the instrument.
-#[derive(Clone, Debug)]
-pub enum Output {
-    /// Open a page.
-    Open(Page),
-    /// Close the calibration's pages.
-    CloseCalibration,
-    /// Have the user choose a file of a measurement.
-    ChooseMeasurement,
-    /// Have the user save a file.
-    Save {
-        /// The name that is proposed.
-        name: String,
-        /// What it is, in a word.
-        kind: &'static str,
-        /// The ending of its name.
-        extension: &'static str,
-        /// What is in it.
-        bytes: Vec<u8>,
-    },
-}
 
 /// A plate and a device in use.
 pub struct Instrument {
@@ -382,89 +244,6 @@ impl Instrument {
         if let Some(made) = self.table.made() {
             self.link.send(Request::Upload(Arc::clone(&made.device_table)));
         }
-    }
-
-    /// The setup.
-    #[must_use]
-    pub fn setup(&self) -> &Setup {
-        &self.setup
-    }
-
-    /// The state of link and device.
-    #[must_use]
-    pub fn snapshot(&self) -> &Arc<Snapshot> {
-        &self.snapshot
-    }
-
-    /// The slot of the tone that keys and fields change.
-    #[must_use]
-    pub fn selected(&self) -> u8 {
-        self.selected
-    }
-
-    /// The table for the setup's plate.
-    #[must_use]
-    pub fn table(&self) -> &TableState {
-        &self.table
-    }
-
-    /// The recorded drag.
-    #[must_use]
-    pub fn recorder(&self) -> &Recorder {
-        &self.recorder
-    }
-
-    /// What the finger has met in the last seconds.
-    #[must_use]
-    pub fn trace(&self) -> &Trace {
-        &self.finger.trace
-    }
-
-    /// Where the finger is or was last, in metres from the driven end.
-    #[must_use]
-    pub fn finger_place_m(&self) -> f64 {
-        self.finger.place_m
-    }
-
-    /// The lights, the designer and what the wave is drawn from.
-    #[must_use]
-    pub fn background(&self) -> &Background {
-        &self.background.shown
-    }
-
-    /// The field that the setup would produce on its plate.
-    #[must_use]
-    pub fn predicted(&self) -> &SteadyField {
-        &self.predicted
-    }
-
-    /// Whether a drive sounds.
-    #[must_use]
-    pub fn is_sounding(&self) -> bool {
-        self.playback.sounding.is_some()
-    }
-
-    /// The codes that the device sends.
-    #[must_use]
-    pub fn waveform(&self) -> &Waveform {
-        &self.playback.waveform
-    }
-
-    /// Whether something is sent of which the codes are not known.
-    #[must_use]
-    pub fn is_waveform_unknown(&self) -> bool {
-        self.playback.is_unknown()
-    }
-
-    /// Seconds of slow motion so far.
-    #[must_use]
-    pub fn wave_time_s(&self) -> f64 {
-        self.playback.wave_time_s
-    }
-
-    /// The messages, the latest last.
-    pub fn notices(&self) -> impl Iterator<Item = &Notice> {
-        self.notices.iter()
     }
 
     /// Removes the message with this number.
