@@ -180,11 +180,11 @@ pub struct Asked {
     pub name: String,
     /// What is in it.
     pub content: AskedContent,
-    /// What is told so far.
+    /// What the user has stated so far.
     pub told: Told,
     /// The sensor's channel in a recording, from 1.
     pub channel: usize,
-    /// Why it was no measurement as it was told last.
+    /// Why it was no measurement as it was stated last.
     pub refused: Option<String>,
 }
 
@@ -213,7 +213,7 @@ pub struct LiveScene<'a> {
     pub progress: Option<f32>,
     /// Whether it is still being checked that the drive is on.
     pub is_checking: bool,
-    /// Whether the rig of the simulated device tells what the drive is.
+    /// Whether the rig of the simulated device states what the drive is.
     pub is_drive_known: bool,
     /// Why the last one was none, until the next one begins.
     pub failed: Option<&'a str>,
@@ -261,7 +261,7 @@ pub struct HoldScene<'a> {
 pub struct CalibrateScene<'a> {
     /// What is known so far, and the open page.
     pub calibration: &'a Calibration,
-    /// The plate that comes of it, or why there is none; `None` until that is known.
+    /// The calibrated plate, or why there is none; `None` until that is known.
     pub result: Option<Result<&'a Found, &'a Refused>>,
     /// The share of the fit that is done, 0..=1, while it is under way.
     pub progress: Option<f32>,

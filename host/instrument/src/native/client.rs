@@ -226,7 +226,7 @@ impl Client {
         }
     }
 
-    /// Arms the device, runs a procedure to its end, and disarms the device. `watch` is told the share that is done, 0 to 1.
+    /// Arms the device, runs a procedure to its end, and disarms the device. `watch` gets the share that is done, 0 to 1.
     ///
     /// # Errors
     /// [`ClientError::Procedure`] and any of a request.

@@ -27,7 +27,7 @@ struct PluggablePort {
 }
 
 impl PluggablePort {
-    /// Has the device send so many blocks.
+    /// Has the device send this number of blocks.
     fn send(&mut self, blocks: u64) {
         let digest = &mut self.digest;
         self.device.advance(blocks, |sent| {

@@ -67,7 +67,7 @@ impl Job {
 /// Whether a stop, an emergency stop or a disarm undoes this command.
 const fn is_undone_by(command: &Command, stop: &Command) -> bool {
     match command {
-        // These have jobs of their own; sent as they are, they would sound all the same.
+        // These have jobs of their own; sent as they are, they would sound, too.
         Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_) => true,
         Command::Arm | Command::ClearFaults => matches!(stop, Command::EmergencyStop),
         // They neither sound nor arm.
