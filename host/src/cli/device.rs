@@ -49,7 +49,8 @@ impl Device {
                 let text = format!("{warning} To arm it all the same, add --despite-brown-out-level.");
                 Err(Failure::Failed(text))
             }
-            _ => Ok(()),
+            Ok(()) | Err(ClientError::Unguarded(_)) => Ok(()),
+            Err(error) => Err(error.into()),
         }
     }
 

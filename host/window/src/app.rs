@@ -147,8 +147,12 @@ impl App {
     /// Processes everything that happened since the last frame. Paints nothing.
     pub fn logic(&mut self, ctx: &egui::Context) {
         self.attend(ctx);
+        let revision = self.instrument.snapshot().revision;
         self.instrument.take_reports();
-        self.settings.auto_reconnect = self.instrument.snapshot().auto_reconnect;
+        if self.instrument.snapshot().revision != revision {
+            // The link's word counts, but not before it has heard what the user has just chosen.
+            self.settings.auto_reconnect = self.instrument.snapshot().auto_reconnect;
+        }
         self.take_results();
         if self.has_new_input(ctx) {
             self.keys(ctx);
