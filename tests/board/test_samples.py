@@ -106,7 +106,7 @@ def test_a_dma_that_does_not_deliver_is_counted_and_fades_out(armed):
 
 
 def line(code, length):
-    """The codes from `code`, which is not one of them, to mid-scale: four codes a sample (firmware/app/src/fade.rs)."""
+    """The codes from `code`, which is not one of them, to mid-scale: four codes a sample (firmware/app/src/safety/fade.rs)."""
     codes = []
     for _ in range(length):
         code = max(code - 4, MID) if code > MID else min(code + 4, MID)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use slipline_app::Timing;
-use slipline_app::thermal::Heat;
+use slipline_app::safety::thermal::Heat;
 use slipline_link::foldback::FoldbackSteps;
 use slipline_link::mirror::Mirror;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};

@@ -1,6 +1,6 @@
 //! Faults: hangs, crashes, heat, the longest drive time, and how each is reported.
 
-use slipline_app::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
+use slipline_app::safety::thermal::{BODY_S, FULL_SINE, Heat, WARN, WINDING_S};
 use slipline_link::simulator::{Options, WATCHDOG_MS};
 use slipline_protocol::event::{Event, Fault, Faults, ResetCause, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, EMERGENCY_RAMP_MS, MAX_DRIVE_MS, STOP_RAMP_MS};

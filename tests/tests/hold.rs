@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use slipline_app::thermal::Heat;
+use slipline_app::safety::thermal::Heat;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_protocol::command::{Apply, TravelLimit, TravelSetting};
 use slipline_protocol::event::{Event, Fault, State};

@@ -1,7 +1,7 @@
 //! A stop that begins in a block that has been rendered and waits while the one before it plays, as in a board's ring.
 
 use slipline_app::Stop;
-use slipline_app::fade::fade;
+use slipline_app::safety::fade::fade;
 use slipline_link::mirror::Mirror;
 use slipline_link::simulator::Options;
 use slipline_protocol::Command;

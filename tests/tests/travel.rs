@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use slipline_app::Timing;
-use slipline_app::excursion::shortest_glide;
+use slipline_app::safety::excursion::shortest_glide;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::table::DeviceTable;
 use slipline_link::{DriveRequest, LinkState, Outcome, Request, Severity};

@@ -1,6 +1,6 @@
 //! Blocks that come too late, and an amplifier that has muted itself.
 
-use slipline_app::fade::{FADE_STEP, fade};
+use slipline_app::safety::fade::{FADE_STEP, fade};
 use slipline_link::mirror::Mirror;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::{Command, Refusal};

@@ -3,7 +3,7 @@
 
 use clap::Parser;
 use slipline::cli::Cli;
-use slipline_app::thermal::Heat;
+use slipline_app::safety::thermal::Heat;
 use slipline_link::simulator::Options;
 use slipline_protocol::Command;
 use slipline_tests::command_proxy::{Alter, CommandProxy, unaltered};

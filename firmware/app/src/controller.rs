@@ -29,19 +29,19 @@ use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use crate::boot::Boot;
 use crate::bootloader::BootloaderEntry;
-use crate::capture::Values;
-use crate::chord::Candidate;
 use crate::digest::DigestState;
-use crate::excursion::Excursion;
+use crate::listening::capture::Values;
 use crate::mailbox::Mailbox;
 use crate::mailbox::Stop;
+use crate::planning::chord::Candidate;
+use crate::planning::ramp::RampShape;
 use crate::ports::{FlashPages, System};
-use crate::ramp::RampShape;
 use crate::range::in_range;
+use crate::safety::boot::Boot;
+use crate::safety::excursion::Excursion;
+use crate::safety::thermal::Thermal;
 use crate::slots::TableRef;
-use crate::thermal::Thermal;
 use crate::timing::{BLOCK_SAMPLES, Timing};
 use crate::upload::{self, Upload};
 

@@ -11,13 +11,13 @@ use embassy_futures::yield_now;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 
-use crate::boot::Boot;
-use crate::capture::Values;
-use crate::chord::Candidate;
 use crate::controller::{Controller, Device};
 use crate::inbox::Inbox;
+use crate::listening::capture::Values;
 use crate::mailbox::Mailbox;
+use crate::planning::chord::Candidate;
 use crate::ports::{FlashPages, System};
+use crate::safety::boot::Boot;
 use crate::session::Session;
 
 /// Bytes read at once: a full-speed USB packet.

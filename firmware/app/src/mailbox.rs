@@ -64,8 +64,8 @@ use self::shared::Shared;
 pub use self::stop::Stop;
 pub use self::view::View;
 use crate::digest::DigestState;
-use crate::faults::FaultLatch;
 use crate::motion::cell::MotionCell;
+use crate::safety::faults::FaultLatch;
 use crate::slots::{SlotIndex, TableSlots};
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS};
 

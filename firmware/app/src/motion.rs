@@ -30,8 +30,8 @@ use self::evaluation::place;
 use self::outline::Outline;
 pub use self::placement::{Onset, Placement};
 use self::trajectory::{SettingTrajectory, ToneTrajectory};
-use crate::program::{Program, Target};
-use crate::ramp::RampShape;
+use crate::planning::program::{Program, Target};
+use crate::planning::ramp::RampShape;
 use crate::slots::{TableRef, TableSlots};
 
 /// The trajectories of all tones from one program's start to its end. After the end the tones stay where they are.

@@ -30,7 +30,7 @@ pub trait DacStream {
     ///
     /// # Errors
     /// [`Underrun`] if the block comes too late to be whole. It is not played: in its place, and for as long as it takes,
-    /// the DAC goes to mid-scale by itself ([`fade`](crate::fade)). Blocks that come meanwhile take up their time but are
+    /// the DAC goes to mid-scale by itself ([`fade`](crate::safety::fade)). Blocks that come meanwhile take up their time but are
     /// not played either, so the caller falls silent at once.
     async fn write_block(&mut self, codes: &[u16; BLOCK]) -> Result<(), Underrun>;
 

@@ -25,15 +25,15 @@ use slipline_protocol::units::{Gain, SampleIndex};
 
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
-use crate::foldback::Foldback;
-use crate::listener::Listener;
-use crate::lock_in::{Played, PlayedTone};
+use crate::listening::listener::Listener;
+use crate::listening::lock_in::{Played, PlayedTone};
 use crate::mailbox::Mailbox;
 use crate::mailbox::{Inputs, Orders, Report, Stop};
 use crate::motion::Placement;
 use crate::motion::outline::Outline;
+use crate::planning::ramp::RampShape;
 use crate::ports::{CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
-use crate::ramp::RampShape;
+use crate::safety::foldback::Foldback;
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 
 /// The thermal limit moves by at most this much of full scale a block: from full to nothing in 65 blocks, 21 ms at

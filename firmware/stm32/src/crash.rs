@@ -11,8 +11,8 @@ use core::panic::PanicInfo;
 
 use cortex_m::peripheral::SCB;
 use slipline_app::ResetCause;
-use slipline_app::boot::Boot;
-use slipline_app::crash::CrashRecord;
+use slipline_app::safety::boot::Boot;
+use slipline_app::safety::crash::CrashRecord;
 
 use crate::{board, dac, guard, mute, store};
 
@@ -53,7 +53,7 @@ pub(crate) fn boot() -> Boot {
         ResetCause::Software if dipped => ResetCause::BrownOut,
         cause => cause,
     };
-    let (boot, keep) = slipline_app::boot::decide(hardware, kept);
+    let (boot, keep) = slipline_app::safety::boot::decide(hardware, kept);
     write(&keep);
     boot
 }

@@ -5,7 +5,7 @@
 //!              ^ written while      ^ played
 //! ```
 //! When the DMA leaves a half, its interrupt calls [`Halves::finish`], which fills that half with a straight line from
-//! the last code of the half now playing to mid-scale (`slipline_app::fade`). The renderer then writes its block over it.
+//! the last code of the half now playing to mid-scale (`slipline_app::safety::fade`). The renderer then writes its block over it.
 //!
 //! **A block that is late is not played.** Late is not only a half that the DMA has entered, but one that it will enter
 //! within [`MARGIN`] samples: while the block is copied the DMA must not come into the same half, or it would play some
@@ -23,7 +23,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
-use slipline_app::fade::fade;
+use slipline_app::safety::fade::fade;
 
 /// A block is late if the DMA enters its half in fewer samples. Copying it takes about 600 cycles, at most 900 with the
 /// interrupts that may come between (a byte or two of the UART), twice that with the flash's wait states: 1800 cycles

@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use slipline_app::Stop;
 use slipline_app::bank::{BLOCK, TONES};
-use slipline_app::lock_in::{InPhaseQuadrature, LockIn, Shape, State, Window};
+use slipline_app::listening::lock_in::{InPhaseQuadrature, LockIn, Shape, State, Window};
 use slipline_link::mirror::Mirror;
 use slipline_protocol::table::Knot;
 use slipline_protocol::{Command, Decoder};

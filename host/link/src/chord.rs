@@ -4,7 +4,7 @@ use crate::drive::{self, DriveError};
 use crate::out_of_range::OutOfRange;
 use crate::table::DeviceTable;
 use slipline_app::bank::FULL_SCALE;
-use slipline_app::chord::{ChordTones, Extent, Proof};
+use slipline_app::planning::chord::{ChordTones, Extent, Proof};
 use slipline_protocol::command::{Apply, Chord, ChordTone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::{CHORD_PERIOD_LOG2, MAX_HARMONIC};

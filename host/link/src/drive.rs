@@ -3,7 +3,7 @@
 use crate::out_of_range::OutOfRange;
 use crate::table;
 use slipline_app::Timing;
-use slipline_app::excursion::shortest_glide;
+use slipline_app::safety::excursion::shortest_glide;
 use slipline_protocol::command::{Apply, Drive, TableHeader, Tone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::MIN_MASTER_CDB;

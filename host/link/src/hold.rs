@@ -3,7 +3,7 @@
 use crate::drive::DriveError;
 use crate::out_of_range::OutOfRange;
 use slipline_app::Timing;
-use slipline_app::excursion::shortest_glide;
+use slipline_app::safety::excursion::shortest_glide;
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::Identity;
 pub use slipline_protocol::hold::{HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldState};

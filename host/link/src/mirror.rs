@@ -14,11 +14,11 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
-use slipline_app::chord::ChordTones;
-use slipline_app::lock_in::Played;
+use slipline_app::planning::chord::ChordTones;
+use slipline_app::listening::lock_in::Played;
 use slipline_app::mailbox::{Mailbox, Stop};
-use slipline_app::plan::Planner;
-use slipline_app::ramp::RampShape;
+use slipline_app::planning::plan::Planner;
+use slipline_app::planning::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
 use slipline_protocol::command::{Chord, Comb, Drive};
@@ -121,7 +121,7 @@ impl Mirror {
         self.renderer.index()
     }
 
-    /// How the last block was rendered, for a [lock-in](slipline_app::lock_in) on what an input answered to it.
+    /// How the last block was rendered, for a [lock-in](slipline_app::listening::lock_in) on what an input answered to it.
     #[must_use]
     pub fn played(&self) -> Played {
         self.renderer.played()

@@ -8,13 +8,13 @@ use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
-use crate::faults::FaultLatch;
 use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
-use crate::plan::Planner;
+use crate::planning::plan::Planner;
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
+use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
 /// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.

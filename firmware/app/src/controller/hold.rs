@@ -23,12 +23,12 @@ use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 use super::Controller;
 use super::listening::{check_input, existing};
 use crate::bank::TONES;
-use crate::excursion::shortest_glide;
-use crate::hold::{HeldTone, Hold, Limit, Loss, Octaves, Setting, SettingError, State};
-use crate::lock_in::{Shape, Window};
+use crate::listening::hold::{HeldTone, Hold, Limit, Loss, Octaves, Setting, SettingError, State};
+use crate::listening::lock_in::{Shape, Window};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
+use crate::safety::excursion::shortest_glide;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
 /// The highest slot.

@@ -14,8 +14,8 @@ use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
-use crate::capture::{self, Recipe};
-use crate::lock_in::{Shape, Span, State, Window};
+use crate::listening::capture::{self, Recipe};
+use crate::listening::lock_in::{Shape, Span, State, Window};
 use crate::mailbox::{Inputs, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;

@@ -9,10 +9,10 @@ use slipline_protocol::version::Version;
 
 use super::Controller;
 use crate::bank::{BLOCK, TONES};
-use crate::foldback::Foldback;
 use crate::mailbox::Mailbox;
 use crate::mailbox::View;
 use crate::ports::{FlashPages, System};
+use crate::safety::foldback::Foldback;
 
 /// Bits of a DAC code.
 const DAC_BITS: u8 = 12;

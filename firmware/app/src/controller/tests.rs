@@ -329,7 +329,7 @@ fn safe_mode_does_not_touch_the_kept_table() {
     let boot = Boot { safe_mode: true, ..Boot::cold() };
     let mailbox = Mailbox::<Interrupted>::new();
     let mut candidate = Candidate::new();
-    let captured = crate::capture::Values::new();
+    let captured = crate::listening::capture::Values::new();
     let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default(), &mut candidate, &captured);
     controller.start(&mailbox);
     assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));

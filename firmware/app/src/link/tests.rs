@@ -127,7 +127,7 @@ impl Write for End<'_> {
 fn play(wire: &RefCell<Wire>, script: impl FnOnce(&mut dyn FnMut(u64))) {
     let mailbox = Box::new(Mailbox::<NoopRawMutex>::new());
     let mut candidate = Candidate::new();
-    let captured = crate::capture::Values::new();
+    let captured = crate::listening::capture::Values::new();
     let mut link =
         Link::new(Device::of_a_test(RATE), Boot::cold(), NoFlash, Nothing, &mut candidate, &captured);
 

@@ -12,7 +12,7 @@ use crate::digest::DigestState;
 use crate::motion::cell::MotionCell;
 use crate::motion::outline::Outline;
 use crate::motion::{Onset, Placement};
-use crate::ramp::RampShape;
+use crate::planning::ramp::RampShape;
 use crate::timing::BLOCK_SAMPLES;
 
 /// A ramp in a block that was rendered without it changes the block's second code first. So the index at which it is told

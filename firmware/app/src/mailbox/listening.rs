@@ -14,8 +14,8 @@ use slipline_protocol::units::SampleIndex;
 
 use super::Mailbox;
 use crate::bank::TONES;
-use crate::capture::{self, Recipe};
-use crate::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
+use crate::listening::capture::{self, Recipe};
+use crate::listening::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
 use crate::ports::INPUTS;
 
 /// What is to become of a measurement.

@@ -1,6 +1,6 @@
 //! Interrupt side to thread side: what the renderer writes at the end of a block.
 
-use crate::foldback::Foldback;
+use crate::safety::foldback::Foldback;
 
 /// What the renderer says at the end of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,8 +8,8 @@ use slipline_protocol::units::SampleIndex;
 use super::listening::Listening;
 use super::{Pending, Report, Stop};
 use crate::digest::DigestState;
-use crate::faults::FaultLatch;
 use crate::motion::outline::Outline;
+use crate::safety::faults::FaultLatch;
 
 /// What lies under the lock.
 pub(super) struct Shared {

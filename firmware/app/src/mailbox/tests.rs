@@ -8,11 +8,11 @@ use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
 use crate::bank::BLOCK;
-use crate::capture::Values;
-use crate::listener::Listener;
+use crate::listening::capture::Values;
+use crate::listening::listener::Listener;
 use crate::motion::{Motion, Placement};
+use crate::planning::program::{Program, Target};
 use crate::ports::{CycleCounter, DacStream, HasMuted, Mute, RendererPorts, Underrun};
-use crate::program::{Program, Target};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
 use crate::timing::Timing;
@@ -336,7 +336,7 @@ fn a_view_never_mixes_two_motions() {
             }
             is_over.store(true, Ordering::Relaxed);
         });
-        let shape = crate::ramp::RampShape::new();
+        let shape = crate::planning::ramp::RampShape::new();
         let mut last = 0;
         while !is_over.load(Ordering::Relaxed) {
             let motion = mailbox.view().motion;

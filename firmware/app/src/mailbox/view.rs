@@ -4,8 +4,8 @@ use slipline_protocol::units::SampleIndex;
 
 use super::pending::Pending;
 use super::report::Report;
-use crate::faults::FaultLatch;
 use crate::motion::Motion;
+use crate::safety::faults::FaultLatch;
 
 /// The state at one moment, as the thread side sees it.
 #[derive(Clone, Copy, Debug)]

@@ -10,7 +10,7 @@ use super::evaluation::{TrajectoryRead, place};
 use super::outline::Outline;
 use super::placement::{Onset, Placement};
 use super::trajectory::{SettingTrajectory, ToneTrajectory};
-use crate::ramp::RampShape;
+use crate::planning::ramp::RampShape;
 use crate::slots::TableSlots;
 
 /// Sixteen trajectories in 32-bit atomics.

@@ -7,7 +7,7 @@ use slipline_protocol::units::{Gain, SampleIndex};
 use super::outline::Outline;
 use super::placement::Placement;
 use super::trajectory::{SettingTrajectory, ToneTrajectory, between_levels, between_positions, blend};
-use crate::ramp::{ONE, RampShape};
+use crate::planning::ramp::{ONE, RampShape};
 use crate::slots::TableSlots;
 
 /// One tone's trajectory, read part by part: what is not asked for is not loaded.

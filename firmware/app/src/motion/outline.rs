@@ -4,7 +4,7 @@ use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::SampleIndex;
 
 use super::placement::Placement;
-use crate::ramp::{ONE, RampShape};
+use crate::planning::ramp::{ONE, RampShape};
 use crate::slots::{SlotIndex, TableRef};
 
 /// When a motion takes place, by which table, and whether it matters.

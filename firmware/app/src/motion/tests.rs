@@ -10,7 +10,7 @@ use slipline_protocol::units::{PhaseStep, Position};
 use super::cell::MotionCell;
 use super::trajectory::blend;
 use super::*;
-use crate::ramp::ONE;
+use crate::planning::ramp::ONE;
 use crate::slots::SlotIndex;
 
 const KNOTS: u16 = 65;

@@ -5,7 +5,7 @@ use slipline_protocol::table::Setting;
 use slipline_protocol::units::{FinePosition, Gain, PhaseStep};
 
 use super::placement::{Onset, Placement};
-use crate::ramp::ONE;
+use crate::planning::ramp::ONE;
 
 /// How a tone's setting moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ use super::Renderer;
 use crate::bank::{BLOCK, code};
 use crate::mailbox::Mailbox;
 use crate::motion::outline::Outline;
-use crate::ramp::ONE;
+use crate::planning::ramp::ONE;
 use crate::timing::BLOCK_SAMPLES;
 
 impl Renderer {

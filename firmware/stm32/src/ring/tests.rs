@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 
 use proptest::prelude::*;
-use slipline_app::fade::FADE_STEP;
+use slipline_app::safety::fade::FADE_STEP;
 
 use super::*;
 

@@ -9,4 +9,4 @@ pub mod realtime;
 pub use device::{Options, SentBlock, SimulatedDevice, WATCHDOG_MS};
 pub use inputs::SimulatedInputs;
 pub use peripherals::MemoryFlash;
-pub use slipline_app::thermal::Heat;
+pub use slipline_app::safety::thermal::Heat;

@@ -9,7 +9,7 @@ use std::task::Poll;
 
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
-use slipline_app::fade::fade;
+use slipline_app::safety::fade::fade;
 use slipline_app::ports::{
     DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, INPUTS, Mute, Overrun, SenseStream,
     System, Trigger, Underrun,

@@ -4,7 +4,7 @@ use slipline_protocol::hold::{Held, HoldLoss, HoldProgress, HoldSetting, HoldSta
 
 use super::*;
 use crate::bank::TONES;
-use crate::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span, State as LockInState};
+use crate::listening::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span, State as LockInState};
 use crate::mailbox::Inputs;
 use crate::ports::INPUTS;
 

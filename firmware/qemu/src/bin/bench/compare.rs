@@ -4,7 +4,7 @@ use slipline_app::bank::{
     AMPLITUDE_ONE, BLOCK, Bank, TONES, ToneBlock,
     code::{codes, codes_portably, energy, energy_portably},
 };
-use slipline_app::lock_in::{History, LockIn, Shape, Window};
+use slipline_app::listening::lock_in::{History, LockIn, Shape, Window};
 
 /// Pseudo-random numbers, the same in every run.
 pub(crate) struct Draw(u64);

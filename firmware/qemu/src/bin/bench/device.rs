@@ -10,7 +10,7 @@ use slipline_app::bank::{
     AMPLITUDE_ONE, BLOCK, Bank, MAX_STEP_CHANGE, TONES, ToneBlock,
     code::{MID_SCALE, codes},
 };
-use slipline_app::lock_in::{History, LockIn, MAX_WINDOW_BLOCKS, Shape, State, Window};
+use slipline_app::listening::lock_in::{History, LockIn, MAX_WINDOW_BLOCKS, Shape, State, Window};
 
 /// The state between the calls.
 struct Bench {

@@ -67,7 +67,7 @@
 //! **Messages.** What a protocol has to carry: *start*: a [`Window`] (first index, length in blocks, shape, slots);
 //! refused with [`StartError`]. *Read*: [`LockIn::state`], and when it is [`State::Finished`] the [`Reading`]: the
 //! [answers](Reading::answer) of 16 x 2 two 64-bit sums, the weight, the slots that were followed, the range of the codes. *Counters*: the overruns of the
-//! [`Listener`](crate::listener::Listener). Nothing is lost by reading twice; a new start forgets the last reading.
+//! [`Listener`](crate::listening::listener::Listener). Nothing is lost by reading twice; a new start forgets the last reading.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 

@@ -13,8 +13,8 @@ use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
 use super::*;
 use crate::bank::BLOCK;
 use crate::motion::Placement;
-use crate::plan::Planner;
-use crate::ramp::RampShape;
+use crate::planning::plan::Planner;
+use crate::planning::ramp::RampShape;
 use crate::timing::block_at_or_after;
 
 /// Low, so that a second has few samples.

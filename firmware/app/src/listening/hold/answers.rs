@@ -1,7 +1,7 @@
 //! What a window has told of the tones: their amplitudes at one input.
 
 use crate::bank::TONES;
-use crate::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span};
+use crate::listening::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span};
 
 /// The codes' highest.
 const HIGHEST_CODE: u16 = 0x0FFF;
@@ -47,7 +47,7 @@ impl Answers {
     }
 }
 
-/// An answer's amplitude `b` in 1/256 code, rounded down, by the [lock-in's](crate::lock_in) equation:
+/// An answer's amplitude `b` in 1/256 code, rounded down, by the [lock-in's](crate::listening::lock_in) equation:
 /// `256 b = 256 * 4 |I + iQ| / (BASIS_ONE * 128 * W) = 8 |I + iQ| / (BASIS_ONE * W)`. `weight` is `W`; `None` if it is 0.
 #[must_use]
 pub fn amplitude(answer: InPhaseQuadrature, weight: u32) -> Option<u32> {

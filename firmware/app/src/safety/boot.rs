@@ -6,8 +6,8 @@ use heapless::String;
 use slipline_protocol::event::{Fault, ResetCause};
 use slipline_protocol::limits::MAX_CRASH;
 
-use crate::crash::CrashRecord;
-use crate::thermal::Heat;
+use crate::safety::crash::CrashRecord;
+use crate::safety::thermal::Heat;
 
 /// After so many abnormal resets in a row the device answers but does not drive (safe mode).
 pub const SAFE_MODE_RESETS: u8 = 3;

@@ -11,8 +11,8 @@
 //! A listener that measures nothing takes the blocks and drops them, which costs next to nothing.
 
 use crate::bank::{BLOCK, TONES, ToneBlock};
-use crate::capture::{Capture, Progress, Values};
-use crate::lock_in::{History, LockIn, State};
+use crate::listening::capture::{Capture, Progress, Values};
+use crate::listening::lock_in::{History, LockIn, State};
 use crate::mailbox::{Captured, ListenOrders, Mailbox, Order};
 use crate::ports::{INPUTS, Overrun, SenseStream};
 use crate::timing::BLOCK_SAMPLES;
@@ -171,7 +171,7 @@ impl<'a> Listener<'a> {
     }
 
     /// Takes one block, if one has been sampled; returns whether there was one. Blocks that were lost take up their
-    /// indices: a measurement over them [breaks](crate::lock_in::State::Broken), all others go on.
+    /// indices: a measurement over them [breaks](crate::listening::lock_in::State::Broken), all others go on.
     pub fn listen(&mut self, stream: &mut impl SenseStream) -> bool {
         let wanted = self.wanted_inputs();
         let is_heard = !wanted.is_empty();

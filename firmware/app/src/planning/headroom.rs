@@ -6,7 +6,7 @@
 //! sums, which lies below the larger. So with `sum G_i l0_i <= 1` and `sum G_i l1_i <= 1` no sample can clip,
 //! whatever the phases. The bound is tight for tones that stay and for one tone that fades while another rises.
 //!
-//! A chord may exceed the bound: its peak has been rendered ([`crate::chord`]). So long as all its tones have one common
+//! A chord may exceed the bound: its peak has been rendered ([`crate::planning::chord`]). So long as all its tones have one common
 //! factor, as when all fade, that proof holds; any other change of them falls back to the bound.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
@@ -17,7 +17,7 @@ use slipline_protocol::refusal::Refusal;
 use slipline_protocol::units::{Gain, per_mille};
 
 use crate::motion::Placement;
-use crate::program::Program;
+use crate::planning::program::Program;
 use crate::slots::{Extremes, TableSlots};
 
 /// Checks that a program that starts from `placements` stays within full scale on its whole way; `ways` are the table's

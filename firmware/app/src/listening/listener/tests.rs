@@ -3,12 +3,12 @@ extern crate std;
 
 use super::*;
 use crate::bank::code::MID_SCALE;
-use crate::capture::{Progress, Recipe};
-use crate::lock_in::{BASIS_ONE, Shape, Window};
+use crate::listening::capture::{Progress, Recipe};
+use crate::listening::lock_in::{BASIS_ONE, Shape, Window};
 use crate::mailbox::Mailbox;
 use crate::motion::{Motion, Placement};
+use crate::planning::program::{Program, Target};
 use crate::ports::{DacStream, HasMuted, Mute, RendererPorts, Underrun};
-use crate::program::{Program, Target};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
 use crate::timing::Timing;

@@ -39,8 +39,8 @@ use slipline_protocol::table::{self, Knot, Setting};
 use slipline_protocol::units::{FinePosition, Gain, Level, Phase, PhaseStep, per_mille};
 
 pub use self::proof::{Candidate, Extent, Proof};
-use crate::level::master_gain;
-use crate::program::Target;
+use crate::planning::level::master_gain;
+use crate::planning::program::Target;
 use crate::range::in_range;
 
 /// A chord's tones, checked: what each of them sounds as.

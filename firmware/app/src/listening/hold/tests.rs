@@ -6,7 +6,7 @@ mod stability;
 
 use super::*;
 use crate::bank::{BLOCK, ToneBlock};
-use crate::lock_in::{History, LockIn, Shape, Span, Window};
+use crate::listening::lock_in::{History, LockIn, Shape, Span, Window};
 use core::f64::consts::TAU;
 
 /// 10 ms at 400 kS/s, the shortest period.
@@ -79,7 +79,7 @@ fn an_amplitude_is_what_the_lock_in_has_measured() {
         assert!(answers.amplitudes.iter().filter(|amplitude| amplitude.is_some()).count() == 1);
         assert_eq!(Answers::of(lock_in.reading(), 1), None);
     }
-    let longest = crate::lock_in::InPhaseQuadrature { in_phase: i64::MIN, quadrature: i64::MIN };
+    let longest = crate::listening::lock_in::InPhaseQuadrature { in_phase: i64::MIN, quadrature: i64::MIN };
     assert_eq!((amplitude(longest, 1), amplitude(longest, 0)), (Some(u32::MAX), None));
 }
 

@@ -10,12 +10,12 @@ use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
 use crate::bank::{BLOCK, MAX_STEP_CHANGE};
-use crate::chord::ChordTones;
-use crate::headroom;
-use crate::level::master_gain;
 use crate::motion::{Motion, Placement};
-use crate::program::{Program, Target};
-use crate::ramp::RampShape;
+use crate::planning::chord::ChordTones;
+use crate::planning::headroom;
+use crate::planning::level::master_gain;
+use crate::planning::program::{Program, Target};
+use crate::planning::ramp::RampShape;
 use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
 use crate::timing::Timing;
@@ -116,7 +116,7 @@ impl Planner<'_> {
     }
 
     /// Makes the motion of a chord or a comb that rises from silence at `at`. Whether a chord's sum fits is not checked here:
-    /// that is [`Proof::check`](crate::chord::Proof::check)'s work.
+    /// that is [`Proof::check`](crate::planning::chord::Proof::check)'s work.
     ///
     /// # Errors
     /// [`Busy::DriveActive`] if anything sounds at `at`, or if a stop has come.

@@ -1,0 +1,9 @@
+//! What the inputs hear: the ADC's blocks, from their arrival to an answer per tone and a level that is held.
+//!
+//! `listener` takes the blocks and counts lost ones, `lock_in` measures each tone, `capture` keeps samples, `hold` steers
+//! the levels by the answers. What the hold's new levels may be is planned as any other program (`planning`).
+
+pub mod capture;
+pub mod hold;
+pub mod listener;
+pub mod lock_in;
