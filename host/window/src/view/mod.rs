@@ -2,152 +2,34 @@
 //! sends anything or changes the state it shows.
 //!
 //! ```text
-//! top_bar ................................ STOP
-//! stage: plate, envelope, felt_strip (one x axis)   side_panel: boundary, tones, plate, device, play
-//!    or response: level, phase, residual, Nyquist
-//! bottom_row: plots (waveform or finger_trace, spectrum), meters, log
+//! bars/top_bar ........................... STOP
+//! stage/: plate, envelope, felt strip (one x axis)     panels/side_panel: boundary, tones, texture, plate, device, play
+//!    or plots/response: level, phase, residual, Nyquist
+//! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log
 //! ```
+//! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. [`ViewState`] is what the
+//! views keep from frame to frame; a view gets its own part of it. `room` decides what fits the window, `theme` has
+//! colours and fonts.
 
-mod aligned;
-mod bottom_row;
-mod boundary_panel;
-mod designer;
-mod device_panel;
+mod bars;
 mod dialogs;
-mod displacement;
-mod drive_fields;
-mod envelope;
-mod feeling_fields;
-mod felt_strip;
-mod field;
-mod finger;
-mod finger_trace;
-mod foreign_form;
-mod handle;
-mod hold_fields;
-mod light_marks;
-mod log;
-mod measure_form;
-mod measure_panel;
-mod menu;
-mod meters;
-mod notices;
-mod offers;
-mod place_field;
-mod plane_check;
-mod plate;
-mod plate_panel;
-mod play_panel;
+mod fields;
+mod panels;
 mod plots;
-mod polyline;
-mod read_out;
-mod relief;
-mod response;
 mod room;
-mod sensor_fields;
-mod side_panel;
-mod slider;
-mod sound;
 mod stage;
-mod texture_panel;
-mod texture_plot;
+mod state;
 pub mod theme;
-mod tones_panel;
-mod top_bar;
-mod validity;
 
 pub(crate) use stage::arrow_step_m;
+pub(crate) use state::ViewState;
 
-use crate::intent::{Intent, Intents};
+use crate::intent::Intents;
 use crate::scene::Scene;
+use bars::{bottom_row, top_bar};
 use eframe::egui;
-
-/// The state of the views themselves: typed texts, the open tab.
-#[derive(Default)]
-pub struct ViewState {
-    pub(crate) tab: side_panel::Tab,
-    pub(crate) plate_page: plate_panel::Page,
-    pub(crate) fields: field::Fields,
-    pub(crate) log: log::LogView,
-    pub(crate) plots: plots::PlotsView,
-    /// The breakpoint of the texture's plot that the pointer holds.
-    pub(crate) held_breakpoint: Option<usize>,
-    pub(crate) focused_handle: Option<egui::Id>,
-    pub(crate) focused_finger: Option<egui::Id>,
-    pub(crate) notices: notices::Seen,
-    pub(crate) response: response::ResponseView,
-    pub(crate) sketched: designer::sketch::Sketched,
-    pub(crate) typed_path: Option<dialogs::TypedPath>,
-    /// Where the lights' symbols stand on the stage, in metres: they stay during a drag.
-    pub(crate) marks_m: Vec<f64>,
-    /// The light whose symbol was pressed, and whether the page is still to be scrolled to it.
-    pub(crate) pressed_light: Option<&'static str>,
-    pub(crate) scrolls_to_light: bool,
-}
-
-impl ViewState {
-    /// Opens a tab by its place, 0..6.
-    pub(crate) fn open_tab(&mut self, index: usize) {
-        self.tab = side_panel::Tab::by_index(index);
-    }
-
-    /// Opens the device panel.
-    pub(crate) fn open_device(&mut self) {
-        self.tab = side_panel::Tab::Device;
-    }
-
-    /// Opens the texture page.
-    pub(crate) fn open_texture(&mut self) {
-        self.tab = side_panel::Tab::Texture;
-    }
-
-    /// Whether the texture page is open.
-    pub(crate) fn is_texture_open(&self) -> bool {
-        self.tab == side_panel::Tab::Texture
-    }
-
-    /// Opens the validity lights.
-    fn open_validity(&mut self, intents: &mut Intents) {
-        self.tab = side_panel::Tab::Plate;
-        self.plate_page = plate_panel::Page::Validity;
-        self.pressed_light = None;
-        // In a small window the plots may be in the panel's place.
-        intents.push(Intent::ShowPanel(true));
-    }
-
-    /// Opens the validity lights at the row of this one.
-    fn open_light(&mut self, name: &'static str, intents: &mut Intents) {
-        self.open_validity(intents);
-        self.pressed_light = Some(name);
-        self.scrolls_to_light = true;
-    }
-
-    /// Opens the page of measurements.
-    pub(crate) fn open_measure(&mut self) {
-        self.tab = side_panel::Tab::Plate;
-        self.plate_page = plate_panel::Page::Measure;
-    }
-
-    /// Whether the page of measurements is open: its plots are in the place of the stage.
-    pub(crate) fn is_measuring(&self) -> bool {
-        self.tab == side_panel::Tab::Plate && self.plate_page == plate_panel::Page::Measure
-    }
-
-    /// Whether the designer is open.
-    fn is_designing(&self) -> bool {
-        self.tab == side_panel::Tab::Plate && self.plate_page == plate_panel::Page::Designer
-    }
-
-    /// Whether the focus is on the finger.
-    pub(crate) fn is_finger(&self, focused: Option<egui::Id>) -> bool {
-        focused.is_some() && self.focused_finger == focused
-    }
-
-    /// Whether the focus is on a boundary handle.
-    pub(crate) fn is_handle(&self, focused: Option<egui::Id>) -> bool {
-        focused.is_some() && self.focused_handle == focused
-    }
-}
+use panels::side_panel;
+use plots::response;
 
 /// Shows the whole window.
 pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Intents {
@@ -178,7 +60,7 @@ pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Inten
     let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
     egui::CentralPanel::no_frame().frame(page).show(ui, |ui| {
         if view.is_measuring() {
-            response::show(ui, scene, view);
+            response::show(ui, scene, &mut view.response);
         } else {
             stage::show(ui, scene, view, &mut intents);
         }

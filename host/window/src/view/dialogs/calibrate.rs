@@ -7,8 +7,11 @@ mod signal;
 
 use crate::intent::{CalibrateIntent, Intent, Intents};
 use crate::scene::Scene;
-use crate::view::response::inks::ink;
-use crate::view::{ViewState, foreign_form, measure_form, theme, validity};
+use crate::view::fields::{foreign_form, measure_form};
+use crate::view::panels::validity;
+use crate::view::plots::response::inks::ink;
+use crate::view::state::ViewState;
+use crate::view::theme;
 use eframe::egui::{self, Label, RichText, Sense, vec2};
 use slipline_instrument::calibration::{Calibration, Step};
 use slipline_model::response::Headroom;
@@ -87,9 +90,9 @@ fn answer(
             ),
         );
     }
-    measure_form::show(ui, scene, view, Some(sensor), intents);
+    measure_form::show(ui, scene, &mut view.fields, Some(sensor), intents);
     ui.add_space(4.0);
-    if foreign_form::show(ui, scene, view, intents) {
+    if foreign_form::show(ui, scene, &mut view.fields, intents) {
         return;
     }
     let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));

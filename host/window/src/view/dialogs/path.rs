@@ -1,7 +1,6 @@
 //! The page for typing a path, on a system without a file dialog.
 
 use crate::intent::{Intent, Intents, PathQuestion};
-use crate::view::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Key, RichText};
 
@@ -15,11 +14,11 @@ pub(crate) struct TypedPath {
 pub(super) fn show(
     ui: &mut egui::Ui,
     question: &PathQuestion,
-    view: &mut ViewState,
+    path: &mut Option<TypedPath>,
     intents: &mut Intents,
 ) -> bool {
-    let is_new = view.typed_path.as_ref().is_none_or(|typed| typed.question != *question);
-    let typed = match &mut view.typed_path {
+    let is_new = path.as_ref().is_none_or(|typed| typed.question != *question);
+    let typed = match path {
         Some(typed) if !is_new => typed,
         state => state.insert(TypedPath { question: question.clone(), text: question.offered.clone() }),
     };

@@ -2,7 +2,8 @@
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
-use crate::view::{felt_strip, theme};
+use crate::view::stage::felt_strip;
+use crate::view::theme;
 use eframe::egui::{
     self, CornerRadius, FontId, Mesh, Pos2, Rangef, Rect, RichText, Sense, Shape, Stroke, StrokeKind, pos2,
     vec2,

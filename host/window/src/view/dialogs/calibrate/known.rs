@@ -3,8 +3,8 @@
 use super::wrapped;
 use crate::caption::Panel;
 use crate::intent::{CalibrateIntent, Intent, Intents};
-use crate::view::ViewState;
-use crate::view::field::{InputField, labelled};
+use crate::view::fields::field::{InputField, labelled};
+use crate::view::state::ViewState;
 use eframe::egui;
 use slipline_instrument::calibration::Calibration;
 use slipline_plate::calibrate::Calipers;

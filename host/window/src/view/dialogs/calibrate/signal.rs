@@ -1,7 +1,8 @@
 //! What the sensor shows right now, on the pages where it is put in its place.
 
 use crate::scene::Scene;
-use crate::view::{theme, validity};
+use crate::view::panels::validity;
+use crate::view::theme;
 use eframe::egui::{self, Label, Rect, RichText, Sense, TextStyle, pos2, vec2};
 
 /// The quietest signal that the bar shows, dB of full scale: below a step of the converter.

@@ -1,0 +1,8 @@
+//! The rows above and below the stage: menu, device and STOP at the top; meters, log and plots at the bottom.
+
+pub(crate) mod bottom_row;
+pub(crate) mod log;
+pub(crate) mod menu;
+pub(crate) mod meters;
+pub(crate) mod offers;
+pub(crate) mod top_bar;

@@ -1,0 +1,278 @@
+//! The top bar: the connected device, its state, and STOP.
+
+use crate::intent::{DeviceIntent, Dialog, Intent, Intents};
+use crate::scene::Scene;
+use crate::view::bars::{menu, offers};
+use crate::view::stage::aligned::{self, Width};
+use crate::view::theme;
+use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
+use slipline_instrument::SAFE_MODE;
+use slipline_link::protocol::event::{Fault, State, Status};
+use slipline_link::{LinkError, LinkState};
+use theme::Palette;
+
+/// What looking for ports again does.
+pub(crate) const LOOK_AGAIN: &str = "Search this computer's ports once more, after a device was plugged in";
+
+/// Height of the bar with its margins, in points.
+pub(crate) const HEIGHT: f32 = STOP.y + 20.0;
+/// Size of the STOP button, in points.
+const STOP: Vec2 = vec2(104.0, 34.0);
+/// What STOP does, with a click or a key.
+const STOP_HELP: &str = "Ramps to silence now; a real device is also disarmed. Twice within a second: emergency stop, \
+    silent within 2 ms, with a fault to be cleared. Keys: Esc or Space, in every state";
+
+/// The error text, closed with a full stop.
+fn sentence(trouble: &LinkError) -> String {
+    let text = trouble.to_string();
+    let end = if text.ends_with(['.', '?', '!']) { "" } else { "." };
+    text + end
+}
+
+/// The content of the state chip: a word, its colour, and a sentence.
+pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
+    let snapshot = scene.snapshot;
+    match &snapshot.link {
+        LinkState::Disconnected => {
+            let why = snapshot.error.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
+            ("disconnected", palette.weak, why)
+        }
+        LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
+        LinkState::Lost(trouble) => ("lost", palette.wrong, sentence(trouble)),
+        LinkState::Reconnecting(trouble @ LinkError::NoSuchPort(_)) => {
+            ("waiting for port", palette.warn, format!("{} Waiting for it.", sentence(trouble)))
+        }
+        LinkState::Reconnecting(trouble) => {
+            ("reconnecting", palette.warn, format!("{} Looking for it.", sentence(trouble)))
+        }
+        LinkState::Connected => match snapshot.status {
+            None => ("connected", palette.weak, "The device answers.".to_owned()),
+            Some(status) => match status.state {
+                State::Idle => ("idle", palette.weak, "Connected, muted: arm it to drive.".to_owned()),
+                State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
+                State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
+                State::Waiting => {
+                    ("waiting", palette.accent, "A drive waits for the trigger input.".to_owned())
+                }
+                State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
+                State::Fault => {
+                    let help = "Clear the fault once its cause is gone.";
+                    ("fault", palette.wrong, format!("Stopped: {}. {help}", status.faults))
+                }
+                State::SafeMode => ("safe mode", palette.wrong, SAFE_MODE.to_owned()),
+            },
+        },
+    }
+}
+
+/// In windows narrower than this, in points, the program's name is left out.
+const ROOM_FOR_NAME: f32 = 760.0;
+/// In windows narrower than this, in points, the state tells a fault without its cause, which its tooltip has.
+const ROOM_FOR_FAULT: f32 = 900.0;
+/// A cause with more letters than this is told by the tooltip only.
+const LONGEST_CAUSE: usize = 32;
+/// Space in and between the buttons of such a narrow bar, in points.
+const NARROW: f32 = 4.0;
+/// Smallest and largest width of the device menu, in points.
+const DEVICE: (f32, f32) = (70.0, 180.0);
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        ui.set_min_height(34.0);
+        let is_narrow = ui.available_width() < ROOM_FOR_NAME;
+        let is_wide = ui.available_width() >= ROOM_FOR_FAULT;
+        if is_narrow {
+            ui.spacing_mut().button_padding.x = NARROW;
+            ui.spacing_mut().item_spacing.x = NARROW;
+        } else {
+            ui.label(RichText::new("Slipline").strong().size(18.0));
+            ui.add_space(4.0);
+        }
+        menu::show(ui, scene, intents);
+        ui.separator();
+        // The width of the controls after the device menu that must stay visible. The device menu shrinks for them
+        // first, then the round trip is left out.
+        let (state, right) = (Width::of(ui, "state"), Width::of(ui, "right"));
+        let gap = ui.spacing().item_spacing.x;
+        let room = ui.available_width() - state.points() - right.points() - 3.0 * gap;
+        let device = port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents);
+        let shown = ui.horizontal(|ui| {
+            let (word, colour, sentence) = state_words(scene, palette);
+            let fault =
+                scene.snapshot.is_connected().then_some(scene.snapshot.status).flatten().and_then(fault);
+            chip(ui, (word, fault), is_wide, colour).on_hover_text(sentence);
+            offer_buttons(ui, scene, intents);
+        });
+        state.note(ui, shown.response.rect.width());
+        let round_trip = round_trip(ui, scene, room - device.rect.width() - gap);
+        aligned::at_right(ui, |ui| {
+            let badge = ui.horizontal(|ui| table_badge(ui, scene, is_narrow, intents)).response.rect.width();
+            if let Some(text) = round_trip {
+                ui.label(text).on_hover_text("From a command to its answer, running average");
+            }
+            ui.add_space(6.0);
+            stop_button(ui, palette, intents);
+            right.note(ui, badge + STOP.x + 6.0 + 2.0 * gap);
+        });
+    });
+}
+
+/// The round-trip time of the device, if its text fits this width in points.
+fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
+    if !scene.snapshot.is_connected() {
+        return None;
+    }
+    let milliseconds = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
+    let text = format!("round trip {milliseconds:.1} ms");
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let width = ui.painter().layout_no_wrap(text.clone(), font, Color32::PLACEHOLDER).size().x;
+    (width <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
+}
+
+/// The cause of a fault, of the first if there are several.
+fn fault(status: Status) -> Option<&'static str> {
+    let first = status.faults.iter().next().filter(|_| status.state == State::Fault);
+    first.map(Fault::text).filter(|text| text.len() <= LONGEST_CAUSE)
+}
+
+/// A rounded box with a coloured dot, a word, and the cause of a fault where there is room for it.
+fn chip(
+    ui: &mut egui::Ui,
+    (word, fault): (&str, Option<&str>),
+    is_wide: bool,
+    colour: Color32,
+) -> egui::Response {
+    let said = fault.map_or_else(|| word.to_owned(), |cause| format!("{word}: {cause}"));
+    let shown = if is_wide { said.clone() } else { word.to_owned() };
+    let galley = ui.painter().layout_no_wrap(shown, FontId::proportional(13.0), colour);
+    let size = vec2(galley.size().x + 34.0, 24.0);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
+    let painter = ui.painter();
+    painter.rect(
+        rect,
+        CornerRadius::same(12),
+        colour.gamma_multiply(0.12),
+        Stroke::new(1.0, colour.gamma_multiply(0.55)),
+        egui::StrokeKind::Inside,
+    );
+    painter.circle_filled(rect.left_center() + vec2(13.0, 0.0), 4.0, colour);
+    painter.galley(rect.left_center() + vec2(23.0, -0.5 * galley.size().y), galley, colour);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, format!("State: {said}")));
+    response
+}
+
+/// STOP is above every page and menu, never dimmed, always inside the window, and works with one click in every
+/// state.
+fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
+    let (place, _) = ui.allocate_exact_size(STOP, Sense::hover());
+    // A page blocks clicks on all layers below it; a separate floating layer keeps STOP above it.
+    let area = egui::Area::new(egui::Id::unique("stop"))
+        .order(egui::Order::Tooltip)
+        .fixed_pos(place.min)
+        .constrain_to(ui.ctx().content_rect())
+        .default_size(STOP)
+        .layout(egui::Layout::top_down(egui::Align::Center))
+        .fade_in(false);
+    area.show(ui.ctx(), |ui| {
+        let button = ui.add(egui::Button::new("").fill(palette.bad).min_size(STOP));
+        let (middle, painter) = (button.rect.center(), ui.painter());
+        for (line, size, below) in [("STOP", 16.0, -6.0), ("twice: emergency", 10.0, 9.0)] {
+            let (place, font) = (middle + vec2(0.0, below), FontId::proportional(size));
+            painter.text(place, egui::Align2::CENTER_CENTER, line, font, palette.on_colour);
+        }
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "STOP"));
+        if button.on_hover_text(STOP_HELP).clicked() {
+            intents.push(Intent::Stop);
+        }
+    });
+}
+
+fn offer_buttons(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    for offer in offers::offers(scene) {
+        if ui.button(offer.name).on_hover_text(offer.help).clicked() {
+            intents.extend(offer.asks);
+        }
+    }
+}
+
+fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    if let Some(progress) = scene.snapshot.upload {
+        let help = "Give up the upload; the old table stays";
+        if cancel(ui, is_narrow, help) {
+            intents.push(Intent::Device(DeviceIntent::CancelUpload));
+        }
+        let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
+        let text = format!("table {} / {}", progress.sent, progress.total);
+        bar(ui, is_narrow, share, text, "The table is being sent");
+    } else if let Some(waiting) = scene.waiting {
+        if cancel(ui, is_narrow, "Give it up; what was there before stays") {
+            intents.push(Intent::CancelWork);
+        }
+        let text = format!("{} {:.0} %", waiting.what, 100.0 * waiting.share);
+        bar(ui, is_narrow, waiting.share, text, "Being computed");
+    } else if scene.is_table_dirty() {
+        let name = "table differs: upload";
+        let text = RichText::new(if is_narrow { "Upload" } else { name }).color(palette.warn);
+        let button = ui.add(egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn)));
+        button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+        let help = "The device's table is not the one for the plate on the screen. Click to upload it";
+        if button.on_hover_text(help).clicked() {
+            intents.push(Intent::Upload);
+        }
+    }
+}
+
+/// The button that cancels the work in progress; only a symbol in a narrow bar.
+fn cancel(ui: &mut egui::Ui, is_narrow: bool, help: &str) -> bool {
+    let button = ui.button(if is_narrow { "×" } else { "Cancel" });
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Cancel"));
+    button.on_hover_text(help).clicked()
+}
+
+/// The progress bar of the work; without text in a narrow bar.
+fn bar(ui: &mut egui::Ui, is_narrow: bool, share: f32, text: String, help: &str) {
+    let bar = egui::ProgressBar::new(share);
+    if is_narrow {
+        ui.add(bar.desired_width(30.0)).on_hover_text(format!("{help}: {text}"));
+    } else {
+        ui.add(bar.desired_width(130.0).text(text)).on_hover_text(help);
+    }
+}
+
+/// The device menu, with this width in points.
+fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Intents) -> egui::Response {
+    let current = scene.snapshot.port.as_ref();
+    let label = current.map_or_else(
+        || "No device".to_owned(),
+        |port| {
+            let known = scene.ports.iter().find(|info| info.port == *port);
+            known.map_or_else(|| port.to_string(), |info| info.label.clone())
+        },
+    );
+    // A long name must not push STOP out of the window.
+    let menu = egui::ComboBox::from_id_salt("port").selected_text(label.as_str()).width(width).truncate();
+    let response = menu.show_ui(ui, |ui| {
+        for info in scene.ports {
+            let is_current = current == Some(&info.port);
+            let choice = ui.selectable_label(is_current, &info.label);
+            if choice.on_hover_text(format!("Open {} and close the port before", info.port)).clicked()
+                && !is_current
+            {
+                intents.push(Intent::Connect(info.port.clone()));
+            }
+        }
+        ui.separator();
+        if ui.button("Look again").on_hover_text(LOOK_AGAIN).clicked() {
+            intents.push(Intent::RefreshPorts);
+        }
+        let missing = ui.button("A port is missing…");
+        if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
+            intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
+        }
+    });
+    let name = format!("Device: {label}");
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+    response.response.on_hover_text(format!("{label}: what is driven. Press to choose another port"))
+}

@@ -1,0 +1,255 @@
+//! Pages in front of the window: scenes, the calibration, shortcuts, port help, about, diagnostics, a path to be typed,
+//! confirmations.
+
+mod calibrate;
+mod path;
+mod scenes;
+
+pub(crate) use path::TypedPath;
+
+use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use crate::scene::Scene;
+use crate::view::bars::top_bar;
+use crate::view::state::ViewState;
+use crate::view::theme;
+use crate::view::theme::GAP;
+use eframe::egui::{self, RichText};
+use slipline_model::export::report;
+
+/// Every key and what it does.
+pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
+    ("Esc", "STOP in every state, even while typing or in a page: silence; a real device is disarmed"),
+    ("Space", "The same, but not while typing"),
+    ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
+    ("Ctrl+Enter", "Drive"),
+    ("Left, Right", "Move the boundary by 1 mm"),
+    ("Shift+Left, Shift+Right", "Move the boundary by 0.1 mm"),
+    ("Tab, Shift+Tab", "Next, previous control"),
+    ("Enter", "Press the control; take a typed value"),
+    ("Ctrl+Z, Ctrl+Y", "Undo, redo"),
+    ("Ctrl+O, Ctrl+S", "Open, save the setup"),
+    ("Ctrl+1 … Ctrl+6", "Boundary, tones, texture, plate, device, play"),
+    ("Ctrl+B", "Switch between the setups A and B"),
+    ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
+    ("P", "Pause the wave and the plots"),
+    ("Double click", "On the plate: add a tone there"),
+    ("Wheel on a plot", "Zoom about the pointer; with Shift its values"),
+    ("Drag, double click on a plot", "Move it, show all of it again"),
+    ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
+    ("F1", "This page"),
+];
+
+/// What Esc does while a page is open, beside its Close.
+const ESC: &str = "Esc closes it, too, and always stops the drive";
+
+/// Space between the edge of a page and its content, in points.
+const MARGIN: i8 = 16;
+/// Width of a page, and of one with much text, in points; less in a narrow window.
+const USUAL: f32 = 460.0;
+const WIDE: f32 = 620.0;
+/// Least height of a page, even in a window that is too low for it, in points.
+const LEAST_HEIGHT: f32 = 90.0;
+/// Height of the row with Close, and the space before it, in points.
+const CLOSE: f32 = 26.0 + 2.0 * GAP;
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let Some(dialog) = scene.dialog else {
+        view.typed_path = None;
+        return;
+    };
+    let frame = egui::Frame::popup(ui.style()).inner_margin(MARGIN);
+    let room = ui.ctx().content_rect().size() - egui::Vec2::splat(2.0 * f32::from(MARGIN));
+    let width = if is_wide(dialog) { WIDE } else { USUAL };
+    // The page is low enough to stay clear of STOP, which is drawn above every page.
+    let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
+    let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
+        ui.set_width(width.min(room.x - 2.0 * GAP).max(0.0));
+        let most = height - CLOSE;
+        // Without the least height an area in a page takes no more than it had: a page that grows would be cut.
+        let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most);
+        let area = area.auto_shrink([false, true]);
+        let is_ended = area.show(ui, |ui| {
+            theme::clear_of_bar(ui);
+            match dialog {
+                Dialog::Scenes => scenes::show(ui, scene, intents),
+                Dialog::Shortcuts => shortcuts(ui),
+                Dialog::PortHelp => port_help(ui, intents),
+                Dialog::About => about(ui),
+                Dialog::Diagnostics => diagnostics(ui, scene, intents),
+                Dialog::Calibrate => calibrate::show(ui, scene, view, intents),
+                Dialog::Path(question) => return path::show(ui, question, &mut view.typed_path, intents),
+                Dialog::Confirm(confirm) => return confirmation(ui, *confirm, scene, intents),
+            }
+            false
+        });
+        if matches!(dialog, Dialog::Path(_) | Dialog::Confirm(_)) {
+            return is_ended.inner;
+        }
+        ui.add_space(GAP);
+        if matches!(dialog, Dialog::Calibrate) {
+            return calibrate::steps(ui, scene, intents);
+        }
+        ui.horizontal(|ui| {
+            let is_closed =
+                ui.button("Close").on_hover_text("Back to the window; nothing is changed").clicked();
+            ui.label(RichText::new(ESC).small().color(theme::palette(ui).weak));
+            is_closed
+        })
+        .inner
+    });
+    if response.inner || response.should_close() {
+        intents.push(Intent::Dialog(None));
+    }
+}
+
+/// Whether a page has much text, or a picture.
+const fn is_wide(dialog: &Dialog) -> bool {
+    matches!(dialog, Dialog::Calibrate | Dialog::Diagnostics | Dialog::PortHelp | Dialog::Scenes)
+}
+
+/// Width of the column of keys, in points.
+const KEYS: f32 = 170.0;
+
+fn shortcuts(ui: &mut egui::Ui) {
+    ui.heading("Shortcuts");
+    ui.add_space(6.0);
+    for (keys, action) in SHORTCUTS {
+        ui.horizontal_top(|ui| {
+            let column = egui::vec2(KEYS, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(column, egui::Layout::left_to_right(egui::Align::Min), |ui| {
+                ui.set_min_width(KEYS);
+                ui.label(RichText::new(keys).strong());
+            });
+            ui.add(egui::Label::new(action).wrap());
+        });
+    }
+}
+
+/// The udev rules that let the user at the screen open a device and flash it. This is the file that is shipped.
+const UDEV_RULES: &str = include_str!("../../../../firmware/70-slipline.rules");
+
+fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
+    ui.heading("Ports and permissions");
+    ui.add_space(6.0);
+    for (question, answer) in [
+        (
+            "The device is not listed",
+            "Use a cable that carries data, not a charging cable. The board shows up a second after it is plugged in; then press Look again.",
+        ),
+        (
+            "Linux: no permission",
+            "Put the rules below into /etc/udev/rules.d/70-slipline.rules and plug the device in again. Or join the group dialout (on some systems uucp) and log in again.",
+        ),
+        (
+            "Windows",
+            "The port works with the system's own driver. If it is listed but busy, close other serial programs.",
+        ),
+        ("macOS", "Choose the port that begins with /dev/cu."),
+    ] {
+        ui.label(RichText::new(question).strong());
+        ui.add(egui::Label::new(answer).wrap());
+        ui.add_space(4.0);
+    }
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        ui.add(egui::Label::new(RichText::new(UDEV_RULES).monospace().small()).wrap());
+    });
+    if ui
+        .button("Copy the rules")
+        .on_hover_text("Put them on the clipboard, to paste them into that file")
+        .clicked()
+    {
+        intents.push(Intent::Copy(UDEV_RULES.to_owned()));
+    }
+}
+
+fn about(ui: &mut egui::Ui) {
+    ui.heading(format!("Slipline {}", env!("CARGO_PKG_VERSION")));
+    ui.add_space(6.0);
+    for text in [
+        "A tactile display on a tapered plate: a wave travels to its turning point, peaks and dies out. The frequency sets where.",
+        "What a finger feels is illustrative: calibrate on your own plate.",
+        "MIT OR Apache-2.0. Fonts: Ubuntu (Ubuntu font licence), Noto and Hack as they come with egui.",
+    ] {
+        ui.add(egui::Label::new(text).wrap());
+        ui.add_space(4.0);
+    }
+}
+
+/// Height of the diagnostics text, in points; less in a small window.
+const DIAGNOSTICS: f32 = 380.0;
+
+fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    ui.heading("Diagnostics");
+    ui.add_space(6.0);
+    ui.label("What helps to find a fault is on the clipboard now: read it before you send it.");
+    ui.label("It holds no name of yours or of your machine.");
+    let text = report::text(scene.snapshot, scene.setup, scene.table);
+    ui.horizontal(|ui| {
+        if ui.button("Copy again").on_hover_text("Put the text below on the clipboard once more").clicked() {
+            intents.push(Intent::CopyDiagnostics);
+        }
+        if ui.button("Save diagnostics…").on_hover_text("Write the text below into a file").clicked() {
+            intents.push(Intent::Export(Export::Diagnostics));
+        }
+    });
+    let height = (ui.ctx().content_rect().height() - 310.0).clamp(60.0, DIAGNOSTICS);
+    egui::Frame::group(ui.style()).show(ui, |ui| {
+        let area = egui::ScrollArea::both().max_height(height).auto_shrink([false, false]);
+        area.show(ui, |ui| {
+            ui.add(egui::Label::new(RichText::new(text).monospace()).extend());
+        });
+    });
+}
+
+/// Title, explanation and button text.
+const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
+    match confirm {
+        Confirm::Arm => (
+            "Arm the device?",
+            "The amplifier is unmuted and the plate can move as soon as it is driven. Keep hands and loose things off the actuator. STOP, Esc and Space stop and disarm it; twice within a second they are an emergency stop.",
+            "Arm",
+        ),
+        Confirm::Store => (
+            "Overwrite what the device keeps?",
+            "The device's present table replaces the one in its flash and is used from the next start on. An armed device is disarmed first: for up to 5 s it takes no stop.",
+            "Overwrite",
+        ),
+        Confirm::Forget => (
+            "Erase what the device keeps?",
+            "The table in the device's flash is erased. The one in use stays. An armed device is disarmed first: for up to 5 s it takes no stop.",
+            "Erase",
+        ),
+        Confirm::Bootloader => (
+            "Restart into the bootloader?",
+            "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again.",
+            "Restart",
+        ),
+    }
+}
+
+fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents: &mut Intents) -> bool {
+    let (title, text, mut verb) = words(confirm);
+    ui.heading(title);
+    ui.add_space(6.0);
+    ui.add(egui::Label::new(text).wrap());
+    if confirm == Confirm::Arm
+        && let Some(sentence) = scene.asks_before_arming()
+    {
+        ui.add_space(6.0);
+        let warning = RichText::new(sentence).color(theme::palette(ui).warn);
+        ui.add(egui::Label::new(warning).wrap());
+        ui.add(egui::Label::new("Slipline asks this once for each board.").wrap());
+        verb = "Arm all the same";
+    }
+    ui.add_space(10.0);
+    ui.horizontal(|ui| {
+        let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
+        let confirm_button = ui.button(RichText::new(verb).strong());
+        let is_confirmed = confirm_button.on_hover_text("Do what is described above, now").clicked();
+        if is_confirmed {
+            intents.push(Intent::Confirmed(confirm));
+        }
+        is_cancelled || is_confirmed
+    })
+    .inner
+}

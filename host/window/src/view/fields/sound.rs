@@ -1,0 +1,80 @@
+//! The choice of what is heard.
+
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::sound::{SoundChoice, SpeakerState};
+use crate::view::fields::field::Fields;
+use crate::view::fields::slider::{FreeSlider, LEVELS};
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_plate::quantity;
+
+const CHOICES: [(SoundChoice, &str, &str); 3] = [
+    (SoundChoice::Off, "Off", "Nothing is played"),
+    (
+        SoundChoice::Finger,
+        "Finger",
+        "What the finger meets; ultrasound is shifted down by whole octaves. Illustrative",
+    ),
+    (
+        SoundChoice::Drive,
+        "Drive",
+        "The drive itself, up to 1 kHz: connect an amplifier and a voice coil to this computer's sound output. \
+         Take off headphones, begin with a low volume, and keep this window in sight: covered, it falls silent",
+    ),
+];
+
+/// The choice, the volume, and why nothing is heard.
+pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        theme::heading(ui, "Sound");
+        for (choice, name, help) in CHOICES {
+            let radio = ui.radio(scene.sound.choice == choice, name);
+            let said = format!("Sound: {name}");
+            radio.widget_info(|| {
+                egui::WidgetInfo::selected(egui::Role::RadioButton, true, scene.sound.choice == choice, &said)
+            });
+            if radio.on_hover_text(help).clicked() {
+                intents.push(Intent::Sound(choice));
+            }
+        }
+    });
+    // Without a finger nothing of it is heard.
+    let is_heard = match scene.sound.choice {
+        SoundChoice::Off => false,
+        SoundChoice::Finger => scene.finger.is_some(),
+        SoundChoice::Drive => true,
+    };
+    if !is_heard {
+        return;
+    }
+    let volume = f64::from(scene.settings.volume);
+    let slider = FreeSlider {
+        name: "Volume",
+        help: "How loud it is played",
+        value: volume,
+        range: 0.0..=1.0,
+        is_logarithmic: false,
+        shown: format!("{volume:.2}"),
+        allowed: LEVELS.to_owned(),
+        read: quantity::level,
+    };
+    if let Some(volume) = slider.show(ui, typed) {
+        intents.push(Intent::Volume(volume as f32));
+    }
+    let (text, colour) = match (&scene.sound.speaker, &scene.sound.unplayed) {
+        (SpeakerState::Failed(reason), _) => (format!("No sound: {reason}."), palette.wrong),
+        (_, Some(reason)) => (reason.clone(), palette.warn),
+        (_, None) => return,
+    };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(RichText::new(text).small().color(colour));
+        let help = "Open the sound output of this computer once more";
+        if matches!(scene.sound.speaker, SpeakerState::Failed(_))
+            && ui.small_button("Try again").on_hover_text(help).clicked()
+        {
+            intents.push(Intent::Sound(scene.sound.choice));
+        }
+    });
+}

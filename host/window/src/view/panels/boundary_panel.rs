@@ -1,0 +1,148 @@
+//! The boundary panel: the boundary's place, its tone and its level.
+
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::view::fields::{
+    feeling_fields,
+    field::{InputField, UNKNOWN, row},
+    hold_fields,
+    place_field::{allowed, typed_position},
+    slider::Quantity,
+    sound,
+};
+use crate::view::stage::{self, finger};
+use crate::view::state::ViewState;
+use crate::view::theme;
+use eframe::egui::{self, RichText, text::LayoutJob};
+use slipline_model::field::line::Holds;
+use slipline_model::field::steady_field::SteadyTone;
+use slipline_model::setup::BoundaryMode;
+use slipline_model::setup::edit::Edit;
+use slipline_plate::quantity::{show_frequency, show_length, show_place};
+use slipline_plate::sensation::SLIPPERY_FROM_HZ;
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let setup = scene.setup;
+    let Some(tone) = setup.tone(scene.selected).copied() else { return };
+    let slot = tone.slot;
+    let plate = &setup.plate;
+    let frequency_hz = plate.frequency_for_boundary_hz(tone.position_m);
+    let steady = scene.drive_table.map(|table| SteadyTone::of(setup, &tone, table));
+    let palette = theme::palette(ui);
+
+    let kind = if frequency_hz >= SLIPPERY_FROM_HZ { "Slippery boundary" } else { "Vibration boundary" };
+    let explanation = if frequency_hz >= SLIPPERY_FROM_HZ {
+        "Slippery up to the line, the plate's own friction beyond."
+    } else {
+        "Vibration up to the line, stillness beyond it. Slipperiness needs 20 kHz and more."
+    };
+    ui.label(RichText::new(kind).strong().size(15.0));
+    ui.label(RichText::new(explanation).color(palette.weak).small());
+    if setup.tones.len() > 1 {
+        ui.label(RichText::new(format!("Selected: {}", stage::handle_name(scene, slot))).small());
+    }
+    ui.add_space(4.0);
+
+    let mut reason = None;
+    ui.horizontal_top(|ui| {
+        let value = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
+        let place = InputField {
+            name: "Boundary position",
+            value: &value,
+            hint: "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)",
+            width: 124.0,
+            caption: Some("Position"),
+            is_live: false,
+        };
+        let taken =
+            place.show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text));
+        let value = show_frequency(frequency_hz);
+        let pitch = InputField {
+            name: "Boundary frequency",
+            value: &value,
+            hint: "A frequency (126 Hz, 40 kHz) or a place (120 mm)",
+            width: 124.0,
+            caption: Some("Frequency"),
+            is_live: false,
+        };
+        let taken = pitch
+            .show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text))
+            .or(taken);
+        if let Some(position_m) = taken {
+            intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+        }
+    });
+    range(ui, scene, reason);
+    if let Some(Holds::FeltEdge | Holds::PlateEnd) = scene.line(slot).map(|line| line.holds) {
+        row(ui, "Turning point", show_place(tone.position_m));
+    }
+    if let Some(half_m) = plate.boundary_tolerance_m(tone.position_m) {
+        row(ui, "Calibrated to", format!("± {}", show_length(half_m)))
+            .on_hover_text("The boundary lies within this of its place, in 95 of 100 calibrations");
+    }
+    if let Some(wave) = scene.predicted.tone(slot) {
+        row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));
+        let height_m =
+            if scene.finger.is_some() { wave.peak_height_m } else { steady.map(|steady| steady.peak_m) };
+        let height_m = height_m.filter(|_| steady.is_some());
+        row(ui, "Peak height", height_m.map_or(UNKNOWN.to_owned(), show_length));
+        row(ui, "Edge, peak to 10 %", show_place(wave.edge_width_m));
+    }
+    ui.add_space(6.0);
+    ui.separator();
+    mode(ui, scene, intents);
+    finger::choice(ui, scene, intents);
+    sound::choice(ui, scene, &mut view.fields, intents);
+
+    ui.add_space(6.0);
+    ui.separator();
+    hold_fields::show(ui, scene, &mut view.fields, intents);
+    let level = |level| Edit::Level { slot, level };
+    Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, &mut view.fields, intents);
+    Quantity::master(setup.master_db).show(ui, setup, &mut view.fields, intents);
+    Quantity::glide(setup.glide_s).show(ui, setup, &mut view.fields, intents);
+
+    ui.add_space(6.0);
+    ui.separator();
+    feeling_fields::show(ui, scene, &mut view.fields, intents);
+}
+
+/// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason
+/// moves nothing.
+fn range(ui: &mut egui::Ui, scene: &Scene<'_>, reason: Option<String>) {
+    let palette = theme::palette(ui);
+    let (text, colour) = match reason {
+        Some(reason) => (reason, palette.wrong),
+        None => (allowed(scene, scene.limits_m), palette.weak),
+    };
+    let size = egui::vec2(ui.available_width(), 2.0 * ui.text_style_height(&egui::TextStyle::Small));
+    ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
+        ui.set_min_size(size);
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let mut lines = LayoutJob::simple(text, font, colour, size.x);
+        lines.wrap.max_rows = 2;
+        ui.label(lines);
+    });
+}
+
+/// What the line holds, and how a finger feels.
+fn mode(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    ui.horizontal(|ui| {
+        theme::heading(ui, "Line at");
+        for (mode, name, help) in MODES {
+            let radio = ui.radio(scene.setup.boundary == mode, name).on_hover_text(help);
+            if radio.clicked() {
+                intents.push(Intent::Edit(Edit::Boundary(mode)));
+            }
+        }
+    });
+}
+
+const MODES: [(BoundaryMode, &str, &str); 2] = [
+    (
+        BoundaryMode::FeltEdge,
+        "Felt edge",
+        "Where the motion of the plate without a finger falls below what is just felt. Illustrative: fingers differ",
+    ),
+    (BoundaryMode::TurningPoint, "Turning point", "Where the wave turns back: set by the frequency alone"),
+];

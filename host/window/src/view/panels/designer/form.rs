@@ -1,0 +1,276 @@
+//! The form of the designer: the fields of a draft, and the reason of a refusal at the field it names. Fields and
+//! terms are those of `slipline design`.
+
+use crate::caption::{self, Panel};
+use crate::view::fields::field::{Fields, InputField, labelled};
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_model::jobs::design::{Draft, Kind, Stretch};
+use slipline_plate::PlateError;
+use slipline_plate::design::{Material, material_names};
+use slipline_plate::limits;
+use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
+use slipline_plate::quantity::{self, Caption, FIELD_DIGITS, Measure, Range, Unit, show_range};
+
+/// Width of a field or menu, in points: to the end of the panel.
+const FIELD: f32 = 156.0;
+/// The text of a field whose value is left to the library.
+const AUTOMATIC: &str = "auto";
+
+/// The fields of a draft.
+pub(super) struct Form<'a> {
+    draft: &'a Draft,
+    refusal: Option<&'a PlateError>,
+    fields: &'a mut Fields,
+    shown: Shown,
+}
+
+/// The result of showing the form.
+#[derive(Default)]
+pub(super) struct Shown {
+    /// The changed draft, if the user changed it.
+    pub(super) change: Option<Draft>,
+    /// Whether the reason of the refusal was shown at its field.
+    pub(super) is_told: bool,
+}
+
+/// One field: its name, its text and its allowed range.
+struct Entry {
+    caption: &'static Caption,
+    value: String,
+    hint: String,
+}
+
+fn text_of<E: ToString>(error: E) -> String {
+    error.to_string()
+}
+
+fn millimetres(metres: f64) -> String {
+    Unit::Millimetre.written(metres, FIELD_DIGITS)
+}
+
+fn lengths(allowed: Range) -> String {
+    show_range(allowed.low, allowed.high, Measure::Length)
+}
+
+/// The typed value, or `None` for an empty text or `auto`.
+fn optional(text: &str, read: impl FnOnce(&str) -> Result<f64, String>) -> Result<Option<f64>, String> {
+    let text = text.trim();
+    if text.is_empty() || text == AUTOMATIC { Ok(None) } else { read(text).map(Some) }
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    quantity::length_m(text).map_err(text_of)
+}
+
+fn frequency(text: &str) -> Result<f64, String> {
+    quantity::frequency_hz(text).map_err(text_of)
+}
+
+impl<'a> Form<'a> {
+    /// A form of this draft; `refusal` is why there is no plate for it.
+    pub(super) fn new(draft: &'a Draft, refusal: Option<&'a PlateError>, fields: &'a mut Fields) -> Self {
+        Self { draft, refusal, fields, shown: Shown::default() }
+    }
+
+    /// Shows every field.
+    pub(super) fn show(mut self, ui: &mut egui::Ui) -> Shown {
+        ui.push_id("design", |ui| {
+            self.sheet(ui);
+            self.size(ui);
+            let more = egui::CollapsingHeader::new("More").show_unindented(ui, |ui| self.rest(ui));
+            more.header_response.on_hover_text("Values that are chosen for you unless you give them");
+        });
+        self.shown
+    }
+
+    /// Shows a field; `take` applies the typed text to the draft.
+    fn entry(
+        &mut self,
+        ui: &mut egui::Ui,
+        entry: &Entry,
+        take: impl FnOnce(&mut Draft, &str) -> Result<(), String>,
+    ) {
+        let Entry { caption: Caption { name, keys, .. }, value, hint } = entry;
+        let reason = self.refusal.filter(|refusal| keys.contains(&refusal.field()));
+        labelled(ui, name, |ui| {
+            ui.vertical(|ui| {
+                let field = InputField { name, value, hint, width: FIELD, caption: None, is_live: true };
+                let draft = self.draft;
+                let taken = field.show(ui, self.fields, |text| {
+                    let mut draft = draft.clone();
+                    take(&mut draft, text).map(|()| draft)
+                });
+                self.shown.change = taken.or(self.shown.change.take());
+                if let Some(refusal) = reason {
+                    self.shown.is_told = true;
+                    let text =
+                        RichText::new(refusal.told(&Panel::Designer)).small().color(theme::palette(ui).wrong);
+                    ui.add(egui::Label::new(text).wrap());
+                }
+            });
+        });
+    }
+
+    /// Shows a menu of values and their names; `now` is selected, and `take` applies another choice to the draft.
+    fn choice<T: PartialEq + Copy>(
+        &mut self,
+        ui: &mut egui::Ui,
+        name: &str,
+        (now, help): (T, &str),
+        all: impl Iterator<Item = (T, &'static str)>,
+        take: impl FnOnce(&mut Draft, T),
+    ) {
+        let all: Vec<(T, &'static str)> = all.collect();
+        let shown = all.iter().find(|(value, _)| *value == now).map_or("", |(_, name)| *name);
+        labelled(ui, name, |ui| {
+            let mut chosen = None;
+            let menu = egui::ComboBox::from_id_salt(name).selected_text(shown).width(FIELD);
+            let menu = menu.show_ui(ui, |ui| {
+                for (value, name) in &all {
+                    if ui.selectable_label(*value == now, *name).clicked() && *value != now {
+                        chosen = Some(*value);
+                    }
+                }
+            });
+            let label = format!("{name}: {shown}");
+            menu.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
+            menu.response.on_hover_text(help);
+            if let Some(value) = chosen {
+                let mut draft = self.draft.clone();
+                take(&mut draft, value);
+                self.shown.change = Some(draft);
+            }
+        });
+    }
+
+    /// The material of the sheet, and the kind of its wave.
+    fn sheet(&mut self, ui: &mut egui::Ui) {
+        let draft = self.draft;
+        let materials = material_names().map(|name| (name, name));
+        let help = "What the sheet is made of: its stiffness, density and loss are known";
+        self.choice(ui, "Material", (draft.material, help), materials, |draft, name| {
+            draft.material = name;
+            draft.loss_factor = None;
+        });
+        let thickness = Entry {
+            caption: &caption::THICKNESS,
+            value: millimetres(draft.thickness_m),
+            hint: format!("The sheet's thickness, {}", lengths(limits::THICKNESS)),
+        };
+        self.entry(ui, &thickness, |draft, text| length(text).map(|value| draft.thickness_m = value));
+        let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
+        let help = "How the sheet is held at its edges, and so which wave travels on it";
+        self.choice(ui, "Wave", (draft.kind, help), kinds, |draft, kind| draft.kind = kind);
+        match draft.kind {
+            Kind::Supported | Kind::Clamped => {
+                let mut thin = draft.thin;
+                let check = ui.checkbox(&mut thin, "Thin plate");
+                if check.on_hover_text("Leave out shear and rotary inertia").changed() {
+                    self.shown.change = Some(Draft { thin, ..draft.clone() });
+                }
+            }
+            Kind::Membrane => self.stretch(ui),
+            Kind::Shear => {}
+        }
+    }
+
+    /// The stretch of a membrane: a wave speed or a tension.
+    fn stretch(&mut self, ui: &mut egui::Ui) {
+        let value = match self.draft.stretch {
+            Stretch::WaveSpeed(speed) => format!("{speed} m/s"),
+            Stretch::Tension(tension) => format!("{tension} N/m"),
+        };
+        let stretch = Entry {
+            caption: &caption::WAVE_SPEED,
+            value,
+            hint: "A wave speed (12 m/s) or a tension per width (70 N/m)".to_owned(),
+        };
+        self.entry(ui, &stretch, |draft, text| {
+            draft.stretch = match quantity::plain(text, "m/s") {
+                Ok(speed) => Stretch::WaveSpeed(speed),
+                Err(_) => {
+                    Stretch::Tension(quantity::plain(text, "N/m").map_err(|error| format!("{error} or m/s"))?)
+                }
+            };
+            Ok(())
+        });
+    }
+
+    /// The band and the length of the plate.
+    fn size(&mut self, ui: &mut egui::Ui) {
+        let draft = self.draft;
+        let low = Entry {
+            caption: &caption::BAND_LOW,
+            value: Unit::Hertz.written(draft.band_hz.0, FIELD_DIGITS),
+            hint: "The boundary's lowest frequency, such as 20 kHz".to_owned(),
+        };
+        self.entry(ui, &low, |draft, text| frequency(text).map(|value| draft.band_hz.0 = value));
+        let high = Entry {
+            caption: &caption::BAND_HIGH,
+            value: Unit::Hertz.written(draft.band_hz.1, FIELD_DIGITS),
+            hint: format!(
+                "The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest",
+            ),
+        };
+        self.entry(ui, &high, |draft, text| frequency(text).map(|value| draft.band_hz.1 = value));
+        let long = Entry {
+            caption: &caption::LENGTH,
+            value: millimetres(draft.length_m),
+            hint: format!("From the driven end to the narrow end, {}", lengths(limits::LENGTH)),
+        };
+        self.entry(ui, &long, |draft, text| length(text).map(|value| draft.length_m = value));
+    }
+
+    /// The values that the library chooses unless the user gives them.
+    fn rest(&mut self, ui: &mut egui::Ui) {
+        let draft = self.draft;
+        let automatic = |value: Option<f64>| value.map_or_else(|| AUTOMATIC.to_owned(), millimetres);
+        let start = Entry {
+            caption: &caption::START_MARGIN,
+            value: automatic(draft.start_margin_m),
+            hint: "From the driven end to the nearest boundary; auto: as much as its peak needs".to_owned(),
+        };
+        self.entry(ui, &start, |draft, text| {
+            optional(text, length).map(|value| draft.start_margin_m = value)
+        });
+        let end = Entry {
+            caption: &caption::END_MARGIN,
+            value: automatic(draft.end_margin_m),
+            hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs".to_owned(),
+        };
+        self.entry(ui, &end, |draft, text| optional(text, length).map(|value| draft.end_margin_m = value));
+        let library = Material::named(draft.material).map_or(0.0, |material| material.loss_factor);
+        let loss = Entry {
+            caption: &caption::LOSS_FACTOR,
+            value: draft.loss_factor.unwrap_or(library).to_string(),
+            hint: format!("{}; auto: the library's for this material", limits::LOSS_FACTOR),
+        };
+        self.entry(ui, &loss, |draft, text| {
+            let plain = |text: &str| quantity::plain(text, "").map_err(text_of);
+            optional(text, plain).map(|value| draft.loss_factor = value)
+        });
+        let scale = Entry {
+            caption: &caption::FULL_SCALE,
+            value: draft.full_scale_m.map_or_else(|| AUTOMATIC.to_owned(), millimetres),
+            hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm"
+                .to_owned(),
+        };
+        self.entry(ui, &scale, |draft, text| optional(text, length).map(|value| draft.full_scale_m = value));
+        let rim = Entry {
+            caption: &caption::RIM,
+            value: millimetres(draft.rim_m),
+            hint: format!("Width of the frame's rim, {}", lengths(limits::RIM)),
+        };
+        self.entry(ui, &rim, |draft, text| length(text).map(|value| draft.rim_m = value));
+        let name = Entry {
+            caption: &caption::NAME,
+            value: draft.name.clone(),
+            hint: format!("The plate's name, {}", limits::NAME.with_unit()),
+        };
+        self.entry(ui, &name, |draft, text| {
+            draft.name = text.trim().to_owned();
+            Ok(())
+        });
+    }
+}

@@ -1,0 +1,260 @@
+//! The device panel: port, connection, table, counters.
+
+use crate::intent::{Confirm, DeviceIntent, Dialog, Intent, Intents};
+use crate::scene::Scene;
+use crate::view::bars::top_bar;
+use crate::view::fields::field::row;
+use crate::view::state::ViewState;
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_link::protocol::event::State;
+use slipline_link::{LinkState, Port, upkeep};
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
+    ports(ui, scene, intents);
+    ui.separator();
+    connection(ui, scene, intents);
+    if scene.snapshot.is_connected() {
+        ui.separator();
+        identity(ui, scene, intents);
+        ui.separator();
+        table(ui, scene, intents);
+        ui.separator();
+        quality(ui, scene);
+        ui.separator();
+        service(ui, scene, intents);
+    }
+}
+
+fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal(|ui| {
+        theme::heading(ui, "Ports");
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.small_button("Look again").on_hover_text(top_bar::LOOK_AGAIN).clicked() {
+                intents.push(Intent::RefreshPorts);
+            }
+        });
+    });
+    for info in scene.ports {
+        let is_current = scene.snapshot.port.as_ref() == Some(&info.port);
+        let badge = match info.port {
+            Port::Simulated => "simulated",
+            _ if info.is_ours => "Slipline",
+            _ => "",
+        };
+        let badge = RichText::new(badge).small().color(palette.accent);
+        let size = egui::vec2(ui.available_width(), 28.0);
+        let button =
+            egui::Button::selectable(is_current, &info.label).right_text(badge).truncate().min_size(size);
+        let help = format!("{}: press to connect to it", info.port);
+        let is_open = is_current && scene.snapshot.is_connected();
+        if ui.add(button).on_hover_text(help).clicked() && !is_open {
+            intents.push(Intent::Connect(info.port.clone()));
+        }
+    }
+    if scene.ports.len() <= 1 {
+        ui.label(RichText::new("No serial port found.").small().color(palette.weak));
+    }
+    let missing = ui.link("My device is not listed, or may not be opened");
+    if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
+        intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
+    }
+}
+
+fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let snapshot = scene.snapshot;
+    let (word, colour, sentence) = top_bar::state_words(scene, palette);
+    row(ui, "State", RichText::new(word).color(colour));
+    ui.label(RichText::new(sentence).small().color(palette.weak));
+    ui.horizontal(|ui| {
+        let is_open = !matches!(snapshot.link, LinkState::Disconnected);
+        let again = "Open the same port again; the device comes back disarmed";
+        if matches!(snapshot.link, LinkState::Lost(_))
+            && ui.button("Reconnect").on_hover_text(again).clicked()
+        {
+            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+        }
+        if is_open {
+            if ui.button("Disconnect").on_hover_text("Stop, disarm and close the port").clicked() {
+                intents.push(Intent::Device(DeviceIntent::Disconnect));
+            }
+        } else if ui.button("Connect").on_hover_text("Open the port that was chosen last").clicked() {
+            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+        }
+        let mut looks = snapshot.auto_reconnect;
+        let switch = ui.checkbox(&mut looks, "Reconnect by itself");
+        if switch
+            .on_hover_text("Look for a lost device, which comes back disarmed, and wait for a missing port")
+            .changed()
+        {
+            intents.push(Intent::Device(DeviceIntent::AutoReconnect(looks)));
+        }
+    });
+}
+
+fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let snapshot = scene.snapshot;
+    let Some(identity) = &snapshot.identity else { return };
+    let (major, minor, patch) = identity.firmware;
+    row(ui, "Board", identity.board.as_str());
+    row(ui, "Firmware", format!("{major}.{minor}.{patch} ({})", identity.build));
+    row(ui, "Protocol", format!("{}.{}", identity.version.major, identity.version.minor));
+    if let Some(unit) = snapshot.unit() {
+        row(ui, "Unit", RichText::new(unit).monospace().small());
+    }
+    row(
+        ui,
+        "Rate",
+        format!("{:.0} kS/s, {} bits", f64::from(identity.sample_rate_hz) * 1e-3, identity.dac_bits),
+    );
+    if let Some(told) = &snapshot.maintenance {
+        let colour = |is_good: bool| if is_good { palette.text } else { palette.warn };
+        let wear = RichText::new(upkeep::wear(told)).color(colour(upkeep::worn(told).is_none()));
+        row(ui, "Flash erased", wear);
+        let level = RichText::new(upkeep::brown_out_level(told)).color(colour(told.brown_out_guarded));
+        row(ui, "Brown-out level", level);
+        let warnings = upkeep::before_arming(told).map(str::to_owned).into_iter().chain(upkeep::worn(told));
+        for warning in warnings {
+            ui.label(RichText::new(warning).small().color(palette.warn));
+        }
+    }
+    if let Some(compatibility) = snapshot.compatibility {
+        let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
+        ui.label(RichText::new(compatibility.sentence()).small().color(colour));
+    }
+    if !identity.crash.is_empty() {
+        let text = format!("It crashed before: {}", identity.crash);
+        ui.label(RichText::new(text).small().color(palette.warn));
+    }
+    if snapshot.status.is_some_and(|status| !status.faults.is_empty())
+        && ui.button("Clear faults").on_hover_text("Clear the latched faults whose cause is gone").clicked()
+    {
+        intents.push(Intent::Device(DeviceIntent::ClearFaults));
+    }
+}
+
+fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let snapshot = scene.snapshot;
+    theme::heading(ui, "Turning-point table");
+    let on_device = snapshot
+        .table
+        .active
+        .map_or("none".to_owned(), |header| format!("{:08x}, {} knots", header.crc, header.knots));
+    row(ui, "On the device", RichText::new(on_device).monospace().small());
+    let on_screen = scene.table_crc().map_or("being made".to_owned(), |crc| format!("{crc:08x}"));
+    row(ui, "On the screen", RichText::new(on_screen).monospace().small());
+    let (text, colour) = match (snapshot.upload, scene.is_table_dirty(), snapshot.upload_verified) {
+        (Some(progress), ..) => (format!("sending {} of {}", progress.sent, progress.total), palette.weak),
+        (None, true, Some(false)) => ("the digest read back is not the one sent".to_owned(), palette.wrong),
+        (None, true, _) => ("they differ".to_owned(), palette.warn),
+        (None, false, Some(true)) => ("the same: verified by its digest".to_owned(), palette.good),
+        (None, false, _) => ("the same".to_owned(), palette.good),
+    };
+    row(ui, "Which are", RichText::new(text).color(colour));
+    let (text, colour) = match snapshot.travel_limit {
+        Some(_) => ("limited by the device", palette.good),
+        None if !snapshot.can_limit_travel() => ("not limited: the firmware is too old", palette.warn),
+        None => ("not limited", palette.weak),
+    };
+    row(ui, "Actuator's travel", RichText::new(text).color(colour));
+    ui.horizontal(|ui| {
+        if let Some(progress) = snapshot.upload {
+            let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
+            ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
+            let cancel = ui.button("Cancel upload");
+            if cancel.on_hover_text("Give it up; the device keeps the table it has").clicked() {
+                intents.push(Intent::Device(DeviceIntent::CancelUpload));
+            }
+        } else {
+            let upload = ui.add_enabled(scene.table_crc().is_some(), egui::Button::new("Upload"));
+            let upload =
+                upload.on_hover_text("Send the table of the plate on the screen, and compare its digest");
+            if upload.on_disabled_hover_text("The table is being made").clicked() {
+                intents.push(Intent::Upload);
+            }
+            if ui.button("Read back").on_hover_text("Ask the device which table it holds").clicked() {
+                intents.push(Intent::Device(DeviceIntent::ReadBack));
+            }
+        }
+    });
+}
+
+fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    theme::heading(ui, "Link");
+    let snapshot = scene.snapshot;
+    let ms = |time: std::time::Duration| format!("{:.2} ms", time.as_secs_f64() * 1e3);
+    let mut told = |name: &str, value: String, help: &str| row(ui, name, value).on_hover_text(help);
+    let round_trip = format!("{}, worst {}", ms(snapshot.round_trip.average), ms(snapshot.round_trip.worst));
+    told("Round trip", round_trip, "From a command to its answer");
+    let link = snapshot.counters;
+    told("Commands", link.commands.to_string(), "How many were sent, repeats not counted");
+    let lost = format!("{} / {}", link.retries, link.timeouts);
+    told(
+        "Retries / time-outs",
+        lost,
+        "Commands sent again, and answers that did not come in time: a bad cable or a busy port",
+    );
+    let help = "Drives in whose place a newer one or a stop was sent, as in a drag";
+    told("Superseded drives", link.superseded.to_string(), help);
+    let help = "Messages of the device that arrived damaged; what waits for them is sent again";
+    told("CRC errors here", snapshot.decoder.damaged.to_string(), help);
+    if let Some(status) = snapshot.status {
+        let device = status.counters;
+        let help = "Commands that arrived damaged at the device; it did not act on them";
+        told("CRC errors there", device.crc_errors.to_string(), help);
+        let help = "Answers that this computer did not take in time, and commands that a stop or a full queue left out";
+        told("Dropped there", device.dropped.to_string(), help);
+        let help = "Commands that the device got twice and acted on once";
+        told("Repeats there", device.duplicates.to_string(), help);
+        let failed = format!("{} / {}", device.underruns, device.clips);
+        told(
+            "Underruns / clips",
+            failed,
+            "Times the DAC ran out of samples, and samples that were beyond its range",
+        );
+        if device.max_cycles > 0 {
+            let help = "The longest that a block of the drive took the device's processor";
+            told("Cycles a block, most", device.max_cycles.to_string(), help);
+        }
+    }
+}
+
+/// Why the buttons that write to flash are disabled.
+const SOUNDS: &str = "Only while nothing sounds";
+
+fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    theme::heading(ui, "Service");
+    let state = scene.snapshot.status.map(|status| status.state);
+    // With a fault it is disarmed, and storing anew is the remedy for some.
+    let is_silent = matches!(state, Some(State::Idle | State::Armed | State::Fault));
+    // An incompatible device may report no state, and flashing it is the remedy, so this must stay possible.
+    let is_muted = matches!(state, None | Some(State::Idle | State::Fault | State::SafeMode));
+    ui.horizontal_wrapped(|ui| {
+        for (name, help, may, otherwise, confirm) in [
+            (
+                "Keep table…",
+                "Keep the device's table in its flash, used from the next start on",
+                is_silent,
+                SOUNDS,
+                Confirm::Store,
+            ),
+            ("Forget table…", "Erase the table kept in flash", is_silent, SOUNDS, Confirm::Forget),
+            (
+                "Bootloader…",
+                "Restart into the ROM bootloader to flash firmware",
+                is_muted,
+                "Only while it is disarmed",
+                Confirm::Bootloader,
+            ),
+        ] {
+            let button = ui.add_enabled(may, egui::Button::new(name));
+            if button.on_hover_text(help).on_disabled_hover_text(otherwise).clicked() {
+                intents.push(Intent::Dialog(Some(Dialog::Confirm(confirm))));
+            }
+        }
+    });
+}

@@ -1,0 +1,52 @@
+//! The button that computes the plate in two dimensions, and where that differs from the one-mode equation.
+
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_model::jobs::plane::sentence;
+use slipline_plate::Finger;
+use slipline_plate::quantity::show_place;
+
+const NAME: &str = "Check in two dimensions";
+const HELP: &str =
+    "Compute the whole plate at this boundary without the one-mode equation, and tell where they differ";
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    // A result of another plate or boundary is no longer true.
+    let result =
+        scene.background.plane.as_ref().filter(|checked| Some(&checked.job) == scene.plane_job.as_ref());
+    let is_running = result.is_none()
+        && scene.background.plane_asked.is_some()
+        && scene.background.plane_asked == scene.plane_job;
+    let failed = result.and_then(|checked| checked.result.as_ref().err()).map(ToString::to_string);
+    let refusal = match &failed {
+        Some(reason) => Some(reason.as_str()),
+        _ if is_running => Some("Being computed"),
+        _ if scene.plane_job.is_none() => Some("There is no tone whose boundary could be computed"),
+        _ => None,
+    };
+    let button = ui.add_enabled(refusal.is_none(), egui::Button::new(NAME));
+    let button = button.on_disabled_hover_text(refusal.unwrap_or_default()).on_hover_text(HELP);
+    if button.clicked() {
+        intents.push(Intent::CheckPlane);
+    }
+    let words = match result.map(|checked| (&checked.job, &checked.result)) {
+        Some((job, Ok(differs))) => Some((
+            format!("At {}{}: {}", show_place(job.boundary_m), finger_words(job.finger), sentence(differs)),
+            palette.text,
+        )),
+        Some((_, Err(reason))) => Some((format!("Not computed: {reason}."), palette.warn)),
+        None => None,
+    };
+    if let Some((text, colour)) = words {
+        ui.add(egui::Label::new(RichText::new(text).small().color(colour)).wrap());
+    }
+    ui.add_space(4.0);
+    ui.separator();
+}
+
+fn finger_words(finger: Option<Finger>) -> String {
+    finger.map_or_else(String::new, |finger| format!(", with the finger at {}", show_place(finger.place_m)))
+}

@@ -1,0 +1,153 @@
+//! The play panel: two setups to compare, a drag that is recorded and played again, and the time of the wave.
+
+use crate::intent::{Export, Intent, Intents};
+use crate::scene::Scene;
+use crate::settings::SPEEDS;
+use crate::view::fields::{field::row, slider::FreeSlider};
+use crate::view::state::ViewState;
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_model::field::displacement_map::slow_factor;
+use slipline_model::setup::Setup;
+use slipline_model::setup::compare::Side;
+use slipline_plate::quantity::{self, show_place};
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    compare(ui, scene, intents);
+    ui.add_space(6.0);
+    ui.separator();
+    recording(ui, scene, intents);
+    ui.add_space(6.0);
+    ui.separator();
+    time(ui, scene, view, intents);
+}
+
+/// What a setup is told by: its plate, its tones and the first place.
+fn told(setup: &Setup) -> String {
+    let count = setup.tones.len();
+    let tones = if count == 1 { "1 tone".to_owned() } else { format!("{count} tones") };
+    let place = setup.tones.first().map_or_else(String::new, |tone| show_place(tone.position_m));
+    format!("{}, {tones}, turning at {place}", setup.plate.name())
+}
+
+fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    theme::heading(ui, "Two setups");
+    let here = scene.compare.side();
+    for side in [Side::A, Side::B] {
+        let is_here = side == here;
+        let words = if is_here {
+            told(scene.setup)
+        } else {
+            scene.compare.other().map_or_else(|| "begins as a copy".to_owned(), told)
+        };
+        let text = format!("{}   {words}", side.letter());
+        let size = egui::vec2(ui.available_width(), 28.0);
+        let button = egui::Button::selectable(is_here, text).truncate().min_size(size);
+        let button = ui.add(button);
+        button.widget_info(|| {
+            let name = format!("Setup {}: {words}", side.letter());
+            egui::WidgetInfo::selected(egui::Role::Button, true, is_here, name)
+        });
+        let help = "The plate follows at once, if it is driven. Ctrl+B switches; Undo takes it back";
+        if button.on_hover_text(help).clicked() && !is_here {
+            intents.push(Intent::Switch);
+        }
+    }
+}
+
+fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    theme::heading(ui, "Recorded drag");
+    let recorder = scene.recorder;
+    let moves = recorder.recording().moves().len();
+    let is_playing = recorder.played_s().is_some();
+    ui.horizontal(|ui| {
+        let is_recording = recorder.is_recording();
+        let (word, help) = if is_recording {
+            ("End recording", "Keep what was recorded")
+        } else {
+            ("Record", "Record where and when lines are moved; the recording before is replaced")
+        };
+        if ui.button(word).on_hover_text(help).clicked() {
+            intents.push(Intent::Record(!is_recording));
+        }
+        let word = if is_playing { "End replay" } else { "Play" };
+        let play = ui.add_enabled(moves > 0, egui::Button::new(word));
+        play.widget_info(|| {
+            let name = if is_playing { "End replay" } else { "Play the recording" };
+            egui::WidgetInfo::labeled(egui::Role::Button, moves > 0, name)
+        });
+        let help =
+            "Move the lines as they were dragged. It arms and starts nothing; STOP, Esc and a drag end it";
+        if play.on_hover_text(help).on_disabled_hover_text("Record or import a drag first").clicked() {
+            intents.push(Intent::Play(!is_playing));
+        }
+        let mut is_looped = recorder.is_looped;
+        if ui.checkbox(&mut is_looped, "Loop").on_hover_text("Begin again at the end").changed() {
+            intents.push(Intent::Loop(is_looped));
+        }
+    });
+    let length_s = recorder.recording().duration_s();
+    let words = match (recorder.is_recording(), recorder.played_s()) {
+        (true, _) => format!("recording, {moves} moves, {length_s:.1} s"),
+        (false, Some(played_s)) => format!("playing, {played_s:.1} of {length_s:.1} s"),
+        (false, None) if moves == 0 => "none yet".to_owned(),
+        (false, None) => format!("{moves} moves, {length_s:.1} s"),
+    };
+    row(ui, "Recording", words);
+    ui.horizontal(|ui| {
+        let help = "A CSV file of time_s, tone and place_m, such as Export writes";
+        if ui.button("Import…").on_hover_text(help).clicked() {
+            intents.push(Intent::OpenDialog);
+        }
+        let export = ui.add_enabled(moves > 0, egui::Button::new("Export…"));
+        if export.on_hover_text("Write where and when the lines were moved into a CSV file").clicked() {
+            intents.push(Intent::Export(Export::Recording));
+        }
+    });
+}
+
+/// Periods of the slowest tone through which the time can be moved.
+const PERIODS: f64 = 2.0;
+
+fn time(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    theme::heading(ui, "Motion on the screen");
+    let speed = scene.settings.speed;
+    let slider = FreeSlider {
+        name: "Speed",
+        help: "Of the usual slow motion; the plate itself is not changed",
+        value: speed,
+        range: SPEEDS,
+        is_logarithmic: true,
+        shown: format!("{speed:.2}"),
+        allowed: format!("{} to {}", SPEEDS.start(), SPEEDS.end()),
+        read: |text| quantity::plain(text, ""),
+    };
+    if let Some(speed) = slider.show(ui, &mut view.fields) {
+        intents.push(Intent::Speed(speed));
+    }
+    let Some(steady) = scene.sounding else {
+        ui.label(RichText::new("At rest there is no time to choose.").small().color(palette.weak));
+        return;
+    };
+    let slowest_hz = steady.tones.iter().map(|wave| wave.tone.frequency_hz).fold(f64::INFINITY, f64::min);
+    if !slowest_hz.is_finite() {
+        return;
+    }
+    let span_s = PERIODS / slowest_hz;
+    let (unit, scale) = if span_s < 1e-3 { ("µs", 1e6) } else { ("ms", 1e3) };
+    let time_s = (scene.wave_time_s / slow_factor(steady)).rem_euclid(span_s);
+    let slider = FreeSlider {
+        name: "Time",
+        help: "Pauses the wave and shows it at this time, through two periods of the slowest tone",
+        value: time_s,
+        range: 0.0..=span_s,
+        is_logarithmic: false,
+        shown: format!("{:.2} {unit}", time_s * scale),
+        allowed: format!("0 to {:.2} {unit}", span_s * scale),
+        read: quantity::short_time_s,
+    };
+    if let Some(time_s) = slider.show(ui, &mut view.fields) {
+        intents.push(Intent::Scrub(time_s));
+    }
+}

@@ -1,0 +1,233 @@
+//! The texture page: what should be felt, what can be had of it, and the tones that make it.
+
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::view::fields::field::{InputField, row};
+use crate::view::panels::texture_plot;
+use crate::view::state::ViewState;
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_model::jobs::texture::Textured;
+use slipline_model::texture::{BREAKPOINTS_DRAWN_MAX, Fitted, Made, WishDraft, WishKind};
+use slipline_plate::quantity::{self, show_frequency, show_length, show_place};
+use slipline_plate::texture::{Figures, TONES_MAX};
+
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let texture = scene.texture;
+    let palette = theme::palette(ui);
+    let draft = texture.draft;
+    let mut changed: Option<WishDraft> = None;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        ui.spacing_mut().button_padding.x = 4.0;
+        for kind in WishKind::ALL {
+            let button = ui.selectable_label(draft.kind == kind, kind.name());
+            if button.on_hover_text(kind.sentence()).clicked() {
+                changed = Some(WishDraft { kind, ..draft.clone() });
+            }
+        }
+    });
+    ui.label(RichText::new(draft.kind.sentence()).small().color(palette.weak));
+    ui.add_space(2.0);
+    changed = fields(ui, draft, view, intents).or(changed);
+    actions(ui, scene, intents);
+    let length_m = scene.setup.plate.length_m();
+    changed = texture_plot::show(ui, &texture, length_m, view).or(changed);
+    texture_plot::legend(ui, &texture);
+    if let Some(draft) = changed {
+        intents.push(Intent::Texture(Box::new(draft)));
+    }
+    ui.add_space(2.0);
+    result(ui, scene);
+}
+
+/// The values of the kind that is wanted, and the number of tones; returns the changed draft.
+fn fields(
+    ui: &mut egui::Ui,
+    draft: &WishDraft,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) -> Option<WishDraft> {
+    let mut changed = None;
+    let mut reason = None;
+    let length = |text: &str| quantity::length_m(text).map_err(|error| error.to_string());
+    let mut field = |ui: &mut egui::Ui,
+                     (name, value, hint): (&str, &str, &str),
+                     take: &dyn Fn(&str) -> Result<WishDraft, String>| {
+        let field = InputField { name, value, hint, width: 92.0, caption: Some(name), is_live: false };
+        let taken = field.show_apart(ui, &mut view.fields, &mut reason, take);
+        changed = taken.or(changed.take());
+    };
+    ui.horizontal_top(|ui| {
+        match draft.kind {
+            WishKind::Solid => {
+                let value = show_place(draft.felt_edge_m);
+                let take = |text: &str| Ok(WishDraft { felt_edge_m: length(text)?, ..draft.clone() });
+                field(ui, ("Felt to", &value, "Where the even area ends, as a place (200 mm, 20 cm)"), &take);
+            }
+            WishKind::Stripes => {
+                let value = show_length(draft.stripes_m);
+                let take = |text: &str| Ok(WishDraft { stripes_m: length(text)?, ..draft.clone() });
+                field(ui, ("Distance", &value, "From stripe to stripe, as a length (12 mm)"), &take);
+            }
+            WishKind::Beat => {
+                let value = show_place(draft.beat_place_m);
+                let take = |text: &str| Ok(WishDraft { beat_place_m: length(text)?, ..draft.clone() });
+                field(ui, ("Place", &value, "Up to where both tones go, as a place (120 mm)"), &take);
+                let value = show_frequency(draft.beat_hz);
+                let take = |text: &str| {
+                    let beat_hz = quantity::frequency_hz(text).map_err(|error| error.to_string())?;
+                    Ok(WishDraft { beat_hz, ..draft.clone() })
+                };
+                field(ui, ("Beat", &value, "How fast it swells and fades: 1 Hz to 1 kHz"), &take);
+            }
+            WishKind::Profile => {
+                ui.vertical(|ui| {
+                    ui.label(RichText::new("Drawn, or from a file").small().color(theme::palette(ui).weak));
+                    let open = ui.button("Open profile…");
+                    let help =
+                        "CSV: lines of place in metres, comma, amplitude. PNG: the brightness of its middle row";
+                    if open.on_hover_text(help).clicked() {
+                        intents.push(Intent::OpenProfile);
+                    }
+                });
+            }
+        }
+        if matches!(draft.kind, WishKind::Solid | WishKind::Profile) {
+            let value = draft.most.to_string();
+            let take = |text: &str| match text.trim().parse() {
+                Ok(most) if (1..=TONES_MAX).contains(&most) => Ok(WishDraft { most, ..draft.clone() }),
+                _ => Err(quantity::must_be(format_args!("tones at most {}", text.trim()), "1 to 16")),
+            };
+            field(ui, ("Tones at most", &value, "How many tones it may take: 1 to 16. More come nearer to what is wanted"), &take);
+        }
+    });
+    if let Some(reason) = reason {
+        ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
+    }
+    if draft.kind == WishKind::Profile && draft.profile.len() > BREAKPOINTS_DRAWN_MAX {
+        let count = draft.profile.len();
+        ui.label(RichText::new(format!("{count} points from a file.")).small());
+    }
+    changed
+}
+
+/// What can be done with the texture, as soon as all of it is made.
+fn actions(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let texture = scene.texture;
+    let is_finished =
+        |textured: &&Textured| texture.is_current && textured.is_finished && textured.result.is_ok();
+    let is_ready = texture.latest.filter(is_finished).is_some();
+    ui.horizontal(|ui| {
+        let play = ui.add_enabled(is_ready, egui::Button::new(RichText::new("Play this").strong()));
+        if play.on_hover_text("Put these tones in the setup; Undo takes them back").clicked() {
+            intents.push(Intent::PlayTexture);
+        }
+        let save = ui.add_enabled(is_ready, egui::Button::new("Save setup…"));
+        if save.on_hover_text("A setup that this app and `slipline drive --setup` play").clicked() {
+            intents.push(Intent::SaveTexture);
+        }
+        let again = "Compute it after all: it was cancelled";
+        if texture.is_given_up && ui.button("Make it").on_hover_text(again).clicked() {
+            intents.push(Intent::Texture(Box::new(texture.draft.clone())));
+        }
+    });
+}
+
+/// What was made, or why nothing was.
+fn result(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    let texture = scene.texture;
+    let palette = theme::palette(ui);
+    let weak = |text: &str| RichText::new(text).color(palette.weak);
+    let of_kind = |textured: &&Textured| textured.wish.wish.kind() == texture.draft.kind;
+    let Some(textured) = texture.latest.filter(of_kind) else {
+        let text = if scene.drive_table.is_none() {
+            "Made as soon as the plate's table is: connect, and wait for it."
+        } else {
+            "Being made…"
+        };
+        ui.label(weak(text));
+        return;
+    };
+    match &textured.result {
+        Err(reason) => {
+            ui.add(egui::Label::new(RichText::new(reason.to_string()).small().color(palette.wrong)).wrap());
+        }
+        Ok(made) => {
+            numbers(ui, scene, textured, made);
+            tones(ui, made);
+        }
+    }
+}
+
+fn decibel(value: f64) -> String {
+    format!("{value:.1} dB")
+}
+
+fn numbers(ui: &mut egui::Ui, scene: &Scene<'_>, textured: &Textured, made: &Made) {
+    if let Some(lack) = made.lack(textured.wish.most) {
+        let text = RichText::new(lack.sentence()).small().color(theme::palette(ui).warn);
+        ui.add(egui::Label::new(text).wrap());
+    }
+    if let Some(fitted) = &made.fitted {
+        ui.scope(|ui| figures(ui, fitted));
+    }
+    let largest_m = textured.rms_m.iter().copied().fold(0.0, f64::max);
+    row(ui, "RMS at most", show_length(largest_m));
+    if let Some(distance_m) = made.stripes_m {
+        row(ui, "Stripes, in the middle", show_length(distance_m));
+    }
+    let table = &textured.wish.table.drive_table;
+    let sum: f64 = made.tones.iter().map(|tone| tone.level * table.gain(tone.position_m)).sum();
+    row(ui, "Sum, of full scale", format!("{:.0} %", 100.0 * sum));
+    if let Some(gain_db) = made.chord_gain_db().filter(|gain_db| *gain_db > 0.05) {
+        let is_possible = !scene.snapshot.is_connected() || scene.snapshot.can_play_chords();
+        let text =
+            if is_possible { format!("+{}", decibel(gain_db)) } else { "not by this device".to_owned() };
+        row(ui, "As a chord", text);
+    }
+}
+
+/// How near it comes, how near any number of tones could, and the worst within the plate's tolerances.
+fn figures(ui: &mut egui::Ui, fitted: &Fitted) {
+    let palette = theme::palette(ui);
+    let columns = [fitted.texture.figures, fitted.texture.reach, fitted.worst];
+    let error = |figures: &Figures| Some(format!("{:.1} %", 100.0 * figures.rms_error));
+    let ripple = |figures: &Figures| figures.ripple_db.map(decibel);
+    let contrast = |figures: &Figures| figures.contrast_db.map(decibel);
+    type Shown<'a> = &'a dyn Fn(&Figures) -> Option<String>;
+    let rows: [(&str, Shown<'_>); 3] = [("Error", &error), ("Ripple", &ripple), ("Contrast", &contrast)];
+    ui.spacing_mut().interact_size.y = 17.0;
+    egui::Grid::new("texture figures").num_columns(4).min_col_width(40.0).spacing([14.0, 2.0]).show(
+        ui,
+        |ui| {
+            let small = |text: &str| RichText::new(text).small().color(palette.weak);
+            ui.label("");
+            for (name, help) in [
+                ("its tones", "What these tones make"),
+                ("any number", "The best that any number of tones can do"),
+                ("worst", "Of these tones, within the plate's tolerances of speed and loss"),
+            ] {
+                ui.label(small(name)).on_hover_text(help);
+            }
+            ui.end_row();
+            for (name, shown) in rows {
+                let Some(texts) = columns.iter().map(shown).collect::<Option<Vec<_>>>() else { continue };
+                ui.label(RichText::new(name).color(palette.weak));
+                texts.into_iter().for_each(|text| drop(ui.label(text)));
+                ui.end_row();
+            }
+        },
+    );
+}
+
+fn tones(ui: &mut egui::Ui, made: &Made) {
+    let title =
+        if made.tones.len() == 1 { "1 tone".to_owned() } else { format!("{} tones", made.tones.len()) };
+    egui::CollapsingHeader::new(title).id_salt("texture tones").show_unindented(ui, |ui| {
+        for tone in &made.tones {
+            let (place, frequency) = (show_place(tone.position_m), show_frequency(tone.frequency_hz));
+            row(ui, &place, format!("{frequency}, level {:.3}", tone.level));
+        }
+    });
+}

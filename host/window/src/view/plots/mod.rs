@@ -1,0 +1,314 @@
+//! The plots of waveform and spectrum, from the codes of the mirror.
+
+pub(crate) mod finger_trace;
+pub(crate) mod frame;
+pub(crate) mod response;
+mod scale;
+pub(crate) mod steer;
+
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::view::stage::aligned;
+use crate::view::theme;
+use eframe::egui::{self, Align2, FontId, pos2};
+use egui_plot::{Line, PlotPoint, PlotPoints, PlotResponse, VLine};
+use frame::{Frame, fit, plot};
+use scale::magnification;
+use slipline_model::waveform::peaks;
+use slipline_plate::quantity::show_frequency;
+use steer::steer;
+
+/// The state of the plots.
+#[derive(Default)]
+pub(crate) struct PlotsView {
+    /// The content; frozen while the plots are paused.
+    shown: Option<Shown>,
+    /// The curve that is held to be compared: seconds and share of full scale.
+    held_waveform: Option<Vec<[f64; 2]>>,
+    /// The spectrum that is held: Hz and dB.
+    held_spectrum: Option<Vec<[f64; 2]>>,
+    /// Whether the waveform is magnified to fill its plot.
+    is_magnified: bool,
+    /// Whether the frequency axis is logarithmic.
+    is_logarithmic: bool,
+}
+
+/// The content of the plots besides the codes.
+struct Shown {
+    axes: Axes,
+    /// The frequencies that sound, in Hz; at rest the setup's.
+    pitches: Vec<f64>,
+}
+
+const WAVEFORM_HELP: &str =
+    "What the DAC sends over time, in shares of its full scale, from the codes that the device makes";
+/// What a logarithmic axis is for.
+pub(crate) const LOGARITHMIC_HELP: &str = "Every decade equally wide, so that low tones are told apart";
+const SPECTRUM_HELP: &str = "Levels of the drive over frequency, in dB of full scale; a peak for each tone";
+
+/// Most points of the waveform plot.
+const POINTS: usize = 900;
+/// Periods of the plate's slowest tone that the waveform shows.
+const TURNS: f64 = 4.0;
+/// Fewest codes that the waveform shows.
+const LEAST_CODES: f64 = 64.0;
+/// The spectrum is drawn up to this multiple of the plate's highest tone.
+const HARMONICS: f64 = 3.0;
+/// A logarithmic axis begins at this share of the plate's lowest tone.
+const LOWEST: f64 = 0.1;
+/// The spectrum is drawn down to here, in dB of full scale.
+const FLOOR_DB: f64 = -120.0;
+/// Peaks of the spectrum down to here get a label, in dB of full scale; at most so many, the strongest first.
+const PEAK_FLOOR_DB: f64 = -80.0;
+const MOST_PEAKS: usize = 16;
+
+/// The ranges of the plots. They depend on the plate, not on the tone, so that they do not change while a boundary
+/// is dragged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Axes {
+    /// Duration of the waveform, in seconds.
+    span_s: f64,
+    /// The end of the spectrum, in Hz, and its start where the axis is logarithmic.
+    top_hz: f64,
+    bottom_hz: f64,
+}
+
+impl Axes {
+    fn of(scene: &Scene<'_>) -> Self {
+        let (low_hz, high_hz) = scene.setup.plate.band_hz();
+        let rate_hz = scene.waveform.window().map_or(f64::INFINITY, |window| window.sample_rate_hz);
+        Self {
+            span_s: (TURNS / low_hz).max(LEAST_CODES / rate_hz),
+            top_hz: (HARMONICS * high_hz).min(0.5 * rate_hz),
+            bottom_hz: LOWEST * low_hz,
+        }
+    }
+}
+
+/// The present content. Paused plots keep theirs.
+fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
+    let now = || {
+        let steady = scene.sounding.unwrap_or(scene.predicted);
+        let pitches = steady.tones.iter().map(|wave| wave.tone.frequency_hz).collect();
+        Shown { axes: Axes::of(scene), pitches }
+    };
+    if scene.settings.animate {
+        view.shown = None;
+    }
+    view.shown.get_or_insert_with(now)
+}
+
+/// Whether the plots show anything: something sounds, or they are paused.
+fn is_shown(scene: &Scene<'_>) -> bool {
+    scene.waveform.is_true() && (scene.sounding.is_some() || !scene.settings.animate)
+}
+
+/// A column narrower than this, in points, has no Fit beside its menu.
+const ROOM_FOR_FIT: f32 = 200.0;
+
+/// The heading of a plot with its controls; `more` adds to its menu. Returns whether all is to be shown again.
+fn head(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    name: &str,
+    intents: &mut Intents,
+    more: impl FnOnce(&mut egui::Ui),
+) -> bool {
+    let is_wide = ui.available_width() >= ROOM_FOR_FIT;
+    aligned::headed(ui, name, |ui| {
+        pause(ui, scene, name, intents);
+        let is_fitted = is_wide && fit(ui, name);
+        let button = egui::containers::menu::MenuButton::from_button(egui::Button::new("…").small());
+        let (response, menu) = button.ui(ui, |ui| {
+            let is_fitted = !is_wide && fit(ui, name);
+            more(ui);
+            is_fitted
+        });
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
+        response.on_hover_text("Hold a curve to compare, and the scales of this plot");
+        is_fitted || menu.is_some_and(|menu| menu.inner)
+    })
+}
+
+/// The switch that holds the present curve behind the later ones.
+fn hold(ui: &mut egui::Ui, held: &mut Option<Vec<[f64; 2]>>, now: impl FnOnce() -> Option<Vec<[f64; 2]>>) {
+    let mut is_held = held.is_some();
+    let switch = ui.checkbox(&mut is_held, "Hold to compare");
+    if switch.on_hover_text("Keep the present curve behind the later ones").changed() {
+        *held = if is_held { now() } else { None };
+    }
+}
+
+/// The button that holds all plots and the wave; `name` is the plot's that it belongs to.
+pub(crate) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &mut Intents) {
+    let word = if scene.settings.animate { "Pause" } else { "Go on" };
+    let pause = ui.small_button(word);
+    pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
+    if pause.on_hover_text("Hold the plots and the wave (P)").clicked() {
+        intents.push(Intent::Animate(!scene.settings.animate));
+    }
+}
+
+/// The text in place of an empty plot of the drive.
+fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
+    let is_lost = scene.sounding.is_some() && !scene.waveform.is_true();
+    let lost = if scene.snapshot.is_holding() { HELD } else { "not followed: stop and drive again" };
+    empty(ui, if is_lost { lost } else { AT_REST });
+}
+
+/// What it says while the device changes the levels by what it measures.
+const HELD: &str = "not known while levels are held";
+/// What an empty plot says while nothing sounds.
+pub(crate) const AT_REST: &str = "nothing is driven";
+
+/// An empty plot, and why it is empty.
+pub(crate) fn empty(ui: &mut egui::Ui, text: &str) {
+    let palette = theme::palette(ui);
+    let (rect, _) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 4.0, palette.well);
+    let font = egui::FontId::proportional(12.5);
+    ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, text, font, palette.weak);
+}
+
+/// A note at the top of a plot: that a curve is held, and how much is magnified.
+fn note(ui: &egui::Ui, shown: &PlotResponse<()>, is_held: bool, factor: f64) {
+    let palette = theme::palette(ui);
+    let mut words = Vec::new();
+    if factor > 1.0 {
+        words.push(format!("×{factor}"));
+    }
+    if is_held {
+        words.push("held: thin line".to_owned());
+    }
+    let frame = shown.transform.frame();
+    let place = pos2(frame.right() - 4.0, frame.top() + 2.0);
+    let font = FontId::proportional(11.5);
+    ui.painter().text(place, Align2::RIGHT_TOP, words.join("   "), font, palette.weak);
+}
+
+/// A curve that is held, drawn thin.
+fn held_line(points: Vec<[f64; 2]>, palette: &theme::Palette) -> Line<'static> {
+    Line::new("held", PlotPoints::from(points)).color(palette.weak).width(1.0).allow_hover(false)
+}
+
+pub(crate) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsView, intents: &mut Intents) {
+    let axes = look(scene, plots).axes;
+    let window = scene.waveform.window().filter(|_| is_shown(scene));
+    let codes = window.map(|window| {
+        let wanted = (axes.span_s * window.sample_rate_hz).ceil() as usize;
+        let shown = wanted.min(window.codes.len());
+        // Begin at a rising zero crossing, as an oscilloscope does, so that the plot stands still.
+        let latest = window.codes.len() - shown;
+        let trigger = (latest.saturating_sub(shown / 2)..latest)
+            .rev()
+            .find(|&i| i > 0 && window.codes[i - 1] < 2048 && window.codes[i] >= 2048)
+            .unwrap_or(latest);
+        (&window.codes[trigger..trigger + shown], window.sample_rate_hz)
+    });
+    let curve = || {
+        let (codes, rate_hz) = codes?;
+        let step = codes.len().div_ceil(POINTS).max(1);
+        let shares = codes.iter().step_by(step).map(|&code| (f64::from(code) - 2048.0) / 2048.0);
+        Some(shares.enumerate().map(|(i, share)| [(i * step) as f64 / rate_hz, share]).collect())
+    };
+    let is_reset = head(ui, scene, "Drive waveform", intents, |ui| {
+        hold(ui, &mut plots.held_waveform, curve);
+        ui.checkbox(&mut plots.is_magnified, "Magnify to fit")
+            .on_hover_text("Show a weak drive larger; the factor is written in the plot");
+    });
+    let Some(points): Option<Vec<[f64; 2]>> = curve() else { return nothing(ui, scene) };
+    let palette = theme::palette(ui);
+    let largest = points.iter().map(|point| point[1].abs()).fold(0.0, f64::max);
+    let factor = if plots.is_magnified { magnification(largest) } else { 1.0 };
+    let (unit, scale) = if axes.span_s < 2e-3 { ("µs", 1e6) } else { ("ms", 1e3) };
+    let scaled =
+        |points: &[[f64; 2]]| points.iter().map(|[time_s, share]| [time_s * scale, *share]).collect();
+    let (x, y) = ((0.0, axes.span_s * scale), (-1.15 / factor, 1.15 / factor));
+    let frame = Frame { name: "waveform", x, y, unit, logarithmic: None };
+    let plot = plot(&frame, palette, move |at| format!("{:.2} {unit}\n{:.3} of full scale", at.x, at.y));
+    let plot = if is_reset { plot.reset() } else { plot };
+    let held: Option<Vec<[f64; 2]>> = plots.held_waveform.as_deref().map(scaled);
+    let is_held = held.is_some();
+    let points: Vec<[f64; 2]> = scaled(&points);
+    let shown = plot.show(ui, |plot| {
+        steer(plot, [x, y]);
+        held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
+        let line = Line::new("code, of full scale", PlotPoints::from(points));
+        plot.line(line.color(palette.accent).width(1.4));
+    });
+    theme::describe(&shown.response, "Plot of the drive waveform", WAVEFORM_HELP);
+    note(ui, &shown, is_held, factor);
+}
+
+pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsView, intents: &mut Intents) {
+    let Shown { axes, pitches } = look(scene, plots);
+    let (axes, pitches) = (*axes, pitches.clone());
+    let lines = if is_shown(scene) { scene.waveform.spectrum() } else { &[] };
+    let curve = || {
+        let within = lines.iter().take_while(|line| line.frequency_hz <= axes.top_hz);
+        let points = within.map(|line| [line.frequency_hz, line.level_db.max(FLOOR_DB)]).collect();
+        (!lines.is_empty()).then_some(points)
+    };
+    let is_reset = head(ui, scene, "Spectrum", intents, |ui| {
+        hold(ui, &mut plots.held_spectrum, curve);
+        ui.checkbox(&mut plots.is_logarithmic, "Logarithmic frequency").on_hover_text(LOGARITHMIC_HELP);
+    });
+    let Some(points): Option<Vec<[f64; 2]>> = curve() else { return nothing(ui, scene) };
+    let palette = theme::palette(ui);
+    let (unit, scale) = if axes.top_hz >= 5000.0 { ("kHz", 1e-3) } else { ("Hz", 1.0) };
+    let is_logarithmic = plots.is_logarithmic;
+    let place = move |hertz: f64| {
+        if is_logarithmic { hertz.max(axes.bottom_hz).log10() } else { hertz * scale }
+    };
+    let start = if is_logarithmic { axes.bottom_hz } else { 0.0 };
+    let x = (place(start), place(axes.top_hz));
+    let y = (FLOOR_DB, 12.0);
+    let frame = Frame { name: "spectrum", x, y, unit, logarithmic: is_logarithmic.then_some(scale) };
+    let plot = plot(&frame, palette, move |at| {
+        let hertz = if is_logarithmic { 10f64.powf(at.x) } else { at.x / scale };
+        format!("{}\n{:.1} dB", show_frequency(hertz), at.y)
+    });
+    let plot = if is_reset { plot.reset() } else { plot };
+    let placed = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        let shown = points.iter().filter(|[hertz, _]| *hertz >= start);
+        shown.map(|[hertz, level_db]| [place(*hertz), *level_db]).collect()
+    };
+    let held = plots.held_spectrum.as_deref().map(placed);
+    let is_held = held.is_some();
+    let points = placed(&points);
+    let (accent, weak) = (palette.accent, palette.weak);
+    let shown = plot.show(ui, |plot| {
+        steer(plot, [x, y]);
+        for &hertz in &pitches {
+            let line = VLine::new(show_frequency(hertz), place(hertz));
+            plot.vline(line.color(weak.gamma_multiply(0.5)).width(1.0).allow_hover(false));
+        }
+        held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
+        plot.line(Line::new("dB of full scale", PlotPoints::from(points)).color(accent).width(1.2));
+    });
+    theme::describe(&shown.response, "Plot of the spectrum", SPECTRUM_HELP);
+    note(ui, &shown, is_held, 1.0);
+    let tops = peaks(lines, PEAK_FLOOR_DB, MOST_PEAKS);
+    label_peaks(ui, &shown, tops.iter().map(|top| (place(top.frequency_hz), top.level_db, top.frequency_hz)));
+}
+
+/// Writes the frequency of each peak (x, y and Hz) over it, the strongest first; one that has no room gets none.
+fn label_peaks(ui: &egui::Ui, shown: &PlotResponse<()>, tops: impl Iterator<Item = (f64, f64, f64)>) {
+    let palette = theme::palette(ui);
+    let (frame, bounds) = (*shown.transform.frame(), *shown.transform.bounds());
+    let painter = ui.painter().with_clip_rect(frame);
+    let mut taken: Vec<egui::Rect> = Vec::new();
+    for (x, y, hertz) in tops.filter(|(x, ..)| bounds.range_x().contains(x)) {
+        let font = FontId::proportional(11.0);
+        let galley = painter.layout_no_wrap(show_frequency(hertz), font, palette.text);
+        let at = shown.transform.position_from_point(&PlotPoint::new(x, y));
+        let size = galley.size();
+        let left = (at.x - 0.5 * size.x).min(frame.right() - size.x).max(frame.left());
+        let top = (at.y - size.y - 1.0).max(frame.top());
+        let rect = egui::Rect::from_min_size(pos2(left, top), size);
+        if taken.iter().all(|other| !other.expand(2.0).intersects(rect)) {
+            painter.galley(rect.min, galley, palette.text);
+            taken.push(rect);
+        }
+    }
+}

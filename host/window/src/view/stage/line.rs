@@ -1,0 +1,111 @@
+//! The line of a tone through plate, envelope and strip: what is dragged, by pointer, keys or assistive technology.
+
+use super::flag::{Flag, flag_of};
+use super::handle;
+use super::layout::Layout;
+use crate::intent::{Grab, Held, Intent, Intents};
+use crate::scene::Scene;
+use crate::view::state::ViewState;
+use crate::view::theme::{self, HANDLE};
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2,
+};
+
+/// The accessible name of a tone's handle.
+pub(crate) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
+    if scene.setup.tones.first().is_some_and(|first| first.slot == slot) {
+        "Boundary".to_owned()
+    } else {
+        format!("Peak of tone {}", slot + 1)
+    }
+}
+
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    layout: &Layout,
+    slot: u8,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) {
+    let Some(line) = scene.line(slot) else { return };
+    let x = layout.axis.line_from_place(line.place_m);
+    let is_selected = slot == scene.selected;
+    let column = Rangef::new(x - 0.5 * HANDLE, x + 0.5 * HANDLE);
+    let rows = Rangef::new(layout.label.top(), layout.strip.bottom());
+    let id = ui.scope_id().with(("handle", slot));
+    let response = ui
+        .interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag())
+        .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
+    let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Tone(slot));
+    let name = handle_name(scene, slot);
+    response.widget_info(|| egui::WidgetInfo::slider(true, line.place_m * 1e3, &name));
+    let response = response.on_hover_text(LINE_HELP);
+    if response.is_pointer_button_down_on()
+        && !is_held
+        && let Some(pointer) = response.interact_pointer_pos()
+    {
+        response.request_focus();
+        intents.push(Intent::Select(slot));
+        intents.push(Intent::Grab(Grab { held: Held::Tone(slot), axis: layout.axis, offset: pointer.x - x }));
+    }
+    if response.has_focus() {
+        // Left and right move the boundary instead of the focus.
+        let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        view.focused_handle = Some(id);
+        if !is_selected {
+            intents.push(Intent::Select(slot));
+        }
+    }
+    if let Some(place_m) = handle::by_assistive_technology(ui, id, line.place_m) {
+        intents.push(Intent::MoveLine { slot, place_m });
+    }
+    let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
+    paint_line(ui, layout, x, look);
+    if is_selected {
+        if let Some(text) = flag_of(scene, line, is_held || response.has_focus()) {
+            Flag::of(ui, layout.label.x_range(), x, text).show(ui, layout.label);
+        }
+    } else {
+        let palette = theme::palette(ui);
+        let place = pos2(x, layout.plate.center().y);
+        let number = (slot + 1).to_string();
+        ui.painter().text(place, Align2::CENTER_CENTER, number, FontId::proportional(11.5), palette.text);
+    }
+}
+
+const LINE_HELP: &str = "Drag it along the plate, or press the arrow keys: 1 mm, with Shift 0.1 mm. Its tone is selected and sounds at once";
+
+#[derive(Clone, Copy)]
+struct Look {
+    is_selected: bool,
+    is_hot: bool,
+    has_focus: bool,
+}
+
+fn paint_line(ui: &egui::Ui, layout: &Layout, x: f32, look: Look) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let rows = Rangef::new(layout.label.bottom(), layout.strip.bottom());
+    let ink = if look.is_selected { palette.boundary } else { palette.weak };
+    let halo = if palette.dark { Color32::from_black_alpha(150) } else { Color32::from_white_alpha(190) };
+    let width = if look.is_selected { 2.0 } else { 1.0 };
+    painter.vline(x, rows, Stroke::new(width + 3.0, halo));
+    painter.vline(x, rows, Stroke::new(width, ink));
+    let centre = pos2(x, layout.plate.center().y);
+    let radius = if look.is_selected { 0.5 * HANDLE + 1.0 } else { 9.0 };
+    let radius = if look.is_hot { radius + 1.5 } else { radius };
+    painter.circle(centre, radius, palette.panel, Stroke::new(width, ink));
+    if look.is_selected {
+        for side in [-1.0f32, 1.0] {
+            let tip: Pos2 = centre + vec2(side * 8.0, 0.0);
+            let back = side * -4.0;
+            let points = vec![tip + vec2(back, -4.5), tip, tip + vec2(back, 4.5)];
+            painter.line(points, Stroke::new(1.8, ink));
+        }
+    }
+    if look.has_focus {
+        painter.circle_stroke(centre, radius + 3.0, Stroke::new(2.0, palette.accent));
+    }
+}

@@ -1,0 +1,261 @@
+//! The plate from above, to scale, with its wave.
+
+use crate::axis::Axis;
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::settings::Settings;
+use crate::view::fields::field::UNKNOWN;
+use crate::view::panels::validity;
+use crate::view::stage::{displacement, polyline::thinned, relief};
+use crate::view::state::ViewState;
+use crate::view::theme;
+use eframe::egui::{self, Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use slipline_link::protocol::event::State;
+use slipline_model::field::displacement_map::slow_factor;
+use slipline_model::field::sheet::Source;
+use slipline_model::field::steady_field::full_colour_m;
+use slipline_plate::quantity::show_length;
+use std::sync::Arc;
+use theme::GAP;
+
+/// Width of a column of the wave's picture, in points.
+const COLUMN: f32 = 3.0;
+/// Columns of one strip of the picture. In a triangle it is stretched evenly, so a strip must not taper much.
+const STRIDE: usize = 4;
+
+/// The least width of the line above the plate for the whole colour scale, in points.
+const ROOM_FOR_SCALE: f32 = 720.0;
+
+/// In a line narrower than this, in points, the colour scale is left out; the envelope's axis shows the same
+/// values.
+const ROOM_FOR_ANY_SCALE: f32 = 440.0;
+
+/// Least width of the plate's name, in points.
+const NAME: f32 = 110.0;
+
+/// The line above the plate: the plate's name, the source and slow-motion factor of the wave, the summary of the
+/// validity lights, and the colour scale.
+pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    ui.horizontal_centered(|ui| {
+        let look = Scale {
+            show_amplitude: scene.settings.show_amplitude,
+            is_wide: ui.available_width() >= ROOM_FOR_SCALE,
+        };
+        let has_scale = ui.available_width() >= ROOM_FOR_ANY_SCALE;
+        let scale = if has_scale { look.size(ui, scene).x + GAP } else { 0.0 };
+        let beside = if has_scale {
+            SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP
+        } else {
+            button_width(ui, colours(scene)) + GAP
+        };
+        let right = validity::chip_width(ui, scene) + beside + scale + 14.0;
+        // The name is shortened in favour of the controls at the right; hovering shows all of it.
+        let left = vec2((ui.available_width() - right).max(30.0), ui.available_height());
+        ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+            ui.set_min_width(left.x);
+            let text = egui::RichText::new(drawn(scene)).color(palette.weak);
+            let width =
+                ui.painter().layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak);
+            let beside = if has_scale { width.size().x + GAP } else { 0.0 };
+            let room = (left.x - beside).max(NAME);
+            let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
+            ui.scope(|ui| {
+                ui.set_max_width(room.min(left.x));
+                ui.add(egui::Label::new(name).truncate());
+            });
+            if !has_scale {
+                // The name needs all the remaining space.
+                return;
+            }
+            let shown = ui.add(egui::Label::new(text).truncate());
+            if scene.finger.is_some() {
+                shown.on_hover_text(
+                    "Modal lines: a finger that moves would make another 2-D sheet, which begins at rest",
+                );
+            } else if let Some(Source::Lines(Some(reason))) = &scene.background.source {
+                shown.on_hover_text(format!("Modal lines: {reason}"));
+            }
+        });
+        if validity::chip(ui, scene) {
+            view.open_validity(intents);
+        }
+        if has_scale {
+            switches(ui, scene, intents);
+        } else {
+            // In a narrow line they share one button.
+            let name = colours(scene);
+            let menu = ui.menu_button(name, |ui| switches(ui, scene, intents));
+            menu.response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::Role::Button, true, format!("View of the plate: {name}"))
+            });
+            menu.response.on_hover_text("What the plate's colours mean, and whether it is shown in relief");
+        }
+        if has_scale {
+            look.show(ui, scene);
+        }
+    });
+}
+
+/// The switches of the view: what the colours mean, and whether the plate is shown in relief.
+const SWITCHES: [&str; 3] = ["Wave", "Amplitude", "Relief"];
+
+/// The name of what the colours mean.
+fn colours(scene: &Scene<'_>) -> &'static str {
+    SWITCHES[usize::from(scene.settings.show_amplitude)]
+}
+
+fn switches(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    let Settings { show_amplitude, show_relief, .. } = *scene.settings;
+    let [wave, amplitude, relief] = SWITCHES;
+    let wave = ui.selectable_label(!show_amplitude, wave);
+    if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
+        intents.push(Intent::ShowAmplitude(false));
+    }
+    let amplitude = ui.selectable_label(show_amplitude, amplitude);
+    if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
+        intents.push(Intent::ShowAmplitude(true));
+    }
+    let relief = ui.selectable_label(show_relief, relief);
+    let help = "Show the displacement as hills and valleys too, seen from the side and much magnified";
+    if relief.on_hover_text(help).clicked() {
+        intents.push(Intent::ShowRelief(!show_relief));
+    }
+}
+
+fn button_width(ui: &egui::Ui, name: &str) -> f32 {
+    let font = egui::TextStyle::Button.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, Color32::PLACEHOLDER);
+    galley.size().x + 2.0 * ui.spacing().button_padding.x
+}
+
+/// The meaning of the plate's colours, and the slow-motion factor.
+fn drawn(scene: &Scene<'_>) -> String {
+    let Some(steady) = scene.sounding else {
+        let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
+        return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
+    };
+    let source = match (scene.sheet, scene.finger) {
+        (Some(_), _) => "2-D sheet",
+        (None, Some(_)) => "modal lines, touched",
+        (None, None) => "modal lines",
+    };
+    if scene.settings.show_amplitude {
+        return format!("{source}, largest");
+    }
+    let paused = if scene.settings.animate { "" } else { ", paused" };
+    let slower = slow_factor(steady) / scene.settings.speed;
+    // Three digits.
+    let step = 10f64.powf(slower.log10().floor() - 2.0).max(1.0);
+    format!("{source}, 1/{:.0} speed{paused}", (slower / step).round() * step)
+}
+
+/// The colour scale, with the displacements at both ends, or only at the right end if there is little space.
+#[derive(Clone, Copy)]
+struct Scale {
+    show_amplitude: bool,
+    is_wide: bool,
+}
+
+impl Scale {
+    fn bar(self) -> Vec2 {
+        vec2(if self.is_wide { 90.0 } else { 40.0 }, 10.0)
+    }
+
+    /// The labels at its ends.
+    fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
+        let full = scene.full_peak_m.map_or_else(
+            || UNKNOWN.to_owned(),
+            |full_peak_m| show_length(full_colour_m(scene.sounding, full_peak_m)),
+        );
+        let ends = match (self.show_amplitude, self.is_wide) {
+            (true, true) => ["0".to_owned(), full],
+            (true, false) => [String::new(), full],
+            (false, _) if scene.full_peak_m.is_none() => [String::new(), full],
+            (false, true) => [format!("−{full}"), format!("+{full}")],
+            (false, false) => [String::new(), format!("±{full}")],
+        };
+        let ink = theme::palette(ui).weak;
+        ends.map(|end| ui.painter().layout_no_wrap(end, FontId::proportional(11.5), ink))
+    }
+
+    fn size(self, ui: &egui::Ui, scene: &Scene<'_>) -> Vec2 {
+        let [left, right] = self.ends(ui, scene);
+        vec2(left.size().x + right.size().x + self.bar().x + 12.0, 18.0)
+    }
+
+    fn show(self, ui: &mut egui::Ui, scene: &Scene<'_>) {
+        let palette = theme::palette(ui);
+        let (rect, response) = ui.allocate_exact_size(self.size(ui, scene), egui::Sense::hover());
+        let [left, right] = self.ends(ui, scene);
+        response.on_hover_text("What full colour stands for");
+        let painter = ui.painter();
+        let bar = self.bar();
+        let centre = pos2(rect.left() + left.size().x + 6.0 + 0.5 * bar.x, rect.center().y);
+        let bar_rect = Rect::from_center_size(centre, bar);
+        let steps = 45;
+        for i in 0..steps {
+            let share = (i as f32 + 0.5) / steps as f32;
+            let value = if self.show_amplitude { share } else { 2.0 * share - 1.0 };
+            let colour = displacement::colour(value, self.show_amplitude, palette);
+            let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
+            let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
+            painter.rect_filled(cell, 0.0, colour);
+        }
+        painter.galley(pos2(rect.left(), rect.center().y - 0.5 * left.size().y), left, palette.weak);
+        let place = pos2(bar_rect.right() + 6.0, rect.center().y - 0.5 * right.size().y);
+        painter.galley(place, right, palette.weak);
+    }
+}
+
+/// Shows the plate in `rect`, aligned with the axis.
+pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+    let palette = theme::palette(ui);
+    let plate = &scene.setup.plate;
+    let screen = axis.screen();
+    let columns = ((screen.span() / (STRIDE as f32 * COLUMN)).ceil() as usize).max(1) * STRIDE;
+    let half_px = |x_m: f64| plate.half_width_m(x_m) as f32 * axis.points_per_m();
+    // A very wide plate is drawn narrower than to scale, so that it does not cover its neighbours.
+    let is_relief = scene.settings.show_relief;
+    let most = if is_relief { relief::depth(rect) } else { 0.5 * rect.height() - 4.0 };
+    let squeeze = most.min(half_px(0.0)) / half_px(0.0);
+    let half = |share: f32| half_px(f64::from(share) * axis.length_m()) * squeeze;
+    let outline: Vec<Pos2> = (0..=columns)
+        .map(|column| column as f32 / columns as f32)
+        .map(|share| pos2(screen.min + share * screen.span(), rect.center().y - half(share)))
+        .collect();
+    let mirrored = |at: &Pos2| pos2(at.x, 2.0 * rect.center().y - at.y);
+    if is_relief {
+        relief::show(ui, scene, rect, &outline);
+    } else {
+        let strips = outline.iter().step_by(STRIDE).map(|upper| [*upper, mirrored(upper)]);
+        displacement::show(ui, scene, strips, columns);
+    }
+    let painter = ui.painter();
+    let upper = thinned(&outline);
+    let lower: Vec<Pos2> = upper.iter().map(mirrored).collect();
+    let rim = Stroke::new(1.5, palette.weak);
+    // The driven end is a thick bar: this is where the actuator holds the plate.
+    let (first, last) = (upper[0], upper[upper.len() - 1]);
+    let far = (lower[0], lower[lower.len() - 1]);
+    painter.line_segment([last, far.1], rim);
+    if !is_relief {
+        painter.add(Shape::line(upper, rim));
+    }
+    painter.add(Shape::line(lower, rim));
+    let bar = Rect::from_min_max(first + vec2(-6.0, -1.0), far.0 + vec2(-1.0, 1.0));
+    painter.rect_filled(bar, 2.0, palette.weak);
+    let label = pos2(bar.left() - 6.0, rect.center().y);
+    painter.text(label, Align2::RIGHT_CENTER, "drive", FontId::proportional(11.5), palette.weak);
+    width_scale(ui, label.x, rect, if is_relief { 0.0 } else { squeeze });
+}
+
+/// Whether the width is drawn to scale, in the margin beside the driven end, where it lies over nothing.
+fn width_scale(ui: &egui::Ui, right: f32, rect: Rect, squeeze: f32) {
+    let palette = theme::palette(ui);
+    let lines: &[&str] = if squeeze < 0.999 { &["width not", "to scale"] } else { &["to scale"] };
+    for (i, line) in lines.iter().enumerate() {
+        let place = pos2(right, rect.center().y + 8.0 + 13.0 * i as f32);
+        ui.painter().text(place, Align2::RIGHT_TOP, line, FontId::proportional(10.5), palette.weak);
+    }
+}

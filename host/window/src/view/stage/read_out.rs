@@ -1,0 +1,62 @@
+//! The read-out under the pointer on the stage: the place, how far the plate moves there, and how strongly it is felt.
+
+use crate::axis::Axis;
+use crate::scene::Scene;
+use crate::view::theme;
+use eframe::egui::{self, CornerRadius, FontId, Rangef, Rect, Stroke, StrokeKind, pos2, vec2};
+use slipline_model::field::steady_field::interpolate;
+use slipline_plate::quantity::{show_length, show_place};
+
+/// Space between the pointer's line and the words, and around the words, in points.
+const BESIDE: f32 = 8.0;
+const INSET: egui::Vec2 = vec2(6.0, 3.0);
+
+/// The words for a place. One tone is told by its largest displacement, several by their mean, as the envelope draws them.
+pub(crate) fn words(scene: &Scene<'_>, place_m: f64) -> String {
+    let mut words = show_place(place_m);
+    let predicted = scene.predicted;
+    if scene.full_peak_m.is_some() {
+        let amplitude_m = if predicted.tones.len() > 1 {
+            interpolate(&predicted.rms_m, place_m / predicted.length_m) * std::f64::consts::SQRT_2
+        } else {
+            predicted.bound_at(place_m)
+        };
+        words.push_str(&format!("   {}", show_length(amplitude_m)));
+    }
+    if let Some(felt) = scene.felt {
+        words.push_str(&match 20.0 * felt.at(place_m).log10() {
+            over_db if over_db >= 0.0 => format!("   {over_db:.0} dB over felt"),
+            over_db if over_db > -100.0 => format!("   {:.0} dB below felt", -over_db),
+            _ => "   not felt".to_owned(),
+        });
+    }
+    words
+}
+
+/// Shows it while the pointer is over the views and holds nothing.
+pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, views: Rect) {
+    let pointer = ui.input(|input| input.pointer.hover_pos());
+    let Some(pointer) = pointer.filter(|at| views.contains(*at) && ui.rect_contains_pointer(views)) else {
+        return;
+    };
+    if scene.grab.is_some() {
+        return;
+    }
+    let palette = theme::palette(ui);
+    let painter = ui.painter();
+    let place_m = axis.place_from_screen(pointer.x).clamp(0.0, axis.length_m());
+    painter.vline(pointer.x, views.y_range(), Stroke::new(1.0, palette.weak.gamma_multiply(0.6)));
+    let words = painter.layout_no_wrap(words(scene, place_m), FontId::proportional(12.0), palette.text);
+    let size = words.size() + 2.0 * INSET;
+    // On the side of the pointer where there is room, and above it so that a finger does not hide it.
+    let left = if pointer.x + BESIDE + size.x <= views.right() {
+        pointer.x + BESIDE
+    } else {
+        (pointer.x - BESIDE - size.x).max(views.left())
+    };
+    let bottom = Rangef::new(views.top() + size.y, views.bottom()).clamp(pointer.y - BESIDE);
+    let rect = Rect::from_min_size(pos2(left, bottom - size.y), size);
+    let stroke = Stroke::new(1.0, palette.line);
+    painter.rect(rect, CornerRadius::same(4), palette.panel, stroke, StrokeKind::Inside);
+    painter.galley(rect.min + INSET, words, palette.text);
+}

@@ -1,0 +1,126 @@
+//! What the views keep from frame to frame: the open pages, typed texts, and each panel's own part.
+
+use super::bars::log::LogView;
+use super::dialogs::TypedPath;
+use super::fields::field::Fields;
+use super::panels::designer::sketch::Sketched;
+use super::panels::notices::Seen;
+use super::plots::PlotsView;
+use super::plots::response::ResponseView;
+use crate::intent::{Intent, Intents};
+use eframe::egui;
+
+/// The open page of the side panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) enum Tab {
+    #[default]
+    Boundary,
+    Tones,
+    Texture,
+    Plate,
+    Device,
+    Play,
+}
+
+impl Tab {
+    /// From left to right.
+    const ALL: [Self; 6] =
+        [Self::Boundary, Self::Tones, Self::Texture, Self::Plate, Self::Device, Self::Play];
+}
+
+/// The open page of the tab [`Tab::Plate`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) enum PlatePage {
+    #[default]
+    Plate,
+    Validity,
+    Designer,
+    Measure,
+}
+
+/// The state of the views themselves: typed texts, the open tab.
+#[derive(Default)]
+pub(crate) struct ViewState {
+    pub(crate) tab: Tab,
+    pub(crate) plate_page: PlatePage,
+    pub(crate) fields: Fields,
+    pub(crate) log: LogView,
+    pub(crate) plots: PlotsView,
+    /// The breakpoint of the texture's plot that the pointer holds.
+    pub(crate) held_breakpoint: Option<usize>,
+    pub(crate) focused_handle: Option<egui::Id>,
+    pub(crate) focused_finger: Option<egui::Id>,
+    pub(crate) notices: Seen,
+    pub(crate) response: ResponseView,
+    pub(crate) sketched: Sketched,
+    pub(crate) typed_path: Option<TypedPath>,
+    /// Where the lights' symbols stand on the stage, in metres: they stay during a drag.
+    pub(crate) marks_m: Vec<f64>,
+    /// The light whose symbol was pressed, and whether the page is still to be scrolled to it.
+    pub(crate) pressed_light: Option<&'static str>,
+    pub(crate) scrolls_to_light: bool,
+}
+
+impl ViewState {
+    /// Opens a tab by its place, 0..6.
+    pub(crate) fn open_tab(&mut self, index: usize) {
+        self.tab = Tab::ALL.get(index).copied().unwrap_or_default();
+    }
+
+    /// Opens the device panel.
+    pub(crate) fn open_device(&mut self) {
+        self.tab = Tab::Device;
+    }
+
+    /// Opens the texture page.
+    pub(crate) fn open_texture(&mut self) {
+        self.tab = Tab::Texture;
+    }
+
+    /// Whether the texture page is open.
+    pub(crate) fn is_texture_open(&self) -> bool {
+        self.tab == Tab::Texture
+    }
+
+    /// Opens the validity lights.
+    pub(crate) fn open_validity(&mut self, intents: &mut Intents) {
+        self.tab = Tab::Plate;
+        self.plate_page = PlatePage::Validity;
+        self.pressed_light = None;
+        // In a small window the plots may be in the panel's place.
+        intents.push(Intent::ShowPanel(true));
+    }
+
+    /// Opens the validity lights at the row of this one.
+    pub(crate) fn open_light(&mut self, name: &'static str, intents: &mut Intents) {
+        self.open_validity(intents);
+        self.pressed_light = Some(name);
+        self.scrolls_to_light = true;
+    }
+
+    /// Opens the page of measurements.
+    pub(crate) fn open_measure(&mut self) {
+        self.tab = Tab::Plate;
+        self.plate_page = PlatePage::Measure;
+    }
+
+    /// Whether the page of measurements is open: its plots are in the place of the stage.
+    pub(crate) fn is_measuring(&self) -> bool {
+        self.tab == Tab::Plate && self.plate_page == PlatePage::Measure
+    }
+
+    /// Whether the designer is open.
+    pub(crate) fn is_designing(&self) -> bool {
+        self.tab == Tab::Plate && self.plate_page == PlatePage::Designer
+    }
+
+    /// Whether the focus is on the finger.
+    pub(crate) fn is_finger(&self, focused: Option<egui::Id>) -> bool {
+        focused.is_some() && self.focused_finger == focused
+    }
+
+    /// Whether the focus is on a boundary handle.
+    pub(crate) fn is_handle(&self, focused: Option<egui::Id>) -> bool {
+        focused.is_some() && self.focused_handle == focused
+    }
+}
