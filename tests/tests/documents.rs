@@ -1,7 +1,7 @@
 //! What the documents say of the tree is true: every file and folder they name exists, and the version stands once.
 
-use slipline_tests::source_tree::root;
-use std::collections::BTreeSet;
+use slipline_tests::source_tree::{PRODUCT, root, rust_files};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -83,7 +83,7 @@ fn every_file_that_a_document_or_a_comment_names_exists() {
     let entries = entries();
     let mut wrong = Vec::new();
     for path in &entries {
-        // The changelog tells of the past.
+        // The changelog describes the past.
         let is_read = [".md", ".rs", ".py", ".toml"].iter().any(|ending| path.ends_with(ending));
         if !is_read || path == "CHANGELOG.md" {
             continue;
@@ -101,6 +101,30 @@ fn every_file_that_a_document_or_a_comment_names_exists() {
         }
     }
     assert!(wrong.is_empty(), "named, and not there:\n{}", wrong.join("\n"));
+}
+
+/// The folders of the product's and the tests' sources that hold two files or more, one or two levels below `src/`.
+fn folders_of_sources() -> BTreeSet<String> {
+    let mut files: BTreeMap<String, usize> = BTreeMap::new();
+    for top in PRODUCT.into_iter().chain(["tests/src"]) {
+        for file in rust_files(&root().join(top)) {
+            let folder = file.parent().expect("a file lies in a folder").strip_prefix(root()).expect("below");
+            let depth = folder.components().count() - Path::new(top).components().count();
+            if (1..=2).contains(&depth) {
+                *files.entry(folder.display().to_string()).or_default() += 1;
+            }
+        }
+    }
+    files.into_iter().filter(|&(_, count)| count > 1).map(|(folder, _)| folder).collect()
+}
+
+#[test]
+fn every_folder_of_sources_has_a_row_in_the_map() {
+    let page = fs::read_to_string(root().join("CONTRIBUTING.md")).expect("the page is there");
+    let rows: String = page.lines().filter(|line| line.starts_with("| ")).collect();
+    let missing: Vec<_> =
+        folders_of_sources().into_iter().filter(|folder| !rows.contains(&format!("`{folder}"))).collect();
+    assert!(missing.is_empty(), "no row of CONTRIBUTING.md leads there:\n{}", missing.join("\n"));
 }
 
 #[test]
