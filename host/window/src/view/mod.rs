@@ -32,7 +32,7 @@ use panels::side_panel;
 use plots::response;
 
 /// Shows the whole window.
-pub fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Intents {
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Intents {
     let mut intents = Intents::new();
     let palette = theme::palette(ui);
     let frame = theme::panel_frame(palette);

@@ -126,7 +126,7 @@ fn shortcuts(ui: &mut egui::Ui) {
 }
 
 /// The udev rules that let the user at the screen open a device and flash it. This is the file that is shipped.
-const UDEV_RULES: &str = include_str!("../../../../firmware/70-slipline.rules");
+const UDEV_RULES: &str = include_str!("../../../../../firmware/70-slipline.rules");
 
 fn port_help(ui: &mut egui::Ui, intents: &mut Intents) {
     ui.heading("Ports and permissions");

@@ -3,7 +3,7 @@
 pub(crate) mod aligned;
 mod displacement;
 mod envelope;
-mod felt_strip;
+pub(crate) mod felt_strip;
 pub(crate) mod finger;
 mod flag;
 pub(crate) mod handle;
