@@ -1,5 +1,5 @@
-//! One session's channel to a device: numbering, time-outs and repeats (stop-and-wait ARQ). It is told the time and moves
-//! bytes only.
+//! One session's channel to a device: numbering, time-outs and repeats (stop-and-wait ARQ). It has no clock and no port:
+//! its caller passes the time and moves the bytes.
 //!
 //! A command travels in one of three lanes, each with at most one unanswered command: [`Lane::Urgent`] for the stops,
 //! which wait for nobody; [`Lane::Periodic`] for hello, keep-alives and status; [`Lane::Ordered`] for all that is numbered.
@@ -91,7 +91,7 @@ struct Pending {
 #[derive(Debug)]
 pub(crate) struct Channel {
     nonce: [u8; 4],
-    /// The session's number on the wire: 0 until the device has told it in the header of its hello.
+    /// The session's number on the wire: 0 until the header of the device's hello has stated it.
     session: u32,
     /// What this program and the device both know.
     minor: Minor,

@@ -1,4 +1,4 @@
-//! The watch over whoever drives: a window's event loop, a command's waiting loop.
+//! The watch over the driver: the loop that uses the device, a window's event loop or a command's waiting loop.
 //!
 //! The worker's own thread sends the keep-alives, so the device's dead-man does not notice when the window hangs: the
 //! coil would stay driven, and nobody could press STOP. So while the device is armed, a sign of life is asked for four
@@ -53,7 +53,7 @@ struct Armed {
 }
 
 impl DriverWatch {
-    /// Whoever drives was alive at this time.
+    /// The driver was alive at this time.
     pub(crate) fn sign(&mut self, at: Duration) {
         self.has_signed |= !at.is_zero();
         if let Some(armed) = &mut self.armed
@@ -109,7 +109,7 @@ impl DriverWatch {
         let armed = self.armed.get_or_insert(Armed { since: now, ask_at: now, stop_at: now + SIGN_PATIENCE });
         if now >= armed.stop_at {
             let is_first = armed.stop_at == armed.since + SIGN_PATIENCE;
-            // If the device stays armed all the same, it is told again.
+            // The stop is repeated as long as the device stays armed.
             armed.stop_at = now + SIGN_PATIENCE;
             return Due::Stop { is_first };
         }

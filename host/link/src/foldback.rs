@@ -1,14 +1,14 @@
 //! What the thermal fold-back did between two statuses.
 //!
-//! The fold-back changes only where a period begins. A status tells the present period's, those of the periods before
-//! it, and how often it has changed since the reset; so a host that missed statuses in between still knows every step,
-//! or knows that it does not.
+//! The fold-back changes only where a period begins. A status holds its value in the present period and in the periods
+//! before it, and the number of changes since the reset. So a host that missed statuses in between still knows every
+//! step, or knows that one is missing.
 
 use slipline_app::Timing;
 use slipline_protocol::event::Status;
 use slipline_protocol::units::SampleIndex;
 
-/// The steps of the fold-back that a status tells, beyond what the status before it told.
+/// The steps of the fold-back that a status reports and the status before it did not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoldbackSteps {
     /// Where each step begins and what it leaves of every amplitude, per mille; in order.
@@ -27,15 +27,15 @@ impl FoldbackSteps {
             return Self { steps: vec![present], is_complete: true };
         };
         let periods = (since - timing.limit_since(before.now)) / timing.limit_period;
-        let told = status.foldback_before_per_mille.len() as u64 + 1;
+        let reported = status.foldback_before_per_mille.len() as u64 + 1;
         // The oldest first.
         let values = status.foldback_before_per_mille.into_iter().rev().chain([status.foldback_per_mille]);
         let begins = |age: u64| since - age * timing.limit_period;
-        let periods_told = (0..told).rev().zip(values).filter(|(age, _)| *age < periods);
+        let reported_periods = (0..reported).rev().zip(values).filter(|(age, _)| *age < periods);
 
         let mut last = before.foldback_per_mille;
         let mut steps = Vec::new();
-        for (age, per_mille) in periods_told {
+        for (age, per_mille) in reported_periods {
             if per_mille != last {
                 steps.push((begins(age), per_mille));
                 last = per_mille;
@@ -44,7 +44,7 @@ impl FoldbackSteps {
         let count = u32::try_from(steps.len()).unwrap_or(u32::MAX);
         let is_complete = status.foldback_changes.wrapping_sub(before.foldback_changes) == count
             && last == status.foldback_per_mille
-            && (periods <= told || steps.first().is_none_or(|(at, _)| *at > begins(told - 1)));
+            && (periods <= reported || steps.first().is_none_or(|(at, _)| *at > begins(reported - 1)));
         if !is_complete && steps.is_empty() {
             steps.push(present);
         }
@@ -89,22 +89,25 @@ mod tests {
         assert_eq!(heard(&[1000, 990, 980], 1), (vec![(1, 990), (2, 980)], true), "one missed");
         assert_eq!(heard(&[1000, 990, 1000], 1), (vec![(1, 990), (2, 1000)], true), "there and back");
         let four = [1000, 990, 990, 970, 960];
-        assert_eq!(heard(&four, 1), (vec![(1, 990), (3, 970), (4, 960)], true), "as many as are told");
+        assert_eq!(heard(&four, 1), (vec![(1, 990), (3, 970), (4, 960)], true), "as many as are reported");
     }
 
     #[test]
     fn a_gap_longer_than_what_is_told_is_known_to_be_incomplete() {
-        assert!(!heard(&[1000, 990, 980, 970, 960, 950], 1).1, "a step before those told");
-        assert!(!heard(&[1000, 990, 1000, 1000, 1000, 1000, 1000], 1).1, "there and back before those told");
-        assert!(!heard(&[1000, 1000, 990, 990, 990, 990, 990], 1).1, "one step, and it is not told where");
-        assert!(!heard(&[1000, 1000, 990, 990, 990, 990], 1).1, "the oldest told may have begun earlier");
+        assert!(!heard(&[1000, 990, 980, 970, 960, 950], 1).1, "a step before those reported");
+        assert!(
+            !heard(&[1000, 990, 1000, 1000, 1000, 1000, 1000], 1).1,
+            "there and back before those reported"
+        );
+        assert!(!heard(&[1000, 1000, 990, 990, 990, 990, 990], 1).1, "one step, at an unreported period");
+        assert!(!heard(&[1000, 1000, 990, 990, 990, 990], 1).1, "the oldest reported may have begun earlier");
     }
 
     #[test]
     fn a_long_gap_without_a_change_is_no_loss() {
         assert_eq!(heard(&[1000; 40], 1), (vec![], true));
         let late = [1000, 1000, 1000, 1000, 1000, 1000, 980, 970];
-        assert_eq!(heard(&late, 1), (vec![(6, 980), (7, 970)], true), "all changes are among those told");
+        assert_eq!(heard(&late, 1), (vec![(6, 980), (7, 970)], true), "all changes are among those reported");
     }
 
     #[test]

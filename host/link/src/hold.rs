@@ -11,7 +11,7 @@ use slipline_protocol::hold::{HoldSetting, HoldTone};
 use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB};
 use slipline_protocol::units::CentiDecibel;
 
-/// Parts of a code in which an amplitude is told.
+/// Steps per code of an amplitude on the wire.
 const CODE: f64 = 256.0;
 /// Samples in a block.
 const BLOCK: u32 = 128;
@@ -25,8 +25,8 @@ pub struct HoldToneRequest {
     pub amplitude_codes: f64,
 }
 
-/// Hold the measured amplitudes of tones that sound at these values, until something else changes what sounds. While it is on
-/// [`Snapshot::hold`](crate::Snapshot::hold) tells how it stands, a [`ListenRequest`](crate::ListenRequest) is refused, and the
+/// Holds the measured amplitudes of sounding tones at these values until another command changes the drive. While it is on,
+/// [`Snapshot::hold`](crate::Snapshot::hold) has its state, a [`ListenRequest`](crate::ListenRequest) is refused, and the
 /// mirror does not know the codes. To change a hold, end it first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HoldRequest {

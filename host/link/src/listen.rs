@@ -1,4 +1,4 @@
-//! What the device's inputs are asked to measure, and what they have measured.
+//! Requests to measure at the device's inputs, and the results.
 
 use slipline_protocol::limits::MAX_TONES;
 pub use slipline_protocol::listen::WindowShape;
@@ -63,12 +63,12 @@ impl Listened {
     }
 
     /// Takes the answers of the slots from one on.
-    pub(crate) fn take(&mut self, first_slot: u8, told: &listen::Listened) {
-        (self.lowest, self.highest) = (told.lowest, told.highest);
-        let scale = 4.0 / (BASIS_ONE * BLOCK * f64::from(told.weight.max(1)));
+    pub(crate) fn take(&mut self, first_slot: u8, report: &listen::Listened) {
+        (self.lowest, self.highest) = (report.lowest, report.highest);
+        let scale = 4.0 / (BASIS_ONE * BLOCK * f64::from(report.weight.max(1)));
         let slots = self.answers.iter_mut().enumerate().skip(first_slot.into());
-        for ((slot, answer), sums) in slots.zip(&told.answers) {
-            let is_followed = told.followed >> slot & 1 == 1;
+        for ((slot, answer), sums) in slots.zip(&report.answers) {
+            let is_followed = report.followed >> slot & 1 == 1;
             // Beyond 2^53 the rounding is 2^-53 of the sum: nothing.
             let part = |sum: i64| sum as f64 * scale;
             *answer = is_followed.then(|| (part(sums.in_phase), part(sums.quadrature)));

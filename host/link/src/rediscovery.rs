@@ -7,7 +7,7 @@ use crate::port::{Port, PortInfo};
 pub(super) struct Rediscovery {
     /// The port at which it was.
     info: PortInfo,
-    /// The chip's unique id, once it has told it.
+    /// The chip's unique id, once the device has reported it.
     unit: Option<[u8; 12]>,
     /// Listed ports at which another device answered.
     others: Vec<Port>,

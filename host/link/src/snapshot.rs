@@ -113,18 +113,18 @@ pub struct Snapshot {
     pub compatibility: Option<Compatibility>,
     /// Its status, while connected; asked for every fifth of a second.
     pub status: Option<Status>,
-    /// The status up to which the journal is complete: the latest one, unless a drive that had waited for the trigger input
-    /// may have begun before it and the device has not told yet whether and where.
+    /// The status up to which the journal is complete. It is the latest one, unless a drive that waited for the trigger input
+    /// may have begun before it and the device has not reported yet whether and where.
     pub settled: Option<Status>,
-    /// What the device has told last of the drive that waits, or has waited, for the trigger input; asked for when a drive
-    /// waits no more.
+    /// The device's last report on the drive that waits, or waited, for the trigger input; asked for when a drive waits no
+    /// more.
     pub trigger: Option<TriggerReport>,
     /// The wear of its flash and how its supply is guarded, while connected; `None` with a device of protocol 1.0, which
-    /// does not tell it. Told at the start, and anew after each write to the flash.
+    /// does not report it. Read at the start and after each write to the flash.
     pub maintenance: Option<Maintenance>,
-    /// What its inputs can do, while connected; `None` with a device of an older protocol than 1.3. Told at the start.
+    /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
-    /// How the level hold stands, or stood when it ended; `None` before the first one of a connection and after its end by
+    /// The state of the level hold, or its last state when it ended; `None` before the first one of a connection and after its end by
     /// [`HoldRequest::OFF`](crate::HoldRequest::OFF). Asked for ten times a second while it is on.
     pub hold: Option<Arc<Held>>,
     /// When the status came, since the worker was started. With the sample rate it gives the present sample index.
@@ -144,8 +144,8 @@ pub struct Snapshot {
     pub round_trip: RoundTrip,
     /// The link's own counters.
     pub counters: LinkCounters,
-    /// How often the device was stopped and disarmed because whoever drives it gave no sign of life for
-    /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, stops at its largest value.
+    /// Number of times the device was stopped and disarmed because its driver gave no sign of life for
+    /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, saturating.
     pub driver_stalls: u32,
     /// What this side's decoder has seen.
     pub decoder: DecoderCounters,

@@ -179,7 +179,7 @@ impl DeviceTable {
         self.peak_at_full_scale_m
     }
 
-    /// The position whose tone gains so many turns per sample; `None` if the table has none of this frequency.
+    /// The position whose tone advances by `turns` turns per sample; `None` if the table has no such frequency.
     #[must_use]
     pub fn place_of_turns(&self, turns: f64) -> Option<FinePosition> {
         if !(0.0..0.5).contains(&turns) {

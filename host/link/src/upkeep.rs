@@ -1,24 +1,24 @@
-//! What a device's [`Maintenance`] means for the person who looks after it, in sentences.
+//! A device's [`Maintenance`] and inputs in words, for the person who looks after it.
 
 use slipline_protocol::event::Maintenance;
 use slipline_protocol::listen::InputsReport;
 
-/// How often the flash was erased, of how often it may be.
+/// Erasures of the flash so far, and the number that its data sheet promises.
 ///
 /// ```
 /// use slipline_link::protocol::event::Maintenance;
 /// use slipline_link::upkeep;
 ///
-/// let told = Maintenance { erasures: 3, erasures_promised: 20_000, brown_out_guarded: false };
-/// assert_eq!(upkeep::wear(&told), "3 of 20000 times");
-/// assert_eq!(upkeep::brown_out_level(&told), "not set");
-/// assert!(upkeep::before_arming(&told).is_some());
+/// let maintenance = Maintenance { erasures: 3, erasures_promised: 20_000, brown_out_guarded: false };
+/// assert_eq!(upkeep::wear(&maintenance), "3 of 20000 times");
+/// assert_eq!(upkeep::brown_out_level(&maintenance), "not set");
+/// assert!(upkeep::before_arming(&maintenance).is_some());
 /// ```
 #[must_use]
-pub fn wear(told: &Maintenance) -> String {
-    match told.erasures_promised {
+pub fn wear(maintenance: &Maintenance) -> String {
+    match maintenance.erasures_promised {
         0 => "it keeps nothing".to_owned(),
-        promised => format!("{} of {promised} times", told.erasures),
+        promised => format!("{} of {promised} times", maintenance.erasures),
     }
 }
 
@@ -28,35 +28,35 @@ pub fn wear(told: &Maintenance) -> String {
 /// use slipline_link::protocol::listen::InputsReport;
 /// use slipline_link::upkeep::inputs;
 ///
-/// let told = InputsReport { inputs: 2, lock_ins: 16, delay_ns: -250, lost_blocks: 3, now: 0 };
-/// assert_eq!(inputs(&told), "sensor and shunt, 16 tones at once, -0.25 us after the DAC, 3 blocks lost");
+/// let report = InputsReport { inputs: 2, lock_ins: 16, delay_ns: -250, lost_blocks: 3, now: 0 };
+/// assert_eq!(inputs(&report), "sensor and shunt, 16 tones at once, -0.25 us after the DAC, 3 blocks lost");
 /// ```
 #[must_use]
-pub fn inputs(told: &InputsReport) -> String {
-    let which = match told.inputs {
+pub fn inputs(report: &InputsReport) -> String {
+    let which = match report.inputs {
         0 => return "none".to_owned(),
         1 => "sensor",
         _ => "sensor and shunt",
     };
-    let lost = match told.lost_blocks {
+    let lost = match report.lost_blocks {
         0 => String::new(),
         1 => ", 1 block lost".to_owned(),
         blocks => format!(", {blocks} blocks lost"),
     };
-    let delay_us = told.delay_ns as f64 * 1e-3;
-    format!("{which}, {} tones at once, {delay_us} us after the DAC{lost}", told.lock_ins)
+    let delay_us = report.delay_ns as f64 * 1e-3;
+    format!("{which}, {} tones at once, {delay_us} us after the DAC{lost}", report.lock_ins)
 }
 
-/// Whether the brown-out level is set, in a word or two.
+/// `set` or `not set`: the brown-out level.
 #[must_use]
-pub const fn brown_out_level(told: &Maintenance) -> &'static str {
-    if told.brown_out_guarded { "set" } else { "not set" }
+pub const fn brown_out_level(maintenance: &Maintenance) -> &'static str {
+    if maintenance.brown_out_guarded { "set" } else { "not set" }
 }
 
 /// What a person should know before the device is armed, if there is anything.
 #[must_use]
-pub const fn before_arming(told: &Maintenance) -> Option<&'static str> {
-    if told.brown_out_guarded {
+pub const fn before_arming(maintenance: &Maintenance) -> Option<&'static str> {
+    if maintenance.brown_out_guarded {
         return None;
     }
     Some(
@@ -67,8 +67,8 @@ pub const fn before_arming(told: &Maintenance) -> Option<&'static str> {
 
 /// The warning that the flash is worn, if it is: it may lose what it keeps.
 #[must_use]
-pub fn worn(told: &Maintenance) -> Option<String> {
-    let Maintenance { erasures, erasures_promised, .. } = *told;
+pub fn worn(maintenance: &Maintenance) -> Option<String> {
+    let Maintenance { erasures, erasures_promised, .. } = *maintenance;
     (erasures_promised > 0 && erasures > erasures_promised).then(|| {
         format!(
             "The device's flash has been erased {erasures} times; its data sheet promises {erasures_promised}. \
@@ -83,18 +83,19 @@ mod tests {
 
     #[test]
     fn a_flash_counts_as_worn_above_what_its_data_sheet_promises_and_not_before() {
-        let told = |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: true };
-        assert_eq!((worn(&told(0)), worn(&told(20_000))), (None, None));
-        let warning = worn(&told(20_001)).unwrap();
+        let maintenance =
+            |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: true };
+        assert_eq!((worn(&maintenance(0)), worn(&maintenance(20_000))), (None, None));
+        let warning = worn(&maintenance(20_001)).unwrap();
         assert!(warning.contains("20001 times") && warning.contains("promises 20000"), "{warning}");
-        let keeps_nothing = Maintenance { erasures_promised: 0, ..told(1) };
+        let keeps_nothing = Maintenance { erasures_promised: 0, ..maintenance(1) };
         assert_eq!((worn(&keeps_nothing), wear(&keeps_nothing)), (None, "it keeps nothing".to_owned()));
     }
 
     #[test]
     fn only_a_board_without_a_brown_out_level_asks_before_it_is_armed() {
-        let told = |brown_out_guarded| Maintenance { brown_out_guarded, ..Maintenance::default() };
-        assert_eq!(before_arming(&told(true)), None);
-        assert!(before_arming(&told(false)).unwrap().contains("brown-out level"));
+        let maintenance = |brown_out_guarded| Maintenance { brown_out_guarded, ..Maintenance::default() };
+        assert_eq!(before_arming(&maintenance(true)), None);
+        assert!(before_arming(&maintenance(false)).unwrap().contains("brown-out level"));
     }
 }

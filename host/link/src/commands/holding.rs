@@ -1,4 +1,4 @@
-//! The level hold: what is read of the device while one is on.
+//! The level hold: its state is read from the device periodically while it is on.
 
 use super::queue::CommandQueue;
 use super::task::{Job, Task};
@@ -33,10 +33,10 @@ impl CommandQueue {
         self.read_hold(now);
     }
 
-    /// Takes how the hold stands; asks again for as long as it is on.
-    pub(super) fn held(&mut self, task: &Task, told: Held, recorder: &mut Recorder, now: Duration) {
-        let at = told.begin;
-        match told.progress {
+    /// Takes the reported state of the hold; asks again as long as it is on.
+    pub(super) fn held(&mut self, task: &Task, reply: Held, recorder: &mut Recorder, now: Duration) {
+        let at = reply.begin;
+        match reply.progress {
             HoldProgress::On => self.read_hold(now + PERIOD),
             HoldProgress::Lost => {
                 recorder.log(
@@ -46,7 +46,7 @@ impl CommandQueue {
             }
             HoldProgress::Off | HoldProgress::Ended => {}
         }
-        recorder.hold(Some(told));
+        recorder.hold(Some(reply));
         recorder.finish(task.ticket, Outcome::Done { at });
     }
 

@@ -1,4 +1,4 @@
-//! Measurements and captures: what is read of the device until the request is done.
+//! Measurements and captures: their results are read from the device until the request is done.
 
 use super::queue::CommandQueue;
 use super::reading::{CaptureReading, ListenReading};
@@ -13,12 +13,12 @@ use slipline_protocol::units::SampleIndex;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A result that is not there when it should be is asked for again after so long.
+/// Time after which a result that is not ready when it should be is asked for again.
 const PAUSE: Duration = Duration::from_millis(5);
 /// Samples in a block.
 const BLOCK: u64 = 128;
-/// The device's clock is that of the block that it renders next. Before what a block has sampled is told, it waits, plays, is taken,
-/// and a reading is told in the turn after that.
+/// Samples from an input block to its report. The device's clock is that of the block that it renders next; a block then waits,
+/// plays, is sampled, and is reported in the turn after that.
 const BEHIND: u64 = 4 * BLOCK;
 
 impl CommandQueue {
@@ -43,12 +43,12 @@ impl CommandQueue {
         self.read_after(end, Task::new(task.ticket, Job::CaptureRead(Box::new(reading))), recorder, now);
     }
 
-    /// Asks when what was sampled up to an index should have been told, by the latest status.
+    /// Asks when the samples up to an index should be ready to be read, by the clock in the latest status.
     fn read_after(&mut self, end: SampleIndex, mut task: Task, recorder: &Recorder, now: Duration) {
         let end = end.saturating_add(BEHIND);
         let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
-        let told = recorder.view.status.map_or(end, |status| status.now);
-        let left = end.saturating_sub(told) as f64 / f64::from(rate.max(1));
+        let clock = recorder.view.status.map_or(end, |status| status.now);
+        let left = end.saturating_sub(clock) as f64 / f64::from(rate.max(1));
         // No measurement lasts for hours; a number that is too large waits for ever, and the session's end drops it.
         let over = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
         task.not_before = recorder.view.status_time.saturating_add(over).max(now);
@@ -59,14 +59,14 @@ impl CommandQueue {
     pub(super) fn listened(
         &mut self,
         mut task: Task,
-        told: &listen::Listened,
+        report: &listen::Listened,
         recorder: &mut Recorder,
         now: Duration,
     ) {
         let Job::ListenRead(reading) = &mut task.job else {
             return recorder.finish(task.ticket, Outcome::Refused(Refusal::UnexpectedReply));
         };
-        match told.progress {
+        match report.progress {
             Progress::Running => {
                 task.not_before = now + PAUSE;
                 return self.tasks.push_back(task);
@@ -77,7 +77,7 @@ impl CommandQueue {
             Progress::Idle => return recorder.finish(task.ticket, Outcome::Superseded),
             Progress::Finished => {}
         }
-        reading.listened.take(reading.first_slot, told);
+        reading.listened.take(reading.first_slot, report);
         let next = reading.first_slot.saturating_add(LISTENED_TONES as u8);
         if reading.request.slots.checked_shr(next.into()).is_some_and(|rest| rest != 0) {
             reading.first_slot = next;
@@ -91,14 +91,14 @@ impl CommandQueue {
     pub(super) fn captured(
         &mut self,
         mut task: Task,
-        told: &listen::Captured,
+        report: &listen::Captured,
         recorder: &mut Recorder,
         now: Duration,
     ) {
         let Job::CaptureRead(reading) = &mut task.job else {
             return recorder.finish(task.ticket, Outcome::Refused(Refusal::UnexpectedReply));
         };
-        match told.progress {
+        match report.progress {
             Progress::Broken { at } => {
                 return recorder.finish(task.ticket, Outcome::Refused(Refusal::InputLost { at }));
             }
@@ -107,11 +107,11 @@ impl CommandQueue {
         }
         let values = &mut reading.captured.values;
         let wanted = usize::from(reading.request.values);
-        values.extend(told.values.iter().take(wanted.saturating_sub(values.len())));
+        values.extend(report.values.iter().take(wanted.saturating_sub(values.len())));
         if values.len() >= wanted {
             return recorder.finish(task.ticket, Outcome::Captured(Arc::new(reading.captured.clone())));
         }
-        if told.values.is_empty() {
+        if report.values.is_empty() {
             task.not_before = now + PAUSE;
             self.tasks.push_back(task);
         } else {

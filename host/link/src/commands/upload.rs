@@ -14,9 +14,9 @@ use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// While the tones still glide to the last table, the device is busy; the step is sent again after so long.
+/// Time after which a step is sent again to a busy device: one whose tones still glide to the last table.
 pub(super) const BUSY_PAUSE: Duration = Duration::from_millis(5);
-/// A busy device is asked so often at most: a glide to a new table takes 20 ms.
+/// Attempts of a step while the device is busy: a glide to a new table takes 20 ms.
 pub(super) const BUSY_TRIES: u32 = 200;
 
 /// The plate file limits the travel, and the device's firmware is older than that.
@@ -26,7 +26,7 @@ const TRAVEL_NOT_LIMITED: &str =
 /// The step that is sent next, or waits for its reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
-    /// The limit of the actuator's travel, before any tone goes by the new table.
+    /// The limit of the actuator's travel, before any tone uses the new table.
     Limit,
     Begin,
     Chunk {
@@ -326,22 +326,26 @@ mod tests {
         let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
         let mut wanted = upload(1, 20e3);
         wanted.table = Arc::new(wanted.table.as_ref().clone().with_travel_limit(50.0, 4.0, 2.0).unwrap());
-        for (told, is_taken) in [
+        for (confirmed, is_taken) in [
             (Some(limit), true),
             (None, false),
             (Some(TravelLimit { static_ppm: limit.static_ppm - 1, ..limit }), false),
         ] {
             let mut recorder = Recorder::default();
             let mut uploads = Uploads(Some(Upload { step: Step::Limit, ..wanted.clone() }));
-            let reply = Event::TravelLimit(TravelSetting { limit: told });
+            let reply = Event::TravelLimit(TravelSetting { limit: confirmed });
             uploads.take_reply(reply, &mut recorder, Duration::ZERO);
             assert_eq!(
                 uploads.current().map(|upload| upload.step),
                 is_taken.then_some(Step::Begin),
-                "{told:?}"
+                "{confirmed:?}"
             );
             let refused = Outcome::Refused(Refusal::UnexpectedReply);
-            assert_eq!(recorder.view.outcome(wanted.ticket), (!is_taken).then_some(&refused), "{told:?}");
+            assert_eq!(
+                recorder.view.outcome(wanted.ticket),
+                (!is_taken).then_some(&refused),
+                "{confirmed:?}"
+            );
         }
     }
 }

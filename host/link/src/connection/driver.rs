@@ -1,4 +1,4 @@
-//! Signs of life from whoever drives, for a connection that is stepped on a thread of its own.
+//! Signs of life from the driver (a window's or a command's loop), for a connection that is stepped on a thread of its own.
 
 use super::Connection;
 use crate::driver_watch::DriverWatch;
@@ -13,7 +13,7 @@ impl<O: Opener> Connection<O> {
         self.driver = Some(DriverWatch::default());
     }
 
-    /// Whoever drives was alive at this time.
+    /// The driver was alive at this time.
     pub fn sign_of_life(&mut self, at: Duration) {
         if let Some(driver) = &mut self.driver {
             driver.sign(at);

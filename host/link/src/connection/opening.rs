@@ -1,4 +1,4 @@
-//! Opens ports: the one that the user names, that of a lost device, and one that is missing as soon as it is there.
+//! Opens ports: the one that the user names, the port of a lost device, and a missing port as soon as it appears.
 
 use super::{Connection, Open, Phase, SEEK_PERIOD};
 use crate::commands::{CommandQueue, Next};
@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// A session that lives shorter than this was ended by another program rather than by a restart...
 const SHORT_LIFE: Duration = Duration::from_secs(5);
-/// ...if it happens so often in a row: two programs that take a device from each other would stop its drive for ever.
+/// ...if this many in a row are that short: two programs that take a device from each other would stop its drive for ever.
 const SHORT_LIVES: u32 = 3;
 
 impl<O: Opener> Connection<O> {
@@ -117,8 +117,8 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Tells why the port that is waited for cannot be used yet: it may be there by now, but busy or silent. Of
-    /// a device that has answered before, its loss stays the reason.
+    /// Reports why the awaited port cannot be used yet: it may be there by now, but busy or silent. For a device that has
+    /// answered before, its loss stays the reason.
     fn still_missing(&mut self, error: LinkError) {
         let state = LinkState::Reconnecting(error.clone());
         if self.waits_for_port && self.recorder.view.link != state {

@@ -27,7 +27,7 @@ pub(super) struct Shared {
     pub(super) ask: Mutex<Ask>,
 }
 
-/// Asks whoever drives for a sign of life.
+/// Asks the driver (the loop that uses the device) for a sign of life.
 type Ask = Box<dyn Fn() + Send>;
 
 impl Shared {

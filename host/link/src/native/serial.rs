@@ -1,8 +1,8 @@
 //! A serial port as a transport: native USB (CDC-ACM) or a UART behind a USB bridge.
 //!
 //! The port is opened exclusively, raw, 8N1, with DTR set (some bridges pass nothing without it; nothing here relies
-//! on it). Reads and writes do not wait, on Windows not long: where the system can tell when bytes arrive (all but
-//! Windows) the worker sleeps until then, else it reads every few milliseconds.
+//! on it). Reads and writes do not block (on Windows, only briefly). Where the system can signal the arrival of bytes (all
+//! but Windows), the worker sleeps until then; elsewhere it reads every few milliseconds.
 
 use super::watch::{Wakes, Watch};
 use crate::error::LinkError;

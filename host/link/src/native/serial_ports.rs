@@ -35,7 +35,7 @@ fn describe(name: String, kind: &SerialPortType) -> PortInfo {
 }
 
 fn is_ours(usb: &UsbPortInfo) -> bool {
-    // Some systems do not tell the product's name; then vendor and product id must be enough.
+    // Some systems do not report the product's name; then vendor and product id must be enough.
     let name_fits = usb.product.as_deref().is_none_or(|product| product.starts_with(USB_PRODUCT_NAME));
     usb.vid == USB_VENDOR && usb.pid == USB_PRODUCT && name_fits
 }

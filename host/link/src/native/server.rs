@@ -95,7 +95,7 @@ impl Server {
         &self.path
     }
 
-    /// Serves the device until `ended` is set. Whoever shares it may act on its pins meanwhile.
+    /// Serves the device until `ended` is set. Other holders of the shared device may set its pins meanwhile.
     ///
     /// # Errors
     /// What the system says when the listening itself fails; a program that goes away is no error.

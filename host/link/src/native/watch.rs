@@ -21,7 +21,7 @@ impl<T: Watch + ?Sized> Watch for Box<T> {
     }
 }
 
-/// Whether a transport tells that bytes have arrived.
+/// Whether a transport signals that bytes have arrived.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wakes {
     /// It does: the poll it is registered with returns, or it calls its waker.

@@ -17,12 +17,12 @@ use super::inputs::{Inputs, SimulatedInputs};
 use super::peripherals::{MemoryFlash, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
-use slipline_app::safety::boot::{self, Boot};
 use slipline_app::listening::capture::Values;
-use slipline_app::planning::chord::Candidate;
 use slipline_app::listening::listener::Listener;
 use slipline_app::mailbox::{Mailbox, Pulses};
+use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::RendererPorts;
+use slipline_app::safety::boot::{self, Boot};
 use slipline_app::safety::thermal::Heat;
 use slipline_app::timing::TICK_BLOCKS;
 use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, release};
@@ -234,7 +234,7 @@ impl SimulatedDevice {
         bytes.append(&mut self.peripherals.lock().from_device);
     }
 
-    /// Lets so many blocks pass; `sink` sees each as it leaves for the DAC.
+    /// Renders `blocks` blocks; `sink` gets each as it leaves for the DAC.
     pub fn advance(&mut self, blocks: u64, mut sink: impl FnMut(SentBlock<'_>)) {
         for _ in 0..blocks {
             {
@@ -350,7 +350,7 @@ impl SimulatedDevice {
         self.peripherals.lock().underrun = true;
     }
 
-    /// Lets so many of the blocks that the inputs sample next be lost, as when the device has not taken them in time.
+    /// Drops the next `blocks` blocks of the inputs, as when the device has not taken them in time.
     pub fn inject_overrun(&mut self, blocks: u32) {
         if let Some(inputs) = &mut self.peripherals.lock().inputs {
             inputs.lose(blocks);

@@ -1,4 +1,4 @@
-//! The inputs of the simulated device: what its ADC samples, and the stream of blocks that come of it.
+//! The inputs of the simulated device: the signals at its ADC, and the stream of sampled blocks.
 
 use std::collections::VecDeque;
 
@@ -52,7 +52,7 @@ pub trait SimulatedInputs: Send {
 pub(super) struct Inputs {
     source: Box<dyn SimulatedInputs>,
     sampled: VecDeque<Result<[[u16; BLOCK]; INPUTS], Overrun>>,
-    /// So many of the next blocks are lost.
+    /// Number of the next blocks that are lost.
     to_lose: u32,
 }
 
@@ -79,7 +79,7 @@ impl Inputs {
         self.source
     }
 
-    /// Lets so many of the blocks that are sampled from now on be lost.
+    /// Drops the next `blocks` blocks that are sampled.
     pub(super) fn lose(&mut self, blocks: u32) {
         self.to_lose = self.to_lose.saturating_add(blocks);
     }

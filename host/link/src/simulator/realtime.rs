@@ -1,8 +1,8 @@
 //! The simulated device in real time.
 //!
-//! The device sends only answers, and its samples are known from the mirror. A host therefore cannot tell whether the
-//! device rendered its samples in time, or later, when the next command comes. It does the latter: it needs no thread
-//! and no timer, and at rest it works only for the keep-alives.
+//! The device sends only answers, and its samples are known from the mirror. So a host sees no difference between
+//! a device that renders its samples in time and one that renders them when the next command comes. This one renders
+//! when a command comes: it needs no thread and no timer, and at rest it works only for the keep-alives.
 
 use super::device::SimulatedDevice;
 use crate::transport::{Transport, Waker, read_received};

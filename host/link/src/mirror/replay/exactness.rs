@@ -1,10 +1,10 @@
-//! From which index on the replayed codes are exactly those of the device.
+//! The sample index from which the replayed codes equal the device's exactly.
 
 use slipline_app::bank::BLOCK;
 use slipline_protocol::units::SampleIndex;
 
-/// After a step of the thermal fold-back the renderer's amplitude reaches its new value within so many samples: from
-/// full scale to nothing it takes 65 blocks.
+/// Samples within which the renderer's amplitude settles after a step of the thermal fold-back: from full scale to zero
+/// it takes 65 blocks.
 pub(super) const FOLDBACK_SETTLES: u64 = 80 * BLOCK as u64;
 
 /// What is missing for exact codes, and from which index on they are exact once nothing is.

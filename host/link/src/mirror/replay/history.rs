@@ -23,7 +23,7 @@ pub struct DeviceHistory {
 }
 
 impl DeviceHistory {
-    /// The history of the device in a snapshot; `None` while no device has told its status.
+    /// The history of the device in a snapshot; `None` while no device has reported its status.
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Option<Self> {
         let status = snapshot.settled?;
