@@ -129,8 +129,8 @@ pub fn read_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a directory: name a file in it"));
     }
     if !found.is_file() {
-        let told = "is a pipe or a device: save what it gives in a file and name that";
-        return Err(io::Error::new(ErrorKind::InvalidInput, told));
+        let reason = "is a pipe or a device: save what it gives in a file and name that";
+        return Err(io::Error::new(ErrorKind::InvalidInput, reason));
     }
     let file = File::open(path)?;
     let mut bytes = Vec::new();
@@ -138,8 +138,8 @@ pub fn read_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
     // distinguishes a file that is too large from one that just fits.
     file.take(most as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > most {
-        let told = must_be("the file is too big", Count::at_most(most, Counted::Bytes).with_unit());
-        return Err(io::Error::new(ErrorKind::FileTooLarge, told));
+        let reason = must_be("the file is too big", Count::at_most(most, Counted::Bytes).with_unit());
+        return Err(io::Error::new(ErrorKind::FileTooLarge, reason));
     }
     Ok(bytes)
 }
@@ -292,20 +292,20 @@ mod tests {
             (ErrorKind::IsADirectory, "is a directory: name a file in it".to_owned())
         );
         let too_big = "the file is too big: must be at most 10 bytes";
-        for (bytes, kind, told) in [
+        for (bytes, kind, reason) in [
             (&[b' '; 11][..], ErrorKind::FileTooLarge, too_big),
             (&[0xff, 0xfe], ErrorKind::InvalidData, "the file is not UTF-8 text"),
         ] {
             put(&path, bytes).unwrap();
-            assert_eq!(refusal(&path), (kind, told.to_owned()));
+            assert_eq!(refusal(&path), (kind, reason.to_owned()));
         }
         #[cfg(unix)]
         {
             let pipe = folder.join("pipe");
             assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-            let told = "is a pipe or a device: save what it gives in a file and name that";
+            let reason = "is a pipe or a device: save what it gives in a file and name that";
             for path in [pipe.as_path(), Path::new("/dev/null")] {
-                assert_eq!(refusal(path), (ErrorKind::InvalidInput, told.to_owned()));
+                assert_eq!(refusal(path), (ErrorKind::InvalidInput, reason.to_owned()));
             }
         }
         put(&path, b"x = 1 # 10").unwrap();

@@ -1,8 +1,7 @@
 //! Colour maps of displacement and amplitude, for the screen and for print.
 //!
 //! Lightness in OKLab is linear in the value, so that equal steps of the value look like equal steps. The hues are
-//! blue and orange (signed) or blue and yellow (amplitude), because every kind of colour vision can tell them
-//! apart.
+//! blue and orange (signed) or blue and yellow (amplitude), because every kind of colour vision distinguishes them.
 
 /// Red, green and blue in sRGB, 0 to 255 each.
 pub type Rgb = [u8; 3];

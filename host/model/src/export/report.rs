@@ -206,9 +206,9 @@ fn device(page: &mut Page, snapshot: &Snapshot, identity: &Identity) {
             StoredConfig::FellBack => "one copy damaged, the other in use",
         },
     );
-    if let Some(told) = &snapshot.maintenance {
-        page.line("Flash erased", upkeep::wear(told));
-        page.line("Brown-out level", upkeep::brown_out_level(told));
+    if let Some(maintenance) = &snapshot.maintenance {
+        page.line("Flash erased", upkeep::wear(maintenance));
+        page.line("Brown-out level", upkeep::brown_out_level(maintenance));
     }
     page.line("Last crash", if crash.is_empty() { "none" } else { crash.as_str() });
 }

@@ -1,4 +1,4 @@
-//! A finger on the plate in the app: which one, and what it has met in the last seconds.
+//! A finger on the plate in the app: its properties, and what it has met in the last seconds.
 //!
 //! All values are illustrative: fingers differ, and so does what they feel.
 
@@ -33,7 +33,7 @@ impl Touch {
     }
 }
 
-/// Why this plate cannot be touched, if it cannot: its file does not tell how heavy its wave is.
+/// Why this plate cannot be touched, if it cannot: its file lacks the mass that moves with the wave.
 #[must_use]
 pub fn refusal(plate: &Plate) -> Option<String> {
     let (low_hz, _) = plate.band_hz();

@@ -65,8 +65,8 @@ fn check(
             checker.at(job.boundary_m)
         }
         _ => {
-            let mut tell = |share| task.tell(share);
-            let checker = Checker::watched(&job.plate, conditions, &mut Progress::new(&mut tell))?;
+            let mut go_on = |share| task.tell(share);
+            let checker = Checker::watched(&job.plate, conditions, &mut Progress::new(&mut go_on))?;
             let (_, checker) = kept.insert((Arc::clone(&job.plate), checker));
             checker.at(job.boundary_m)
         }

@@ -150,7 +150,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         (self.ended < self.asked).then(|| self.task.share())
     }
 
-    /// Gives up what is being done: nothing comes of it, even if it is done by now.
+    /// Cancels the present job: its result is dropped, even if it is ready by now.
     pub fn cancel(&mut self) {
         self.task.end();
         self.ended = self.asked;
@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn a_cancelled_job_ends_and_nothing_comes_of_it() {
-        let (half_way, told) = channel();
+        let (half_way, reported) = channel();
         let (woken, waking) = channel();
         let work = move |forever: bool, task: &Task| {
             while forever && task.tell(0.5) {
@@ -223,7 +223,7 @@ mod tests {
         };
         let mut queue = JobQueue::threaded("test", work, move || woken.send(()).unwrap_or_default()).unwrap();
         queue.ask(true);
-        told.recv().unwrap();
+        reported.recv().unwrap();
         assert_eq!(queue.progress(), Some(0.5));
         queue.cancel();
         assert_eq!(queue.progress(), None);

@@ -107,18 +107,19 @@ mod tests {
 
     #[test]
     fn place_level_and_nodes_are_told_with_their_signs() {
-        let told = |peak_shift_m, level_db, nodes| sentence(&Comparison { peak_shift_m, level_db, nodes });
+        let described =
+            |peak_shift_m, level_db, nodes| sentence(&Comparison { peak_shift_m, level_db, nodes });
         assert_eq!(
-            told(Some(-1.24e-3), Some(0.36), [4, 5]),
+            described(Some(-1.24e-3), Some(0.36), [4, 5]),
             "In two dimensions the peak is 1.2 mm nearer to the drive and 0.4 dB higher; it has 5 nodes before it, \
              where one dimension has 4."
         );
         assert_eq!(
-            told(Some(0.01e-3), Some(-2.0), [1, 1]),
+            described(Some(0.01e-3), Some(-2.0), [1, 1]),
             "In two dimensions the peak is at the same place (to 0.05 mm) and 2.0 dB lower; both fields have 1 node \
              before it."
         );
-        assert!(told(None, None, [3, 3]).starts_with("One of the two fields has no peak"));
+        assert!(described(None, None, [3, 3]).starts_with("One of the two fields has no peak"));
     }
 
     #[test]

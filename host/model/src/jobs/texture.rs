@@ -1,4 +1,4 @@
-//! Textures in the background: first the tones, soon enough for a pointer that draws; then what takes longer.
+//! Textures in the background: first the tones, fast enough to follow a pointer that draws; then the slower steps.
 
 use crate::jobs::Task;
 use crate::jobs::table::TableMade;
@@ -75,8 +75,8 @@ pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
     let TextureJob { wish, begun } = job;
     let palette = Palette::new(&wish.table.plate, &wish.table.drive_table);
     let is_finished = begun.is_some();
-    let mut tell = |share| task.tell(share);
-    let progress = &mut Progress::new(&mut tell);
+    let mut go_on = |share| task.tell(share);
+    let progress = &mut Progress::new(&mut go_on);
     let made = match begun {
         Some(made) => Made::clone(&made).finished(&palette, progress),
         None => make(&palette, &wish.wish, wish.most, &wish.feeling, progress),

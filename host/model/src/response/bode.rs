@@ -30,10 +30,10 @@ impl Bode {
     pub fn of(measurement: &Measurement) -> Self {
         let points = &measurement.points;
         let answers: Vec<Option<Complex64>> = points.iter().map(|point| Some(point.response)).collect();
-        let told = points.iter().map(|point| {
+        let heard = points.iter().map(|point| {
             Some(point.response).filter(|response| response.norm() >= SHOWN_OVER_NOISE * point.noise)
         });
-        let told: Vec<Option<Complex64>> = told.collect();
+        let heard: Vec<Option<Complex64>> = heard.collect();
         let spread = |point: &slipline_plate::calibrate::MeasuredPoint| {
             decibel(1.0 + INTERVAL * point.noise / point.response.norm().max(point.noise))
         };
@@ -42,7 +42,7 @@ impl Bode {
             level_db: levels_db(&answers).into_iter().flatten().collect(),
             noise_db: points.iter().map(|point| decibel(point.noise)).collect(),
             spread_db: points.iter().map(spread).collect(),
-            phase_deg: unwrapped_deg(&told),
+            phase_deg: unwrapped_deg(&heard),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The headroom light: how full an input was.
+//! The headroom light: the margin of an input below full scale.
 
 use slipline_plate::calibrate::Measurement;
 use slipline_plate::check::Colour;
@@ -18,10 +18,10 @@ pub fn light(headroom_db: f64) -> Colour {
     }
 }
 
-/// How full the input of a measurement was, at the frequency that filled it most.
+/// The margin of a measurement's input below full scale, at the frequency where it is least.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Headroom {
-    /// Free amplitude below full scale, dB, and the frequency; `None` if the measurement does not tell it.
+    /// Margin below full scale, dB, and the frequency, Hz; `None` if the measurement does not state it.
     pub least: Option<(f64, f64)>,
 }
 
@@ -29,9 +29,9 @@ impl Headroom {
     /// That of a measurement.
     #[must_use]
     pub fn of(measurement: &Measurement) -> Self {
-        let told =
+        let known =
             measurement.points.iter().filter_map(|point| Some((point.headroom_db?, point.frequency_hz)));
-        Self { least: told.min_by(|a, b| a.0.total_cmp(&b.0)) }
+        Self { least: known.min_by(|a, b| a.0.total_cmp(&b.0)) }
     }
 
     /// Red below 6 dB, green to 40 dB, amber above.

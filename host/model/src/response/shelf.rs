@@ -74,7 +74,7 @@ impl Shelf {
         self.entries.iter().find(|entry| entry.number == number)
     }
 
-    /// The one that is chosen: its values are told, and the plate's model goes through it.
+    /// The chosen measurement: its values are shown, and the plate's model is compared with it.
     #[must_use]
     pub fn chosen(&self) -> Option<&Entry> {
         self.chosen.and_then(|number| self.entry(number))

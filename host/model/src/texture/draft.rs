@@ -1,4 +1,4 @@
-//! What a user of the window wishes: one of four kinds of texture, each with its values.
+//! The texture that a user of the window edits: one of four kinds, each with its values.
 
 use super::making::Wish;
 use slipline_plate::Plate;

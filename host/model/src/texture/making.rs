@@ -1,4 +1,4 @@
-//! From what a user wants to be felt to tones, and what is known of them.
+//! From a texture that a user wants to tones, and how near they come to it.
 //!
 //! ```text
 //! Wish --make--> Made: tones, how near they come, how near any number could --finished--> as a chord where that pays
@@ -41,9 +41,9 @@ pub enum Wish {
 pub struct Made {
     /// Its tones, in order of their turning points.
     pub tones: Vec<TextureTone>,
-    /// What the fit tells; `None` of stripes and beats, which have nothing to come near to.
+    /// The quality of the fit; `None` for stripes and beats, which have no target profile.
     pub fitted: Option<Fitted>,
-    /// How far apart the nodes of stripes are, in metres.
+    /// Distance of the nodes of stripes, in metres.
     pub stripes_m: Option<f64>,
 }
 
@@ -87,9 +87,9 @@ impl Lack {
     }
 }
 
-/// An error of the RMS amplitude, over the largest wanted, that one does not see in a drawn profile.
+/// Largest error of the RMS amplitude, relative to the largest wanted one, that is not visible in a drawn profile.
 const FINE: f64 = 0.05;
-/// Ripple of an area that a finger does not tell, dB.
+/// Ripple of an area that a finger does not notice, dB.
 const EVEN_DB: f64 = 3.0;
 /// Contrast from which on an edge is clear, dB.
 const CLEAR_DB: f64 = 20.0;
@@ -258,14 +258,14 @@ mod tests {
     fn an_area_that_nobody_wants_any_more_is_given_up() {
         let (plate, table) = membrane();
         let palette = Palette::new(&plate, &table);
-        let mut told = 0;
-        let mut tell = |_| {
-            told += 1;
-            told < 4
+        let mut reports = 0;
+        let mut go_on = |_| {
+            reports += 1;
+            reports < 4
         };
         let given_up =
-            make(&palette, &Wish::Solid(0.25), 16, &Feeling::default(), &mut Progress::new(&mut tell));
+            make(&palette, &Wish::Solid(0.25), 16, &Feeling::default(), &mut Progress::new(&mut go_on));
         assert!(matches!(given_up, Err(TextureError::Stopped(_))), "it was made");
-        assert_eq!(told, 4);
+        assert_eq!(reports, 4);
     }
 }

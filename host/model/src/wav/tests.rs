@@ -53,24 +53,24 @@ fn integers_of_16_24_and_32_bits_and_floats_are_read_channel_by_channel() {
 #[test]
 fn what_is_not_read_names_its_field_and_range() {
     let refused = |bytes: Vec<u8>| Wav::read(bytes).unwrap_err().to_string();
-    let told = refused(file(4_000, 1, 16, SampleFormat::Int));
-    assert!(told.starts_with("rate = 4000 Hz: must be 8000 to 384000 Hz"), "{told}");
-    let told = refused(file(48_000, 1, 8, SampleFormat::Int));
-    assert!(told.starts_with("integers of 8 bits: must be integers of 16, 24 or 32 bits"), "{told}");
+    let refusal = refused(file(4_000, 1, 16, SampleFormat::Int));
+    assert!(refusal.starts_with("rate = 4000 Hz: must be 8000 to 384000 Hz"), "{refusal}");
+    let refusal = refused(file(48_000, 1, 8, SampleFormat::Int));
+    assert!(refusal.starts_with("integers of 8 bits: must be integers of 16, 24 or 32 bits"), "{refusal}");
     let wav = Wav::read(file(48_000, 2, 16, SampleFormat::Int)).unwrap();
     for number in [0, 3] {
-        let told = wav.channel(number).unwrap_err().to_string();
-        assert_eq!(told, format!("channel {number}: must be 1 to 2, the channels of the file"));
+        let refusal = wav.channel(number).unwrap_err().to_string();
+        assert_eq!(refusal, format!("channel {number}: must be 1 to 2, the channels of the file"));
     }
     let mut short = file(48_000, 1, 16, SampleFormat::Int);
     short.truncate(short.len() - 20);
-    let told = Wav::read(short).and_then(|wav| wav.channel(1)).unwrap_err().to_string();
-    assert!(told.contains("ends before the values that it announces"), "{told}");
+    let refusal = Wav::read(short).and_then(|wav| wav.channel(1)).unwrap_err().to_string();
+    assert!(refusal.contains("ends before the values that it announces"), "{refusal}");
     let mut bytes = file(48_000, 1, 32, SampleFormat::Float);
     let end = bytes.len();
     bytes[end - 4..].copy_from_slice(&f32::NAN.to_le_bytes());
-    let told = Wav::read(bytes).unwrap().channel(1).unwrap_err().to_string();
-    assert!(told.contains("value 50: must be a finite number"), "{told}");
+    let refusal = Wav::read(bytes).unwrap().channel(1).unwrap_err().to_string();
+    assert!(refusal.contains("value 50: must be a finite number"), "{refusal}");
     for bytes in [&b"RF64\xff\xff\xff\xffWAVE"[..], b"RIFF", b"RIFF\0\0\0\0AVI "] {
         assert!(Wav::is_one(bytes));
         assert!(refused(bytes.to_vec()).starts_with("the WAV file cannot be read: "));

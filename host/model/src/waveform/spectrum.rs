@@ -78,7 +78,7 @@ impl Spectrum {
 const PROMINENCE_DB: f64 = 12.0;
 
 /// The peaks of a spectrum down to `floor_db`, at most `most`, the strongest first. Where the lines are evenly spaced,
-/// place and level are those of the parabola through a peak and its neighbours: a tone between two bins is told right.
+/// frequency and level are those of the parabola through a peak and its neighbours, so they are right between bins, too.
 #[must_use]
 pub fn peaks(lines: &[Line], floor_db: f64, most: usize) -> Vec<Line> {
     let level = |i: usize| lines[i].level_db;

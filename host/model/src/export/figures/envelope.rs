@@ -8,7 +8,7 @@ use super::plot::{Curve, Plot, TEXT, Upright};
 use crate::field::simulation::Simulated;
 use crate::field::steady_field::displacement_unit;
 
-/// One dot per so many places of the simulated plate; with a dot at every place they would overlap.
+/// Places of the simulated plate per dot; with a dot at every place the dots would overlap.
 const STEP: usize = 6;
 
 /// Draws the RMS displacement along the plate with this name.

@@ -63,9 +63,9 @@ pub(super) fn decoded(file: &[u8]) -> (u32, u32, Vec<[u8; 3]>, Option<u32>) {
 fn both_panels_hold_their_curves_and_the_file_is_small() {
     for figure in figures().expect("computed") {
         let drawing = paper_figure(&figure);
-        let told = look_over(&drawing);
+        let labels = look_over(&drawing);
         for name in [figure.x_label, figure.panels[0].y_label, figure.panels[1].y_label, "as printed"] {
-            assert!(told.iter().any(|text| text == name), "{}: {name}", figure.stem);
+            assert!(labels.iter().any(|text| text == name), "{}: {name}", figure.stem);
         }
         let file = drawing.file(Format::Png).expect("painted");
         assert!(file.len() < 100_000, "{}: {}", figure.stem, file.len());
@@ -88,9 +88,9 @@ fn a_response_shows_its_peak_at_print_size() {
     let frequency_hz = plate.frequency_for_boundary_hz(0.18);
     let response = respond(&plate, frequency_hz, 200_001, Equation::Corrected).expect("it enters");
     let drawing = response_figure(&response, plate.name());
-    let told = look_over(&drawing);
-    assert!(told.iter().any(|text| text.contains("turning point 180.0 mm")), "{told:?}");
-    assert!(told.iter().any(|text| text.starts_with("peak ")), "{told:?}");
+    let labels = look_over(&drawing);
+    assert!(labels.iter().any(|text| text.contains("turning point 180.0 mm")), "{labels:?}");
+    assert!(labels.iter().any(|text| text.starts_with("peak ")), "{labels:?}");
     assert!(drawing.svg().len() < 100_000, "as many points as can be seen: {}", drawing.svg().len());
     let (width, _, _, dots) = decoded(&drawing.file(Format::Png).expect("painted"));
     assert!((f64::from(width) / f64::from(dots.expect("a size")) - 0.170).abs() < 2e-4);

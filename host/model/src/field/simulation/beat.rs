@@ -1,19 +1,19 @@
-//! How long to measure, and which tones that does not tell apart.
+//! Length of the measuring window, and the tones that it does not resolve.
 
 /// Periods of the lowest tone, and of the smallest difference of two tones, in the measuring window.
 const PERIODS: f64 = 12.0;
 /// The window is no longer than this, in seconds.
 pub(super) const MAX_WINDOW_S: f64 = 2.0;
-/// Periods of the difference of two tones that the measuring window must hold to tell them apart: from there on the
-/// Hann window passes less than 1/100 of the one into the other.
+/// Periods of the difference frequency of two tones that the measuring window must hold to resolve them: from there on
+/// the Hann window passes less than 1/100 of one tone into the other.
 const PERIODS_APART: f64 = 4.0;
 
-/// Two tones that beat so slowly that the measured time does not tell them apart.
+/// Two tones that beat so slowly that the measuring window does not resolve them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlowBeat {
     /// The frequencies of the two tones, in Hz; the same number twice for tones of one frequency.
     pub between_hz: (f64, f64),
-    /// How long would have to be measured to tell them apart, in seconds; infinite for tones of one frequency.
+    /// Window that would resolve them, in seconds; infinite for tones of one frequency.
     pub needed_s: f64,
 }
 
@@ -28,12 +28,12 @@ pub(super) fn window_s(frequencies: &[f64]) -> f64 {
     (PERIODS / nearest.max(1e-3)).clamp(0.01, MAX_WINDOW_S)
 }
 
-/// Whether a window of `window_s` seconds does not tell two frequencies apart.
+/// Whether a window of `window_s` seconds is too short to resolve two frequencies.
 pub(super) fn is_blurred(one_hz: f64, other_hz: f64, window_s: f64) -> bool {
     (one_hz - other_hz).abs() * window_s < PERIODS_APART
 }
 
-/// The two frequencies that are nearest to each other, if the window does not tell them apart.
+/// The two frequencies that are nearest to each other, if the window does not resolve them.
 pub(super) fn slow_beat(frequencies: &[f64], window_s: f64) -> Option<SlowBeat> {
     let mut sorted = frequencies.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What the waves run on: the modal line or the 2-D sheet. Both take DAC codes.
+//! The solver of the waves: the modal line or the 2-D sheet. Both take DAC codes.
 
 use super::{PLACES, SimulationError};
 use slipline_plate::{Complex64, Finger, LINE_POINTS, Plate, Sheet, SheetGrid, TimeDomainLine};
@@ -20,7 +20,7 @@ pub enum Solver {
     /// The first width mode along the plate.
     #[default]
     Line,
-    /// The wave equation on the whole sheet, for membranes and shear waves, on so many threads (1 to 64).
+    /// The wave equation on the whole sheet, for membranes and shear waves, on 1 to 64 threads.
     Sheet {
         /// Threads; the result is the same for every number.
         threads: usize,

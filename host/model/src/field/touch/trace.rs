@@ -12,8 +12,8 @@ use std::collections::VecDeque;
 const POINTS: (usize, usize) = (9, 5);
 /// How long the trace is, in seconds.
 pub const TRACE_S: f64 = 4.0;
-/// The speed is the mean over this time, in seconds: a pointer is told in whole pixels, and of two neighbouring frames
-/// the speed would be noise.
+/// The speed is the mean over this time, in seconds: a pointer's position comes in whole pixels, so the speed between
+/// two neighbouring frames would be noise.
 const SPEED_OVER_S: f64 = 0.1;
 /// After a longer pause the trace begins anew, in seconds: nobody knows what the finger did meanwhile.
 const PAUSE_S: f64 = 0.5;
@@ -125,7 +125,7 @@ impl Trace {
         self.met.back()
     }
 
-    /// What was met so many seconds before the latest, to the nearest frame; `None` before the trace begins.
+    /// What was met `seconds` before the latest point, to the nearest frame; `None` before the trace begins.
     #[must_use]
     pub fn before(&self, seconds: f64) -> Option<&Met> {
         let time_s = self.latest()?.time_s - seconds;
