@@ -110,10 +110,10 @@ pub fn hold_while_ending() {
 /// # Errors
 /// When the system refuses the signal handler or the thread.
 pub fn watch() -> io::Result<()> {
-    let (told, signals) = channel();
+    let (sender, signals) = channel();
     listen(move || {
         // The receiver is gone when the program is at its end.
-        let _ = told.send(());
+        let _ = sender.send(());
     })?;
     let wait = move || {
         if signals.recv().is_ok() {
@@ -155,15 +155,15 @@ fn end(signals: &Receiver<()>) {
     process::exit(EXIT_CODE);
 }
 
-/// Calls `told` for every signal.
+/// Calls `notify` for every signal.
 #[cfg(unix)]
-fn listen(mut told: impl FnMut() + Send + 'static) -> io::Result<()> {
+fn listen(mut notify: impl FnMut() + Send + 'static) -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     // A user who started the program with nohup wants it to continue when the terminal closes.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let hangup = (!is_ignored(SIGHUP, &status)).then_some(SIGHUP);
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup))?;
-    let wait = move || signals.forever().for_each(|_| told());
+    let wait = move || signals.forever().for_each(|_| notify());
     thread::Builder::new().name("slipline-signals".to_owned()).spawn(wait).map(drop)
 }
 
@@ -175,10 +175,10 @@ fn is_ignored(signal: i32, status: &str) -> bool {
     mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// Calls `told` for every Ctrl-C.
+/// Calls `notify` for every Ctrl-C.
 #[cfg(not(unix))]
-fn listen(told: impl FnMut() + Send + 'static) -> io::Result<()> {
-    ctrlc::set_handler(told).map_err(io::Error::other)
+fn listen(notify: impl FnMut() + Send + 'static) -> io::Result<()> {
+    ctrlc::set_handler(notify).map_err(io::Error::other)
 }
 #[cfg(all(test, unix))]
 mod tests {
@@ -189,8 +189,8 @@ mod tests {
     fn an_ignored_signal_is_told_from_the_others() {
         let nohup = "SigBlk:\t0000000000000003\nSigIgn:\t0000000000001001\nSigCgt:\t0000000000000002\n";
         assert!(is_ignored(SIGHUP, nohup) && !is_ignored(SIGINT, nohup));
-        for told in ["", "SigIgn:\n", "SigIgn:\tnonsense\n", "SigIgn:\t0000000000001000\n"] {
-            assert!(!is_ignored(SIGHUP, told), "{told}");
+        for status in ["", "SigIgn:\n", "SigIgn:\tnonsense\n", "SigIgn:\t0000000000001000\n"] {
+            assert!(!is_ignored(SIGHUP, status), "{status}");
         }
     }
 }

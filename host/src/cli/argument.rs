@@ -161,8 +161,8 @@ impl Typed<f64> {
         if range.contains(self.value) {
             return Ok(self.value);
         }
-        let told = show_range(range.low, range.high, measure);
-        Err(Failure::value(option, &self.text, format!("{told}{more}")))
+        let allowed = show_range(range.low, range.high, measure);
+        Err(Failure::value(option, &self.text, format!("{allowed}{more}")))
     }
 }
 

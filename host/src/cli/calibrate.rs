@@ -48,7 +48,7 @@ pub struct CalibrateArguments {
     known: KnownDriveArgument,
     #[command(flatten)]
     arming: ArmingArgument,
-    /// How far a felt edge may be from where it was told, one standard deviation, 10um to 50mm.
+    /// Standard deviation of the stated position of a felt edge, 10um to 50mm.
     #[arg(long, value_name = "LENGTH", value_parser = argument::length(TOUCH_TOLERANCE), allow_hyphen_values = true, default_value = "2mm")]
     touch_tolerance: f64,
     #[command(flatten)]
@@ -63,22 +63,22 @@ pub struct CalibrateArguments {
 /// What was measured before.
 #[derive(Debug, Args)]
 struct MeasuredArgument {
-    /// What the same sensor measured at one place; name two files, of two places, or one: that needs a model of the source,
-    /// and gives less. A CSV file of PLATES.md tells all; of
-    /// other programs REW's text, .frd, any table of frequency and level, and universal files (58) are read; and a WAV file
-    /// that a phone or an audio interface recorded of `slipline sweep`.
+    /// A measurement of the same sensor at one place. Name two files, of two places; a single one needs a model of the source
+    /// and is less accurate. A CSV file of PLATES.md is complete by itself. Also read are REW's text, .frd, any table of
+    /// frequency and level, universal files (58), and a WAV file that a phone or an audio interface recorded of
+    /// `slipline sweep`.
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
-    /// Measure the current of the drive, with nothing on the plate, in place of a sensor; or the file of --data is one of it.
-    /// Tell what drives the plate.
+    /// Calibrate by the current of the drive instead of a sensor, with nothing on the plate; the file of --data, if any, holds
+    /// this current. The value names what drives the plate.
     #[arg(long, value_enum, value_name = "DRIVE", conflicts_with_all = ["places", "touches"])]
     current: Option<CurrentOf>,
     /// Without a sensor: the boundary that was asked for (or its frequency), and where the finger felt the edge
     /// (120mm:118mm); name at least two, far apart. This gives places and no levels.
     #[arg(long = "touch", value_name = "X:EDGE", value_parser = argument::touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,
-    /// What is known of the drive whose edges were felt; without it the drive is unknown, unless the plate file holds what a
-    /// sensor or the current told of it. An unknown one takes more touches: six instead of two.
+    /// What is known of the drive whose edges were felt. Without it the drive counts as unknown, unless the plate file holds
+    /// values measured by a sensor or the current. An unknown drive needs more touches: six instead of two.
     #[arg(long, value_enum, value_name = "KNOWN", requires = "touches")]
     touched_drive: Option<DriveKnown>,
 }
@@ -86,7 +86,7 @@ struct MeasuredArgument {
 /// What is known of a drive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum DriveKnown {
-    /// It is as the plate file tells it, but for its gain.
+    /// As the plate file states it, except for its gain.
     AsTold,
     /// Its resistance, mass, spring and resonance may be any usual ones.
     Unknown,

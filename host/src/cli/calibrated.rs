@@ -1,4 +1,4 @@
-//! What `calibrate` tells of a calibration, or of why there is none.
+//! Output of `calibrate`: the calibration, or the reason why there is none.
 
 use super::destination::Destination;
 use super::{Failure, output};
@@ -53,7 +53,7 @@ impl Way {
     }
 }
 
-/// A calibrated plate, and what is told of it.
+/// A calibrated plate, and the values to be reported.
 pub(super) struct Found {
     pub(super) way: Way,
     pub(super) plate: Plate,
@@ -85,7 +85,7 @@ impl Found {
     }
 }
 
-/// Tells what was found, and writes the plate file. What was refused ends the command with 1 and the reason.
+/// Prints the calibration and writes the plate file. A refused calibration ends the command with code 1 and the reason.
 pub(super) fn finish(
     file: &Plate,
     found: Result<Found, CalibrateError>,
@@ -111,7 +111,7 @@ pub(super) fn finish(
     })
 }
 
-/// What a program is told of a calibration that was refused.
+/// The JSON of a refused calibration.
 fn refused(file: &Plate, error: &CalibrateError) -> Value {
     let chi2_per_n = match error {
         CalibrateError::Unlike { chi2_per_n, .. } | CalibrateError::EdgesUnlike { chi2_per_n, .. } => {

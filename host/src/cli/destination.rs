@@ -34,7 +34,7 @@ impl Destination {
             Ok(_) => Ok(Self(path.to_owned())),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 match atomic_file::missing_folder(path) {
-                    Some(told) => Err(Failure::Failed(format!("{name}: {told}"))),
+                    Some(reason) => Err(Failure::Failed(format!("{name}: {reason}"))),
                     None => Ok(Self(path.to_owned())),
                 }
             }

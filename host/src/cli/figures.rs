@@ -38,11 +38,11 @@ pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Fai
         csv.write(|out| Ok(out.write_all(figure.to_csv().as_bytes())?))?;
         written.push((figure, [svg.path(), png.path(), csv.path()]));
     }
-    let told = written.iter().map(|(figure, [svg, png, csv])| {
+    let entries = written.iter().map(|(figure, [svg, png, csv])| {
         json!({ "number": figure.number, "name": figure.stem, "title": figure.title, "svg": svg, "png": png, "csv": csv })
     });
-    let told = json!({ "figures": told.collect::<Vec<_>>() });
-    output::print(as_json, &told, |out| {
+    let value = json!({ "figures": entries.collect::<Vec<_>>() });
+    output::print(as_json, &value, |out| {
         for (figure, paths) in &written {
             writeln!(out, "{}", figure.heading())?;
             for path in paths {

@@ -1,4 +1,4 @@
-//! `slipline drive --hold`: the device keeps what a sensor hears of each tone.
+//! `slipline drive --hold`: the device keeps the level of each tone at a sensor.
 
 use super::argument::{self, Typed};
 use super::device::Device;
@@ -18,18 +18,18 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-/// Time between two looks at the device.
+/// Time between two polls of the device.
 const GLANCE: Duration = Duration::from_millis(50);
-/// A correction that has changed by so much is told anew, dB.
-const WORTH_TELLING_DB: f64 = 0.5;
-/// Where the simulated sensor stands if nobody says it, as a share of the plate's length.
+/// Change of a correction from which on it is printed again, dB.
+const PRINTED_STEP_DB: f64 = 0.5;
+/// Default place of the simulated sensor, as a share of the plate's length.
 const SENSOR_SHARE: f64 = 0.1;
 
 /// Whether the levels are held.
 #[derive(Debug, Args)]
 pub(super) struct HoldArgument {
-    /// Keep each tone as loud as a sensor on the plate hears it at first, whatever a finger takes of it. Touch the plate only
-    /// when the levels are held. Not with a setup file.
+    /// Keep each tone at the level that a sensor on the plate measures first, however much a finger absorbs. Touch the plate
+    /// only when the levels are held. Not with a setup file.
     #[arg(long, conflicts_with = "setup")]
     hold: bool,
     /// How far above its level a held tone may rise, 0 to 60 dB.
@@ -74,7 +74,7 @@ impl HoldArgument {
             HoldPlan::new(plate, &frequencies, rate_hz, lock_ins, self.max_rise).map_err(Failure::failed)?;
         let boundaries_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();
         let (plate, holding) = (Arc::clone(plate), Holding::default());
-        Ok(Some(Holder { plan, plate, holding, boundaries_m, latest: None, told: Vec::new() }))
+        Ok(Some(Holder { plan, plate, holding, boundaries_m, latest: None, printed: Vec::new() }))
     }
 }
 
@@ -85,8 +85,8 @@ pub(super) struct Holder {
     holding: Holding,
     boundaries_m: Vec<(u8, f64)>,
     latest: Option<Arc<Held>>,
-    /// The words and the correction that were told last of each tone.
-    told: Vec<(&'static str, f64)>,
+    /// Words and correction of each tone as printed last.
+    printed: Vec<(&'static str, f64)>,
 }
 
 impl Holder {
@@ -119,22 +119,22 @@ impl Holder {
         }
     }
 
-    /// Tells what has changed.
+    /// Prints what has changed.
     pub(super) fn watch(&mut self, snapshot: &Snapshot, as_json: bool) -> Result<(), Failure> {
         let Some(held) = &snapshot.hold else { return Ok(()) };
         let before = self.latest.replace(held.clone()).map(|held| held.progress);
-        let told: Vec<(&'static str, f64)> =
+        let tones: Vec<(&'static str, f64)> =
             words(held).map(|tone| (tone.words, tone.correction_db)).collect();
         let is_new = |(place, now): (usize, &(&str, f64))| {
-            self.told
+            self.printed
                 .get(place)
-                .is_none_or(|last| last.0 != now.0 || (last.1 - now.1).abs() >= WORTH_TELLING_DB)
+                .is_none_or(|last| last.0 != now.0 || (last.1 - now.1).abs() >= PRINTED_STEP_DB)
         };
         let has_ended = held.progress != HoldProgress::On && before != Some(held.progress);
-        if as_json || !(has_ended || told.iter().enumerate().any(is_new)) {
+        if as_json || !(has_ended || tones.iter().enumerate().any(is_new)) {
             return Ok(());
         }
-        self.told = told;
+        self.printed = tones;
         output::print(false, &json!(null), |out| {
             for tone in words(held) {
                 let place = self.boundary_m(tone.slot).map_or_else(String::new, show_place);

@@ -1,4 +1,4 @@
-//! What is told of the amplifier and of the drive behind it, and whether that drive is on.
+//! The amplifier and the drive behind it as the arguments describe them, and the check that this drive is on.
 
 use super::Failure;
 use super::argument::within;
@@ -40,22 +40,22 @@ fn of_circuit(
 }
 
 impl KnownDriveArgument {
-    /// The told drive; that of a rig knows itself.
+    /// The drive of the arguments, else that of the simulated rig.
     pub(super) fn known(&self, rig: Option<&PreparedRig>) -> Option<KnownDrive> {
         let load = match (self.coil, self.piezo) {
             (Some(resistance_ohm), _) => Some(DriveLoad::Coil { resistance_ohm }),
             (None, piezo) => piezo.map(|capacitance_f| DriveLoad::Piezo { capacitance_f }),
         };
-        let told = self.amplifier.zip(load).zip(self.shunt);
-        let told = told.map(|((full_scale_v, load), full_scale_a)| {
+        let stated = self.amplifier.zip(load).zip(self.shunt);
+        let stated = stated.map(|((full_scale_v, load), full_scale_a)| {
             let circuit = DriveCircuit { full_scale_v, load, tolerance: TOLERANCE };
             KnownDrive { circuit, full_scale_a }
         });
-        told.or_else(|| rig.map(PreparedRig::known_drive))
+        stated.or_else(|| rig.map(PreparedRig::known_drive))
     }
 }
 
-/// Makes sure by quiet tones that a drive is on; says what was found. Nothing is played where it is not known.
+/// Checks by quiet tones that a known drive is on. Plays nothing, and returns `None`, for an unknown one.
 pub(super) fn check(bench: &Bench<'_>, known: Option<KnownDrive>) -> Result<Option<DriveCheck>, Failure> {
     let Some(known) = known else { return Ok(None) };
     let inputs = bench.inputs();

@@ -102,23 +102,23 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     let measurer = Measurer::new(&device, &plate, &arguments.band, Some(arguments.level))?;
     let drive = known_drive::check(&measurer.bench, arguments.known.known(rig.as_ref()))?;
     let measured = measurer.measure(sensor)?;
-    let told = Told { plate: &plate, input: arguments.input, drive, measured: &measured };
+    let report = Report { plate: &plate, input: arguments.input, drive, measured: &measured };
     if let Some(out) = &out {
         let text = form(out.path()).unwrap_or(Measurement::to_csv)(&measured.measurement);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    output::print(as_json, &value(&told), |writer| output::lines(writer, &lines(&told, out.as_ref())))
+    output::print(as_json, &value(&report), |writer| output::lines(writer, &lines(&report, out.as_ref())))
 }
 
-/// What is told of a measurement.
-struct Told<'a> {
+/// A measurement and what is printed with it.
+struct Report<'a> {
     plate: &'a Plate,
     input: Input,
     drive: Option<DriveCheck>,
     measured: &'a Measured,
 }
 
-fn value(&Told { plate, input, drive, measured }: &Told<'_>) -> Value {
+fn value(&Report { plate, input, drive, measured }: &Report<'_>) -> Value {
     let measurement = &measured.measurement;
     let points = || measurement.points.iter();
     json!({
@@ -139,13 +139,13 @@ fn value(&Told { plate, input, drive, measured }: &Told<'_>) -> Value {
     })
 }
 
-/// What is to be told of a measurement, in sentences.
+/// The warnings of a measurement, in sentences.
 pub(super) fn warnings(measured: &Measured) -> Vec<String> {
     measured.warnings.iter().map(slipline_instrument::measure::Warning::sentence).collect()
 }
 
 fn lines(
-    &Told { plate, input, drive, measured }: &Told<'_>,
+    &Report { plate, input, drive, measured }: &Report<'_>,
     out: Option<&Destination>,
 ) -> Vec<(&'static str, String)> {
     let measurement = &measured.measurement;

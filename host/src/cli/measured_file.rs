@@ -1,4 +1,4 @@
-//! Files of measurements, and what their sensors are: for `calibrate`.
+//! Measurement files of `calibrate`, and the arguments that describe their sensors.
 
 use super::Failure;
 use super::argument::{self, Typed};
@@ -15,25 +15,25 @@ use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, pla
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// What a file of another program does not tell.
+/// What a file of another program does not state.
 #[derive(Debug, Args)]
 pub(super) struct SensorArgument {
-    /// Where the sensor stands or stood, from the driven end (30mm): twice or once with --port, and once for each file of another
-    /// program, in their order. Once with --port calibrates by one place, and needs a model of the source.
+    /// Place of the sensor, from the driven end (30mm): one or two with --port, and one for each file of another program, in
+    /// their order. One place with --port needs a model of the source.
     #[arg(long = "sensor", value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
     pub(super) places: Vec<Typed<f64>>,
-    /// What the sensor shows: displacement, velocity, acceleration or strain. Universal files tell it; with --port it is
-    /// displacement unless told.
+    /// What the sensor measures: displacement, velocity, acceleration or strain. Universal files state it; with --port the
+    /// default is displacement.
     #[arg(long, value_name = "KIND", value_parser = kind)]
     pub(super) kind: Option<SensorKind>,
-    /// Signal over noise of a file that has no noise, 0 to 140 dB.
+    /// Signal-to-noise ratio of a file that states no noise, 0 to 140 dB.
     #[arg(long, value_name = "RATIO", value_parser = argument::within(decibel, Measure::Plain("dB"), (SNR.low, SNR.high)), allow_hyphen_values = true, default_value_t = SNR_DB)]
     snr: f64,
     #[command(flatten)]
     recording: RecordingArgument,
 }
 
-/// What a recording of a sweep does not tell.
+/// What a recording of a sweep does not state.
 #[derive(Debug, Args)]
 pub(super) struct RecordingArgument {
     /// The description of the sweep that a WAV file is a recording of, as `slipline sweep` wrote it: once for all WAV files,
@@ -46,12 +46,12 @@ pub(super) struct RecordingArgument {
 }
 
 impl RecordingArgument {
-    /// What was told of the recording of this number, of so many: once for all, or once for each.
-    fn of<'a, T>(name: &str, told: &'a [T], number: usize, count: usize) -> Result<Option<&'a T>, Failure> {
-        match told.len() {
+    /// The value for recording `number` of `count`: one value holds for all recordings, or each has its own.
+    fn of<'a, T>(name: &str, values: &'a [T], number: usize, count: usize) -> Result<Option<&'a T>, Failure> {
+        match values.len() {
             0 => Ok(None),
-            1 => Ok(told.first()),
-            each if each == count => Ok(told.get(number)),
+            1 => Ok(values.first()),
+            each if each == count => Ok(values.get(number)),
             other => {
                 let allowed = format_args!("1, or {count}: one for each WAV file");
                 Err(Failure::Usage(must_be(format_args!("{other} {name}"), allowed)))
@@ -60,7 +60,7 @@ impl RecordingArgument {
     }
 
     /// The description of the sweep and the channel of a recording.
-    fn told(&self, path: &Path, number: usize, count: usize) -> Result<(PlayedSweep, usize), Failure> {
+    fn sweep(&self, path: &Path, number: usize, count: usize) -> Result<(PlayedSweep, usize), Failure> {
         let played = Self::of("--played", &self.played, number, count)?.ok_or_else(|| {
             refused(
                 path,
@@ -77,7 +77,7 @@ fn decibel(text: &str) -> Result<f64, QuantityError> {
     plain(text, "dB")
 }
 
-/// The word for what a sensor shows.
+/// Parses the word for what a sensor measures.
 pub(super) fn kind(text: &str) -> Result<SensorKind, String> {
     let words = SensorKind::ALL.map(SensorKind::word);
     let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == text.trim());
@@ -107,12 +107,14 @@ pub(super) fn measurements(
         };
         match opened {
             Opened::Own(measurement) => Ok(measurement),
-            Opened::Foreign(foreign) => told(plate, &foreign, place("by another program")?, sensor, path),
+            Opened::Foreign(foreign) => {
+                foreign_measurement(plate, &foreign, place("by another program")?, sensor, path)
+            }
             Opened::Recording(wav) => {
                 let number = numbers.next().unwrap_or_default();
-                let (sweep, channel) = sensor.recording.told(path, number, recordings)?;
-                let told = ToldOfRecording { place_m: place("a recording")?, kind: sensor.kind, channel };
-                heard(plate, &wav, &sweep, &told, path)
+                let (sweep, channel) = sensor.recording.sweep(path, number, recordings)?;
+                let stated = ToldOfRecording { place_m: place("a recording")?, kind: sensor.kind, channel };
+                recorded_measurement(plate, &wav, &sweep, &stated, path)
             }
         }
     });
@@ -128,7 +130,7 @@ pub(super) fn measurements(
     }
 }
 
-/// Reads the file of the current through the drive: its place and its kind do not count.
+/// Reads the file of the current through the drive; place and kind of a sensor are irrelevant for it.
 pub(super) fn current_of(
     plate: &Plate,
     path: &Path,
@@ -137,13 +139,13 @@ pub(super) fn current_of(
     match read(path)? {
         Opened::Own(measurement) => Ok(measurement),
         Opened::Foreign(foreign) => {
-            let told = Told { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
-            measurement(plate, &foreign, &told).map_err(|error| refused(path, error))
+            let stated = Told { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
+            measurement(plate, &foreign, &stated).map_err(|error| refused(path, error))
         }
         Opened::Recording(wav) => {
-            let (sweep, channel) = sensor.recording.told(path, 0, 1)?;
-            let told = ToldOfRecording { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
-            heard(plate, &wav, &sweep, &told, path)
+            let (sweep, channel) = sensor.recording.sweep(path, 0, 1)?;
+            let stated = ToldOfRecording { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
+            recorded_measurement(plate, &wav, &sweep, &stated, path)
         }
     }
 }
@@ -157,31 +159,31 @@ fn read(path: &Path) -> Result<Opened, Failure> {
     Opened::read(bytes).map_err(|error| refused(path, error))
 }
 
-/// The measurement of a recording; what is to be told of it is told.
-fn heard(
+/// The measurement of a recording; its notes are printed to stderr.
+fn recorded_measurement(
     plate: &Plate,
     wav: &Wav,
     sweep: &PlayedSweep,
-    told: &ToldOfRecording,
+    stated: &ToldOfRecording,
     path: &Path,
 ) -> Result<Measurement, Failure> {
-    let (measurement, notes) = recorded(plate, wav, sweep, told).map_err(|error| untold(path, &error))?;
+    let (measurement, notes) = recorded(plate, wav, sweep, stated).map_err(|error| untold(path, &error))?;
     for note in notes {
         eprintln!("slipline: {}: {note}", path.display());
     }
     Ok(measurement)
 }
 
-/// The measurement of a foreign file with what was told of it.
-fn told(
+/// The measurement of a foreign file, completed by the arguments.
+fn foreign_measurement(
     plate: &Plate,
     foreign: &Foreign,
     place_m: f64,
     sensor: &SensorArgument,
     path: &Path,
 ) -> Result<Measurement, Failure> {
-    let told = Told { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
-    measurement(plate, foreign, &told).map_err(|error| untold(path, &error))
+    let stated = Told { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
+    measurement(plate, foreign, &stated).map_err(|error| untold(path, &error))
 }
 
 fn untold(path: &Path, error: &Untold) -> Failure {

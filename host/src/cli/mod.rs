@@ -90,7 +90,7 @@ pub enum Command {
     Presets,
     /// List the ports where a device can be: sim, Slipline devices, then other serial ports.
     Ports,
-    /// Tell who the device is and how it is.
+    /// Show the device's identity and state.
     Info {
         /// Which device.
         #[command(flatten)]
@@ -108,9 +108,9 @@ pub enum Command {
     Record(RecordArguments),
     /// Compare a device's own digest of its DAC codes with the mirror's.
     Verify(VerifyArguments),
-    /// Offer the simulated device to other programs, in real time, until it is told to end.
+    /// Offer the simulated device to other programs, in real time, until it is interrupted.
     Serve(ServeArguments),
-    /// Say how good a plate is: one light per question, with the reason. Red ones end it with exit code 3.
+    /// Check a plate: one light per question, with the reason. Red lights end it with exit code 3.
     #[command(after_help = CHECK_EXIT_CODES)]
     Check(CheckArguments),
     /// Design a plate for a band: taper, damper, plate file and cut files of plate and frame.
@@ -118,16 +118,16 @@ pub enum Command {
     Design(DesignArguments),
     /// Make a texture: tones that together vibrate an even area, a drawn profile, stripes, or a beat.
     Texture(TextureArguments),
-    /// Tell how sharp, how fast and how many a plate's boundaries are: contrast, ripple, edge, switching, bits per second.
+    /// Rate the sharpness, speed and number of a plate's boundaries: contrast, ripple, edge, switching, bits per second.
     Merit(MeritArguments),
     /// Measure how a sensor on the plate, or the current of the drive, answers the device's tones.
     Measure(MeasureArguments),
-    /// Play a sweep, twice, for a recorder of its own (a phone, an audio interface) at a sensor on the plate, and describe it.
+    /// Play a sweep twice for a separate recorder (a phone, an audio interface) with a sensor on the plate, and describe it.
     Sweep(SweepArguments),
-    /// Correct a plate file by what a sensor at two places measured, or at one, or by the current of the drive, or by where a
-    /// finger felt two edges.
+    /// Correct a plate file by measurements: of a sensor at two places or at one, of the drive's current, or of edges that
+    /// a finger felt.
     Calibrate(CalibrateArguments),
-    /// Tell the wave speed of a calibrated plate as it is now, by one sensor, and go on while tension or temperature change.
+    /// Measure the present wave speed of a calibrated plate by one sensor, and follow it while tension or temperature change.
     Trim(TrimArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
@@ -140,12 +140,12 @@ pub struct PortArgument {
     #[arg(long, value_name = "P")]
     port: Port,
     /// With --port sim: the plate under the simulated device, if not the one that is named elsewhere. A preset's name, a
-    /// TOML file, or secret:SEED (a plate that is a few per cent off, in everything).
+    /// TOML file, or secret:SEED (a plate whose values are all off by a few per cent).
     #[arg(long, value_name = "TRUTH")]
     actual_plate: Option<String>,
 }
 
-/// What is armed all the same.
+/// Permission to arm a board without a brown-out level.
 #[derive(Debug, Args)]
 pub struct ArmingArgument {
     /// Arm a board although it says that its brown-out level is not set.
@@ -239,7 +239,7 @@ pub struct RespondArguments {
     /// The paper's equation, without the (W'/W) term.
     #[arg(long)]
     paper_mode: bool,
-    /// Solve the plate in two dimensions, and tell where the one-mode equation differs.
+    /// Solve the plate in two dimensions, and show where the one-mode equation differs.
     #[arg(long = "2d")]
     two_dimensions: bool,
     /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).
@@ -287,8 +287,8 @@ pub struct SimulateArguments {
     /// Leave the table's gains out: every tone at the same DAC amplitude.
     #[arg(long)]
     no_table: bool,
-    /// Run the whole sheet in two dimensions instead of the first width mode, and tell where the two differ: membranes
-    /// and shear waves.
+    /// Run the whole sheet in two dimensions instead of the first width mode, and show where the two differ. For membranes
+    /// and shear waves only.
     #[arg(long)]
     sheet: bool,
     /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).
@@ -359,8 +359,8 @@ pub struct ServeArguments {
     /// What the sensor shows: displacement, velocity, acceleration or strain.
     #[arg(long, value_name = "KIND", value_parser = measured_file::kind, default_value = "displacement", requires = "sensor")]
     kind: SensorKind,
-    /// The plate it stands on, if not the named one: a preset's name, a TOML file, or secret:SEED (a plate that is a few per
-    /// cent off, in everything).
+    /// The plate it stands on, if not the named one: a preset's name, a TOML file, or secret:SEED (a plate whose values are
+    /// all off by a few per cent).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,
 }
@@ -382,10 +382,10 @@ pub struct CheckArguments {
 }
 
 impl Command {
-    /// Does it, printing what came of it.
+    /// Runs the command and prints its result.
     ///
     /// # Errors
-    /// [`Failure`]: why not, and with which exit code to end.
+    /// [`Failure`]: the reason and the exit code.
     pub fn run(self, json: bool) -> Result<(), Failure> {
         signals::before_exit(progress::wipe_for_good);
         match self {

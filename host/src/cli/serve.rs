@@ -12,7 +12,7 @@ use slipline_instrument::rig::{PreparedRig, RigOptions};
 #[cfg(unix)]
 use slipline_plate::Plate;
 
-/// Serves until the program is told to end.
+/// Serves until the program is interrupted.
 #[cfg(unix)]
 pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failure> {
     use super::{argument, output};
@@ -82,7 +82,7 @@ fn options(plate: &Plate) -> Result<slipline_link::simulator::Options, Failure> 
     Ok(Options { flash: loopback.flash(), ..Options::default() })
 }
 
-/// Tells that this system has neither.
+/// Refuses: this system has neither socket nor pseudo-terminal.
 #[cfg(not(unix))]
 pub(super) fn run(_arguments: &ServeArguments, _as_json: bool) -> Result<(), Failure> {
     Err(Failure::Failed("serve needs a Unix socket or a pseudo-terminal; this system has neither".to_owned()))

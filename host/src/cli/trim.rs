@@ -40,7 +40,7 @@ pub struct TrimArguments {
     /// What all tones together may be of full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// Go on for so long, up to 24h, with one comb of tones after the other, and tell the wave speed each time.
+    /// Repeat with one comb of tones after the other for this time, up to 24h, and print the wave speed each time.
     #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
     watch: Option<f64>,
     /// Write the plate file with the last wave speed.
