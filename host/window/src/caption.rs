@@ -1,5 +1,5 @@
-//! The captions and units of a plate's fields in the panels, used for the fields and for messages about them. How a
-//! caption's number is written, read and refused: [`slipline_plate::quantity`].
+//! The captions and units of a plate's fields in the panels, for the fields and for messages about them.
+//! [`slipline_plate::quantity`] writes, reads and checks their numbers.
 
 use slipline_plate::quantity::{Caption, Form, Unit};
 

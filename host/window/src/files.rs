@@ -305,10 +305,10 @@ mod tests {
         assert_eq!(kept(), "b");
         let missing = folder.join("missing");
         let files = vec![("x.svg".to_owned(), "<svg/>".to_owned())];
-        let told = format!("there is no folder {}", missing.display());
+        let expected = format!("there is no folder {}", missing.display());
         assert!(matches!(
             perform(FileJob::SaveInto(missing, files.clone())),
-            Some(FileEvent::Saved(_, Err(reason))) if reason == told
+            Some(FileEvent::Saved(_, Err(reason))) if reason == expected
         ));
         assert!(matches!(
             perform(FileJob::SaveInto(folder.clone(), files)),
@@ -316,11 +316,12 @@ mod tests {
         ));
         assert!(folder.join("x.svg").exists());
         let again = ["new.svg", "x.svg"].map(|name| (name.to_owned(), "<other/>".to_owned()));
-        let Some(FileEvent::Saved(_, Err(told))) = perform(FileJob::SaveInto(folder.clone(), again.to_vec()))
+        let Some(FileEvent::Saved(_, Err(reason))) =
+            perform(FileJob::SaveInto(folder.clone(), again.to_vec()))
         else {
             panic!("it was replaced")
         };
-        assert_eq!(told, "x.svg is there already: choose another folder");
+        assert_eq!(reason, "x.svg is there already: choose another folder");
         assert_eq!(std::fs::read_to_string(folder.join("x.svg")).unwrap(), "<svg/>");
         assert!(!folder.join("new.svg").exists(), "all or none");
         std::fs::remove_dir_all(&folder).unwrap();

@@ -1,12 +1,12 @@
-//! Sound: what a finger meets, or the drive itself, through the system's sound card.
+//! Sound: the vibration that a finger meets, or the drive itself, through the system's sound card.
 //!
 //! ```text
 //! App --play(sound, volume)--> Speaker   (tests: a recorder of what is played)
 //!                               |
 //!                               +-- SystemSpeaker: Mix <--samples-- the system's callback
 //! ```
-//! It is silent unless the app says again and again what sounds: a window that hangs, or is covered, falls silent
-//! within 0.3 s.
+//! The app repeats the present sound while it lasts. Without repeats the speaker falls silent within 0.3 s, as when the
+//! window hangs or is covered.
 
 mod mix;
 mod output;
@@ -44,7 +44,8 @@ pub enum SpeakerState {
 
 /// What plays a sound: the system's sound card, or a test's stand-in.
 pub trait Speaker {
-    /// Plays this sound at this volume, 0..=1, until it is told another one, and for a short while only. Never blocks.
+    /// Plays this sound at this volume, 0..=1, until the next call, but only for a short time (0.3 s on the sound card). Never
+    /// blocks.
     fn play(&self, sound: Sound, volume: f32);
     /// Its state.
     fn state(&self) -> SpeakerState;

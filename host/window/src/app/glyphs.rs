@@ -1,18 +1,18 @@
-//! Names in scripts that the window's own fonts lack, such as CJK: eframe looks for a font of the system, and what none
-//! has is told, because it is drawn as empty boxes.
+//! Names in scripts that the window's own fonts lack, such as CJK: eframe looks for a font of the system. Characters that no
+//! font has are reported to the user, because they are drawn as empty boxes.
 
 use super::App;
 use eframe::egui::{self, FontId};
 
-/// The names that were looked at, and the characters that were told.
+/// The names that were checked, and the missing characters that were reported.
 #[derive(Default)]
 pub(super) struct Glyphs {
     looked_at: String,
-    told: Vec<char>,
+    reported: Vec<char>,
 }
 
 impl App {
-    /// Tells the user once which characters of the names on the screen no font has.
+    /// Reports once each character of the names on the screen that no font has.
     pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
         let ports = self.ports.iter().map(|port| port.label.as_str());
         let names =
@@ -22,7 +22,7 @@ impl App {
         }
         let names: String = names.collect();
         let font = FontId::proportional(14.0);
-        let is_new = |c: &char| !c.is_ascii() && !self.glyphs.told.contains(c);
+        let is_new = |c: &char| !c.is_ascii() && !self.glyphs.reported.contains(c);
         let mut missing: Vec<char> = ctx.fonts_mut(|fonts| {
             names.chars().filter(is_new).filter(|&c| !fonts.has_glyph(&font, c)).collect()
         });
@@ -34,7 +34,7 @@ impl App {
         }
         let codes: Vec<String> = missing.iter().take(4).map(|&c| format!("U+{:04X}", u32::from(c))).collect();
         let more = if missing.len() > codes.len() { " and others" } else { "" };
-        self.glyphs.told.extend(missing);
+        self.glyphs.reported.extend(missing);
         self.instrument.fail(format!(
             "No font of this system has the characters {}{more}: they are shown as boxes. Install a font of their \
              script, such as Noto Sans CJK, and start Slipline again.",

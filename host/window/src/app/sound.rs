@@ -1,4 +1,4 @@
-//! What is heard: the finger's part of what sounds, or the drive itself.
+//! What the user hears: the vibration at the finger, or the drive itself.
 //!
 //! With the simulated device the finger is heard unless the user does not want it. With a real one nothing is heard until
 //! the user asks for it, each time anew: its plate has a sound of its own. The drive is never played unasked.
@@ -41,7 +41,7 @@ impl App {
         self.hearing.chosen = None;
     }
 
-    /// Tells the speaker what sounds now.
+    /// Passes the present sound to the speaker.
     pub(super) fn play_sound(&self) {
         let sound = match self.sound_choice() {
             SoundChoice::Off => None,

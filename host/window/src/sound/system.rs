@@ -1,4 +1,4 @@
-//! The system's sound card: a thread that opens it when something sounds, and lets it go when nothing does.
+//! The system's sound card: a thread that opens it for the first sound and closes it after a silence.
 
 use super::mix::Mix;
 use super::output;
@@ -44,7 +44,7 @@ impl SystemSpeaker {
 impl Speaker for SystemSpeaker {
     fn play(&self, sound: Sound, volume: f32) {
         let is_heard = !sound.is_silent();
-        self.mix.tell(sound, volume, Instant::now());
+        self.mix.set(sound, volume, Instant::now());
         if is_heard && self.state() == SpeakerState::Closed {
             // Full: it is asked already.
             let _ = self.open.try_send(());
@@ -91,16 +91,16 @@ struct Thread {
 impl Thread {
     /// Until the app is gone.
     fn run(self, run: impl Fn(&dyn Fn(), Source) -> Result<(), String>) {
-        let tell = |state| {
+        let report = |state| {
             set(&self.state, state);
             (self.wake)();
         };
         while self.opened.recv().is_ok() {
-            tell(SpeakerState::Opening);
+            report(SpeakerState::Opening);
             let source = Source { mix: Arc::clone(&self.mix), synth: None };
-            match run(&|| tell(SpeakerState::Playing), source) {
-                Ok(()) => tell(SpeakerState::Closed),
-                Err(reason) => tell(SpeakerState::Failed(reason)),
+            match run(&|| report(SpeakerState::Playing), source) {
+                Ok(()) => report(SpeakerState::Closed),
+                Err(reason) => report(SpeakerState::Failed(reason)),
             }
         }
     }

@@ -22,11 +22,11 @@ fn a_sound_ends_when_the_app_says_nothing_more() {
     let begin = Instant::now();
     let (mix, mut synth) = (Mix::new(begin), Synth::new(48e3));
     assert_eq!(loudest(&mix, &mut synth, begin), 0.0);
-    mix.tell(tone(), 0.5, begin);
+    mix.set(tone(), 0.5, begin);
     let moment = Duration::from_millis(1);
     assert!((loudest(&mix, &mut synth, begin + PATIENCE - moment) - 0.25).abs() < 0.01);
     assert!(loudest(&mix, &mut synth, begin + PATIENCE) < 1e-4, "a window that hangs");
-    mix.tell(tone(), 0.5, begin + 2 * PATIENCE);
+    mix.set(tone(), 0.5, begin + 2 * PATIENCE);
     assert!(loudest(&mix, &mut synth, begin + 2 * PATIENCE) > 0.2, "it is back");
 }
 
@@ -34,8 +34,8 @@ fn a_sound_ends_when_the_app_says_nothing_more() {
 fn the_card_is_let_go_after_a_long_silence_only() {
     let begin = Instant::now();
     let mix = Mix::new(begin);
-    mix.tell(tone(), 0.5, begin + IDLE);
-    mix.tell(Sound::default(), 0.5, begin + IDLE + PATIENCE);
+    mix.set(tone(), 0.5, begin + IDLE);
+    mix.set(Sound::default(), 0.5, begin + IDLE + PATIENCE);
     assert!(!mix.is_idle(begin + 2 * IDLE - Duration::from_millis(1)));
     assert!(mix.is_idle(begin + 2 * IDLE));
 }
@@ -52,7 +52,7 @@ fn wait_for(speaker: &SystemSpeaker, wanted: &SpeakerState) {
 #[test]
 fn the_card_is_opened_by_the_first_sound_and_a_failure_is_told_and_tried_again_when_asked() {
     let (give, answers) = channel::<Result<(), String>>();
-    let (told, wakes) = channel();
+    let (woken, wakes) = channel();
     let card = move |playing: &dyn Fn(), mut source: Source| {
         playing();
         let mut samples = [0.0; 48];
@@ -61,7 +61,7 @@ fn the_card_is_opened_by_the_first_sound_and_a_failure_is_told_and_tried_again_w
     };
     let wake = move || {
         // The test may have ended.
-        let _ = told.send(());
+        let _ = woken.send(());
     };
     let speaker = SystemSpeaker::with(wake, card).unwrap();
     speaker.play(Sound::default(), 0.5);

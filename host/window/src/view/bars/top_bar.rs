@@ -67,9 +67,9 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
 
 /// In windows narrower than this, in points, the program's name is left out.
 const ROOM_FOR_NAME: f32 = 760.0;
-/// In windows narrower than this, in points, the state tells a fault without its cause, which its tooltip has.
+/// In windows narrower than this, in points, the state names a fault without its cause; the tooltip has the cause.
 const ROOM_FOR_FAULT: f32 = 900.0;
-/// A cause with more letters than this is told by the tooltip only.
+/// A cause with more letters than this is only in the tooltip.
 const LONGEST_CAUSE: usize = 32;
 /// Space in and between the buttons of such a narrow bar, in points.
 const NARROW: f32 = 4.0;

@@ -1,4 +1,4 @@
-//! The check of the drive before a measurement, and what data sheets tell of the drive.
+//! The check of the drive before a measurement, and the drive's values from data sheets.
 
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
@@ -14,12 +14,12 @@ use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
 use slipline_plate::quantity::show_si;
 
 const CHECK_HELP: &str = "Quiet tones tell by the drive's current whether a wire is open or shorted, the amplifier is off, or another coil or piezo is connected, before anything louder is played";
-/// What is first told of a piezo.
+/// Initial value of a piezo's capacitance.
 const USUAL_PIEZO_F: f64 = 100e-9;
-/// What is first told of a voice coil.
+/// Initial value of a voice coil's resistance.
 const USUAL_COIL_OHM: f64 = 4.0;
 
-/// Shows the switch, and the fields while it is on; what the user has changed.
+/// Shows the switch, and the fields while it is on; returns the user's change.
 pub(crate) fn show(ui: &mut egui::Ui, fields: &mut Fields, live: &LiveScene<'_>) -> Option<MeasureDraft> {
     let mut draft = *live.draft;
     let switch = ui.checkbox(&mut draft.is_checked, "Check first that the drive is on");
@@ -38,8 +38,8 @@ fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDr
     ui.horizontal_top(|ui| {
         let field = ("Amplifier", "The amplitude of its voltage at the DAC's full scale (2 V)", 64.0);
         let value = shown(full_scale_v, AMPLIFIER.unit);
-        let told = (value.as_str(), "amplifier", AMPLIFIER);
-        full_scale_v = number(ui, fields, &mut reason, field, told, volt).unwrap_or(full_scale_v);
+        let entry = (value.as_str(), "amplifier", AMPLIFIER);
+        full_scale_v = number(ui, fields, &mut reason, field, entry, volt).unwrap_or(full_scale_v);
         load = kind(ui, load);
     });
     ui.horizontal_top(|ui| {
@@ -47,28 +47,28 @@ fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDr
             DriveLoad::Coil { resistance_ohm } => {
                 let field = ("Resistance", "Of the voice coil, by its data sheet (4 ohm)", 82.0);
                 let value = shown(*resistance_ohm, COIL.unit);
-                let told = (value.as_str(), "resistance", COIL);
-                let read = number(ui, fields, &mut reason, field, told, ohm);
+                let entry = (value.as_str(), "resistance", COIL);
+                let read = number(ui, fields, &mut reason, field, entry, ohm);
                 *resistance_ohm = read.unwrap_or(*resistance_ohm);
             }
             DriveLoad::Piezo { capacitance_f } => {
                 let field = ("Capacitance", "Of the piezo, by its data sheet (220 nF)", 82.0);
                 let value = shown(*capacitance_f, PIEZO.unit);
-                let told = (value.as_str(), "capacitance", PIEZO);
-                let read = number(ui, fields, &mut reason, field, told, farad);
+                let entry = (value.as_str(), "capacitance", PIEZO);
+                let read = number(ui, fields, &mut reason, field, entry, farad);
                 *capacitance_f = read.unwrap_or(*capacitance_f);
             }
         }
         let field = ("Shunt", "The current at the end of the range of the second input (1.65 A)", 82.0);
         let value = shown(full_scale_a, SHUNT.unit);
-        let told = (value.as_str(), "shunt", SHUNT);
-        full_scale_a = number(ui, fields, &mut reason, field, told, ampere).unwrap_or(full_scale_a);
+        let entry = (value.as_str(), "shunt", SHUNT);
+        full_scale_a = number(ui, fields, &mut reason, field, entry, ampere).unwrap_or(full_scale_a);
     });
     refusal(ui, reason.as_deref());
     KnownDrive { circuit: DriveCircuit { full_scale_v, load, tolerance }, full_scale_a }
 }
 
-/// A number as it is typed: without zeros that tell nothing.
+/// A number as a user types it: without trailing zeros.
 fn shown(value: f64, unit: &str) -> String {
     let text = show_si(value, unit);
     match text.split_once(' ') {

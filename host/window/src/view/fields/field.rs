@@ -110,7 +110,7 @@ impl InputField<'_> {
                 }
             } else if response.has_focus() {
                 if self.is_live && response.changed() {
-                    // What is not understood yet is told when the field is left.
+                    // A text that cannot be parsed yet is refused only when the field is left.
                     taken = take(&text).ok();
                 }
                 let over = self.value.to_owned();

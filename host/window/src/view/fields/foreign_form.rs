@@ -1,4 +1,4 @@
-//! What a file by another program does not tell: the sensor's place and kind, and the noise. The person who measured is asked.
+//! The form for what a file of another program does not state: the sensor's place and kind, and the noise.
 
 use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
@@ -24,13 +24,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         wrapped(ui, RichText::new(&asked.name).strong());
         wrapped(ui, RichText::new(sentence(&asked.content)).small().color(palette.weak));
         ui.add_space(2.0);
-        let told = asked.told;
+        let stated = asked.told;
         let mut reason = None;
         ui.horizontal_top(|ui| {
             let field = ("Sensor stood at", "Where it stood, from the driven end (32 mm)", 82.0);
-            let at = (told.place_m, scene.setup.plate.length_m());
+            let at = (stated.place_m, scene.setup.plate.length_m());
             if let Some(place_m) = place(ui, typed, &mut reason, field, at) {
-                ask(MeasureIntent::Tell(Told { place_m, ..told }));
+                ask(MeasureIntent::Tell(Told { place_m, ..stated }));
             }
             if let AskedContent::Recording { wav, .. } = &asked.content {
                 let shown = asked.channel.to_string();
@@ -43,15 +43,15 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
             } else {
                 let field =
                     ("Over the noise, dB", "How far the answers are above the noise: 0 to 140 dB", 52.0);
-                let shown = with_decimals(told.snr_db, 0);
+                let shown = with_decimals(stated.snr_db, 0);
                 let of_noise = (shown.as_str(), "signal over noise", SNR);
                 let read = |text: &str| plain(text, "dB");
                 if let Some(snr_db) = number(ui, typed, &mut reason, field, of_noise, read) {
-                    ask(MeasureIntent::Tell(Told { snr_db, ..told }));
+                    ask(MeasureIntent::Tell(Told { snr_db, ..stated }));
                 }
             }
-            if let Some(kind) = kind(ui, "It showed", told.kind) {
-                ask(MeasureIntent::Tell(Told { kind: Some(kind), ..told }));
+            if let Some(kind) = kind(ui, "It showed", stated.kind) {
+                ask(MeasureIntent::Tell(Told { kind: Some(kind), ..stated }));
             }
         });
         refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
@@ -81,7 +81,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     true
 }
 
-/// What is in the file, and what it does not tell.
+/// What the file contains, and what it does not state.
 fn sentence(content: &AskedContent) -> String {
     match content {
         AskedContent::Table(foreign) => {
@@ -104,7 +104,7 @@ fn sentence(content: &AskedContent) -> String {
     }
 }
 
-/// What must be told or awaited before the file can be taken.
+/// What the user must state or wait for before the file can be taken.
 fn missing(asked: &Asked) -> Option<&'static str> {
     if asked.told.kind.is_none() {
         return Some("Choose what the sensor showed first");

@@ -1,4 +1,4 @@
-//! The level hold in the boundary panel: its switch, how far it may go, how it stands and each tone's state.
+//! The level hold in the boundary panel: its switch, its largest rise, its state and the state of each tone.
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
@@ -49,7 +49,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     if let Standing::Holding(held) = hold.standing {
         for tone in held.into_iter().flat_map(words) {
             let colour = if tone.is_well { palette.text } else { palette.warn };
-            say(ui, RichText::new(told(scene, &tone)).color(colour));
+            say(ui, RichText::new(tone_state(scene, &tone)).color(colour));
         }
     }
     let slider = FreeSlider {
@@ -78,7 +78,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
 }
 
 /// A tone's frequency, its correction and its state.
-fn told(scene: &Scene<'_>, tone: &ToneWords) -> String {
+fn tone_state(scene: &Scene<'_>, tone: &ToneWords) -> String {
     let hertz = scene.hold.holding.frequency_hz(tone.slot);
     let name = hertz.map_or_else(|| format!("Tone {}", tone.slot + 1), show_frequency);
     // Never -0.0.

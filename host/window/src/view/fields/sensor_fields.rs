@@ -1,4 +1,4 @@
-//! Fields for what a person knows of a sensor: its place, its kind, a number of its measurement.
+//! Fields for what the user states of a sensor: its place, its kind, a number of its measurement.
 
 use crate::view::fields::field::{Fields, InputField};
 use crate::view::theme;
@@ -9,19 +9,19 @@ use slipline_plate::quantity::{self, OutOfRange, QuantityError, Range, show_plac
 /// A field of the forms: its name, what it is for, its width in points.
 pub(crate) type Field = (&'static str, &'static str, f32);
 
-/// A number in a field, read by `read` and within `range`; a refusal goes to `reason`. `told` is its name in a refusal.
+/// A number in a field, read by `read` and within `range`; a refusal goes to `reason` and calls the number `term`.
 pub(crate) fn number(
     ui: &mut egui::Ui,
     fields: &mut Fields,
     reason: &mut Option<String>,
     (name, hint, width): Field,
-    (value, told, range): (&str, &'static str, Range),
+    (value, term, range): (&str, &'static str, Range),
     read: impl FnOnce(&str) -> Result<f64, QuantityError>,
 ) -> Option<f64> {
     let field = InputField { name, value, hint, width, caption: Some(name), is_live: false };
     field.show_apart(ui, fields, reason, |text| {
         let number = read(text).map_err(|error| error.to_string())?;
-        OutOfRange::check(told, number, range).map_err(|error| error.in_suitable_units())?;
+        OutOfRange::check(term, number, range).map_err(|error| error.in_suitable_units())?;
         Ok(number)
     })
 }

@@ -120,7 +120,7 @@ impl<'a> Quantity<'a> {
             let taken = field.show_apart(ui, typed, &mut reason, |text| self.typed(setup, text));
             intents.extend(taken.map(Intent::Edit));
         });
-        told(ui, reason);
+        show_refusal(ui, reason);
     }
 }
 
@@ -167,13 +167,13 @@ impl FreeSlider<'_> {
             });
             chosen = typed.or(chosen);
         });
-        told(ui, reason);
+        show_refusal(ui, reason);
         chosen
     }
 }
 
 /// The reason of a refusal, under slider and field.
-fn told(ui: &mut egui::Ui, reason: Option<String>) {
+fn show_refusal(ui: &mut egui::Ui, reason: Option<String>) {
     if let Some(reason) = reason {
         let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
         ui.add(egui::Label::new(text).wrap());

@@ -110,13 +110,18 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         "Rate",
         format!("{:.0} kS/s, {} bits", f64::from(identity.sample_rate_hz) * 1e-3, identity.dac_bits),
     );
-    if let Some(told) = &snapshot.maintenance {
+    if let Some(maintenance) = &snapshot.maintenance {
         let colour = |is_good: bool| if is_good { palette.text } else { palette.warn };
-        let wear = RichText::new(upkeep::wear(told)).color(colour(upkeep::worn(told).is_none()));
+        let wear =
+            RichText::new(upkeep::wear(maintenance)).color(colour(upkeep::worn(maintenance).is_none()));
         row(ui, "Flash erased", wear);
-        let level = RichText::new(upkeep::brown_out_level(told)).color(colour(told.brown_out_guarded));
+        let level =
+            RichText::new(upkeep::brown_out_level(maintenance)).color(colour(maintenance.brown_out_guarded));
         row(ui, "Brown-out level", level);
-        let warnings = upkeep::before_arming(told).map(str::to_owned).into_iter().chain(upkeep::worn(told));
+        let warnings = upkeep::before_arming(maintenance)
+            .map(str::to_owned)
+            .into_iter()
+            .chain(upkeep::worn(maintenance));
         for warning in warnings {
             ui.label(RichText::new(warning).small().color(palette.warn));
         }
@@ -187,38 +192,38 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     theme::heading(ui, "Link");
     let snapshot = scene.snapshot;
     let ms = |time: std::time::Duration| format!("{:.2} ms", time.as_secs_f64() * 1e3);
-    let mut told = |name: &str, value: String, help: &str| row(ui, name, value).on_hover_text(help);
+    let mut counter = |name: &str, value: String, help: &str| row(ui, name, value).on_hover_text(help);
     let round_trip = format!("{}, worst {}", ms(snapshot.round_trip.average), ms(snapshot.round_trip.worst));
-    told("Round trip", round_trip, "From a command to its answer");
+    counter("Round trip", round_trip, "From a command to its answer");
     let link = snapshot.counters;
-    told("Commands", link.commands.to_string(), "How many were sent, repeats not counted");
+    counter("Commands", link.commands.to_string(), "How many were sent, repeats not counted");
     let lost = format!("{} / {}", link.retries, link.timeouts);
-    told(
+    counter(
         "Retries / time-outs",
         lost,
         "Commands sent again, and answers that did not come in time: a bad cable or a busy port",
     );
     let help = "Drives in whose place a newer one or a stop was sent, as in a drag";
-    told("Superseded drives", link.superseded.to_string(), help);
+    counter("Superseded drives", link.superseded.to_string(), help);
     let help = "Messages of the device that arrived damaged; what waits for them is sent again";
-    told("CRC errors here", snapshot.decoder.damaged.to_string(), help);
+    counter("CRC errors here", snapshot.decoder.damaged.to_string(), help);
     if let Some(status) = snapshot.status {
         let device = status.counters;
         let help = "Commands that arrived damaged at the device; it did not act on them";
-        told("CRC errors there", device.crc_errors.to_string(), help);
+        counter("CRC errors there", device.crc_errors.to_string(), help);
         let help = "Answers that this computer did not take in time, and commands that a stop or a full queue left out";
-        told("Dropped there", device.dropped.to_string(), help);
+        counter("Dropped there", device.dropped.to_string(), help);
         let help = "Commands that the device got twice and acted on once";
-        told("Repeats there", device.duplicates.to_string(), help);
+        counter("Repeats there", device.duplicates.to_string(), help);
         let failed = format!("{} / {}", device.underruns, device.clips);
-        told(
+        counter(
             "Underruns / clips",
             failed,
             "Times the DAC ran out of samples, and samples that were beyond its range",
         );
         if device.max_cycles > 0 {
             let help = "The longest that a block of the drive took the device's processor";
-            told("Cycles a block, most", device.max_cycles.to_string(), help);
+            counter("Cycles a block, most", device.max_cycles.to_string(), help);
         }
     }
 }

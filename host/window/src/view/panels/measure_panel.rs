@@ -1,4 +1,4 @@
-//! The page of measurements: their list, what the chosen one tells, and whether it is of the plate on the screen.
+//! The page of measurements: their list, the values of the chosen one, and whether it fits the plate on the screen.
 
 use crate::intent::{CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
@@ -48,7 +48,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     ui.separator();
     if let Some(chosen) = chosen {
-        told(ui, scene, chosen, intents);
+        details(ui, scene, chosen, intents);
     }
 }
 
@@ -91,8 +91,8 @@ fn listed(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, intents: &mut Inten
     });
 }
 
-/// What the chosen measurement tells.
-fn told(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut Intents) {
+/// The values of the chosen measurement.
+fn details(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let sentence = |ui: &mut egui::Ui, text: &str, colour| {
         ui.add(egui::Label::new(RichText::new(text).color(colour)).wrap());

@@ -84,7 +84,7 @@ enum Press {
     Dismiss,
 }
 
-/// One message in at most so many rows.
+/// One message in at most `rows` rows.
 fn message(ui: &mut egui::Ui, notice: &Notice, rows: usize) -> Press {
     let palette = theme::palette(ui);
     let colour = if notice.is_error { palette.bad } else { palette.accent };

@@ -1,4 +1,4 @@
-//! The button that computes the plate in two dimensions, and where that differs from the one-mode equation.
+//! The button that computes the plate in two dimensions, and the difference to the one-mode equation.
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;

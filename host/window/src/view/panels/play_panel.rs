@@ -22,8 +22,8 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     time(ui, scene, view, intents);
 }
 
-/// What a setup is told by: its plate, its tones and the first place.
-fn told(setup: &Setup) -> String {
+/// A setup in a line: its plate, its tones and the first place.
+fn summary(setup: &Setup) -> String {
     let count = setup.tones.len();
     let tones = if count == 1 { "1 tone".to_owned() } else { format!("{count} tones") };
     let place = setup.tones.first().map_or_else(String::new, |tone| show_place(tone.position_m));
@@ -36,9 +36,9 @@ fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     for side in [Side::A, Side::B] {
         let is_here = side == here;
         let words = if is_here {
-            told(scene.setup)
+            summary(scene.setup)
         } else {
-            scene.compare.other().map_or_else(|| "begins as a copy".to_owned(), told)
+            scene.compare.other().map_or_else(|| "begins as a copy".to_owned(), summary)
         };
         let text = format!("{}   {words}", side.letter());
         let size = egui::vec2(ui.available_width(), 28.0);

@@ -1,5 +1,5 @@
-//! The trace of the finger: what it has met in the last seconds, and how fast it moved. Its lanes share one time axis,
-//! whose right end is now.
+//! The trace of the finger: amplitude and friction at the finger, and its speed, over the last seconds. Its lanes share one
+//! time axis, whose right end is now.
 //!
 //! ```text
 //!  200 |amplitude     63 µm|
@@ -10,7 +10,7 @@
 //!    0 |___/~~~\____/~~~~\_|
 //!      4 s ago  illustrative now
 //! ```
-//! In a row too low for that the words stand left of the lanes, in place of the scales.
+//! Where a row is too low for this, the words stand left of the lanes, in place of the scales.
 
 use crate::intent::Intents;
 use crate::scene::Scene;
@@ -92,7 +92,7 @@ struct Lane {
     value: fn(&Met) -> Option<f64>,
     /// The top of the scale.
     top: f64,
-    /// Whether its curve and its words tell how it is felt.
+    /// Whether its curve and its words state how it is felt.
     is_felt: bool,
     /// The unit in which values are written, and that unit in SI units.
     unit: (&'static str, f64),

@@ -1,4 +1,4 @@
-//! The read-out under the pointer on the stage: the place, how far the plate moves there, and how strongly it is felt.
+//! The read-out under the pointer on the stage: the place, the plate's displacement there, and how strongly it is felt.
 
 use crate::axis::Axis;
 use crate::scene::Scene;
@@ -11,7 +11,7 @@ use slipline_plate::quantity::{show_length, show_place};
 const BESIDE: f32 = 8.0;
 const INSET: egui::Vec2 = vec2(6.0, 3.0);
 
-/// The words for a place. One tone is told by its largest displacement, several by their mean, as the envelope draws them.
+/// The words for a place. One tone is stated by its largest displacement, several by sqrt(2) times their RMS.
 pub(crate) fn words(scene: &Scene<'_>, place_m: f64) -> String {
     let mut words = show_place(place_m);
     let predicted = scene.predicted;

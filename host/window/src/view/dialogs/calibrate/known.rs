@@ -1,4 +1,4 @@
-//! The first page: the plate file, and what calipers and a rule say of the plate.
+//! The first page: the plate file, and the dimensions measured by calipers and a rule.
 
 use super::wrapped;
 use crate::caption::Panel;

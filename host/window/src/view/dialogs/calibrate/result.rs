@@ -1,4 +1,4 @@
-//! The last page: the plate as it was measured, what was wrong before, or why there is none.
+//! The last page: the calibrated plate and the errors of the plate before, or the reason why there is none.
 
 use super::wrapped;
 use crate::caption::Panel;
@@ -81,7 +81,7 @@ fn accepted(ui: &mut egui::Ui, found: &Found) {
         }
         ui.end_row();
         for parameter in &calibrated.parameters {
-            let (name, [value, low, high]) = told(parameter);
+            let (name, [value, low, high]) = parameter_words(parameter);
             ui.label(name);
             ui.label(value);
             ui.label(format!("{low} to {high}"));
@@ -107,7 +107,7 @@ pub(super) fn actions(ui: &mut egui::Ui, mut ask: impl FnMut(CalibrateIntent)) {
 }
 
 /// A parameter by its name in the panels, and its value and interval in their unit.
-fn told(parameter: &Parameter) -> (String, [String; 3]) {
+fn parameter_words(parameter: &Parameter) -> (String, [String; 3]) {
     let Parameter { name, value, low, high } = *parameter;
     if name == "place_m" {
         return ("Sensor's place".to_owned(), [value, low, high].map(show_place));

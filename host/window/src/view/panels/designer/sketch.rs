@@ -1,4 +1,5 @@
-//! The designed plate on the stage, before it is loaded: its outline over the present plate, and where its band turns.
+//! The designed plate on the stage, before it is loaded: its outline over the present plate, and the turning points of its
+//! band.
 
 use crate::axis::Axis;
 use crate::scene::{DesignState, Scene};
@@ -58,7 +59,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, sketched: &mut Sketched, ax
         let left = label.left().min(rect.right() - galley.size().x).max(rect.left());
         painter.galley(pos2(left, label.top()), galley, palette.text);
     }
-    let words = told(design);
+    let words = title(design);
     let place = pos2(screen.min, rect.top());
     painter.text(place, Align2::LEFT_TOP, &words, FontId::proportional(12.5), palette.accent);
     let seen = ui.interact(rect, ui.scope_id().with("design"), Sense::hover());
@@ -66,7 +67,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, sketched: &mut Sketched, ax
 }
 
 /// What is drawn, and that it is not loaded.
-fn told(design: &Design) -> String {
+fn title(design: &Design) -> String {
     let plate = &design.plate;
     format!("Design, not loaded: {}, {} long", plate.name(), show_place(plate.length_m()))
 }

@@ -55,7 +55,7 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, strip: Strip, is_last
         Strip::Residual => (-curves.residual_db, curves.residual_db),
     };
     let frame = Frame { name: strip.name(), x, y, unit: curves.unit().0, logarithmic: curves.logarithmic() };
-    let values = |at: egui_plot::PlotPoint| told(curves, strip, at.x, at.y);
+    let values = |at: egui_plot::PlotPoint| read_out(curves, strip, at.x, at.y);
     let linked = Id::unique(("response", x.0.to_bits(), x.1.to_bits()));
     let plot =
         plot(&frame, palette, values).link_axis(linked, [true, false]).link_cursor(linked, [true, false]);
@@ -174,7 +174,7 @@ fn residual(plot: &mut PlotUi<'_>, curves: &Curves<'_>, palette: &theme::Palette
 }
 
 /// The values of the chosen measurement under the pointer; without one, those of the axes.
-fn told(curves: &Curves<'_>, strip: Strip, x: f64, y: f64) -> String {
+fn read_out(curves: &Curves<'_>, strip: Strip, x: f64, y: f64) -> String {
     let decibel = |db: f64| format!("{} dB", ticks::label(db, 0.1));
     let degrees = |deg: f64| format!("{}°", ticks::label(deg, 1.0));
     let Some((chosen, i)) = curves.chosen.zip(curves.nearest(x)) else {

@@ -1,5 +1,5 @@
-//! What the plots of responses draw: the measurements that are shown, the chosen one, the plate's model, and the ranges of
-//! their axes.
+//! The content of the plots of responses: the shown measurements, the chosen one, the plate's model, and the ranges of the
+//! axes.
 
 use crate::scene::Scene;
 use crate::view::plots::steer::Ends;
@@ -17,7 +17,7 @@ const PHASE_STEP_DEG: f64 = 90.0;
 const REACH_MAX: f64 = 4.0;
 /// Ends that the axis of the residual has, dB to both sides.
 const RESIDUALS_DB: [f64; 5] = [1.0, 3.0, 6.0, 12.0, 24.0];
-/// Frequencies from here on are told in kilohertz.
+/// Frequencies from here on are written in kilohertz.
 const KILOHERTZ_FROM: f64 = 5000.0;
 
 /// The prediction of the plate's file for the chosen measurement, where it is known by now.

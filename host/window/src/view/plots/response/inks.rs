@@ -1,5 +1,5 @@
-//! The colours of the measurements: one keeps its colour while others come and go. Those who cannot tell the colours apart
-//! are helped by the width: the chosen one is thick.
+//! The colours of the measurements: one keeps its colour while others come and go. The chosen one is also drawn thick, for
+//! those who cannot distinguish the colours.
 
 use crate::view::theme::Palette;
 use eframe::egui::Color32;

@@ -24,7 +24,7 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, is_reset: bool, aspec
     let half = (room * aspect.max(1.0), room * aspect.recip().max(1.0));
     let (x, y) = ((-half.0, half.0), (-half.1, half.1));
     let frame = Frame { name: "nyquist", x, y, unit: "Re", logarithmic: None };
-    let plot = plot(&frame, palette, |at| told(curves, at));
+    let plot = plot(&frame, palette, |at| read_out(curves, at));
     let plot = if is_reset { plot.reset() } else { plot };
     let inks: Vec<egui::Color32> = curves.shown.iter().map(|entry| curves.ink(ui, entry)).collect();
     let shown = plot.show(ui, |plot| {
@@ -58,7 +58,7 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, is_reset: bool, aspec
 const HELP: &str = "Measurements and model in the complex plane: a resonance is a circle";
 
 /// The frequency and the value of the chosen measurement's nearest point.
-fn told(curves: &Curves<'_>, at: PlotPoint) -> String {
+fn read_out(curves: &Curves<'_>, at: PlotPoint) -> String {
     let number = |value: f64| ticks::label(value, 0.01);
     let Some(chosen) = curves.chosen else { return format!("{} {}j", number(at.x), number(at.y)) };
     let points = chosen.measurement.points.iter();
