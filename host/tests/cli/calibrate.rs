@@ -123,7 +123,7 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         let level_db = |value: &Value| number(value, "level_tolerance_db");
         assert!(level_db(&noisy) > 2.0 * level_db(&value), "{noisy} {value}");
     }
-    for (files, more, told) in [
+    for (files, more, expected) in [
         (
             [&frd_near, &frd_far],
             &["--kind", "displacement", "--sensor", "32mm"][..],
@@ -145,7 +145,7 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         ([&frd_near, &frd_far], &["--snr", "200"], "0 to 140 dB"),
     ] {
         let message = failure(&calibrate(&files.map(|it| it.as_path()), more), 2);
-        assert!(message.contains(told), "{more:?}: {message}");
+        assert!(message.contains(expected), "{more:?}: {message}");
     }
     std::fs::write(&frd_near, "100 20\n200 30\n").unwrap();
     let message = failure(&calibrate(&[&frd_near, &frd_far], &displacement), 2);
@@ -212,11 +212,11 @@ fn two_touches_give_places_and_no_levels() {
     .concat();
     let value = json(&arguments);
     assert_eq!((&value["accepted"], &value["level_tolerance_db"]), (&Value::Bool(true), &Value::Null));
-    // Two marks do not tell the loss from the speed, and the interval says so.
+    // Two marks do not separate loss and speed, and the interval shows it.
     let [low, high] = ["low", "high"].map(|end| number(&value["parameters"][0], end));
     let slipline_plate::Model::Membrane { wave_speed_m_per_s, .. } = plate.spec().model else { panic!() };
     assert!((low..high).contains(&(0.97 * wave_speed_m_per_s)) && high < 1.08 * low, "{value}");
-    // The peak of the edges above is that of the told level.
+    // The touches above were computed with the peak of this level.
     let finger = &value["parameters"][1];
     assert_eq!(finger["name"], "feeling.threshold");
     assert!((0.8..1.25).contains(&number(finger, "value")), "{value}");
@@ -225,7 +225,7 @@ fn two_touches_give_places_and_no_levels() {
     let text = slipline(&[&arguments[..], &["--force"]].concat());
     let text = String::from_utf8(text.stdout).unwrap();
     assert!(text.contains("Levels") && text.contains("of a known drive"), "{text}");
-    // Nobody told that the drive is known: the same touches tell less.
+    // With an unknown drive the same touches leave wider intervals.
     let unknown = [&arguments[..5], &arguments[7..13]].concat();
     let open = json(&unknown);
     let edge_m = |value: &Value| number(value, "edge_tolerance_m");
@@ -259,9 +259,9 @@ fn what_the_data_do_not_carry_ends_with_1_and_the_reason() {
         let arguments = calibrate(&files.map(|it| it.as_path()), &["--out", out.to_str().unwrap()]);
         let message = failure(&arguments, 1);
         assert!(message.contains(reason), "{message}");
-        let told = slipline(&[&arguments[..], &["--json"]].concat());
-        assert_eq!(told.status.code(), Some(1));
-        let value: Value = serde_json::from_slice(&told.stdout).unwrap();
+        let output = slipline(&[&arguments[..], &["--json"]].concat());
+        assert_eq!(output.status.code(), Some(1));
+        let value: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(value["accepted"], false);
         assert!(value["reason"].as_str().unwrap().contains(reason), "{value}");
         assert!(!out.exists(), "nothing is written");
@@ -278,7 +278,7 @@ fn bad_files_and_options_are_named_with_what_is_allowed() {
     std::fs::write(&bad, "# place_m = 0.03\n# sensor = speed\n").unwrap();
     let path = bad.to_str().unwrap();
     let two = ["--data", path, "--data", path];
-    for (more, told) in [
+    for (more, expected) in [
         (&two[..], "bad.csv: line 2: sensor: must be one of displacement"),
         (&["--data", path, "--data", path, "--data", path], "3 files of --data: must be 1 or 2"),
         (&["--data", "no-such.csv", "--data", path], "no-such.csv"),
@@ -291,7 +291,7 @@ fn bad_files_and_options_are_named_with_what_is_allowed() {
         (&["--data", path, "--data", path, "--half-width", "0"], "10 µm to 10 m"),
     ] {
         let message = failure(&[&["calibrate", "--plate", "membrane"], more].concat(), 2);
-        assert!(message.contains(told), "{more:?}: {message}");
+        assert!(message.contains(expected), "{more:?}: {message}");
     }
     let message =
         failure(&["calibrate", "--plate", "membrane", "--touch", "120mm:118mm", "--touch", "125mm:122mm"], 1);

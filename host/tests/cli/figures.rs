@@ -25,9 +25,9 @@ fn every_figure_of_the_paper_and_of_the_physics_is_written_as_vectors_as_a_pictu
         let csv = String::from_utf8(read(&figure["csv"])).unwrap();
         assert!(csv.starts_with(&format!("# {name}")), "{csv:.40}");
         assert!(read(&figure["png"]).starts_with(b"\x89PNG"));
-        let told = texts(&String::from_utf8(read(&figure["svg"])).unwrap());
-        assert!(told[0].starts_with(&name), "{told:?}");
-        assert_eq!(told.iter().any(|text| text == "corrected"), of_paper, "{told:?}");
+        let labels = texts(&String::from_utf8(read(&figure["svg"])).unwrap());
+        assert!(labels[0].starts_with(&name), "{labels:?}");
+        assert_eq!(labels.iter().any(|text| text == "corrected"), of_paper, "{labels:?}");
     }
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 33);
     std::fs::remove_dir_all(&folder).unwrap();
@@ -53,9 +53,9 @@ fn the_ending_says_what_is_written_and_others_are_refused_before_the_work() {
             std::fs::remove_file(path).unwrap();
             bytes
         };
-        let told = texts(&String::from_utf8(write(&svg)).unwrap());
-        assert!(told[0].contains("membrane"), "{told:?}");
-        assert!(told.iter().any(|text| text == "x from the driven end (mm)"), "{told:?}");
+        let labels = texts(&String::from_utf8(write(&svg)).unwrap());
+        assert!(labels[0].contains("membrane"), "{labels:?}");
+        assert!(labels.iter().any(|text| text == "x from the driven end (mm)"), "{labels:?}");
         assert!(write(&png).starts_with(b"\x89PNG"));
         let path = file(&pdf);
         let message = failure(&[command, &[path.to_str().unwrap()]].concat(), 2);

@@ -1,4 +1,4 @@
-//! A command that is held up while it drives: its device is stopped and disarmed, and it says so.
+//! A command that is suspended while it drives: its device is stopped and disarmed, and the command reports it.
 #![cfg(target_os = "linux")]
 
 use super::signals::{HANG, Socket};
@@ -44,10 +44,10 @@ fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
     // Its time, shorter than the second after which it was stopped, is over when it goes on, and it must not say that it
     // drove for as long.
     ours.write_all(&[GO_ON]).unwrap();
-    let mut told = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut told).unwrap();
-    assert_eq!(child.wait().unwrap().code(), Some(1), "{told}");
-    assert!(told.contains("held up for 1 s, so the device was stopped and disarmed"), "{told}");
+    let mut error = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut error).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(1), "{error}");
+    assert!(error.contains("held up for 1 s, so the device was stopped and disarmed"), "{error}");
     assert_eq!(driven(), before, "it does not drive again");
     std::fs::remove_file(&socket.path).unwrap();
 }

@@ -1,4 +1,4 @@
-//! `slipline measure`, and `slipline calibrate` with a device: the simulated one stands on a plate that nobody knows.
+//! `slipline measure`, and `slipline calibrate` with a device: the simulated one stands on an unknown plate.
 
 use super::trim::{calibrated, written};
 use super::{failure, file, json, number, slipline};
@@ -73,7 +73,7 @@ fn people_read_the_light_and_what_helps() {
 
 #[test]
 fn what_cannot_be_measured_is_named_with_what_is_allowed() {
-    for (more, told) in [
+    for (more, expected) in [
         (&["--sensor", "1m"][..], "'1m' for '--sensor': must be 0 m to"),
         (&["--sensor", "30mm", "--from", "0.1Hz"], "from = 0.1 Hz: must be 0.5 Hz to"),
         (&["--sensor", "30mm", "--to", "300kHz"], "to = 300 kHz: must be"),
@@ -84,15 +84,15 @@ fn what_cannot_be_measured_is_named_with_what_is_allowed() {
         (&[], "--sensor"),
     ] {
         let message = failure(&[&["measure", "--port", "sim", "--plate", "membrane"], more].concat(), 2);
-        assert!(message.contains(told), "{more:?}: {message}");
+        assert!(message.contains(expected), "{more:?}: {message}");
     }
-    for (more, told) in [
+    for (more, expected) in [
         (&[][..], "0 --sensor with --port: must be 1 or 2"),
         (&["--sensor", "30mm", "--sensor", "60mm", "--sensor", "90mm"], "3 --sensor with --port"),
         (&["--sensor", "30mm", "--data", "x.csv"], "--data"),
     ] {
         let message = failure(&[&["calibrate", "--port", "sim", "--plate", "membrane"], more].concat(), 2);
-        assert!(message.contains(told), "{more:?}: {message}");
+        assert!(message.contains(expected), "{more:?}: {message}");
     }
 }
 
@@ -144,7 +144,7 @@ fn a_drive_that_is_another_one_is_told_before_anything_loud() {
     let drive = ["drive", "--boundary", "240mm", "--for", "100ms"];
     let message = failure(&[&drive, &ALUMINIUM[..], &wrong].concat(), 1);
     assert!(message.contains("where 1 nF are told"), "{message}");
-    for (more, told) in [
+    for (more, expected) in [
         (&["--amplifier", "2V"][..], "--shunt"),
         (&["--amplifier", "2V", "--coil", "4ohm", "--piezo", "1nF", "--shunt", "1A"], "--piezo"),
         (&["--amplifier", "2V", "--coil", "0ohm", "--shunt", "1A"], "0.01 to 100000 ohm"),
@@ -152,7 +152,7 @@ fn a_drive_that_is_another_one_is_told_before_anything_loud() {
         (&["--input", "voltage"], "sensor, current"),
     ] {
         let message = failure(&[&["measure", "--sensor", "34mm"], &ALUMINIUM[..], more].concat(), 2);
-        assert!(message.contains(told), "{more:?}: {message}");
+        assert!(message.contains(expected), "{more:?}: {message}");
     }
     let message =
         failure(&[&["calibrate", "--current", "piezo", "--sensor", "34mm"], &ALUMINIUM[..]].concat(), 2);

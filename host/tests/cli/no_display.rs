@@ -1,4 +1,4 @@
-//! Without a display the program says so in plain words.
+//! Without a display the program ends with a message that says so.
 #![cfg(all(feature = "gui", target_os = "linux"))]
 
 use std::process::Command;
@@ -21,11 +21,11 @@ fn without_a_display_the_error_says_what_to_do_and_names_no_folder_of_the_build(
         (&[("DISPLAY", ":4711")], "the display DISPLAY=:4711 does not answer: "),
         (&[("WAYLAND_DISPLAY", "nowhere-7")], "the display WAYLAND_DISPLAY=nowhere-7 does not answer: "),
     ] {
-        let (told, code) = start(variables);
-        assert_eq!(code, Some(1), "{told}");
-        assert!(told.starts_with("slipline: ") && told.contains(what), "{told}");
-        assert!(told.contains("set WAYLAND_DISPLAY or DISPLAY"), "{told}");
-        assert!(told.contains("The command line needs no display: see slipline --help."), "{told}");
-        assert!(!told.contains(".rs") && !told.contains("registry"), "{told}");
+        let (error, code) = start(variables);
+        assert_eq!(code, Some(1), "{error}");
+        assert!(error.starts_with("slipline: ") && error.contains(what), "{error}");
+        assert!(error.contains("set WAYLAND_DISPLAY or DISPLAY"), "{error}");
+        assert!(error.contains("The command line needs no display: see slipline --help."), "{error}");
+        assert!(!error.contains(".rs") && !error.contains("registry"), "{error}");
     }
 }

@@ -91,8 +91,8 @@ fn a_terminal_shows_a_bar_that_is_gone_in_the_end() {
 #[test]
 fn a_pipe_shows_no_progress_bar() {
     let output = slipline(&["table", "--plate", &long_plate("pipe.toml")]);
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(!told.contains('%') && !told.contains('\u{1b}'), "{told:?}");
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(!error.contains('%') && !error.contains('\u{1b}'), "{error:?}");
 }
 
 #[test]

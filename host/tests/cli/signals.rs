@@ -146,26 +146,26 @@ fn a_signal_stops_and_disarms_the_device() {
         ("drive --plate membrane --boundary 120mm", Some("until Ctrl-C"), 0),
         ("verify --window 250ms", None, 130),
     ] {
-        for told in ["-INT", "-TERM"] {
+        for option in ["-INT", "-TERM"] {
             let command = arguments.split(' ').next().unwrap();
-            let socket = Socket::serve(&format!("{command}{told}"));
+            let socket = Socket::serve(&format!("{command}{option}"));
             let child = socket.driven_by(arguments, said);
-            signal(child.id(), told);
+            signal(child.id(), option);
             let output = child.wait_with_output().unwrap();
             let error = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(code), "{command} {told}: {error}");
-            assert_eq!(error, "", "{command} {told}");
+            assert_eq!(output.status.code(), Some(code), "{command} {option}: {error}");
+            assert_eq!(error, "", "{command} {option}");
             let line = socket.line.lock().unwrap();
             let driven = line.sent.iter().rposition(|sent| matches!(sent, Message::Drive(_))).unwrap();
             let afterwards = &line.sent[driven + 1..];
             let last = |is_it: fn(&Message) -> bool| afterwards.iter().rposition(is_it);
             let stopped = last(|sent| matches!(sent, Message::Stop));
             let disarmed = last(|sent| matches!(sent, Message::Disarm));
-            assert!(stopped.is_some() && stopped < disarmed, "{command} {told}: {afterwards:?}");
+            assert!(stopped.is_some() && stopped < disarmed, "{command} {option}: {afterwards:?}");
             // It ends with that and waits for nothing in vain: it would keep the device alive meanwhile.
             let kept =
                 afterwards[disarmed.unwrap()..].iter().filter(|sent| matches!(sent, Message::KeepAlive(_)));
-            assert!(kept.count() < 5, "{command} {told}: {afterwards:?}");
+            assert!(kept.count() < 5, "{command} {option}: {afterwards:?}");
             drop(line);
             std::fs::remove_file(&socket.path).unwrap();
         }

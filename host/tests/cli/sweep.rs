@@ -1,4 +1,5 @@
-//! `slipline sweep`, and what `slipline calibrate` says of recordings of it. `tests/tests/recorded.rs` has them calibrate a plate.
+//! `slipline sweep`, and the refusals of its recordings by `slipline calibrate`. `tests/tests/recorded.rs` calibrates a plate by
+//! recordings.
 
 use super::{failure, file, json, number};
 use std::path::{Path, PathBuf};
@@ -43,7 +44,7 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
     let places = ["--sensor", "34mm", "--sensor", "187mm"];
     let played = ["--played", text(&out)];
     let all = [&places[..], &played, &["--kind", "velocity"]].concat();
-    for (more, told) in [
+    for (more, expected) in [
         (&places[..], "near.wav: a recording: name the description of its sweep with --played"),
         (&played, "near.wav: a recording: tell where its sensor stood with --sensor PLACE"),
         (&[&places[..], &played].concat(), "near.wav: it does not tell what its sensor shows: write --kind"),
@@ -60,7 +61,7 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
         (&[&places[..], &["--played", text(&near), "--kind", "velocity"]].concat(), "near.wav: "),
     ] {
         let message = refused(more);
-        assert!(message.contains(told), "{told}\n{message}");
+        assert!(message.contains(expected), "{expected}\n{message}");
     }
     let csv = file("no-recording.csv");
     std::fs::write(&csv, "100 -20\n").unwrap();

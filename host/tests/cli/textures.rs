@@ -117,7 +117,7 @@ fn a_texture_on_multiples_is_played_as_a_chord_and_louder_than_its_sum() {
 
 #[test]
 fn what_cannot_be_had_is_refused_with_its_range() {
-    for (more, told) in [
+    for (more, expected) in [
         (&["--solid", "20mm"][..], "--solid"),
         (&["--stripes", "1mm"], "--stripes"),
         (&["--beat", "120mm:0.1Hz"], "1 Hz to 1 kHz"),
@@ -127,7 +127,7 @@ fn what_cannot_be_had_is_refused_with_its_range() {
         (&[], "--solid"),
     ] {
         let message = failure(&[&["texture", "--plate", "membrane"], more].concat(), 2);
-        assert!(message.contains(told), "{more:?}: {message}");
+        assert!(message.contains(expected), "{more:?}: {message}");
     }
 }
 

@@ -1,10 +1,10 @@
-//! What the command line says of the limit of the actuator's travel.
+//! The limit of the actuator's travel in the command line's output.
 
 use super::signals::Socket;
 use super::{file, slipline};
 use slipline_link::protocol::Event;
 
-/// What a device tells whose firmware speaks 1.0, which has no limit of the travel.
+/// Makes the hello that of a device with protocol 1.0, which has no limit of the travel.
 fn of_minor_0(event: &mut Event) {
     if let Event::Hello(identity) = event {
         identity.version.minor = 0;

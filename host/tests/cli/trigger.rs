@@ -30,9 +30,9 @@ fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let output = child.wait_with_output().unwrap();
-    let told: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(told["at_samples"].as_u64(), raised_at, "the block that was rendered next");
-    assert!(told["stopped_at_samples"].as_u64() > raised_at);
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(value["at_samples"].as_u64(), raised_at, "the block that was rendered next");
+    assert!(value["stopped_at_samples"].as_u64() > raised_at);
     let again = json(&[
         "drive",
         "--port",

@@ -27,9 +27,9 @@ fn a_board_without_a_brown_out_level_is_armed_only_if_the_user_says_that_he_know
 #[test]
 fn info_tells_the_wear_of_the_flash() {
     let served = Served::new("wear.sock", Options::default());
-    let told = json(&["info", "--port", &served.port]);
-    assert_eq!((&told["flash_erasures"], &told["flash_erasures_promised"]), (&0.into(), &20_000.into()));
-    assert_eq!(told["brown_out_guarded"], true);
+    let info = json(&["info", "--port", &served.port]);
+    assert_eq!((&info["flash_erasures"], &info["flash_erasures_promised"]), (&0.into(), &20_000.into()));
+    assert_eq!(info["brown_out_guarded"], true);
     let output = slipline(&["info", "--port", &served.port]);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(text.contains("0 of 20000 times") && !text.contains("Warning"), "{text}");

@@ -152,9 +152,12 @@ fn a_value_that_no_plate_can_have_is_named_at_its_field() {
     ] {
         type_into(&mut app, field, bad);
         app.wait(100);
-        let told = app.window.get_by_label_contains(reason).rect();
+        let refusal = app.window.get_by_label_contains(reason).rect();
         let at = app.window.get_by_role_and_label(Role::TextInput, field).rect();
-        assert!(told.top() >= at.bottom() - 1.0 && told.top() < at.bottom() + 20.0, "{field}: {told} {at}");
+        assert!(
+            refusal.top() >= at.bottom() - 1.0 && refusal.top() < at.bottom() + 20.0,
+            "{field}: {refusal} {at}"
+        );
         assert!(!is_offered(&app), "{field}");
         type_into(&mut app, field, good);
         app.wait(100);

@@ -1,4 +1,4 @@
-//! The calibration's pages, with answers from files: the boundary lands, and what is refused is told.
+//! The calibration's pages, with answers from files: the boundary is right afterwards, and a refusal gives its reason.
 
 use crate::measure::{measured, membrane, open_measure};
 use crate::test_app::TestApp;
@@ -143,7 +143,7 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
 fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_offered() {
     let mut app = TestApp::driving();
     let [near, far] = answers(1.03);
-    // The files tell each other's place.
+    // Each file states the other's place.
     let wrong =
         [Measurement { place_m: far.place_m, ..near.clone() }, Measurement { place_m: near.place_m, ..far }];
     go_through(&mut app, &wrong);

@@ -1,4 +1,4 @@
-//! "Is it on?" before a measurement: its switch, the told circuit, and what is measured of a drive that is not on.
+//! "Is it on?" before a measurement: its switch, the circuit that the user states, and the result with a drive that is off.
 
 use crate::fake_files::FakeFiles;
 use crate::measure::open_measure;
@@ -50,7 +50,7 @@ fn a_drive_that_is_on_is_measured_after_quiet_tones_have_told_so() {
     let bench = Bench::default();
     let mut app = TestApp::sensed(bench.inputs(), bench);
     switch_on(&mut app);
-    assert!(app.window.query_by_label("Amplifier").is_none(), "the rig tells its circuit itself");
+    assert!(app.window.query_by_label("Amplifier").is_none(), "the rig states its circuit itself");
     press(&mut app, "Measure now");
     app.wait(500);
     assert!(has(&app, "Quiet tones first") && has(&app, "Cancel measuring"));

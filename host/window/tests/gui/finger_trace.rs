@@ -1,4 +1,4 @@
-//! The trace of the finger in the bottom row: what it met in the last seconds, and how fast it moved.
+//! The trace of the finger in the bottom row: amplitude, friction and speed over the last seconds.
 
 use crate::background::open_plate;
 use crate::finger::{choose, drag_by};
@@ -65,7 +65,7 @@ fn above_20_khz_the_trace_has_a_friction_that_is_called_illustrative() {
     assert!(value(&app, "friction, illustrative") > 0.95, "beyond the boundary it does not");
 }
 
-/// Holds the pointer over the time so many seconds before now.
+/// Holds the pointer over the time `seconds` before now.
 fn look_back(app: &mut TestApp, seconds: f32) {
     let (_, rect) = lane(app, "speed").unwrap();
     app.window.hover_at(pos2(rect.right() - seconds / 4.0 * rect.width(), rect.center().y));

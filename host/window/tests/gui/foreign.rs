@@ -1,4 +1,4 @@
-//! Files by other programs on the page of measurements and in the calibration: what they do not tell is asked for.
+//! Files of other programs on the page of measurements and in the calibration: the form asks for what they do not state.
 
 use crate::measure::{Dropped, measured, membrane, open_measure};
 use crate::test_app::TestApp;
@@ -88,7 +88,7 @@ fn a_universal_file_tells_its_sensor_and_what_cannot_be_is_said_where_it_was_tol
     type_into(&mut app, "Over the noise, dB", "46");
     press(&mut app, "Take it");
     assert!(has(&app, "The plate's model fits"));
-    // A file of other frequencies has none that this plate uses, and stays to be told otherwise or left.
+    // A file at other frequencies has none of use for this plate; its form stays open, to be corrected or left.
     let high: String = (0..40).map(|i| format!("{} -20\n", 40_000 + 100 * i)).collect();
     drop_file(&mut app, "high.frd", high.as_bytes());
     choose_kind(&mut app, "choose…", "velocity");
@@ -176,7 +176,7 @@ fn a_recording_is_asked_for_its_sweep_its_channel_and_its_sensor() {
     *app.files.contents.borrow_mut() = vec![(PathBuf::from("sweep.toml"), Ok(sweep.to_toml()))];
     press(&mut app, "Open its sweep…");
     assert!(!has(&app, "no description yet") && is_enabled(&app, "Take it"));
-    // The first channel is silent: that is said where it was told.
+    // The first channel is silent: the refusal is in the form.
     press(&mut app, "Take it");
     assert!(has(&app, "the recording is shorter than the sweep, or silent"));
     type_into(&mut app, "Channel", "3");
@@ -184,7 +184,7 @@ fn a_recording_is_asked_for_its_sweep_its_channel_and_its_sensor() {
     type_into(&mut app, "Channel", "2");
     press(&mut app, "Take it");
     assert!(!has(&app, "A recording of the sweep:") && app.window.query_by_label("phone.wav").is_some());
-    // The next recording is of the same sweep unless told otherwise.
+    // By default the next recording is of the same sweep.
     drop_file(&mut app, "again.wav", &wav);
     assert!(!has(&app, "no description yet"));
     press(&mut app, "Leave it");

@@ -35,7 +35,7 @@ fn a_name_that_no_font_can_show_is_told_once_and_the_rest_goes_on() {
     app.window.get_by_label("Dismiss").click();
     app.wait(100);
     open_named(&mut app, "\u{819c}");
-    assert!(!is_told(&app, ""), "they were told");
+    assert!(!is_told(&app, ""), "they were reported");
 }
 
 /// A system with one more font: Hack, which the window uses for figures only. It stands for a CJK font, which no test can

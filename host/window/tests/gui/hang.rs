@@ -17,7 +17,7 @@ fn state(app: &TestApp) -> State {
 }
 
 /// The text of the message about the hang.
-const TOLD: &str = "The window did not respond for 1 s, so the drive was stopped and the device disarmed.";
+const MESSAGE: &str = "The window did not respond for 1 s, so the drive was stopped and the device disarmed.";
 
 #[test]
 fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() {
@@ -26,7 +26,7 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
     assert_eq!(state(&app), State::Idle, "while it still hangs");
     app.wait(100);
     assert!(app.window.query_by_label("State: idle").is_some());
-    assert!(app.window.query_by_label_contains(TOLD).is_some(), "{:?}", app.window.state().notice());
+    assert!(app.window.query_by_label_contains(MESSAGE).is_some(), "{:?}", app.window.state().notice());
     let is_logged = |line: &slipline_link::LogEntry| {
         line.severity == Severity::Error && line.text.contains("gave no sign of life for 1 s")
     };
@@ -38,11 +38,11 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
     app.window.get_by_label("Arm").click();
     app.wait(1000);
     assert_eq!(state(&app), State::Armed);
-    assert!(app.window.query_by_label_contains(TOLD).is_some(), "it stays until something is driven");
+    assert!(app.window.query_by_label_contains(MESSAGE).is_some(), "it stays until something is driven");
     app.window.get_by_label("Drive").click();
     app.wait(600);
     assert!(app.is_driving());
-    assert!(app.window.query_by_label_contains(TOLD).is_none());
+    assert!(app.window.query_by_label_contains(MESSAGE).is_none());
 }
 
 #[test]

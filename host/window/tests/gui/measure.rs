@@ -75,7 +75,7 @@ fn a_measurement_of_another_plate_is_said_to_differ_and_one_of_this_plate_fits()
     assert!(has(&app, "The plate's model fits: half of the answers are within 0.1 dB"));
     app.window.get_by_role_and_label(Role::Button, "faster.csv").click();
     app.wait(200);
-    assert!(has(&app, "Measured differs"), "the chosen one is told");
+    assert!(has(&app, "Measured differs"), "the chosen one is described");
     // The plate on the screen counts: the faster one fits.
     crate::background::open_plate(&mut app, membrane(1.04).to_toml());
     open_measure(&mut app);
@@ -124,8 +124,8 @@ fn the_headroom_light_is_red_below_6_db_and_green_to_40() {
     {
         open(&mut app, "room.csv", &measured(&membrane(1.0), NEAR_M, headroom_db));
         assert!(app.window.query_by_label(&format!("Headroom: {light}")).is_some(), "{headroom_db}");
-        let told = words_of(&app).into_iter().any(|text| text.contains(words));
-        assert!(told, "{headroom_db}: {words}");
+        let is_shown = words_of(&app).into_iter().any(|text| text.contains(words));
+        assert!(is_shown, "{headroom_db}: {words}");
     }
 }
 
@@ -174,17 +174,17 @@ fn a_file_is_dropped_on_the_window_and_a_bad_one_changes_nothing() {
 fn the_plots_tell_the_values_under_the_pointer_and_are_zoomed_together() {
     let mut app = TestApp::driving();
     open(&mut app, "near.csv", &measured(&membrane(1.01), NEAR_M, 12.0));
-    let tells = |app: &mut TestApp, name: &str, wanted: [&str; 3]| {
+    let check = |app: &mut TestApp, name: &str, wanted: [&str; 3]| {
         let at = plot(app, name).center();
         app.window.hover_at(at);
         app.wait(200);
-        let told = words_of(app).into_iter().find(|text| wanted.iter().all(|part| text.contains(part)));
-        assert!(told.is_some(), "{name}: {wanted:?} in {:?}", words_of(app));
+        let read_out = words_of(app).into_iter().find(|text| wanted.iter().all(|part| text.contains(part)));
+        assert!(read_out.is_some(), "{name}: {wanted:?} in {:?}", words_of(app));
     };
-    tells(&mut app, "Level", ["measured", "model", "headroom"]);
-    tells(&mut app, "Phase", [" Hz", "measured", "°"]);
-    tells(&mut app, "Measured over model", ["off by", "noise ±", " Hz"]);
-    tells(&mut app, "Nyquist", ["Hz", "Re", "Im"]);
+    check(&mut app, "Level", ["measured", "model", "headroom"]);
+    check(&mut app, "Phase", [" Hz", "measured", "°"]);
+    check(&mut app, "Measured over model", ["off by", "noise ±", " Hz"]);
+    check(&mut app, "Nyquist", ["Hz", "Re", "Im"]);
 
     let frequencies = |app: &TestApp| -> Vec<String> {
         let strip = plot(app, "Measured over model");

@@ -224,7 +224,7 @@ fn a_port_that_does_not_answer_is_told_until_another_one_does() {
         "{notice:?}"
     );
     save(&mut app);
-    assert!(app.window.query_by_label(&notice.text).is_some(), "it stands beside what is told meanwhile");
+    assert!(app.window.query_by_label(&notice.text).is_some(), "it stays beside later messages");
     // It is waited for, so nothing needs to be clicked.
     app.plug(true);
     app.wait(2000);
@@ -236,8 +236,8 @@ fn a_port_that_does_not_answer_is_told_until_another_one_does() {
 fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
     let mut app = TestApp::driving();
     crate::add_tone(&mut app);
-    let told = app.window.state().notice().cloned().unwrap().text;
-    assert_eq!(told, "Master lowered to -4.1 dB, so that 2 tones fit.");
+    let message = app.window.state().notice().cloned().unwrap().text;
+    assert_eq!(message, "Master lowered to -4.1 dB, so that 2 tones fit.");
     let line = crate::line_rect(&app);
     app.window.get_by_label("Dismiss").click();
     // Long enough so that this click is not part of the double click below.
@@ -252,11 +252,11 @@ fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
     }
     app.wait(200);
     assert_eq!(app.window.state().setup().tones.len(), 3);
-    let told = app.window.state().notice().cloned().unwrap().text;
+    let message = app.window.state().notice().cloned().unwrap().text;
     assert!(
-        told.starts_with("Master lowered")
-            && told.ends_with("Tone 3 is at 80.0 mm: a line can be at 80.0 mm to 280.0 mm."),
-        "{told}"
+        message.starts_with("Master lowered")
+            && message.ends_with("Tone 3 is at 80.0 mm: a line can be at 80.0 mm to 280.0 mm."),
+        "{message}"
     );
 }
 

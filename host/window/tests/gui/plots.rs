@@ -159,7 +159,7 @@ fn the_wheel_zooms_about_the_pointer_within_the_axes_and_a_double_click_shows_al
 }
 
 /// Every painted text that holds `part`.
-fn told(app: &TestApp, part: &str) -> Vec<String> {
+fn read_outs(app: &TestApp, part: &str) -> Vec<String> {
     painted(app).into_iter().map(|(text, _)| text).filter(|text| text.contains(part)).collect()
 }
 
@@ -186,12 +186,12 @@ fn the_plots_tell_the_values_under_the_pointer_and_the_frequency_of_each_peak() 
     let at = middle(&app, "Spectrum");
     app.window.hover_at(at);
     app.wait(200);
-    assert!(told(&app, " dB").iter().any(|text| text.contains("Hz")), "{:?}", told(&app, "dB"));
+    assert!(read_outs(&app, " dB").iter().any(|text| text.contains("Hz")), "{:?}", read_outs(&app, "dB"));
     let at = middle(&app, "Drive waveform");
     app.window.hover_at(at);
     app.wait(200);
-    assert_eq!(told(&app, "of full scale").len(), 1);
-    assert!(told(&app, "of full scale")[0].contains(" ms"));
+    assert_eq!(read_outs(&app, "of full scale").len(), 1);
+    assert!(read_outs(&app, "of full scale")[0].contains(" ms"));
 }
 
 #[test]
@@ -203,15 +203,15 @@ fn a_curve_is_held_magnified_and_drawn_over_the_logarithm_of_the_frequency() {
     assert!(y(&app).contains(&"1.0".to_owned()), "{:?}", y(&app));
     choose(&mut app, "Drive waveform", "Magnify to fit");
     // Level 0.8 at -20 dB, and the gain of the table.
-    assert_eq!(told(&app, "×10"), ["×10"]);
+    assert_eq!(read_outs(&app, "×10"), ["×10"]);
     assert!(!y(&app).contains(&"1.0".to_owned()) && y(&app).contains(&"0.10".to_owned()), "{:?}", y(&app));
     for plot in PLOTS {
-        let held = told(&app, "held: thin line").len();
+        let held = read_outs(&app, "held: thin line").len();
         choose(&mut app, plot, "Hold to compare");
-        assert_eq!(told(&app, "held: thin line").len(), held + 1, "{plot}");
+        assert_eq!(read_outs(&app, "held: thin line").len(), held + 1, "{plot}");
     }
     choose(&mut app, "Spectrum", "Hold to compare");
-    assert_eq!(told(&app, "held: thin line").len(), 1, "released");
+    assert_eq!(read_outs(&app, "held: thin line").len(), 1, "released");
     choose(&mut app, "Spectrum", "Logarithmic frequency");
     let x = x_numbers(&app, "Spectrum");
     assert!(x.len() >= 3 && x.windows(2).all(|pair| pair[1] >= 2.0 * pair[0]), "{x:?}");

@@ -37,9 +37,9 @@ fn a_bad_place_leaves_the_frequency_where_it_is() {
         assert_eq!(beside(&app), before, "{text}");
     }
     type_into(&mut app, "Boundary position", "abc");
-    let told = app.window.get_by_label_contains("does not begin");
-    let told = told.accesskit_node().value().or(told.accesskit_node().label()).unwrap();
-    assert!(told.ends_with("Type 80 to 280 mm, or 87.6 Hz to 219.0 Hz."), "{told}");
+    let reason = app.window.get_by_label_contains("does not begin");
+    let reason = reason.accesskit_node().value().or(reason.accesskit_node().label()).unwrap();
+    assert!(reason.ends_with("Type 80 to 280 mm, or 87.6 Hz to 219.0 Hz."), "{reason}");
 }
 
 #[test]

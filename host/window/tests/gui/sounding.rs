@@ -1,4 +1,4 @@
-//! The device sounds the setup on the screen, however that setup got there.
+//! The device plays the setup on the screen, whichever command or edit has set it.
 
 use crate::background::open_plate;
 use crate::test_app::TestApp;
@@ -103,7 +103,7 @@ fn a_drive_that_is_refused_for_another_reason_leaves_what_sounds_as_it_is() {
     let sent = app.take_sent();
     assert!(!sent.iter().any(|request| matches!(request, Request::Stop)), "{sent:?}");
     assert!(app.is_driving());
-    let notice = app.window.state().notice().expect("told").text.clone();
+    let notice = app.window.state().notice().expect("a notice").text.clone();
     assert!(notice.contains("Refused: tone slot 3 is named twice"), "{notice}");
 
     // Too loud on its way: rest helps.

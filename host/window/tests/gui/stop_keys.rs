@@ -205,8 +205,8 @@ fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
     app.window.key_press(Key::Escape);
     app.wait(400);
     assert!(!app.is_driving());
-    let told = "Esc closed the page and stopped the drive. Press Drive to go on.";
-    assert!(app.window.query_by_label(told).is_some());
+    let message = "Esc closed the page and stopped the drive. Press Drive to go on.";
+    assert!(app.window.query_by_label(message).is_some());
     // Later, and with nothing to stop, by the same key.
     app.wait(1200);
     app.window.key_press(Key::F1);
@@ -214,7 +214,7 @@ fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
     app.window.key_press(Key::Escape);
     app.wait(200);
     assert!(app.window.query_by_label("Esc closed the page. Nothing was driven.").is_some());
-    for (state, told) in [
+    for (state, message) in [
         (State::Driving, "Esc closed the page, stopped the drive and disarmed the device."),
         (State::Armed, "Esc closed the page and disarmed the device."),
         (State::Fault, "Esc closed the page. Nothing was driven."),
@@ -226,7 +226,7 @@ fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
         window.key_press(Key::Escape);
         window.run_steps(3);
         assert_eq!(sent(&link), "SD", "{state:?}");
-        assert!(window.query_by_label(told).is_some(), "{state:?}");
+        assert!(window.query_by_label(message).is_some(), "{state:?}");
     }
 }
 

@@ -1,4 +1,4 @@
-//! The texture page: what is wanted is drawn, typed or read; what can be had of it is told, played and saved.
+//! The texture page: a target is drawn, typed or read; the reachable texture is described, played and saved.
 
 use crate::test_app::TestApp;
 use crate::type_into;

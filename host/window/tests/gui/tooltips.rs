@@ -11,8 +11,8 @@ use slipline_window::app::App;
 use slipline_window::settings::ThemeChoice;
 use std::collections::BTreeMap;
 
-/// The roles of all that can be used or read off.
-const TOLD: [Role; 11] = [
+/// The roles of all controls and displays: each needs a description.
+const DESCRIBED: [Role; 11] = [
     Role::Button,
     Role::Slider,
     Role::SpinButton,
@@ -40,14 +40,14 @@ const PARTS: [&str; 9] = [
 /// The fewest letters of a sentence.
 const LEAST: usize = 15;
 
-/// Each name with what it says: `None` if that is nothing. A tooltip is also the description for a screen reader.
-type Told = BTreeMap<String, Option<String>>;
+/// The description of each name; `None` without one. A tooltip is also the description for a screen reader.
+type Descriptions = BTreeMap<String, Option<String>>;
 
-fn look(window: &Harness<'_, App>, told: &mut Told) {
+fn look(window: &Harness<'_, App>, descriptions: &mut Descriptions) {
     let parts = |node: &egui_kittest::Node<'_>| {
         let said =
             node.accesskit_node().label().or_else(|| node.accesskit_node().value()).unwrap_or_default();
-        TOLD.contains(&node.accesskit_node().role())
+        DESCRIBED.contains(&node.accesskit_node().role())
             || (node.accesskit_node().role() == Role::Label
                 && PARTS.iter().any(|part| said.starts_with(part)))
     };
@@ -55,7 +55,7 @@ fn look(window: &Harness<'_, App>, told: &mut Told) {
         let access = node.accesskit_node();
         let named = access.labelled_by().next().and_then(|by| by.label().or_else(|| by.value()));
         let name = access.label().or(named).or_else(|| access.value()).unwrap_or_default();
-        told.insert(format!("{:?} {name}", node.accesskit_node().role()), access.description());
+        descriptions.insert(format!("{:?} {name}", node.accesskit_node().role()), access.description());
     }
 }
 
@@ -72,7 +72,7 @@ fn press(app: &mut TestApp, name: &str) {
     let is_named = |node: &egui_kittest::Node<'_>| {
         let access = node.accesskit_node();
         // The line of the boundary has the name of its page.
-        let is_control = TOLD.contains(&access.role()) && access.role() != Role::Slider;
+        let is_control = DESCRIBED.contains(&access.role()) && access.role() != Role::Slider;
         is_control && access.label().is_some_and(|label| label.starts_with(name))
     };
     app.window.root().children_recursive().find(is_named).unwrap_or_else(|| panic!("no {name}")).click();
@@ -81,45 +81,45 @@ fn press(app: &mut TestApp, name: &str) {
 
 #[test]
 fn every_control_and_view_says_what_it_is_for() {
-    let mut told = Told::new();
+    let mut descriptions = Descriptions::new();
     let mut app = TestApp::driving();
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     crate::finger::choose(&mut app, "Light");
     add_tone(&mut app);
     for page in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
         app.window.get_by_role_and_label(Role::Button, page).click();
         app.wait(150);
-        look(&app.window, &mut told);
+        look(&app.window, &mut descriptions);
     }
     for kind in ["Solid", "Profile", "Stripes", "Beat"] {
         crate::textures::open_textures(&mut app);
         crate::textures::choose(&mut app, kind);
-        look(&app.window, &mut told);
+        look(&app.window, &mut descriptions);
     }
     for page in ["This plate", "Validity", "Designer"] {
         open_page(&mut app, page);
-        look(&app.window, &mut told);
+        look(&app.window, &mut descriptions);
     }
     open_page(&mut app, "This plate");
     press(&mut app, "Plate: ");
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "Plate: ");
     crate::measure::open_measure(&mut app);
     let answers = [0.032, 0.176].map(|x| crate::measure::measured(&crate::measure::membrane(1.002), x, 20.0));
     crate::measure::open(&mut app, "near.csv", &answers[0]);
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "More: Measured response");
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "More: Measured response");
     crate::calibrate::open_calibration(&mut app);
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "Next");
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "Next");
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "Cancel");
     crate::calibrate::go_through(&mut app, &answers);
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     press(&mut app, "Cancel");
     press(&mut app, "Boundary");
     crate::finger::choose(&mut app, "None");
@@ -127,42 +127,42 @@ fn every_control_and_view_says_what_it_is_for() {
         ["File", "Edit", "View", "Help", "More: Drive waveform", "More: Spectrum", "Device: ", "Log level"]
     {
         press(&mut app, menu);
-        look(&app.window, &mut told);
+        look(&app.window, &mut descriptions);
         press(&mut app, menu);
     }
     for page in ["Scenes…", "Shortcuts", "Ports and permissions", "About Slipline", "Copy diagnostics"] {
         press(&mut app, if ["Scenes…", "Copy diagnostics"].contains(&page) { "File" } else { "Help" });
         press(&mut app, page);
-        look(&app.window, &mut told);
+        look(&app.window, &mut descriptions);
         press(&mut app, "Close");
     }
-    look(&crate::holding::sensed().0.window, &mut told);
+    look(&crate::holding::sensed().0.window, &mut descriptions);
     app.open("bad.toml", Ok("nonsense".to_owned()));
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     app.window.set_size([640.0, 480.0].into());
     app.wait(200);
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     app.plug(false);
     app.wait(3000);
-    look(&app.window, &mut told);
+    look(&app.window, &mut descriptions);
     for state in [State::Idle, State::Armed, State::Fault] {
         let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
         let link = Box::new(real_device(state));
         let mut window = open_window(link, &FakeFiles::default(), ThemeChoice::Light, builder);
         window.run_steps(5);
-        look(&window, &mut told);
+        look(&window, &mut descriptions);
         window.get_by_role_and_label(Role::Button, "Device").click();
         window.run_steps(5);
-        look(&window, &mut told);
+        look(&window, &mut descriptions);
         if state == State::Idle {
             window.get_by_label("Arm…").click();
             window.run_steps(5);
-            look(&window, &mut told);
+            look(&window, &mut descriptions);
         }
     }
-    assert!(told.len() > 150, "{} were seen", told.len());
-    let lacking: Vec<String> = told.iter().filter_map(lacks).collect();
-    assert!(lacking.is_empty(), "{} of {}:\n{}", lacking.len(), told.len(), lacking.join("\n"));
+    assert!(descriptions.len() > 150, "{} were seen", descriptions.len());
+    let lacking: Vec<String> = descriptions.iter().filter_map(lacks).collect();
+    assert!(lacking.is_empty(), "{} of {}:\n{}", lacking.len(), descriptions.len(), lacking.join("\n"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What a board says of its brown-out level and its flash: asked before the first arming, shown in the device panel.
+//! A board's brown-out level and the wear of its flash: a question before the first arming, and rows in the device panel.
 
 use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
@@ -12,10 +12,10 @@ use slipline_link::protocol::event::{Maintenance, State};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
-/// A real device in this state that tells this of itself.
-fn telling(state: State, told: Option<Maintenance>) -> FixedLink {
+/// A real device in this state, with this report of its maintenance.
+fn telling(state: State, maintenance: Option<Maintenance>) -> FixedLink {
     let mut link = real_device(state);
-    Arc::make_mut(&mut link.snapshot).maintenance = told;
+    Arc::make_mut(&mut link.snapshot).maintenance = maintenance;
     link
 }
 
@@ -58,8 +58,8 @@ fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
 
 #[test]
 fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more() {
-    for told in [None, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })] {
-        let link = telling(State::Idle, told);
+    for maintenance in [None, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })] {
+        let link = telling(State::Idle, maintenance);
         let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
         let mut window =
             open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
@@ -133,7 +133,7 @@ fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
         assert_eq!(is_asked(|request| matches!(request, Request::Disarm)), written, "{sent:?}");
         let snapshot = app.snapshot();
         assert_eq!(snapshot.last_refusal, None);
-        assert_eq!(snapshot.maintenance.map(|told| told.erasures), Some(1));
+        assert_eq!(snapshot.maintenance.map(|maintenance| maintenance.erasures), Some(1));
         let is_told = snapshot.log.iter().any(|line| line.text.contains("was not written again"));
         assert_eq!(is_told, !written, "{:?}", snapshot.log);
     }

@@ -1,4 +1,4 @@
-//! The page of measurements: their list, the values of the chosen one, and whether it fits the plate on the screen.
+//! The page of measurements: their list, the values of the chosen one, and its agreement with the plate on the screen.
 
 use crate::intent::{CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
