@@ -2,9 +2,9 @@
 //! its caller passes the time and moves the bytes.
 //!
 //! A command travels in one of three lanes, each with at most one unanswered command: [`Lane::Urgent`] for the stops,
-//! which wait for nobody; [`Lane::Periodic`] for hello, keep-alives and status; [`Lane::Ordered`] for all that is numbered.
-//! A numbered command is repeated under its own number, so the device does it once; a keep-alive is replaced by
-//! a fresh one, since one that comes twice does not feed the dead-man.
+//! which never wait; [`Lane::Periodic`] for hello, keep-alives and status; [`Lane::Ordered`] for all numbered commands.
+//! A numbered command is repeated under its own number, so the device executes it once. An unanswered keep-alive is replaced
+//! by a new one, because a repeated one does not feed the dead-man.
 
 use crate::trace::{FRAMES, TracedFrame, TracedMessage};
 use slipline_protocol::frame::DecoderCounters;
@@ -13,12 +13,12 @@ use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder, Direction, Event, Refusal, command, event};
 use std::time::Duration;
 
-/// The link waits so long for a reply before it sends the command again.
+/// Time without a reply after which a command is sent again.
 const REPLY_TIMEOUT: Duration = Duration::from_millis(REPLY_TIMEOUT_MS as u64);
-/// A keep-alive goes out this often.
+/// Time between two keep-alives.
 pub(crate) const KEEP_ALIVE_PERIOD: Duration = Duration::from_millis(KEEP_ALIVE_PERIOD_MS as u64);
-/// Erasing and writing a slot takes the slowest board, the H743, up to 4.2 s; so long the device gets to do it
-/// before the command is sent again.
+/// Time without a reply after which a command that writes to flash is sent again: erasing and writing a slot takes the
+/// slowest board, the H743, up to 4.2 s.
 const FLASH_PATIENCE: Duration = Duration::from_secs(6);
 
 /// Which queue a command travels in.
@@ -127,7 +127,7 @@ impl Channel {
             periodic: None,
             ordered: None,
             decoder: Decoder::new(),
-            // Ends whatever a host before this one left unfinished: the hello need not be sent twice.
+            // Ends a frame that a host before this one left unfinished, so that the hello need not be sent twice.
             out: vec![0],
             keeps_frames,
             traced: Vec::new(),
@@ -181,8 +181,7 @@ impl Channel {
         *self.lane_mut(lane) = Some(pending);
     }
 
-    /// Sends the next keep-alive. If the one before is unanswered, this is its repeat: one that comes twice would not feed
-    /// the dead-man.
+    /// Sends the next keep-alive. It replaces an unanswered one, because a repeated keep-alive does not feed the dead-man.
     pub(crate) fn keep_alive(&mut self, now: Duration) {
         let unanswered = self.periodic.as_ref().map(|pending| pending.repeats);
         self.keep_alives = self.keep_alives.wrapping_add(1);

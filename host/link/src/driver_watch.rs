@@ -14,10 +14,10 @@ use slipline_protocol::event::State;
 use slipline_protocol::limits::DEAD_MAN_MS;
 use std::time::Duration;
 
-/// While the device is armed, a sign of life is asked for this often.
+/// Time between two requests for a sign of life while the device is armed.
 pub const SIGN_PERIOD: Duration = Duration::from_millis(250);
-/// Without a sign of life for so long, the device is stopped and disarmed: as long as the device itself waits for
-/// a computer that is silent.
+/// Time without a sign of life after which the device is stopped and disarmed. It equals the device's own dead-man time
+/// for a silent computer.
 pub const SIGN_PATIENCE: Duration = Duration::from_millis(DEAD_MAN_MS as u64);
 // Three signs in a row may be lost or late.
 const _: () = assert!(SIGN_PATIENCE.as_millis() >= 4 * SIGN_PERIOD.as_millis());
@@ -105,7 +105,7 @@ impl DriverWatch {
             self.armed = None;
             return Due::Nothing;
         }
-        // Before it was armed nobody was asked, so the time counts from here.
+        // No sign was asked for before it was armed, so the time counts from here.
         let armed = self.armed.get_or_insert(Armed { since: now, ask_at: now, stop_at: now + SIGN_PATIENCE });
         if now >= armed.stop_at {
             let is_first = armed.stop_at == armed.since + SIGN_PATIENCE;

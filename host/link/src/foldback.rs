@@ -11,7 +11,7 @@ use slipline_protocol::units::SampleIndex;
 /// The steps of the fold-back that a status reports and the status before it did not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoldbackSteps {
-    /// Where each step begins and what it leaves of every amplitude, per mille; in order.
+    /// The index where each step begins, and the factor of every amplitude from there on, per mille; in order.
     pub steps: Vec<(SampleIndex, u16)>,
     /// Whether these are all. If not, the codes between the two statuses are not known.
     pub is_complete: bool,
@@ -71,7 +71,8 @@ mod tests {
         }
     }
 
-    /// What a host hears that gets the statuses after `first` and after all values and none in between, in periods.
+    /// The steps that a host finds, in periods, if it gets the status after `first` and the one after all values, and none in
+    /// between.
     fn heard(values: &[u16], first: usize) -> (Vec<(u64, u16)>, bool) {
         let timing = Timing::at(RATE_HZ);
         let heard = FoldbackSteps::between(Some(&status(&values[..first])), &status(values), &timing);

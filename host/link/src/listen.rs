@@ -12,8 +12,8 @@ const MID_SCALE: f64 = 2048.0;
 const BASIS_ONE: f64 = 16_383.0;
 const BLOCK: f64 = 128.0;
 
-/// Measure how an input answers each tone, over a window. Done when the window is over, with
-/// [`Outcome::Listened`](crate::Outcome::Listened). A newer one takes the place of one under way.
+/// Measures an input's response to each tone over a window. Done when the window is over, with
+/// [`Outcome::Listened`](crate::Outcome::Listened). A newer request replaces one under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListenRequest {
     /// The window's first sample, rounded up to a block boundary; `None`: the next block.
@@ -40,7 +40,7 @@ impl ListenRequest {
     }
 }
 
-/// How an input answered each tone.
+/// An input's response to each tone.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Listened {
     /// The window's first sample.
@@ -76,15 +76,15 @@ impl Listened {
     }
 }
 
-/// Capture the codes of an input. Done when all values are here, with [`Outcome::Captured`](crate::Outcome::Captured). A newer
-/// one takes the place of one under way.
+/// Captures the codes of an input. Done when all values have arrived, with [`Outcome::Captured`](crate::Outcome::Captured).
+/// A newer request replaces one under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CaptureRequest {
     /// The first code's index; `None`: the next block's first.
     pub from: Option<SampleIndex>,
     /// The input, from 0.
     pub input: u8,
-    /// The binary logarithm of how many codes a value sums up, 0..=10.
+    /// Binary logarithm of the number of codes that are summed to a value, 0..=10.
     pub log2_codes: u8,
     /// How many values, 1..=4096.
     pub values: u16,
@@ -102,7 +102,7 @@ impl CaptureRequest {
 pub struct Captured {
     /// The first code's index.
     pub from: SampleIndex,
-    /// The binary logarithm of how many codes a value sums up.
+    /// Binary logarithm of the number of codes that are summed to a value.
     pub log2_codes: u8,
     /// The sums.
     pub values: Vec<u32>,

@@ -19,7 +19,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Where the link stands.
+/// The state of the link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum LinkState {
     /// No port is open and none is sought. [`Snapshot::error`] says why, if it was not asked for.
@@ -36,7 +36,7 @@ pub enum LinkState {
     Reconnecting(LinkError),
 }
 
-/// Where an upload stands, in knots.
+/// The progress of an upload, in knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UploadProgress {
     /// Knots the device has taken.
@@ -99,7 +99,7 @@ pub const OUTCOMES: usize = 64;
 pub struct Snapshot {
     /// Rises with every change that is worth a repaint.
     pub revision: u64,
-    /// Where the link stands.
+    /// The state of the link.
     pub link: LinkState,
     /// The port that is open, was open or is sought.
     pub port: Option<Port>,
@@ -131,8 +131,8 @@ pub struct Snapshot {
     pub status_time: Duration,
     /// The device's table, as it was last read back.
     pub table: TableReport,
-    /// The device's table, knot by knot: this program sent it, or has it too, and the device named it by its digest.
-    /// `None` while the device holds none, or one that was put there by somebody else.
+    /// The device's table with its knots: this program has it, and the device's digest matches. `None` while the device holds
+    /// none, or one of another program.
     pub confirmed_table: Option<Arc<DeviceTable>>,
     /// The limit of the actuator's travel that the device has taken in this session; `None` while it does not limit it.
     pub travel_limit: Option<TravelLimit>,
@@ -151,7 +151,7 @@ pub struct Snapshot {
     pub decoder: DecoderCounters,
     /// The last refusal, with the request it answers.
     pub last_refusal: Option<(Ticket, Refusal)>,
-    /// What the device has agreed to, oldest first.
+    /// The commands that the device has accepted, oldest first.
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// How the latest requests ended, oldest first.
     pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
@@ -199,7 +199,7 @@ impl Snapshot {
         self.inputs.is_some_and(|inputs| inputs.inputs > 0)
     }
 
-    /// Whether a level hold is on, by the device's last word.
+    /// Whether a level hold is on, by the device's last report.
     #[must_use]
     pub fn is_holding(&self) -> bool {
         self.hold.as_ref().is_some_and(|hold| hold.progress == HoldProgress::On)
@@ -217,7 +217,8 @@ impl Snapshot {
         self.link == LinkState::Connected
     }
 
-    /// How a request ended, if it has and it is not too long ago. A link that has crashed does none any more.
+    /// The outcome of a request; `None` while it runs, and once the outcome is no longer kept. After a crash of the link it is
+    /// [`Outcome::NotConnected`] instead of `None`.
     #[must_use]
     pub fn outcome(&self, ticket: Ticket) -> Option<&Outcome> {
         let has_crashed = self.link == LinkState::Lost(LinkError::Crashed);

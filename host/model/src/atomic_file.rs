@@ -123,7 +123,7 @@ pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
 /// # Errors
 /// [`ErrorKind::FileTooLarge`] beyond `most` bytes, and the errors of the system.
 pub fn read_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
-    // Before it is opened: the open call on a pipe waits until somebody writes to it, maybe for ever.
+    // Checked before it is opened: opening a pipe blocks until another program writes to it, maybe for ever.
     let found = path.metadata()?;
     if found.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a directory: name a file in it"));

@@ -69,7 +69,7 @@ impl HoldArgument {
         let frequency =
             |tone: &ToneRequest| Some((tone.slot, table.frequency_hz(table.position(tone.boundary_m)?)));
         let frequencies: Vec<(u8, f64)> = drive.tones.iter().filter_map(frequency).collect();
-        // What cannot be held is said before anything sounds.
+        // A refusal comes before anything sounds.
         let plan =
             HoldPlan::new(plate, &frequencies, rate_hz, lock_ins, self.max_rise).map_err(Failure::failed)?;
         let boundaries_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();

@@ -1,4 +1,4 @@
-//! A command that is suspended while it drives: its device is stopped and disarmed, and the command reports it.
+//! A command whose output is blocked while it drives: its device is stopped and disarmed, and the command reports it.
 #![cfg(target_os = "linux")]
 
 use super::signals::{HANG, Socket};
@@ -8,7 +8,7 @@ use std::io::{Read as _, Write as _};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Ctrl-S and Ctrl-Q at a terminal: what is written to it waits, and goes on.
+/// Ctrl-S and Ctrl-Q at a terminal: its output pauses, and resumes.
 const HOLD: u8 = 0x13;
 const GO_ON: u8 = 0x11;
 

@@ -15,7 +15,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Only a hang takes so long. No test asserts how long anything took.
+/// Time limit that only a hang reaches. No test asserts how long anything took.
 pub(crate) const HANG: Duration = Duration::from_secs(120);
 
 /// A simulated device behind a socket, for one host, and what has gone past.
@@ -162,7 +162,7 @@ fn a_signal_stops_and_disarms_the_device() {
             let stopped = last(|sent| matches!(sent, Message::Stop));
             let disarmed = last(|sent| matches!(sent, Message::Disarm));
             assert!(stopped.is_some() && stopped < disarmed, "{command} {option}: {afterwards:?}");
-            // It ends with that and waits for nothing in vain: it would keep the device alive meanwhile.
+            // It ends then, and does not wait: keep-alives would go on meanwhile.
             let kept =
                 afterwards[disarmed.unwrap()..].iter().filter(|sent| matches!(sent, Message::KeepAlive(_)));
             assert!(kept.count() < 5, "{command} {option}: {afterwards:?}");

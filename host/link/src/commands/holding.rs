@@ -10,7 +10,7 @@ use slipline_protocol::hold::{Held, HoldProgress, HoldSetting};
 use slipline_protocol::units::SampleIndex;
 use std::time::Duration;
 
-/// How often the device is asked how the hold stands.
+/// Time between two requests of the hold's state.
 const PERIOD: Duration = Duration::from_millis(100);
 
 impl CommandQueue {

@@ -1,5 +1,5 @@
-//! The upload of a table: the device holds it already, or it is sent step by step (begin, chunks, commit). It counts as
-//! known once the digest that is read back is its own.
+//! The upload of a table: it is sent step by step (begin, chunks, commit), unless the device holds it already. The device's
+//! table counts as known once the digest that is read back is the digest of this table.
 
 use crate::journal::Change;
 use crate::log::Severity;

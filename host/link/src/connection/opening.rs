@@ -13,7 +13,8 @@ use std::time::Duration;
 
 /// A session that lives shorter than this was ended by another program rather than by a restart...
 const SHORT_LIFE: Duration = Duration::from_secs(5);
-/// ...if this many in a row are that short: two programs that take a device from each other would stop its drive for ever.
+/// ...if this many in a row are that short: two programs that take a device from each other would stop its drive again and
+/// again.
 const SHORT_LIVES: u32 = 3;
 
 impl<O: Opener> Connection<O> {

@@ -1,4 +1,4 @@
-//! The handles of the worker: they hand requests over, look at snapshots and give signs of life. Only the waits block.
+//! The handles of the worker: they send requests, read snapshots and give signs of life. Only the waits block.
 
 use crate::request::{Outcome, Request, Ticket};
 use crate::simulator::realtime::Clock;
@@ -76,8 +76,7 @@ impl Handle {
         self.wake();
     }
 
-    /// Has the worker look at its clock and do what is due. One that cannot be woken comes round by itself for the next
-    /// keep-alive.
+    /// Wakes the worker to do what is due by its clock. A worker that cannot be woken wakes by itself for the next keep-alive.
     pub fn wake(&self) {
         let _ = self.0.waker.wake();
     }
@@ -93,7 +92,7 @@ impl Handle {
         ticket
     }
 
-    /// Says that the thread which controls the device is alive. That thread alone may say it, from the loop that also
+    /// Gives a sign of life of the thread that controls the device. Only that thread may call it, from the loop that also
     /// takes the user's stop. While the device is armed it is due every [`SIGN_PERIOD`](crate::SIGN_PERIOD).
     pub fn sign_of_life(&self) {
         self.0.sign_us.store((self.0.clock)().as_micros() as u64, Ordering::Relaxed);

@@ -3,7 +3,7 @@
 //! ```text
 //! other program ==bytes==> socket or terminal --> Server --> simulator::realtime --> the device application
 //! ```
-//! One program at a time talks to the device, as with a cable; the next one finds the device as the last one left it.
+//! One program at a time is connected to the device, as with a cable. The device keeps its state between programs.
 
 use crate::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use crate::transport::{Transport, Waker};
@@ -19,7 +19,7 @@ use std::time::Duration;
 
 /// Time limit of a read; after it the server checks whether it must end.
 const READ_PATIENCE: Duration = Duration::from_millis(20);
-/// If the stream takes no more now, the rest is written after so long.
+/// Time after which the rest is written to a stream that takes no more bytes now.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
 
 /// Why nothing can be offered at a path.

@@ -5,7 +5,7 @@
 //! advance(n)  -> [ Renderer::run ] -> SentBlock   one block for each step of time
 //! ```
 //! It has no thread and no clock: it acts only when it is called, so every run can be repeated exactly. Faults of the
-//! hardware are injected at the peripherals, where they would come from.
+//! hardware are injected at the peripherals, where they would arise.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -29,9 +29,9 @@ use slipline_app::{CrashRecord, Device, Link, Renderer, Supervisor, Timing, rele
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 
-/// The supervisor is asked this often.
+/// Time between two runs of the supervisor.
 const SUPERVISION_MS: u32 = 100;
-/// The watchdog resets the device when it has not been fed for so long.
+/// Time without feeding after which the watchdog resets the device.
 pub const WATCHDOG_MS: u32 = 300;
 
 type Shared = Arc<Mailbox<CriticalSectionRawMutex>>;
@@ -129,7 +129,7 @@ pub struct SimulatedDevice {
 }
 
 impl SimulatedDevice {
-    /// A device after power came on. Not a sample has passed.
+    /// A device just after power-on, before the first sample.
     #[must_use]
     pub fn new(options: Options) -> Self {
         Self::power_on(options, None)
@@ -208,7 +208,8 @@ impl SimulatedDevice {
         device
     }
 
-    /// Resets the device: the flash and the record of crashes stay, everything else begins anew, index 0 included.
+    /// Resets the device: the flash and the record of crashes stay, everything else starts from its initial state, and the
+    /// index from 0.
     pub fn restart(&mut self, cause: ResetCause) {
         let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
         let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };

@@ -76,7 +76,7 @@ impl NotFelt {
         }
     }
 
-    /// That nothing is felt, and why.
+    /// A sentence that nothing is felt, with the reason.
     #[must_use]
     pub fn words(self) -> String {
         format!("not felt: {}", self.reason())
@@ -91,8 +91,8 @@ pub struct Felt {
     pub strength: Vec<f64>,
     /// Where it ends.
     pub edge: FeltEdge,
-    /// Half of the interval of that place on a calibrated plate, metres: how well the boundary is known, and how far the
-    /// level's interval takes the edge. `None` for a plate that nobody has measured, and where there is no edge.
+    /// Half of the interval of that place on a calibrated plate, metres, from the uncertainty of the boundary and of the level.
+    /// `None` for a plate that is not calibrated, and where there is no edge.
     pub tolerance_m: Option<f64>,
     /// Why nothing is felt, if nothing is.
     pub not_felt: Option<NotFelt>,

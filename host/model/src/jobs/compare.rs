@@ -1,4 +1,4 @@
-//! A measurement beside the model of a plate, in the background.
+//! Compares a measurement with the model of a plate, in the background.
 
 use crate::jobs::Task;
 use slipline_plate::Plate;

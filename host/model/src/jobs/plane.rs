@@ -1,4 +1,4 @@
-//! A plate at one boundary in two dimensions, against the one-mode equation; computed in the background.
+//! Compares a plate at one boundary in two dimensions with the one-mode equation, in the background.
 
 use crate::jobs::Task;
 use slipline_plate::plane::{self, Comparison, PlaneError, Setup};
@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 /// Places along the plate: more than ten per wavelength, so that every node is found.
 const POINTS: usize = 2049;
-/// A peak that moves by less than this is said to be at the same place, in metres.
+/// Shift of the peak below which the sentence calls the place the same, in metres.
 const SAME_PLACE_M: f64 = 0.05e-3;
-/// A level that differs by less than this is said to be the same, in dB.
+/// Difference of the level below which the sentence calls it the same, in dB.
 const SAME_LEVEL_DB: f64 = 0.05;
-/// The share of the work that the one-mode equation is.
+/// Share of the one-mode equation in the work.
 const ONE_MODE_SHARE: f64 = 0.1;
 
 /// A plate and a boundary to compute in two dimensions.

@@ -8,7 +8,7 @@ use slipline_plate::feeling::Feeling;
 use slipline_plate::texture::{Palette, TextureError};
 use std::sync::Arc;
 
-/// What is wanted, and of which plate.
+/// The wanted texture and its plate.
 #[derive(Clone, Debug)]
 pub struct TextureWish {
     /// The plate and its table.
@@ -35,7 +35,7 @@ impl PartialEq for TextureWish {
 pub struct TextureJob {
     /// What is wanted.
     pub wish: TextureWish,
-    /// Its tones, where they are known and the rest is wanted.
+    /// Its tones, if they are made already and only the slower steps are left.
     pub begun: Option<Arc<Made>>,
 }
 
@@ -56,7 +56,7 @@ pub struct Textured {
     pub result: Result<Arc<Made>, TextureRefused>,
     /// RMS displacement of its tones at places uniform from 0 to the plate's end, in metres; empty if there is none.
     pub rms_m: Vec<f64>,
-    /// Whether nothing more will be known of it.
+    /// Whether all steps are done.
     pub is_finished: bool,
 }
 

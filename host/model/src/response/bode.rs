@@ -18,7 +18,7 @@ pub struct Bode {
     pub level_db: Vec<f64>,
     /// Standard deviation of the noise, dB of the same unit.
     pub noise_db: Vec<f64>,
-    /// Half of the magnitude's 95 % interval, dB, as far as noise makes it.
+    /// Half of the magnitude's 95 % interval due to noise, dB.
     pub spread_db: Vec<f64>,
     /// Phase by which the sensor lags the drive, degrees, unwrapped; `None` where the answer is noise.
     pub phase_deg: Vec<Option<f64>>,
@@ -58,7 +58,7 @@ pub fn levels_db(responses: &[Option<Complex64>]) -> Vec<Option<f64>> {
     responses.iter().map(|response| response.map(|response| decibel(response.norm()))).collect()
 }
 
-/// Arguments in degrees, each within half a turn of the one before it; one that is absent is passed over.
+/// Arguments in degrees, each within half a turn of the one before it; absent values are skipped.
 #[must_use]
 pub fn unwrapped_deg(responses: &[Option<Complex64>]) -> Vec<Option<f64>> {
     let mut last: Option<f64> = None;

@@ -4,11 +4,11 @@ use slipline_plate::calibrate::Measurement;
 use slipline_plate::check::Colour;
 use slipline_plate::quantity::{show_frequency, ticks};
 
-/// Free amplitude below full scale at which the light turns: below the first an input is close to clipping, above the second
-/// its loudest answer uses less than a hundredth of it. dB.
+/// Limits of the margin below full scale, dB: below the first an input is close to clipping, above the second its largest
+/// response uses less than a hundredth of full scale.
 pub const LIGHT_DB: (f64, f64) = (6.0, 40.0);
 
-/// The light of a free amplitude in dB: red below 6 dB, green to 40 dB, amber above.
+/// The light of a margin in dB: red below 6 dB, green to 40 dB, amber above.
 #[must_use]
 pub fn light(headroom_db: f64) -> Colour {
     match headroom_db {

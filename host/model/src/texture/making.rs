@@ -47,7 +47,7 @@ pub struct Made {
     pub stripes_m: Option<f64>,
 }
 
-/// How near a fit comes to what is wanted.
+/// The result of a fit, and its error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
     target: Target,
@@ -55,23 +55,24 @@ pub struct Fitted {
     pub texture: Texture,
     /// The worst of its figures within the plate's tolerances of speed and loss.
     pub worst: Figures,
-    /// What takes longer; `None` until [`Made::finished`].
+    /// The results of the slower steps; `None` until [`Made::finished`].
     pub rest: Option<Rest>,
 }
 
-/// What is known of a fit at its end.
+/// The results of the slower steps of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rest {
-    /// The same on the multiples of a chord, and whether those are the tones; `None` where no multiple is in the band.
+    /// The texture with its tones on the multiples of a chord, and whether it is used; `None` where no multiple is in the band.
     pub chord: Option<(ChordTexture, bool)>,
-    /// Least largest error of the mean square that any number of tones has, over the largest wanted.
+    /// The smallest possible largest error of the mean square, with any number of tones, relative to the largest wanted mean
+    /// square.
     pub largest_square_error: f64,
 }
 
-/// What cannot be had of a wish, in a sentence.
+/// The part of a target that cannot be reached, in a sentence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Lack {
-    /// No number of tones has it.
+    /// No number of tones reaches it.
     Reach(String),
     /// More tones would come nearer.
     Tones(String),
@@ -93,7 +94,7 @@ const FINE: f64 = 0.05;
 const EVEN_DB: f64 = 3.0;
 /// Contrast from which on an edge is clear, dB.
 const CLEAR_DB: f64 = 20.0;
-/// More tones are worth it where they would leave less than this share of the error.
+/// More tones are proposed where they would leave less than this share of the error.
 const WORTH_IT: f64 = 0.8;
 
 /// Makes a texture of at most `most` tones (1 to 16); `feeling` decides where an area ends.
@@ -134,7 +135,7 @@ fn fitted(palette: &Palette<'_>, target: Target, texture: Texture) -> Result<Mad
 }
 
 impl Fitted {
-    /// How much the error at each place counts; 0 where nothing is wanted.
+    /// Weight of the error at each place; 0 where the target is free.
     #[must_use]
     pub fn weights(&self) -> &[f64] {
         self.target.weight()
@@ -148,8 +149,8 @@ impl Fitted {
 }
 
 impl Made {
-    /// The same with the tones on the multiples of a chord, where that costs next to nothing, and with what any number of
-    /// tones could do at each place.
+    /// The texture after the slower steps: its tones on the multiples of a chord, where the fit is nearly as good, and the
+    /// error that any number of tones would leave.
     ///
     /// # Errors
     /// [`TextureError::Silent`] if the plate does not answer, [`TextureError::Stopped`].
@@ -172,12 +173,12 @@ impl Made {
         Ok(Self { fitted: made.fitted.map(|fitted| Fitted { rest, ..fitted }), ..made })
     }
 
-    /// How much louder than its tones it is as a chord, in dB; `None` if it is none.
+    /// Gain of the chord over separate tones, in dB; `None` if the texture is no chord.
     #[must_use]
     pub fn chord_gain_db(&self) -> Option<f64> {
         let fitted = self.fitted.as_ref()?;
         let (chord, is_used) = fitted.rest.as_ref()?.chord.as_ref()?;
-        // A solid area louder than it was made would be felt farther.
+        // A louder solid area would be felt beyond its wanted end.
         is_used.then_some(if fitted.is_solid() { 0.0 } else { chord.gain_db })
     }
 
@@ -193,7 +194,7 @@ impl Made {
         Setup { chord_gain_db: self.chord_gain_db(), ..setup_of(plate, &self.tones) }
     }
 
-    /// What cannot be had of it; `None` if all of it can. `most` is the number of tones that were allowed.
+    /// Which part of the target cannot be reached; `None` if all can. `most` is the number of tones that were allowed.
     #[must_use]
     pub fn lack(&self, most: usize) -> Option<Lack> {
         let Fitted { texture, .. } = self.fitted.as_ref()?;

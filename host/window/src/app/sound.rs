@@ -1,7 +1,8 @@
 //! What the user hears: the vibration at the finger, or the drive itself.
 //!
-//! With the simulated device the finger is heard unless the user does not want it. With a real one nothing is heard until
-//! the user asks for it, each time anew: its plate has a sound of its own. The drive is never played unasked.
+//! With the simulated device the finger is heard unless the user has switched it off. With a real one nothing is heard until
+//! the user switches it on for each connection, because its plate makes a sound of its own. The drive is played only on
+//! request.
 
 use super::App;
 use crate::sound::{SoundChoice, SpeakerState};

@@ -26,7 +26,7 @@ impl SystemSpeaker {
         Self::with(wake, output::run)
     }
 
-    /// As [`Self::new`], with another card: it calls what it is given for samples until that says that it is over.
+    /// As [`Self::new`], with another card: `run` fills its samples from the source until [`Source::fill`] returns `false`.
     pub(super) fn with(
         wake: impl Fn() + Send + 'static,
         run: impl Fn(&dyn Fn(), Source) -> Result<(), String> + Send + 'static,
@@ -71,8 +71,8 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Fills `samples` at this rate in Hz, which does not change; returns `false` when nothing has sounded for so long
-    /// that the card shall be let go.
+    /// Fills `samples` at this rate in Hz, which must not change; returns `false` when the silence has lasted long enough to
+    /// close the card.
     pub(super) fn fill(&mut self, rate_hz: f64, samples: &mut [f32]) -> bool {
         let now = Instant::now();
         let synth = self.synth.get_or_insert_with(|| Synth::new(rate_hz));

@@ -157,7 +157,7 @@ fn the_lights_on_the_stage_look_as_they_were_approved() {
     compare("lights-dense", &painted(ThemeChoice::Dark, [640, 400], 2.0, dense));
 }
 
-/// A drawn profile, a solid area and what cannot be had, large and small.
+/// A drawn profile, a solid area and an unreachable target, large and small.
 #[test]
 fn the_texture_page_looks_as_it_was_approved() {
     use crate::textures::{choose, open_profile, open_textures};

@@ -64,7 +64,7 @@ fn a_profile_is_drawn_played_undone_and_saved() {
     drag(&mut app, between, between + 0.2 * (plot.left_bottom() - plot.left_top()));
     let five = breakpoints_mm(&app);
     assert!(five.len() == 5 && five.is_sorted(), "{five:?}");
-    // One is dragged no farther than its neighbours, and no amplitude above the whole.
+    // A breakpoint stays between its neighbours, and its amplitude at most 1.
     let last = breakpoint_at(&app, 4);
     drag(&mut app, last, pos2(plot.left(), plot.top() - 300.0));
     let dragged = breakpoints_mm(&app);
@@ -149,7 +149,7 @@ fn profiles_that_are_none_are_refused_by_name_and_change_nothing() {
         app.wait(50);
         assert_eq!(breakpoints_mm(&app), before);
     }
-    // Breakpoints that are not in order are read, and refused by what makes the texture.
+    // The file reader takes breakpoints that are not in order; the texture's job refuses them.
     open_profile(&mut app, "mixed.csv", Ok(b"0.2,1\n0.1,1\n".to_vec()));
     assert!(has(&app, "breakpoint 2 of the profile"));
 }

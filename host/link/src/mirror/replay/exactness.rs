@@ -7,7 +7,7 @@ use slipline_protocol::units::SampleIndex;
 /// it takes 65 blocks.
 pub(super) const FOLDBACK_SETTLES: u64 = 80 * BLOCK as u64;
 
-/// What is missing for exact codes, and from which index on they are exact once nothing is.
+/// What is missing for exact codes; once nothing is missing, the index from which they are exact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exactness {
     since: SampleIndex,

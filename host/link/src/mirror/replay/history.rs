@@ -12,13 +12,13 @@ use std::sync::Arc;
 pub struct DeviceHistory {
     /// The device's samples per second, in Hz.
     pub sample_rate_hz: u32,
-    /// What it has agreed to.
+    /// The commands that it has accepted.
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// The table that it is known to hold.
     pub table: Option<Arc<DeviceTable>>,
     /// The device has rendered up to here, and everything before is in the journal, but for a stop in the last block.
     pub now: SampleIndex,
-    /// What the thermal fold-back leaves of every amplitude there, per mille.
+    /// The thermal fold-back's factor of every amplitude there, per mille.
     pub foldback_per_mille: u16,
 }
 

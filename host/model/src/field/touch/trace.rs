@@ -1,4 +1,4 @@
-//! What a finger on the plate meets, and the trace of it over the last seconds.
+//! Amplitude, friction and strength at a finger on the plate, and their trace over the last seconds.
 
 use crate::field::displacement_map::mode_shape;
 use crate::field::felt::Felt;
@@ -15,7 +15,7 @@ pub const TRACE_S: f64 = 4.0;
 /// The speed is the mean over this time, in seconds: a pointer's position comes in whole pixels, so the speed between
 /// two neighbouring frames would be noise.
 const SPEED_OVER_S: f64 = 0.1;
-/// After a longer pause the trace begins anew, in seconds: nobody knows what the finger did meanwhile.
+/// Pause after which the trace starts again, in seconds: the finger's motion in a longer pause is unknown.
 const PAUSE_S: f64 = 0.5;
 
 /// What a finger meets at one time.

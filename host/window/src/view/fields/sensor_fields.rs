@@ -39,7 +39,7 @@ pub(crate) fn place(
     number(ui, fields, reason, field, on_plate, quantity::length_m)
 }
 
-/// What the sensor shows of the plate; `None` while nobody has said.
+/// What the sensor measures; `None` while the user has not stated it.
 pub(crate) fn kind(ui: &mut egui::Ui, caption: &str, chosen: Option<SensorKind>) -> Option<SensorKind> {
     let mut taken = None;
     ui.vertical(|ui| {

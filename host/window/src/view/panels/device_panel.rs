@@ -234,7 +234,7 @@ const SOUNDS: &str = "Only while nothing sounds";
 fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Service");
     let state = scene.snapshot.status.map(|status| status.state);
-    // With a fault it is disarmed, and storing anew is the remedy for some.
+    // With a fault it is disarmed, and some faults are cured by storing again.
     let is_silent = matches!(state, Some(State::Idle | State::Armed | State::Fault));
     // An incompatible device may report no state, and flashing it is the remedy, so this must stay possible.
     let is_muted = matches!(state, None | Some(State::Idle | State::Fault | State::SafeMode));

@@ -157,9 +157,9 @@ fn nothing(ui: &mut egui::Ui, scene: &Scene<'_>) {
     empty(ui, if is_lost { lost } else { AT_REST });
 }
 
-/// What it says while the device changes the levels by what it measures.
+/// The text of an empty plot while the device holds levels and changes the drive by itself.
 const HELD: &str = "not known while levels are held";
-/// What an empty plot says while nothing sounds.
+/// The text of an empty plot while nothing sounds.
 pub(crate) const AT_REST: &str = "nothing is driven";
 
 /// An empty plot, and why it is empty.

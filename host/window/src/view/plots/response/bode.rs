@@ -102,7 +102,7 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, strip: Strip, is_last
 const HELP: &str =
     "The chosen measurement bright, the others dim, and the plate's model as a line, over the frequency";
 
-/// What a screen reader says of a plot.
+/// The description of a plot for a screen reader.
 fn summary(curves: &Curves<'_>, strip: Strip) -> String {
     let (low, high) = curves.hertz;
     let over = format!("{} to {}", show_frequency(low), show_frequency(high));
