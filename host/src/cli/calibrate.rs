@@ -18,11 +18,11 @@ use slipline_plate::quantity::{Measure, Range, must_be};
 use slipline_plate::{Plate, limits};
 use std::path::PathBuf;
 
-/// The level of touched tones, as `drive` plays them without another.
+/// The default level of touched tones: that of `drive`.
 const TOUCH_LEVEL: f64 = 0.8;
-/// How well a fingertip meets a mark, metres.
+/// Allowed standard deviation of a felt edge's position, metres.
 const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
-/// Standard deviation of what calipers say, metres.
+/// Allowed standard deviation of calipers, metres.
 const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 
 /// `calibrate`.
@@ -40,8 +40,8 @@ pub struct CalibrateArguments {
     sensor: SensorArgument,
     #[command(flatten)]
     band: BandArgument,
-    /// What all tones together may be of full scale in a measurement (0.5 without it), or the level at which the touched
-    /// tones were played (0.8).
+    /// Largest sum of all tones in a measurement, over full scale (0.5 without it); or the level at which the touched tones
+    /// were played (0.8 without it).
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true)]
     level: Option<f64>,
     #[command(flatten)]
@@ -60,7 +60,7 @@ pub struct CalibrateArguments {
     force: ForceArgument,
 }
 
-/// What was measured before.
+/// Earlier measurements.
 #[derive(Debug, Args)]
 struct MeasuredArgument {
     /// A measurement of the same sensor at one place. Name two files, of two places; a single one needs a model of the source
@@ -88,7 +88,7 @@ struct MeasuredArgument {
 enum DriveKnown {
     /// As the plate file states it, except for its gain.
     AsTold,
-    /// Its resistance, mass, spring and resonance may be any usual ones.
+    /// Resistance, mass, spring and resonance may have any usual values.
     Unknown,
 }
 
@@ -113,13 +113,13 @@ struct CalipersArgument {
     /// From the driven to the narrow end, by a rule.
     #[arg(long, value_name = "L", value_parser = argument::length(limits::LENGTH), allow_hyphen_values = true, requires = "half_width", requires = "end_half_width")]
     length: Option<f64>,
-    /// How well the calipers know both half-widths, one standard deviation, 100nm to 10mm.
+    /// Standard deviation of both half-widths by the calipers, 100nm to 10mm.
     #[arg(long, value_name = "LENGTH", value_parser = argument::length(CALIPERS_TOLERANCE), allow_hyphen_values = true, default_value = "50um")]
     calipers_tolerance: f64,
 }
 
 impl CalipersArgument {
-    /// The plate with what was measured on it, and how well its numbers are known.
+    /// The plate with its measured dimensions, and their uncertainties.
     fn applied_to(&self, plate: Plate) -> Result<(Plate, Priors), Failure> {
         let (Some(half_width_m), Some(end_half_width_m), Some(length_m)) =
             (self.half_width, self.end_half_width, self.length)

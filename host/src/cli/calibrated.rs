@@ -10,7 +10,7 @@ use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::show_length;
 use std::io::Write;
 
-/// What a plate is calibrated by.
+/// The method of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Way {
     TwoPlaces,
@@ -31,7 +31,7 @@ impl Way {
         }
     }
 
-    /// What it has reached on simulated plates: the table of PHYSICS.md, section 9.
+    /// Its accuracy on simulated plates: the table of PHYSICS.md, section 9.
     const fn reaches(self) -> &'static str {
         match self {
             Self::TwoPlaces => {
@@ -59,18 +59,18 @@ pub(super) struct Found {
     pub(super) plate: Plate,
     pub(super) parameters: Vec<Parameter>,
     pub(super) chi2_per_n: f64,
-    /// Half of the 95 % interval of the boundary, metres, and what a misplaced sensor does to it per metre.
+    /// Half of the 95 % interval of the boundary, metres, and the boundary's shift per metre of misplacement of each sensor.
     pub(super) boundary: Option<(f64, Vec<f64>)>,
-    /// Half of the 95 % interval of the felt edge, metres; of felt edges alone.
+    /// Half of the 95 % interval of the felt edge, metres; only of a calibration by felt edges.
     pub(super) edge_tolerance_m: Option<f64>,
-    /// What no measurement shows and a person must look after.
+    /// A property that no measurement shows and the user must check.
     pub(super) caution: Option<String>,
-    /// Half of the 95 % interval of the level, dB; nothing where no levels were measured.
+    /// Half of the 95 % interval of the level, dB; `None` where no levels were measured.
     pub(super) level_tolerance_db: Option<f64>,
 }
 
 impl Found {
-    /// What a calibration has found.
+    /// The result of a calibration by measurements.
     pub(super) fn by(way: Way, found: Calibrated) -> Self {
         Self {
             caution: found.caution(),

@@ -97,7 +97,7 @@ pub(super) fn run<P: Procedure>(
     procedure: P,
 ) -> Result<P::Found, Failure> {
     progress::watched(what, |progress| {
-        // Nobody asks for an end by the progress.
+        // The progress bar never asks for an early end.
         device.run(procedure, |share| {
             let _ = progress.at(share);
         })

@@ -90,8 +90,8 @@ pub(super) struct Holder {
 }
 
 impl Holder {
-    /// Listens to the tones of the drive that begins at an index, and has the device hold what it hears, unless the user
-    /// interrupts. Returns whether it does.
+    /// Measures the tones of the drive that begins at an index, and has the device hold these levels. Returns whether it does:
+    /// `false` if the user interrupts.
     pub(super) fn begin(
         &mut self,
         device: &Device,
@@ -148,7 +148,7 @@ impl Holder {
         self.boundaries_m.iter().find(|(of, _)| *of == slot).map(|(_, boundary_m)| *boundary_m)
     }
 
-    /// What the hold has come to.
+    /// The latest state of the hold, as JSON.
     pub(super) fn value(&self) -> Value {
         let tones = self.latest.iter().flat_map(|held| words(held)).map(|tone| {
             json!({

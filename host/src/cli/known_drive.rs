@@ -16,8 +16,8 @@ use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedR
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("load").args(["coil", "piezo"]))]
 pub(super) struct KnownDriveArgument {
-    /// The amplitude of the amplifier's voltage at the DAC's full scale (2V), 1mV to 10kV. With --coil or --piezo, and --shunt:
-    /// before anything loud it is checked by quiet tones whether the drive is on.
+    /// The amplitude of the amplifier's voltage at the DAC's full scale (2V), 1mV to 10kV. With --coil or --piezo, and --shunt,
+    /// quiet tones check that the drive is on before anything loud is played.
     #[arg(long, value_name = "VOLT", value_parser = of_circuit(volt, AMPLIFIER), allow_hyphen_values = true, requires = "load", requires = "shunt")]
     amplifier: Option<f64>,
     /// The amplifier drives a voice coil of this resistance (4ohm), 0.01 to 100000 ohm.

@@ -352,14 +352,14 @@ pub struct ServeArguments {
     /// The device holds this plate's table from the start.
     #[arg(long, value_name = "PLATE")]
     plate: Option<String>,
-    /// The device stands on this plate and hears it: a sensor at this place, from the driven end (30mm), is its first input,
-    /// the drive's current its second.
+    /// The device drives this plate and measures it: its first input is a sensor at this place, from the driven end (30mm), its
+    /// second the drive's current.
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "plate")]
     sensor: Option<Typed<f64>>,
-    /// What the sensor shows: displacement, velocity, acceleration or strain.
+    /// What the sensor measures: displacement, velocity, acceleration or strain.
     #[arg(long, value_name = "KIND", value_parser = measured_file::kind, default_value = "displacement", requires = "sensor")]
     kind: SensorKind,
-    /// The plate it stands on, if not the named one: a preset's name, a TOML file, or secret:SEED (a plate whose values are
+    /// The actual plate, if not the named one: a preset's name, a TOML file, or secret:SEED (a plate whose values are
     /// all off by a few per cent).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,

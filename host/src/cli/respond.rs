@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
     let mut plate = argument::plate(&arguments.plate.plate)?;
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
     if arguments.paper_mode {
-        // So that the frequencies that may be asked for are the paper's, too.
+        // The allowed frequencies are the paper's, too.
         plate = plate.with_turning_width(TurningWidth::Plain);
     }
     let on_plate = format!(" on the plate {:?}", plate.name());

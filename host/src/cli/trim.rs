@@ -32,12 +32,12 @@ pub struct TrimArguments {
     /// Where the sensor stands, from the driven end (30mm).
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
     sensor: Typed<f64>,
-    /// What the sensor shows: displacement, velocity, acceleration or strain.
+    /// What the sensor measures: displacement, velocity, acceleration or strain.
     #[arg(long, value_name = "KIND", value_parser = kind, default_value = "displacement")]
     kind: SensorKind,
     #[command(flatten)]
     band: BandArgument,
-    /// What all tones together may be of full scale, 0.001 to 1.
+    /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
     /// Repeat with one comb of tones after the other for this time, up to 24h, and print the wave speed each time.

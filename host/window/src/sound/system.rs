@@ -89,7 +89,7 @@ struct Thread {
 }
 
 impl Thread {
-    /// Until the app is gone.
+    /// Runs until the app is gone.
     fn run(self, run: impl Fn(&dyn Fn(), Source) -> Result<(), String>) {
         let report = |state| {
             set(&self.state, state);

@@ -12,7 +12,7 @@ use slipline_plate::calibrate::SNR;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Range, plain, show_frequency};
 
-/// Shows the questions, while a file waits for its answers; returns whether one does.
+/// Shows the form while a file waits for these values; returns whether one waits.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) -> bool {
     let Some(asked) = scene.measure.asked else { return false };
     let palette = theme::palette(ui);

@@ -14,7 +14,7 @@ const HELP: &str = "A sensor listens to the tones on the untouched plate; from t
                     whatever a finger takes of it. A drag ends that, and it listens again when the line rests";
 const RISE_HELP: &str =
     "How far above the drive's level a held tone may rise; full scale, heat and travel limit it besides";
-/// What of the window is without the hold.
+/// The limits of the window's pictures during a hold.
 const NOT_SHOWN: &str = "Wave, envelope, strip and trace are those of the drive's own levels; what is sent instead is known to the device alone.";
 
 /// Shows it, for a device that can listen.

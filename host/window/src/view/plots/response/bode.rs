@@ -18,7 +18,7 @@ pub(super) enum Strip {
     Level,
     /// Unwrapped phase.
     Phase,
-    /// What the plate's model leaves.
+    /// The measurement over the plate's model, in dB.
     Residual,
 }
 

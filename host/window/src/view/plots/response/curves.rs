@@ -13,9 +13,9 @@ const DEEPEST_DB: f64 = 100.0;
 /// A range of levels or degrees begins and ends at multiples of these.
 const LEVEL_STEP_DB: f64 = 5.0;
 const PHASE_STEP_DEG: f64 = 90.0;
-/// How far the plane of Nyquist's plot goes for a model that is larger than what was measured.
+/// Largest extent of the Nyquist plot over the largest measured magnitude, for a model that exceeds the measurement.
 const REACH_MAX: f64 = 4.0;
-/// Ends that the axis of the residual has, dB to both sides.
+/// Possible half-ranges of the residual's axis, dB.
 const RESIDUALS_DB: [f64; 5] = [1.0, 3.0, 6.0, 12.0, 24.0];
 /// Frequencies from here on are written in kilohertz.
 const KILOHERTZ_FROM: f64 = 5000.0;
@@ -39,11 +39,11 @@ pub(super) struct Curves<'a> {
     pub(super) hertz: Ends,
     pub(super) level_db: Ends,
     pub(super) phase_deg: Ends,
-    /// To both sides of 0.
+    /// Half-range of the residual's axis, around 0.
     pub(super) residual_db: f64,
     /// The largest magnitude.
     pub(super) largest: f64,
-    /// How far the model reaches over that, at least 1 and at most [`REACH_MAX`].
+    /// The model's largest magnitude over that one, limited to 1 to [`REACH_MAX`].
     pub(super) reach: f64,
 }
 
