@@ -16,8 +16,8 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
 use slipline_app::bank::BLOCK;
 use slipline_app::listening::capture::Values;
-use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
+use slipline_app::listening::listener::Listener;
 use slipline_app::ports::{DacStream, HasMuted, Mute, NoFlash, RendererPorts, System, Underrun};
 use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing, release};
 
