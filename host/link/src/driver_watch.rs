@@ -99,7 +99,7 @@ impl DriverWatch {
         }
     }
 
-    /// Says what is due. `is_armed`: whether the device can be driven.
+    /// Returns what is due. `is_armed`: whether the device can be driven.
     fn step(&mut self, is_armed: bool, now: Duration) -> Due {
         if !is_armed {
             self.armed = None;

@@ -124,8 +124,8 @@ pub struct Snapshot {
     pub maintenance: Option<Maintenance>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
-    /// The state of the level hold, or its last state when it ended; `None` before the first one of a connection and after its end by
-    /// [`HoldRequest::OFF`](crate::HoldRequest::OFF). Asked for ten times a second while it is on.
+    /// The state of the level hold, or its last state when it ended; `None` before the first one of a connection and after
+    /// its end by [`HoldRequest::OFF`](crate::HoldRequest::OFF). Asked for ten times a second while it is on.
     pub hold: Option<Arc<Held>>,
     /// When the status came, since the worker was started. With the sample rate it gives the present sample index.
     pub status_time: Duration,

@@ -162,7 +162,7 @@ fn a_signal_stops_and_disarms_the_device() {
             let stopped = last(|sent| matches!(sent, Message::Stop));
             let disarmed = last(|sent| matches!(sent, Message::Disarm));
             assert!(stopped.is_some() && stopped < disarmed, "{command} {option}: {afterwards:?}");
-            // It ends then, and does not wait: keep-alives would go on meanwhile.
+            // It ends then without waiting; a wait would show as further keep-alives.
             let kept =
                 afterwards[disarmed.unwrap()..].iter().filter(|sent| matches!(sent, Message::KeepAlive(_)));
             assert!(kept.count() < 5, "{command} {option}: {afterwards:?}");

@@ -16,7 +16,7 @@ use std::time::Duration;
 
 /// Time after which a step is sent again to a busy device: one whose tones still glide to the last table.
 pub(super) const BUSY_PAUSE: Duration = Duration::from_millis(5);
-/// Attempts of a step while the device is busy: a glide to a new table takes 20 ms.
+/// Most attempts of a step while the device is busy: a glide to a new table takes 20 ms.
 pub(super) const BUSY_TRIES: u32 = 200;
 
 /// The plate file limits the travel, and the device's firmware is older than that.

@@ -1,7 +1,7 @@
 //! What a finger feels along the plate under a steady field, by [`slipline_plate::feeling`].
 //!
-//! It is computed from the plate's motion without the finger, to which the published thresholds refer; so the place does not
-//! depend on how hard one presses. Illustrative: fingers differ.
+//! It is computed from the plate's motion without the finger, because thresholds are stated for that motion; so the place
+//! does not depend on how hard one presses. Illustrative: fingers differ.
 
 use crate::field::steady_field::{SteadyField, interpolate};
 use slipline_plate::feeling::{Feeling, FeltEdge, FeltTone};

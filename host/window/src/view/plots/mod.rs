@@ -60,7 +60,7 @@ const LOWEST: f64 = 0.1;
 const FLOOR_DB: f64 = -120.0;
 /// Peaks of the spectrum down to here get a label, in dB of full scale.
 const PEAK_FLOOR_DB: f64 = -80.0;
-/// Labels of peaks in the spectrum; the strongest peaks get them.
+/// Most labels of peaks in the spectrum; the strongest peaks get them.
 const MOST_PEAKS: usize = 16;
 
 /// The ranges of the plots. They depend on the plate, not on the tone, so that they do not change while a boundary
