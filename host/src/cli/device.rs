@@ -46,7 +46,7 @@ impl Device {
     pub(super) fn may_be_armed(&self, arming: &ArmingArgument) -> Result<(), Failure> {
         match self.client.may_be_armed() {
             Err(ClientError::Unguarded(warning)) if !arming.despite_brown_out_level => {
-                let text = format!("{warning} To arm it all the same, add --despite-brown-out-level.");
+                let text = format!("{warning} To arm it anyway, add --despite-brown-out-level.");
                 Err(Failure::Failed(text))
             }
             Ok(()) | Err(ClientError::Unguarded(_)) => Ok(()),

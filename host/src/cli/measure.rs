@@ -91,7 +91,9 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
             Sensor { place_m: place_on(&plate, place)?, kind: arguments.kind, input: 0 }
         }
         (None, Input::Sensor) => {
-            return Err(Failure::Usage("tell where the sensor stands: --sensor PLACE".to_owned()));
+            return Err(Failure::Usage(
+                "--sensor PLACE is missing: the sensor's place, from the driven end".to_owned(),
+            ));
         }
     };
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;

@@ -93,14 +93,14 @@ pub(super) fn measurements(
     let opened = files.iter().map(|path| read(path)).collect::<Result<Vec<_>, Failure>>()?;
     let recordings = opened.iter().filter(|file| matches!(file, Opened::Recording(_))).count();
     if recordings == 0 && !(sensor.recording.played.is_empty() && sensor.recording.channels.is_empty()) {
-        let why = "--played and --channel tell of recordings: no file of --data is a WAV file";
+        let why = "--played and --channel describe recordings, but no file of --data is a WAV file";
         return Err(Failure::Usage(why.to_owned()));
     }
     let mut places = sensor.places.iter();
     let mut numbers = 0..;
     let read = files.iter().zip(opened).map(|(path, opened)| {
         let mut place = |what: &str| {
-            let why = format_args!("{what}: tell where its sensor stood with --sensor PLACE");
+            let why = format_args!("{what}: state its sensor's place with --sensor PLACE");
             let place = places.next().ok_or_else(|| refused(path, why))?;
             let on_plate = Range::new(0.0, plate.length_m(), "m");
             place.within("--sensor", on_plate, Measure::Length, ", on the plate")
@@ -190,7 +190,7 @@ fn untold(path: &Path, error: &Untold) -> Failure {
     match error {
         Untold::Kind => refused(
             path,
-            "it does not tell what its sensor shows: write --kind acceleration, or whichever it is",
+            "it does not state what its sensor measures: add --kind (displacement, velocity, acceleration or strain)",
         ),
         error => refused(path, error),
     }

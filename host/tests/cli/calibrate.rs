@@ -127,12 +127,12 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         (
             [&frd_near, &frd_far],
             &["--kind", "displacement", "--sensor", "32mm"][..],
-            "far.frd: by another program: tell where its sensor stood",
+            "far.frd: by another program: state its sensor's place",
         ),
         (
             [&frd_near, &frd_far],
             &places[..],
-            "near.frd: it does not tell what its sensor shows: write --kind",
+            "near.frd: it does not state what its sensor measures: add --kind",
         ),
         ([&own_near, &own_far], &places[..], "2 --sensor: must be 0"),
         ([&uff_near, &own_far], &places[..], "2 --sensor: must be 1"),

@@ -46,8 +46,11 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
     let all = [&places[..], &played, &["--kind", "velocity"]].concat();
     for (more, expected) in [
         (&places[..], "near.wav: a recording: name the description of its sweep with --played"),
-        (&played, "near.wav: a recording: tell where its sensor stood with --sensor PLACE"),
-        (&[&places[..], &played].concat(), "near.wav: it does not tell what its sensor shows: write --kind"),
+        (&played, "near.wav: a recording: state its sensor's place with --sensor PLACE"),
+        (
+            &[&places[..], &played].concat(),
+            "near.wav: it does not state what its sensor measures: add --kind",
+        ),
         (
             &[&all[..], &["--channel", "3"]].concat(),
             "near.wav: channel 3: must be 1 to 2, the channels of the file",

@@ -44,7 +44,7 @@ impl Headroom {
     #[must_use]
     pub fn sentence(&self) -> String {
         let Some((db, frequency_hz)) = self.least else {
-            return "The file does not tell how full the input was.".to_owned();
+            return "The file does not state the input's headroom.".to_owned();
         };
         let (room, at) = (ticks::label(db, 0.1), show_frequency(frequency_hz));
         match self.colour() {

@@ -41,7 +41,7 @@ impl WishKind {
             Self::Profile => {
                 "The wanted RMS amplitude along the plate: drag its points, or press between them for another."
             }
-            Self::Stripes => "The nodes of one tone, so far apart in the middle of its area.",
+            Self::Stripes => "The nodes of one tone, with this spacing in the middle of its area.",
             Self::Beat => "Two tones that a finger feels rise and fall together, so many times a second.",
         }
     }

@@ -212,7 +212,7 @@ impl Made {
         } else if reach.rms_error > FINE {
             let error = percent(reach.rms_error);
             return Some(Lack::Reach(format!(
-                "Not all of it can be had: any number of tones leaves an error of {error}. Every tone vibrates \
+                "The target cannot be reached exactly: any number of tones leaves an error of {error}. Every tone vibrates \
                  everywhere before its turning point, so the amplitude can fall along the plate but hardly rise."
             )));
         }
@@ -248,7 +248,10 @@ mod tests {
         assert_eq!(made(&falls, 16).lack(16), None);
         let rises = made(&Wish::Profile(vec![(0.01, 0.1), (0.25, 1.0)]), 16);
         let Some(Lack::Reach(sentence)) = rises.lack(16) else { panic!("it can be had") };
-        assert!(sentence.starts_with("Not all of it can be had: any number of tones leaves"), "{sentence}");
+        assert!(
+            sentence.starts_with("The target cannot be reached exactly: any number of tones leaves"),
+            "{sentence}"
+        );
         let Some(Lack::Tones(few)) = made(&falls, 1).lack(1) else { panic!("one is enough") };
         assert!(few.starts_with("1 tone leaves an error of"), "{few}");
         assert_eq!(made(&Wish::Solid(0.28), 16).lack(16), None);

@@ -118,7 +118,7 @@ fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
     open_profile(&mut app, "rising.csv", Ok(b"0.01,0.1\n0.25,1\n".to_vec()));
-    assert!(has(&app, "Not all of it can be had: any number of tones leaves an error of"));
+    assert!(has(&app, "The target cannot be reached exactly: any number of tones leaves an error of"));
     open_profile(&mut app, "falling.csv", Ok(b"place_m,rms\n0.01,1\n0.28,0.1\n".to_vec()));
     assert_eq!(breakpoints_mm(&app), [10.0, 280.0]);
     assert!(!has(&app, "can be had"));

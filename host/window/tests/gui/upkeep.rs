@@ -42,7 +42,7 @@ fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
 
     window.get_by_label("Arm…").click();
     window.run_steps(5);
-    window.get_by_label("Arm all the same").click();
+    window.get_by_label("Arm anyway").click();
     window.run_steps(5);
     assert_eq!(arms(&link), 1);
     assert_eq!(window.state().settings().unguarded_boards, [link.snapshot.unit().unwrap()]);

@@ -239,7 +239,7 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
         let warning = RichText::new(sentence).color(theme::palette(ui).warn);
         ui.add(egui::Label::new(warning).wrap());
         ui.add(egui::Label::new("Slipline asks this once for each board.").wrap());
-        verb = "Arm all the same";
+        verb = "Arm anyway";
     }
     ui.add_space(10.0);
     ui.horizontal(|ui| {

@@ -13,7 +13,7 @@ use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, amper
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
 use slipline_plate::quantity::show_si;
 
-const CHECK_HELP: &str = "Quiet tones tell by the drive's current whether a wire is open or shorted, the amplifier is off, or another coil or piezo is connected, before anything louder is played";
+const CHECK_HELP: &str = "Before anything louder is played, quiet tones check by the drive's current for an open or shorted wire, an amplifier that is off, or another coil or piezo";
 /// Initial value of a piezo's capacitance.
 const USUAL_PIEZO_F: f64 = 100e-9;
 /// Initial value of a voice coil's resistance.
@@ -104,7 +104,7 @@ fn kind(ui: &mut egui::Ui, load: DriveLoad) -> DriveLoad {
         });
         let name = format!("Drive: {}", word(&load));
         list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-        list.response.on_hover_text("A coil's current tells its resistance, a piezo's its capacitance");
+        list.response.on_hover_text("The current gives a coil's resistance, or a piezo's capacitance");
     });
     chosen
 }

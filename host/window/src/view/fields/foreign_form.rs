@@ -68,7 +68,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         ui.horizontal(|ui| {
             let missing = missing(asked);
             let add = ui.add_enabled(missing.is_none(), egui::Button::new(RichText::new("Take it").strong()));
-            let add = add.on_hover_text("Put it in the list, as it was told here");
+            let add = add.on_hover_text("Add it to the list with these values");
             if add.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
                 ask(MeasureIntent::TakeAsked);
             }
@@ -89,7 +89,7 @@ fn sentence(content: &AskedContent) -> String {
             let (low, high) =
                 frequencies().fold((f64::INFINITY, 0.0), |(low, high), hz| (hz.min(low), hz.max(high)));
             format!(
-                "By another program: {} frequencies from {} to {}. Its file does not tell where the sensor stood.",
+                "By another program: {} frequencies from {} to {}. Its file does not state where the sensor stood.",
                 foreign.points.len(),
                 show_frequency(low),
                 show_frequency(high)

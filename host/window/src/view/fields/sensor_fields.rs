@@ -56,9 +56,8 @@ pub(crate) fn kind(ui: &mut egui::Ui, caption: &str, chosen: Option<SensorKind>)
         });
         let name = format!("Sensor: {word}");
         list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-        list.response.on_hover_text(
-            "What the sensor tells of the plate's motion, so that its model is compared rightly",
-        );
+        list.response
+            .on_hover_text("What the sensor measures; the plate's model is compared in this quantity");
     });
     taken
 }

@@ -76,7 +76,9 @@ fn listed(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, intents: &mut Inten
         let name = ui.add_sized(vec2(room, REMOVE), name);
         name.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_chosen, &entry.name));
         if name
-            .on_hover_text("Choose it: the plate's model is compared with it, and its numbers are told below")
+            .on_hover_text(
+                "Choose it: the plate's model is compared with it, and its numbers are shown below",
+            )
             .clicked()
         {
             intents.push(Intent::Measure(MeasureIntent::Choose(entry.number)));

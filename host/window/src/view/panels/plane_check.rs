@@ -10,7 +10,7 @@ use slipline_plate::quantity::show_place;
 
 const NAME: &str = "Check in two dimensions";
 const HELP: &str =
-    "Compute the whole plate at this boundary without the one-mode equation, and tell where they differ";
+    "Compute the whole plate at this boundary without the one-mode equation, and show where the two differ";
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);

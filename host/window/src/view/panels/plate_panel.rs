@@ -101,7 +101,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     match scene.table {
         TableState::Waiting => {
-            row(ui, "Table", "made once a device tells its rate");
+            row(ui, "Table", "made once a device reports its rate");
         }
         TableState::Making => {
             row(ui, "Table", "being made…");

@@ -43,7 +43,7 @@ struct Shown {
 const WAVEFORM_HELP: &str =
     "What the DAC sends over time, in shares of its full scale, from the codes that the device makes";
 /// What a logarithmic axis is for.
-pub(crate) const LOGARITHMIC_HELP: &str = "Every decade equally wide, so that low tones are told apart";
+pub(crate) const LOGARITHMIC_HELP: &str = "Every decade equally wide, so that low tones are separated";
 const SPECTRUM_HELP: &str = "Levels of the drive over frequency, in dB of full scale; a peak for each tone";
 
 /// Most points of the waveform plot.

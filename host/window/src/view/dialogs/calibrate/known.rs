@@ -25,7 +25,7 @@ pub(super) fn show(
     wrapped(
         ui,
         format!(
-            "The file of the plate is \"{name}\". What the same sensor answers at two places tells its wave speed, its \
+            "The file of the plate is \"{name}\". The response of one sensor at two places gives its wave speed, its \
              loss and the gain of the drive. It takes some minutes, and you need a sensor and a rule."
         ),
     );
@@ -49,7 +49,7 @@ pub(super) fn show(
     for (name, value_m, put) in fields {
         labelled(ui, name, |ui| {
             let value = Unit::Millimetre.written(value_m, DIGITS);
-            let hint = "A length (32 mm), of the whole width; one standard deviation where it tells how well";
+            let hint = "A length (32 mm), of the whole width; for the tolerance, one standard deviation";
             let field = InputField { name, value: &value, hint, width: 120.0, caption: None, is_live: false };
             let taken = field.show(ui, &mut view.fields, |text| {
                 let value_m = quantity::length_m(text).map_err(|error| error.to_string())?;
