@@ -141,7 +141,7 @@ fn slow_beat(beat: SlowBeat, measured_s: f64) -> String {
     let period = show_si(1.0 / (high_hz - low_hz), "s");
     let (measured, needed) = (show_si(measured_s, "s"), show_si(beat.needed_s, "s"));
     format!(
-        "Two tones beat once in {period} and {measured} were measured, where {needed} tell them apart: {unknown}."
+        "Two tones beat once in {period}. The {measured} measured do not resolve them, {needed} would: {unknown}."
     )
 }
 
