@@ -9,7 +9,7 @@ const BOARDS: [(&str, &str); 3] = [
     ("board-nucleo-h743zi2", "memory/h743zi.x"),
 ];
 
-/// Whether cargo builds with a feature: cargo tells a build script by an environment variable.
+/// Whether cargo builds with a feature: cargo sets an environment variable for each.
 fn has(feature: &str) -> bool {
     env::var_os(format!("CARGO_FEATURE_{}", feature.to_uppercase().replace('-', "_"))).is_some()
 }

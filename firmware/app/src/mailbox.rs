@@ -211,7 +211,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.limit_per_mille.set(Some(per_mille)));
     }
 
-    /// Whether a slot may be written: neither what sounds nor what is pending goes by it.
+    /// Whether a slot may be written: neither the motion in force nor the pending one uses it.
     pub fn slot_is_free(&self, slot: SlotIndex) -> bool {
         self.shared.lock(|shared| {
             let outline = shared.outline();

@@ -58,7 +58,7 @@ impl Motion {
         self.outline
     }
 
-    /// The table it goes by.
+    /// Its table.
     #[must_use]
     pub const fn table(&self) -> TableRef {
         self.outline.table

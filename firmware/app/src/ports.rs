@@ -50,7 +50,7 @@ pub trait DacStream {
 ///
 /// The ADC converts once at every trigger at which the DAC takes a code, from the DAC's first one on, and its blocks are
 /// the DAC's blocks: code `n` of every input belongs to DAC code `n`, whatever happens to either. A block of the DAC that
-/// was late is mid-scale at the pin, and is sampled all the same.
+/// was late is mid-scale at the pin, and is sampled like any other.
 pub trait SenseStream {
     /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
     fn inputs(&self) -> usize;
@@ -135,7 +135,7 @@ pub trait Mute {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HasMuted;
 
-/// The trigger: an output that tells other instruments when a program begins, and an input by which they begin one.
+/// The trigger: an output that marks the begin of a program for other instruments, and an input by which they begin one.
 pub trait Trigger {
     /// The pin rises, by hardware, a constant number of samples before the first code of the block that the DAC has just
     /// taken. Called right after [`DacStream::write_block`], only for a block in which a program begins.

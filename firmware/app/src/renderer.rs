@@ -8,8 +8,8 @@
 //! is changed in place, and the thread side plans new motions: to plan here, or to copy sixteen tones, would cost a good
 //! part of that time.
 //!
-//! It may not fail, wait or allocate, and its decisions depend on the program, the orders and the sample index only; a
-//! program that waits for the trigger input is the one exception, and where it began is told.
+//! It may not fail, wait or allocate. Its decisions depend on the program, the orders and the sample index only; the one
+//! exception is a program that waits for the trigger input, whose first index is reported.
 //! The dead-man's switch and every ramp to silence are here, so that a link that hangs cannot keep the drive on. The
 //! same orders at the same indices give the same codes on every machine.
 
@@ -53,14 +53,14 @@ pub struct Renderer {
     here: [Placement; TONES],
     /// When the ramp to silence that is under way ends.
     stop_ends: Option<SampleIndex>,
-    /// What the bank was told of the last block: its ends are the next block's start.
+    /// The bank's tones in the last block: their ends are the next block's start.
     tones: [ToneBlock; TONES],
     /// Whether each of them ends as it starts.
     is_steady: bool,
     /// Whether none of them can be heard.
     is_quiet: bool,
     samples: [i32; BLOCK],
-    /// How many of them were clamped, and what the block has added to the report's energy.
+    /// Clamped samples in this block, and the energy it added.
     clipped: u32,
     energy: u32,
     /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
@@ -207,7 +207,7 @@ impl Renderer {
         }
     }
 
-    /// Tells the thread side the first index, once.
+    /// Publishes the first index to the thread side, once.
     fn begin<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if !self.begun {
             self.begun = true;
@@ -220,7 +220,7 @@ impl Renderer {
         self.render_for(mailbox, codes, None);
     }
 
-    /// Renders the next block, and tells a listener of it.
+    /// Renders the next block and passes its tones to the listener, if any.
     fn render_for<M: RawMutex>(
         &mut self,
         mailbox: &Mailbox<M>,
@@ -285,8 +285,8 @@ impl Renderer {
         mailbox.end_block(self.report);
     }
 
-    /// The amplifier has gone off by itself: blocks were missing for too long, or the supervisor has muted it. A device
-    /// that is armed says so by the fault, even in silence: what it is told to play next would not be heard.
+    /// Handles an amplifier that has gone off by itself: blocks were missing for too long, or the supervisor has muted it.
+    /// An armed device latches the fault even in silence, because the next drive would not be heard.
     fn was_muted<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         self.muted = true;
         if mailbox.disarm_if_armed((Fault::Underrun, self.index)) {
@@ -307,8 +307,8 @@ impl Renderer {
         self.report.sum = 0;
     }
 
-    /// Takes the thermal limit over where it may change: the first one at once, then every so often. While nothing
-    /// sounds it is there at once, so that a mirror may begin in any silence.
+    /// Takes the thermal limit over: the first one at once, later ones at the start of a fold-back period. While nothing
+    /// sounds it is in force without a slew, so that a mirror may begin in any silence.
     #[expect(clippy::cast_possible_truncation, reason = "at most full scale")]
     fn take_limit(&mut self, per_mille: Option<u16>, is_silent: bool) {
         let is_due = self.index >= self.limit_due;

@@ -233,7 +233,7 @@ impl Session {
         self.outbox.front().and_then(|reply| reply.get(self.sent..)).unwrap_or_default()
     }
 
-    /// Notes that so many of the unsent bytes have been sent.
+    /// Notes that `bytes` of the unsent bytes have been sent.
     pub fn sent(&mut self, bytes: usize, now: SampleIndex) {
         if bytes == 0 {
             return;

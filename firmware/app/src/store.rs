@@ -11,7 +11,7 @@
 //! power fails, the newest record with a valid header is the complete old or the complete new one. The record with the
 //! higher sequence number is the newer; the number wraps. If a payload is damaged later, the store reports damage and
 //! does not use the older table, which the user had replaced. If a header is damaged later, the older record becomes
-//! the newest: [`has_lost_a_copy`] tells that, so that it is not used in silence.
+//! the newest: [`has_lost_a_copy`] reports that, so that it is not used unnoticed.
 //!
 //! Flash wears with each erasure, so what is stored already is not written again ([`holds`]), and the sequence number
 //! counts the erasures ([`erasures`]).
@@ -247,7 +247,7 @@ fn write_record(
     }
     let (slot, sequence) = match newest(flash) {
         Ok((slot, newest)) => {
-            // A slot that is not as a store leaves it was erased once more than the records tell.
+            // A slot that is not as a store leaves it was erased once more than the records show.
             let erasures = if is_whole_beside(flash, slot, &newest) { 1 } else { 2 };
             (slot.other(), newest.sequence.wrapping_add(erasures))
         }

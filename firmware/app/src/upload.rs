@@ -185,7 +185,7 @@ impl Upload {
         self.received
     }
 
-    /// Whether it has not moved for so many samples.
+    /// Whether the last knots came `after` samples ago or earlier.
     #[must_use]
     pub const fn is_stale(&self, now: SampleIndex, after: u64) -> bool {
         now.saturating_sub(self.moved_at) >= after

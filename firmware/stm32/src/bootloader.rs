@@ -9,7 +9,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 
 use crate::{board, crash};
 
-/// Tells the start-up code to enter the ROM bootloader if it holds [`BOOTLOADER`]; any other value means nothing.
+/// Request to the start-up code: [`BOOTLOADER`] makes it enter the ROM bootloader, any other value has no effect.
 struct Request(UnsafeCell<u32>);
 
 // SAFETY: written at boot before any interrupt is enabled, and when interrupts have been switched off for good.

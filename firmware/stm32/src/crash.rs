@@ -47,7 +47,7 @@ fn write(record: &CrashRecord) {
 /// The reset's cause and what the last run recorded, for the application. Called once, at the start.
 pub(crate) fn boot() -> Boot {
     let kept = read();
-    // A dip of the supply ends in a software reset too; only the record tells them apart.
+    // A dip of the supply ends in a software reset too; only the record distinguishes the two.
     let dipped = kept.as_ref().is_some_and(|record| record.cause == ResetCause::BrownOut);
     let hardware = match board::take_reset_flags().cause() {
         ResetCause::Software if dipped => ResetCause::BrownOut,

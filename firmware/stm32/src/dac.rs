@@ -235,7 +235,7 @@ pub(crate) fn on_dma() {
         STARVED.store(true, Ordering::Relaxed);
     }
     if flags.half && flags.whole {
-        // This interrupt was delayed for a block or longer. The DMA's own counter tells which half it reads.
+        // This interrupt was delayed for a block or longer. The DMA's own counter shows which half it reads.
         HALVES.resynchronise(&RING);
         sense::lose_step();
     } else if flags.half || flags.whole {

@@ -6,11 +6,11 @@ use embassy_stm32::gpio::Output;
 use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Instant, Timer};
-use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::listening::capture::Values;
-use slipline_app::planning::chord::Candidate;
 use slipline_app::listening::listener::Listener;
+use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{CycleCounter, RendererPorts, System};
+use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
 use static_cell::{ConstStaticCell, StaticCell};
 

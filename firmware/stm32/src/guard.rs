@@ -15,8 +15,8 @@
 //! * PRIVDEFENA = 1: all other memory is as it is without the unit. Nothing here runs unprivileged.
 //! * HFNMIENA = 0: the handlers of hard fault and NMI, and code under FAULTMASK, run without it, so they can end the
 //!   program in any state. The processor reads vectors without it, too.
-//! * An exception's frame that would lie in the guard is not written (CFSR.MSTKERR). The hard fault's handler is entered
-//!   all the same, and it begins with a new stack.
+//! * An exception's frame that would lie in the guard is not written (CFSR.MSTKERR). The hard fault's handler still runs,
+//!   and it begins with a new stack.
 //! * The DMA does not pass the unit.
 
 use cortex_m::peripheral::MPU;

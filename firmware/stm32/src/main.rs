@@ -78,6 +78,6 @@ fn main() {
     println!(
         "This is firmware. Build it with\n  \
          cargo build --release -p slipline-stm32 --target thumbv7em-none-eabihf\n\
-         for the STM32F4DISCOVERY; firmware/BOARDS.md lists the other boards and tells how to flash them."
+         for the STM32F4DISCOVERY; firmware/BOARDS.md lists the other boards and says how to flash them."
     );
 }

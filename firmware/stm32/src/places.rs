@@ -24,7 +24,7 @@ pub(crate) enum Search {
     Pending,
     /// The trigger of its first code.
     Found(u32),
-    /// So many blocks, this one the first, are lost.
+    /// Number of lost blocks, this one the first.
     Lost(u32),
 }
 

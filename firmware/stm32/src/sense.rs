@@ -15,12 +15,12 @@
 //! lag = fetched - first trigger of the ring - words stored, modulo the ring: 1 until the ADC is ready, then 0
 //! ```
 //! Another lag means that the ADC has stopped or missed a trigger, or that the DMA does not take its words. Then, after an
-//! overrun that the ADC itself tells, and when the DAC's interrupt has lost count, the ring begins anew. The blocks that are not
-//! whole in it are lost, which is told; `places` keeps the others' places. If the ADC stays dead every block is lost, and the
+//! overrun that the ADC itself flags, and when the DAC's interrupt has lost count, the ring begins anew. The blocks that are not
+//! whole in it are reported as lost; `places` keeps the others' places. If the ADC stays dead every block is lost, and the
 //! restart, two samples long, is tried with each.
 //!
 //! The ring begins either with the sample timer, in step by itself, or while that runs: then the ADCs are armed between two
-//! triggers, which the count of codes and the timer's own count tell. In the second quarter of the timer's period the lag must
+//! triggers, found by the count of codes and the timer's own count. In the second quarter of the timer's period the lag must
 //! be 1.
 //!
 //! All code that touches the ADCs is in this file, in `adc` (one file for each kind of ADC) and in the board's file.
@@ -54,8 +54,8 @@ const SETTLED: u16 = PERIOD / 4;
 /// Until this count the ADCs cannot be ready: they take longer than half of the period (`adc`).
 const CONVERTING: u16 = PERIOD / 2;
 
-/// The timer's count is looked at so often at most until it is [`SETTLED`]. A look takes 25 cycles of the core or more, so
-/// that this is a period at least (1000 cycles on the H743), and 3000 cycles if the timer stands still.
+/// Reads of the timer's count, at most, until it is [`SETTLED`]. A read takes 25 cycles of the core or more, so that this
+/// is a period at least (1000 cycles on the H743), and 3000 cycles if the timer stands still.
 const LOOKS: u32 = 40;
 
 /// Words of the ADCs: the sensor's code in the lower half, the shunt's in the upper one.

@@ -3,8 +3,8 @@
 //! There are two protections. The supply detector (PVD) trips at 2.66 to 2.90 V, as the board's own supply allows, and
 //! its interrupt mutes at once: below this voltage the DAC's reference and the amplifier's logic are out of their
 //! range. The brown-out reset (BOR) holds the chip in reset while the supply is too low to run from flash. Its level is
-//! an option byte, set once per board (BOARDS.md). If it is not set the lamp shows it, and the device tells its host, which
-//! asks its user before it arms.
+//! an option byte, set once per board (BOARDS.md). If it is not set the lamp shows it, and the device reports it to the
+//! host, which asks its user before it arms.
 
 use crate::board;
 use embassy_stm32::interrupt::InterruptExt;
@@ -24,7 +24,7 @@ pub(crate) fn watch() {
 }
 
 /// The detector's interrupt. The program cannot know how far the supply will fall, so it mutes and resets; the next
-/// hello tells the cause, brown-out.
+/// hello reports the cause, brown-out.
 pub(crate) fn on_dip() {
     // Cleared by writing 1.
     EXTI.pr(0).write(|w| w.set_line(LINE, true));

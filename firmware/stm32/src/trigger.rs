@@ -14,14 +14,14 @@
 //! Delay: the DMA fetches a block's first code with the update after the one that raises the pin, and the DAC passes it on
 //! with the next. So the pin rises two samples, 5 us, before the DAC's pin begins the program, always.
 //!
-//! A block that is late is not played, and no edge tells of it. If the DMA's interrupt is lost, an edge may come again with
+//! A block that is late is not played and has no edge. If the DMA's interrupt is lost, an edge may come again with
 //! each block, as the codes do; the amplifier is off then within 5 ms (`mute`).
 //!
 //! The input is another channel of the block timer, as an input capture: a rise sets the channel's flag, which stays until the
 //! renderer looks at it, before each block while a program waits. The captured count is not used, and reading it would
 //! clear the flag. A rise that comes before the look is for the block that is rendered then, and the DMA fetches that one
-//! block later; so the program's first code is at the DAC's pin between one and two blocks after the rise, and the output
-//! tells to the sample when.
+//! block later; so the program's first code is at the DAC's pin between one and two blocks after the rise. The output's
+//! edge marks it to the sample.
 //!
 //! Facts of the timer, the same in RM0090 18.3 and 18.4, RM0433 39.3 and 39.4, and RM0440's chapter on TIM2 to TIM5:
 //! * SMS = 111 (external clock mode 1): rising edges of the chosen trigger clock the counter. On the F407 the sample timer
@@ -44,7 +44,7 @@ use crate::board::{
     self, TRIGGER_CHANNEL as CHANNEL, TRIGGER_INPUT_CHANNEL as INPUT, TRIGGER_TIMER as TIMER,
 };
 
-/// The pin is high for so many samples: half a block, so that a program that begins a block later has an edge, too.
+/// Width of the pulse in samples: half a block, so that a program that begins a block later has an edge, too.
 const PULSE: u16 = BLOCK as u16 / 2;
 
 /// An output compare mode.

@@ -14,8 +14,8 @@ use crate::{board, priority};
 const BAUD: u32 = 921_600;
 /// 256 bytes come in 2.8 ms at full rate: the thread side may be this late.
 const RECEIVE_BYTES: usize = 256;
-/// So many bytes wake the thread side, 87 us of the line's time. Else it would sleep until half of the receive buffer is full, and
-/// a stop would wait until the command before it is decoded.
+/// Received bytes that wake the thread side: 87 us of the line's time. Without this it would sleep until half of the receive
+/// buffer is full, and a stop would wait until the command before it is decoded.
 const EAGER_BYTES: usize = 8;
 /// One complete frame, so that a reply is handed over at once.
 const TRANSMIT_BYTES: usize = 256;

@@ -119,8 +119,8 @@ static BEGINS: Signal<CriticalSectionRawMutex, ()> = Signal::new();
 /// Raises [`BEGINS`], and withdraws the end of the transfer before if the host has not fetched that. It must run before the
 /// driver's handler, which lets the next transfer begin.
 ///
-/// It also forgets a suspension that is not told yet: the bus is awake. During a control transfer nobody asks what happens on
-/// the bus. The driver would tell of the reset first, and of the suspension before it afterwards; then embassy-usb answers
+/// It also forgets a suspension that the driver has not reported yet: the bus is awake. During a control transfer nobody asks
+/// for bus events. The driver would report the reset first and the earlier suspension after it; then embassy-usb answers
 /// no request until the next reset.
 struct NewBeginning;
 

@@ -1,4 +1,4 @@
-//! Arming and driving: motions are made here and handed over.
+//! Arming and driving: makes motions and hands them over.
 
 use core::cell::Cell;
 
@@ -54,7 +54,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if faults.is_empty() { Ok(()) } else { Err(Refusal::Faulted { faults }) }
     }
 
-    /// What planning goes by on this device.
+    /// The planner with this device's tables, shape and times.
     pub(super) fn planner<'a, M: RawMutex>(
         &'a self,
         mailbox: &'a Mailbox<M>,

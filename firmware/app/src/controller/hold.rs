@@ -1,4 +1,4 @@
-//! The level hold: what a host orders of it, and the turn of the loop at the end of each window.
+//! The level hold: the host's orders, and the turn of the loop at the end of each window.
 //!
 //! ```text
 //! tick --window over--> answers, room --> Hold --levels--> Planner --> travel --> Mailbox::publish
@@ -6,9 +6,9 @@
 //!  |                                       +---- refused ----+-----------+   accepted --+
 //!  +-- what sounds is not the hold's own any more --> it has ended
 //! ```
-//! A window is over some blocks after its last sample; the tick finds that out, so a turn takes place on the thread side, where
-//! a stop is looked for all the while. What sounds is the hold's own as long as nothing but the hold has changed it: the mailbox
-//! counts the changes. So a stop, a fault or a lost host need not tell the hold that it is over. The renderer knows nothing of it.
+//! A window is over some blocks after its last sample; the tick detects that, so a turn runs on the thread side, where it
+//! checks for a stop. The motion in force is the hold's own as long as nothing but the hold has changed it: the mailbox counts
+//! the changes. So a stop, a fault or a lost host ends the hold without a message to it. The renderer does not know of the hold.
 
 mod turn;
 
@@ -43,19 +43,19 @@ pub(super) struct Holding {
     window: Window,
     windows: u32,
     hold: Hold,
-    /// What the last window has measured, in 1/256 code.
+    /// Amplitudes that the last window has measured, in 1/256 code.
     amplitudes: [u32; TONES],
     /// What each slot's level is multiplied by, and the amplitudes of the slots that are not held, Q1.31.
     gains: [Gain; TONES],
     others: u64,
-    /// How often the motion in force had changed when it was the hold's own last.
+    /// The mailbox's count of changes when the motion in force was last the hold's own.
     changes: u32,
-    /// Where the levels begin that were published last, until they are in force.
+    /// The start of the levels that were published last, until they are in force.
     published: Option<SampleIndex>,
 }
 
 impl Holding {
-    /// None was ordered.
+    /// No hold was ordered.
     pub(super) const NONE: Self = Self {
         progress: HoldProgress::Off,
         input: 0,
@@ -119,7 +119,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let setting = self.setting(asked)?;
         self.hold_what_sounds(asked, &setting, mailbox)?;
         let window = self.holding.window;
-        // What has changed since the view was taken ends the hold at the next tick: it goes by the view's count of changes.
+        // A change since the view was taken ends the hold at the next tick, because `changes` is the view's.
         let begin = mailbox.start_measurement(|next| {
             let begin = window.begin.max(next);
             Ok::<_, Refusal>(Window { begin, ..window })
@@ -129,7 +129,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Ok(begin)
     }
 
-    /// How the loops work.
+    /// The loops' parameters.
     fn setting(&self, asked: &HoldSetting) -> Result<Setting, Refusal> {
         let timing = &self.timing;
         let shortest =
@@ -155,7 +155,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         })
     }
 
-    /// Prepares the hold of tones that sound, or go to where they will.
+    /// Prepares the hold of tones that sound or are gliding to their places.
     ///
     /// Never inlined: the view would lie on the stack under what comes after.
     #[inline(never)]
@@ -185,7 +185,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         let holding = &mut self.holding;
         holding.hold.set(setting, &tones, self.timing.min_glide).map_err(refusal)?;
-        // A refusal has left the last hold to be told.
+        // After a refusal the last hold can still be read.
         holding.others = 0;
         for ((slot, place), gain) in places.iter().enumerate().zip(&mut holding.gains) {
             *gain = place.setting.gain;
@@ -203,7 +203,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Ok(())
     }
 
-    /// Ends the hold by the host's word: the levels return to those of the drive.
+    /// Ends the hold by the host's command: the levels return to those of the drive.
     fn release<M: RawMutex>(
         &mut self,
         is_stopped: &mut dyn FnMut() -> bool,
@@ -221,7 +221,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Ok(at)
     }
 
-    /// Something else sounds from now on, or will.
+    /// Ends the hold because of another drive.
     pub(super) fn end_hold<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if self.holding.is_on() {
             self.holding.progress = HoldProgress::Ended;
@@ -229,19 +229,19 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
     }
 
-    /// Finds out whether the hold is on still.
+    /// Ends the hold if something else has changed the motion in force.
     pub(super) fn refresh_hold<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if self.holding.is_on() && !self.holding.is_undisturbed(&mailbox.course()) {
             self.end_hold(mailbox);
         }
     }
 
-    /// The lock-ins are the hold's while it is on.
+    /// Refuses a measurement while the hold is on, which has the lock-ins for itself.
     pub(super) fn refuse_if_holding(&self) -> Result<(), Refusal> {
         if self.holding.is_on() { Err(Refusal::Busy(Busy::Holding)) } else { Ok(()) }
     }
 
-    /// How the hold stands.
+    /// The hold's state.
     pub(super) fn held<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
         existing(mailbox)?;
         self.refresh_hold(mailbox);
@@ -257,7 +257,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             };
             let correction = centi_decibel(correction);
             // There is room for all slots.
-            let _ = tones.push(wire::HeldTone { slot: number, state: told(state), correction, amplitude });
+            let _ = tones.push(wire::HeldTone { slot: number, state: on_wire(state), correction, amplitude });
         }
         Ok(Event::Held(Held {
             progress: holding.progress,
@@ -296,7 +296,7 @@ fn refusal(error: SettingError) -> Refusal {
     }
 }
 
-const fn told(state: State) -> wire::HoldState {
+const fn on_wire(state: State) -> wire::HoldState {
     match state {
         State::Settling => wire::HoldState::Settling,
         State::Held => wire::HoldState::Held,

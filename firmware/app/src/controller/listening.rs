@@ -1,4 +1,4 @@
-//! Measuring the inputs: what is ordered of the listener, and what it has told.
+//! Commands that measure the inputs: orders to the listener, and reads of its results.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Vec;
@@ -68,25 +68,25 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         })
     }
 
-    /// Tells values of the capture.
+    /// Reads values of the capture.
     pub(super) fn captured<M: RawMutex>(
         &self,
         part: CapturePart,
         mailbox: &Mailbox<M>,
     ) -> Result<Event, Refusal> {
         existing(mailbox)?;
-        let told = mailbox.captured();
+        let capture = mailbox.captured();
         let first = usize::from(part.first);
-        let count = told.filled.saturating_sub(first).min(CAPTURED_VALUES);
+        let count = capture.filled.saturating_sub(first).min(CAPTURED_VALUES);
         Ok(Event::Captured(Captured {
-            progress: match told.progress {
+            progress: match capture.progress {
                 capture::Progress::Idle => Progress::Idle,
                 capture::Progress::Capturing => Progress::Running,
                 capture::Progress::Finished => Progress::Finished,
                 capture::Progress::Broken { at } => Progress::Broken { at },
             },
-            from: told.begin,
-            captured: u16::try_from(told.filled).unwrap_or(u16::MAX),
+            from: capture.begin,
+            captured: u16::try_from(capture.filled).unwrap_or(u16::MAX),
             first: part.first,
             values: self.captured.range(first, count).collect(),
         }))
@@ -100,7 +100,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 }
 
-/// What the inputs can do.
+/// Number, lock-ins, delay and lost blocks of the inputs.
 pub(super) fn inputs<M: RawMutex>(mailbox: &Mailbox<M>) -> Event {
     let Inputs { count, lock_ins, delay_ns, lost_blocks } = mailbox.inputs();
     let lock_ins = if count == 0 { 0 } else { lock_ins };
@@ -113,13 +113,13 @@ pub(super) fn inputs<M: RawMutex>(mailbox: &Mailbox<M>) -> Event {
     })
 }
 
-/// Tells a part of the measurement.
+/// Reads a part of the measurement.
 pub(super) fn listened<M: RawMutex>(part: ListenPart, mailbox: &Mailbox<M>) -> Result<Event, Refusal> {
     check_input(part.input, existing(mailbox)?)?;
     in_range(Field::ToneSlot, 0, (MAX_TONES as u64).saturating_sub(1), part.first_slot.into())?;
-    let told = mailbox.measurement();
+    let measurement = mailbox.measurement();
     let input = usize::from(part.input);
-    let progress = match told.state {
+    let progress = match measurement.state {
         State::Idle => Progress::Idle,
         State::Measuring => Progress::Running,
         State::Finished => Progress::Finished,
@@ -129,20 +129,20 @@ pub(super) fn listened<M: RawMutex>(part: ListenPart, mailbox: &Mailbox<M>) -> R
     if matches!(progress, Progress::Finished | Progress::Broken { .. }) {
         for slot in (usize::from(part.first_slot)..MAX_TONES).take(LISTENED_TONES) {
             let answer =
-                mailbox.answer(&told, input, slot).map_or_else(InPhaseQuadrature::default, |answer| {
+                mailbox.answer(&measurement, input, slot).map_or_else(InPhaseQuadrature::default, |answer| {
                     InPhaseQuadrature { in_phase: answer.in_phase, quadrature: answer.quadrature }
                 });
             // There is room: just as many are taken.
             let _ = answers.push(answer);
         }
     }
-    let span = told.spans.get(input).copied().flatten().unwrap_or(Span { lowest: 0, highest: 0 });
+    let span = measurement.spans.get(input).copied().flatten().unwrap_or(Span { lowest: 0, highest: 0 });
     Ok(Event::Listened(Listened {
         progress,
-        begin: told.begin,
-        blocks: told.blocks,
-        weight: told.weight,
-        followed: told.followed,
+        begin: measurement.begin,
+        blocks: measurement.blocks,
+        weight: measurement.weight,
+        followed: measurement.followed,
         lowest: span.lowest,
         highest: span.highest,
         answers,
@@ -158,7 +158,7 @@ pub(super) fn check_input(input: u8, inputs: Inputs) -> Result<(), Refusal> {
     in_range(Field::Input, 0, (inputs.count as u64).saturating_sub(1), input.into())
 }
 
-/// The end would lie beyond the last sample index.
+/// The refusal of a window or capture that would end after the last sample index.
 fn beyond_time(next: SampleIndex, begin: SampleIndex) -> Refusal {
     let signed = |index| i64::try_from(index).unwrap_or(i64::MAX);
     Refusal::out_of_range(Field::ApplyAt, signed(next), i64::MAX, signed(begin))

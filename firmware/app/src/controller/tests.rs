@@ -158,8 +158,8 @@ impl Rig {
         self.mailbox.view().faults.set()
     }
 
-    /// The checksum that the device tells of its table.
-    fn told_crc(&mut self) -> Option<u32> {
+    /// The checksum of its table that the device reports.
+    fn reported_crc(&mut self) -> Option<u32> {
         match self.execute(&Command::TableDigest) {
             Ok(Event::Table(report)) => report.active.map(|header| header.crc),
             other => panic!("{other:?}"),
@@ -174,7 +174,7 @@ fn render(renderer: &RefCell<Renderer>, mailbox: &Mailbox<Interrupted>) -> bool 
     codes.iter().any(|&code| code != MID_SCALE)
 }
 
-/// Tells of a stop, and gives it, at the look after so many; counts the looks.
+/// A check for a stop that counts its calls in `looks`; from the call after `look` on it orders a stop and returns true.
 fn stop_after<'a>(
     look: u32,
     looks: &'a Cell<u32>,
@@ -228,10 +228,10 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
 #[test]
 fn the_checksum_told_is_of_what_the_memory_holds() {
     let mut rig = Rig::armed();
-    let before = rig.told_crc();
+    let before = rig.reported_crc();
     rig.mailbox.write_knot(rig.controller.active.slot, 1, Knot { step: 100_000_001, ..KNOTS[1] });
     assert!(before.is_some());
-    assert_ne!(rig.told_crc(), before);
+    assert_ne!(rig.reported_crc(), before);
 }
 
 #[test]
@@ -333,11 +333,9 @@ fn safe_mode_does_not_touch_the_kept_table() {
     let mut controller = Controller::new(DEVICE, boot, Deadly, Rom::default(), &mut candidate, &captured);
     controller.start(&mailbox);
     assert_eq!(controller.execute(&Command::Arm, &mut || false, &mailbox), Err(Refusal::SafeMode));
-    let Ok(Event::Maintenance(told)) = controller.execute(&Command::Maintenance, &mut || false, &mailbox)
-    else {
-        panic!()
-    };
-    assert_eq!((told.erasures, told.erasures_promised), (0, 20_000));
+    let answer = controller.execute(&Command::Maintenance, &mut || false, &mailbox);
+    let Ok(Event::Maintenance(wear)) = answer else { panic!("{answer:?}") };
+    assert_eq!((wear.erasures, wear.erasures_promised), (0, 20_000));
 }
 
 #[test]

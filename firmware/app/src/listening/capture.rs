@@ -104,8 +104,8 @@ pub enum Progress {
     },
 }
 
-/// The memory of a capture's values, 16 KiB, which both sides use: the capture writes a value once, and the thread side reads
-/// those that it has been told of.
+/// The memory of a capture's values, 16 KiB, shared by both sides: the capture writes each value once, and the thread side
+/// reads only the values that are reported as captured.
 #[derive(Debug)]
 pub struct Values([AtomicU32; MAX_VALUES]);
 
@@ -122,7 +122,7 @@ impl Values {
         Self([const { AtomicU32::new(0) }; MAX_VALUES])
     }
 
-    /// The values from one on: so many, or as many as there is room for.
+    /// `count` values from index `first` on, or fewer at the end of the memory.
     pub fn range(&self, first: usize, count: usize) -> impl Iterator<Item = u32> + '_ {
         let values = self.0.get(first..).unwrap_or_default();
         values.iter().take(count).map(|value| value.load(Ordering::Relaxed))

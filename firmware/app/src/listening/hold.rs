@@ -12,11 +12,11 @@
 //! calls [`Hold::take`] and publishes the levels that it gets, by a drive that glides for [`Hold::glide`] samples, half a
 //! period. With `tau` the longer of the plate's time constant and the period, and 6 dB of room, a finger's -6 dB are back
 //! within 1 dB after 4.8 `tau` at the latest, also on a plate 6 dB stronger or weaker than the table says, and the overshoot
-//! is below 0.1 dB. The loop stays stable, with an overshoot below 3 dB, where the plate's amplitude goes by the drive's to
-//! the power of 0.5 to 2 (half and twice the loop gain), and where its time constant is 0.4 to 2.5 times the one that was
-//! told. A simulation in `tests/stability.rs` holds all this for time constants of 0.05 to 20 periods.
+//! is below 0.1 dB. The loop stays stable, with an overshoot below 3 dB, where the plate's amplitude is a power of 0.5 to 2
+//! of the drive's (half and twice the loop gain), and where its time constant is 0.4 to 2.5 times [`Setting::tau`].
+//! A simulation in `tests/stability.rs` asserts this for time constants of 0.05 to 20 periods.
 //!
-//! Windows that follow each other with gaps have a period longer than the window: what is promised counts by the period.
+//! With gaps between the windows the period is longer than a window; the figures above count in periods.
 //!
 //! The first window begins when the drive's own glide is over, and the plate has followed it: `tau` later.
 //!
@@ -97,7 +97,7 @@ pub enum State {
     Held,
     /// It is further off, and a limit keeps it there.
     AtLimit(Limit),
-    /// It goes by the table's level.
+    /// It is no longer held and has the table's level.
     Lost(Loss),
 }
 

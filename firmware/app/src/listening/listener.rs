@@ -20,7 +20,7 @@ use core::ops::Range;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::units::SampleIndex;
 
-/// What listens to the inputs.
+/// Measurement and capture of the inputs.
 #[derive(Clone, Debug)]
 pub struct Listener<'a> {
     /// How the blocks were rendered that the ADC has yet to sample.
@@ -31,7 +31,7 @@ pub struct Listener<'a> {
     pub capture: Capture<'a>,
     next: SampleIndex,
     lost_blocks: u32,
-    /// What the thread side has not been told.
+    /// Which results have not been reported to the thread side.
     owes_reading: bool,
     owes_capture: bool,
     codes: [[u16; BLOCK]; INPUTS],
@@ -86,7 +86,7 @@ impl<'a> Listener<'a> {
     /// Takes the blocks that have been sampled, but at most one that the lock-ins work on: two would cost more time than
     /// a block has. One that waits is taken at the next turn.
     ///
-    /// Tells the thread side how far measurement and capture have come.
+    /// Reports the progress of measurement and capture to the thread side.
     pub fn catch_up<M: RawMutex>(&mut self, stream: &mut impl SenseStream, mailbox: &Mailbox<M>) {
         let lost_blocks = self.lost_blocks;
         let has_worked = loop {
@@ -102,7 +102,7 @@ impl<'a> Listener<'a> {
             mailbox.set_lost_blocks(self.lost_blocks);
         }
         if self.owes_reading {
-            self.tell_reading(has_worked, mailbox);
+            self.report_reading(has_worked, mailbox);
         }
         if self.owes_capture {
             let progress = self.capture.progress();
@@ -112,8 +112,8 @@ impl<'a> Listener<'a> {
         }
     }
 
-    /// A reading costs as much time as two tones. So it is told in the turn after the one in which the lock-ins have worked last.
-    fn tell_reading<M: RawMutex>(&mut self, has_worked: bool, mailbox: &Mailbox<M>) {
+    /// Reports a finished reading. That takes as long as two tones, so it waits for the first turn without lock-in work.
+    fn report_reading<M: RawMutex>(&mut self, has_worked: bool, mailbox: &Mailbox<M>) {
         let (state, reading) = (self.lock_in.state(), self.lock_in.reading());
         if has_worked || state == State::Measuring {
             mailbox.set_measured_blocks(reading.blocks);

@@ -15,8 +15,8 @@ use crate::motion::{Onset, Placement};
 use crate::planning::ramp::RampShape;
 use crate::timing::BLOCK_SAMPLES;
 
-/// A ramp in a block that was rendered without it changes the block's second code first. So the index at which it is told
-/// to begin tells it from a ramp with which a block begins.
+/// Offset in samples of a ramp that is applied to a rendered block: it changes the block's second code first. A ramp of a
+/// block that is not rendered yet begins at the block's first index, so the reported index shows which of the two it was.
 const REVISED: u64 = 1;
 
 impl<M: RawMutex> Mailbox<M> {
@@ -107,7 +107,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.live.get()).of(&self.motions)
     }
 
-    /// Tells how each tone begins, by its slot, that starts from silence.
+    /// Calls `begin` with slot and onset of each tone that starts from silence.
     pub(crate) fn onsets(&self, mut begin: impl FnMut(usize, Onset)) {
         for (slot, onset) in self.live().onsets().enumerate() {
             if let Some(onset) = onset {

@@ -1,10 +1,11 @@
-//! What the thread side orders of the listener, and what the listener tells it.
+//! Orders from the thread side to the listener, and the listener's reports.
 //!
 //! ```text
-//! start, stop  --> order, "running"   ---->  taken with the next block; until then nothing is told
-//! told, answer <-- progress, reading  <----  progress every block, the reading once, when the window is over
+//! thread side                Mailbox                interrupt side (listener)
+//! start, stop         --> order, "running"   ---->  takes the order with the next block, reports nothing before
+//! measurement, answer <-- progress, reading  <----  progress every block, the reading once, at the window's end
 //! ```
-//! A reading is told once and then stays as it is until the thread side orders anew. So it may be written and read in parts,
+//! A reading is reported once and stays unchanged until the thread side's next order. So it is written and read in parts,
 //! each under the lock for some hundred bytes at most.
 
 use core::cell::Cell;
@@ -18,7 +19,7 @@ use crate::listening::capture::{self, Recipe};
 use crate::listening::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
 use crate::ports::INPUTS;
 
-/// What is to become of a measurement.
+/// An order for a measurement or a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Order<T> {
     /// A new one begins.
@@ -29,14 +30,14 @@ pub(crate) enum Order<T> {
     Drop,
 }
 
-/// What the listener is to do from now on.
+/// New orders for the listener; `None`: no change.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ListenOrders {
     pub(crate) measurement: Option<Order<Window>>,
     pub(crate) capture: Option<Order<Recipe>>,
 }
 
-/// What the board's inputs are.
+/// The board's inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
     /// How many there are.
@@ -93,7 +94,7 @@ impl Captured {
 /// The sums of all slots.
 type Sums = [InPhaseQuadrature; TONES];
 
-/// What lies under the lock.
+/// Orders and results, guarded by the mailbox's lock.
 pub(super) struct Listening {
     /// Whether there is an order.
     is_ordered: Cell<bool>,
@@ -121,22 +122,22 @@ impl Listening {
         }
     }
 
-    fn order_measurement(&self, order: Order<Window>, told: Measurement) {
+    fn order_measurement(&self, order: Order<Window>, until_taken: Measurement) {
         self.measurement_order.set(Some(order));
-        self.measurement.set(told);
+        self.measurement.set(until_taken);
         self.is_ordered.set(true);
     }
 
-    fn order_capture(&self, order: Order<Recipe>, told: Captured) {
+    fn order_capture(&self, order: Order<Recipe>, until_taken: Captured) {
         self.capture_order.set(Some(order));
-        self.captured.set(told);
+        self.captured.set(until_taken);
         self.is_ordered.set(true);
     }
 }
 
 /// The thread side.
 impl<M: RawMutex> Mailbox<M> {
-    /// What the inputs are.
+    /// The board's inputs.
     pub fn inputs(&self) -> Inputs {
         self.shared.lock(|shared| shared.listening.inputs.get())
     }
@@ -152,8 +153,8 @@ impl<M: RawMutex> Mailbox<M> {
     ) -> Result<SampleIndex, E> {
         self.shared.lock(|shared| {
             let window = window(shared.next.get())?;
-            let told = Measurement::begun(window.begin, State::Measuring);
-            shared.listening.order_measurement(Order::Start(window), told);
+            let begun = Measurement::begun(window.begin, State::Measuring);
+            shared.listening.order_measurement(Order::Start(window), begun);
             Ok(window.begin)
         })
     }
@@ -163,7 +164,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.listening.order_measurement(Order::Drop, Measurement::NONE));
     }
 
-    /// How the measurement stands.
+    /// The measurement's state.
     pub fn measurement(&self) -> Measurement {
         self.shared.lock(|shared| shared.listening.measurement.get())
     }
@@ -195,13 +196,13 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| {
             let recipe = recipe(shared.next.get())?;
             let progress = capture::Progress::Capturing;
-            let told = Captured { progress, begin: recipe.begin, filled: 0 };
-            shared.listening.order_capture(Order::Start(recipe), told);
+            let begun = Captured { progress, begin: recipe.begin, filled: 0 };
+            shared.listening.order_capture(Order::Start(recipe), begun);
             Ok(recipe.begin)
         })
     }
 
-    /// Ends the capture. Until the listener has heard of it, it is told as it was.
+    /// Ends the capture. [`Mailbox::captured`] shows the end only when the listener has taken the order.
     pub fn stop_capture(&self) {
         self.shared.lock(|shared| {
             let listening = &shared.listening;
@@ -213,7 +214,7 @@ impl<M: RawMutex> Mailbox<M> {
         });
     }
 
-    /// How the capture stands.
+    /// The capture's state.
     pub fn captured(&self) -> Captured {
         self.shared.lock(|shared| shared.listening.captured.get())
     }
@@ -227,7 +228,7 @@ impl<M: RawMutex> Mailbox<M> {
 
 /// The interrupt side.
 impl<M: RawMutex> Mailbox<M> {
-    /// Says what the inputs are.
+    /// Sets the board's inputs.
     pub(crate) fn set_inputs(&self, inputs: Inputs) {
         self.shared.lock(|shared| shared.listening.inputs.set(inputs));
     }
@@ -252,18 +253,18 @@ impl<M: RawMutex> Mailbox<M> {
         });
     }
 
-    /// Tells how many blocks of a measurement have been taken.
+    /// Reports how many blocks of a measurement have been taken.
     pub(crate) fn set_measured_blocks(&self, blocks: u16) {
         self.shared.lock(|shared| {
             let listening = &shared.listening;
             if listening.measurement_order.get().is_none() {
-                let told = listening.measurement.get();
-                listening.measurement.set(Measurement { blocks, ..told });
+                let last = listening.measurement.get();
+                listening.measurement.set(Measurement { blocks, ..last });
             }
         });
     }
 
-    /// Tells the reading of a measurement that is over, unless something else has been ordered meanwhile.
+    /// Reports the reading of a measurement that is over, unless there is a new order.
     pub(crate) fn set_reading(&self, state: State, begin: SampleIndex, reading: &Reading) {
         for (cell, sums) in (0..INPUTS).zip(&reading.sums) {
             self.shared.lock(|shared| {
@@ -288,7 +289,7 @@ impl<M: RawMutex> Mailbox<M> {
         });
     }
 
-    /// Tells how the capture stands, unless something else has been ordered meanwhile.
+    /// Reports the capture's state, unless there is a new order.
     pub(crate) fn set_captured(&self, captured: Captured) {
         self.shared.lock(|shared| {
             if shared.listening.capture_order.get().is_none() {

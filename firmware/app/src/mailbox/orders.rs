@@ -6,7 +6,7 @@ use super::pending::Pending;
 use super::stop::Stop;
 use crate::digest::DigestState;
 
-/// What the renderer is told at the start of a block.
+/// The renderer's orders, read at the start of a block.
 #[derive(Clone, Copy, Debug)]
 pub struct Orders {
     /// What is to begin with this block.
@@ -21,7 +21,7 @@ pub struct Orders {
     pub armed: bool,
     /// Silence is guaranteed up to this index after arming.
     pub ready_at: SampleIndex,
-    /// When the host last said that it lives.
+    /// The index of the last keep-alive.
     pub fed_at: SampleIndex,
     /// What the thermal fold-back leaves of every amplitude, per mille; `None` before the coil is known of.
     pub limit_per_mille: Option<u16>,

@@ -1,15 +1,15 @@
-//! What the mailbox knows of a motion that has not begun.
+//! Start, table and trigger of the pending motion.
 
 use slipline_protocol::units::SampleIndex;
 
 use crate::slots::SlotIndex;
 
-/// What is known of a motion that has not begun.
+/// The pending motion without its trajectories.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pending {
     /// Its start; the first index at which the trigger input is looked at, if it waits for that.
     pub at: SampleIndex,
-    /// The slot of the table it goes by.
+    /// The slot of its table.
     pub slot: SlotIndex,
     /// Whether any tone sounds at its end.
     pub sounds: bool,

@@ -2,8 +2,8 @@
 //!
 //! A stop begins with the next block. The block before it may have been rendered already while it still waits to be
 //! played: it sounds for up to two blocks more. So a stop *at once* wakes the renderer, which lets the ramp begin in that
-//! block if the DAC still takes a change of it. Only then it is known where the ramp begins, so the answer to the host asks
-//! for that ([`Mailbox::stopped_at`]), and from then on it stays as told.
+//! block if the DAC still takes a change of it. Where the ramp begins is known only then: the answer to the host reads it
+//! by [`Mailbox::stopped_at`], which settles it.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::event::Fault;
@@ -19,8 +19,8 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.order(stop))
     }
 
-    /// As [`Mailbox::stop`], but the ramp may begin in the block that was rendered last: [`Mailbox::stopped_at`] tells
-    /// where.
+    /// As [`Mailbox::stop`], but the ramp may begin in the block that was rendered last: [`Mailbox::stopped_at`] returns
+    /// its index.
     pub fn stop_at_once(&self, stop: Stop) {
         self.shared.lock(|shared| shared.order_at_once(stop));
         self.stopped.signal(());

@@ -184,7 +184,7 @@ fn a_stop_at_once_begins_with_the_next_block_once_it_was_told_so() {
     let mut codes = render(&mut renderer, &mailbox, 1);
     mailbox.stop_at_once(Stop::Normal);
     assert_eq!(mailbox.stopped_at(), mailbox.now());
-    assert!(!revise(&mut renderer, &mailbox, &mut codes), "told is told");
+    assert!(!revise(&mut renderer, &mailbox, &mut codes), "the answered index must stay");
     assert!(mailbox.view().stopping && !mailbox.view().report.stopping);
     let sum = mailbox.view().report.sum;
     render(&mut renderer, &mailbox, 1);
@@ -226,7 +226,7 @@ impl CycleCounter for Readings {
     }
 }
 
-/// A DAC that has room for so many blocks.
+/// A DAC with room for a number of blocks.
 struct Takes(u32);
 
 impl DacStream for Takes {

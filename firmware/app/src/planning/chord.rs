@@ -43,7 +43,7 @@ use crate::planning::level::master_gain;
 use crate::planning::program::Target;
 use crate::range::in_range;
 
-/// A chord's tones, checked: what each of them sounds as.
+/// A chord's tones, checked: step, phase and level of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ChordTones {
     targets: [Option<Target>; MAX_TONES],
@@ -55,7 +55,7 @@ impl ChordTones {
     /// No tones, at the shortest period.
     pub const NONE: Self = Self { targets: [None; MAX_TONES], period: 1 << CHORD_PERIOD_LOG2.0 };
 
-    /// A chord's tones by a table of so many knots, which `knot` returns by index.
+    /// A chord's tones by a table of `knots` knots, which `knot` returns by index.
     ///
     /// # Errors
     /// [`Refusal::NoTable`], [`Refusal::OutOfRange`] for the number of tones, the period, and a multiple that is not above the

@@ -1,8 +1,8 @@
 //! Planning: makes the motion of a drive or of a table swap, or refuses it.
 //!
-//! A motion follows from what is given to [`Planner::drive`] and [`Planner::swap`] and from the table slots, and from
-//! nothing else. The controller plans before it accepts a command. The host's mirror plans with the index that the device
-//! has answered and gets the same motion.
+//! A motion depends only on the arguments of [`Planner::drive`] and [`Planner::swap`] and on the table slots. The
+//! controller plans before it accepts a command. The host's mirror plans with the index in the device's answer and gets
+//! the same motion.
 
 use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
@@ -23,7 +23,7 @@ use crate::timing::Timing;
 /// Tones that are planned between two looks for a stop: together they take about a tenth of a block's time.
 const TONES_AT_ONCE: usize = 4;
 
-/// What planning goes by.
+/// Inputs of the planner: tables, ramp shape, limits of time, and the check for a stop.
 pub struct Planner<'a> {
     /// The tables.
     pub slots: &'a TableSlots,
@@ -31,7 +31,7 @@ pub struct Planner<'a> {
     pub shape: &'a RampShape,
     /// The limits of times.
     pub timing: &'a Timing,
-    /// Asked now and then, since planning may take the time of a block: whether a stop has come.
+    /// Whether a stop has come. Called every few tones, since planning may take as long as a block.
     pub is_stopped: &'a mut dyn FnMut() -> bool,
 }
 

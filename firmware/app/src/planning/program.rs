@@ -19,7 +19,7 @@ pub struct Target {
     pub level: Gain,
     /// Its phase at the start, if it starts from silence; 2^64 = one turn.
     pub phase: u64,
-    /// What it sounds as if it starts from silence; the table's value at its place if that is `None`.
+    /// Its step and gain if it starts from silence; `None`: the table's values at its place.
     pub setting: Option<Setting>,
 }
 
@@ -30,7 +30,7 @@ pub struct Program {
     pub at: SampleIndex,
     /// How long it takes, in samples.
     pub glide: u32,
-    /// The table it goes by.
+    /// Its table.
     pub table: TableRef,
     /// Where each slot goes; a slot with no target fades out.
     pub targets: [Option<Target>; MAX_TONES],

@@ -9,9 +9,9 @@ use slipline_protocol::limits::MAX_CRASH;
 use crate::safety::crash::CrashRecord;
 use crate::safety::thermal::Heat;
 
-/// After so many abnormal resets in a row the device answers but does not drive (safe mode).
+/// Abnormal resets in a row after which the device answers but does not drive (safe mode).
 pub const SAFE_MODE_RESETS: u8 = 3;
-/// After a run of so many milliseconds, earlier abnormal resets do not count any more. Then the shell writes
+/// Run time in milliseconds after which earlier abnormal resets do not count any more. Then the shell writes
 /// [`CrashRecord::stable`] back.
 pub const STABLE_AFTER_MS: u32 = 60_000;
 
@@ -47,8 +47,8 @@ impl Boot {
     }
 }
 
-/// Decides from the reset cause that the hardware tells and from the record that was kept, and makes the record to
-/// keep from now on. Write it back before anything that could crash.
+/// Decides the boot state from the hardware's reset cause and the kept record, and returns the record to keep from now
+/// on. Write that back before anything that could crash.
 ///
 /// The handlers end with a software reset, so a record of a panic or a hard fault overrules that cause. Power-on
 /// clears the record, the reset pin clears the count: a person has acted.

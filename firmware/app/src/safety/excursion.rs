@@ -56,7 +56,7 @@ impl Excursion {
         self.limit.map(|(limit, _)| limit)
     }
 
-    /// Puts a limit in force, or none, and judges by it what the slots hold already: so many knots of each.
+    /// Puts a limit in force, or none, and computes by it the travels of `tables`, which the slots hold already.
     ///
     /// # Errors
     /// [`Refusal::OutOfRange`] with the field; the limit stays as it was.
@@ -204,10 +204,10 @@ fn amplitude(gain: Gain) -> f32 {
     gain.0 as f32 / Gain::FULL.0 as f32
 }
 
-/// Levels have a say in the sum at the end only: at the start the tones have those that they had.
+/// The refusal of a motion. A lower level helps at the end only: at the start the tones keep the levels that they have.
 #[expect(clippy::cast_possible_truncation, reason = "the casts saturate")]
 fn refusal(at_start: f32, at_end: f32) -> Refusal {
-    // One more than what is cut off: what is told is above the limit, and what is allowed is below it.
+    // Rounded up, so that the reported travel is above the limit; the allowed level is rounded down.
     let travel_per_mille = ((at_start.max(at_end) * 1000.0) as u16).saturating_add(1);
     let allowed_per_mille = if at_start <= 1.0 { (1000.0 / at_end) as u16 } else { 0 };
     Refusal::Travel { travel_per_mille, allowed_per_mille: allowed_per_mille.min(999) }

@@ -1,4 +1,4 @@
-//! What the thermal fold-back has left of every amplitude lately, as the status tells it.
+//! Report of the thermal fold-back for the status: the factor in the present period and in those before it.
 
 use slipline_protocol::limits::FOLDBACK_PERIODS;
 

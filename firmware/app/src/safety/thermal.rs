@@ -101,8 +101,8 @@ impl Thermal {
         self.rise().is_nan() || self.rise() > threshold
     }
 
-    /// What the fold-back leaves of the amplitude, per mille: the status tells just this number, so a mirror knows the
-    /// limit exactly.
+    /// Factor of the fold-back on the amplitude, per mille. The status carries this very number, so a mirror has the exact
+    /// limit.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "lies in FLOOR..1, times 1000")]
     pub fn limit_per_mille(&self) -> u16 {

@@ -1,12 +1,12 @@
-//! What the two slots say of themselves: which record is the newest, whether the other slot is as a store leaves it, and
-//! how often they have been erased.
+//! State of the two slots: which record is the newest, whether the other slot is as a store leaves it, and how often
+//! they have been erased.
 
 use slipline_protocol::event::StoredConfig;
 
 use super::{RecordHeader, SLOT_BYTES};
 use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
-/// What the header of a slot says.
+/// The header of a slot, read.
 enum Content {
     Blank,
     Broken,
@@ -63,7 +63,7 @@ pub(super) fn is_whole_beside(flash: &mut impl FlashPages, slot: FlashSlot, newe
 }
 
 /// Whether one of the two slots has lost what it held, so that the newest record may be an older one. False where there
-/// is no record at all, which [`load`](super::load) tells.
+/// is no record at all; [`load`](super::load) reports that.
 pub fn has_lost_a_copy(flash: &mut impl FlashPages) -> bool {
     if flash.slot_len() < SLOT_BYTES {
         return false;
@@ -71,9 +71,9 @@ pub fn has_lost_a_copy(flash: &mut impl FlashPages) -> bool {
     newest(flash).is_ok_and(|(slot, record)| !is_whole_beside(flash, slot, &record))
 }
 
-/// How often the two slots have been erased, both together, as far as their records tell: the newest one's sequence
-/// number. An erasure that a power failure cut short is counted by the next record, if it left a trace; of several in
-/// a row, one is. It counts anew when both records are lost.
+/// Erasures of both slots together, by the newest record's sequence number. The next record counts an erasure that a
+/// power failure cut short, if it left a trace; several in a row count as one. The count begins anew when both records
+/// are lost.
 pub fn erasures(flash: &mut impl FlashPages) -> u32 {
     if flash.slot_len() < SLOT_BYTES {
         return 0;

@@ -114,7 +114,7 @@ pub(crate) fn tune_adcs() {
 /// * BOOST is for clocks from 20 MHz on in revision Y, where it is one bit, and for 12.5 to 25 MHz in later ones.
 /// * ADCALLIN: the calibration mends the steps of the conversion, too; without it codes are missing.
 /// * OVRMOD = 1: without it the slave's codes may be shifted against the master's (ES0392, ADC slave data in dual regular
-///   simultaneous mode). OVR is set all the same.
+///   simultaneous mode). OVR is still set.
 pub(crate) fn tune_adc(adc: Adc, channel: u8) {
     adc.cr().modify(|w| {
         w.set_boost(if is_revision_y() { Boost::LT12_5 } else { Boost::LT25 });

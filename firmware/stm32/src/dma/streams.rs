@@ -6,7 +6,7 @@ use embassy_stm32::pac::dma::{regs, vals};
 
 pub(crate) use embassy_stm32::pac::dma::Dma as Controller;
 
-/// EN is looked at so often until it is given up: the last access is over after some tens of cycles.
+/// Reads of EN before the wait is given up: the last access is over after some tens of cycles.
 const STOP_TRIES: u32 = 1000;
 
 impl Way {

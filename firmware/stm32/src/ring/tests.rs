@@ -48,7 +48,7 @@ impl Model {
         }
     }
 
-    /// The renderer: waits for room, then takes so many samples to render, then hands its block over.
+    /// The renderer: waits for room, renders for `rendering` samples, then hands its block over.
     fn hand_over(&self, codes: &[u16; BLOCK], rendering: usize) -> Result<(), Late> {
         while self.halves.is_full() {
             self.sample();
@@ -146,8 +146,8 @@ fn a_renderer_that_is_late_by_any_number_of_samples_leaves_the_tone_by_one_line_
     }
 }
 
-/// A tone of which a block was handed over early; then, after so many samples more, it is revised to silence. What plays,
-/// whether it was revisable, and what came of it.
+/// Revises the last block of a tone to silence, `delay` samples after its hand-over. Returns the codes that play, whether
+/// the block was revisable, and the result of the revision.
 fn revise_after(delay: usize, rendering: usize) -> (Vec<u16>, bool, Result<(), Late>) {
     let model = Model::silent();
     for block in 0..10 {

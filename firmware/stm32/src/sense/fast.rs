@@ -5,8 +5,8 @@
 //! * Only the master has the trigger, and only it is started and stopped: the slave follows. Both codes come as one word, the
 //!   slave's in the upper half, by the master's request.
 //! * A word that the DMA does not take before the next is ready sets OVR, which stands until 1 is written to it.
-//! * What waits for an ADC looks so many times at most. One that does not answer converts nothing, which is told as lost
-//!   blocks.
+//! * Every wait for an ADC has a limit of reads. An ADC that does not answer converts nothing; its blocks are reported as
+//!   lost.
 
 use embassy_stm32::pac::adc::Adc;
 use embassy_stm32::pac::adc::vals::{Adcaldif, Adstp, Exten};
@@ -91,7 +91,7 @@ pub(super) fn has_overrun() -> bool {
     flags.ovr_mst() || flags.ovr_slv()
 }
 
-/// Looks so many times at most whether something is done.
+/// Waits until `is_done`, for `looks` reads at most.
 fn wait(looks: u32, is_done: impl Fn() -> bool) {
     for _ in 0..looks {
         if is_done() {

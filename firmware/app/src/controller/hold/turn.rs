@@ -1,4 +1,4 @@
-//! One turn of the hold: a window is over, and the levels follow from what it has told.
+//! One turn of the hold: at the end of a window, new levels from the measured amplitudes.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::hold::HoldProgress;
@@ -15,11 +15,11 @@ use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::timing::BLOCK_SAMPLES;
 
-/// A window that is not over so many blocks after its last sample never will be: the inputs have stopped.
+/// Blocks after a window's last sample until it counts as broken: the inputs have stopped.
 const PATIENCE_BLOCKS: u64 = 64;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
-    /// Looks whether a window of the hold is over, and takes it. `is_stopped` is asked again and again meanwhile.
+    /// Takes a window of the hold that is over. Calls `is_stopped` every few tones.
     ///
     /// Never inlined, nor is what it calls: it would lie on the stack under every command.
     #[inline(never)]
@@ -79,8 +79,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
     }
 
-    /// Hands new levels over, as a drive is handed over, but only while what sounds is the hold's own. It is no act of the
-    /// user.
+    /// Hands new levels over as a drive, but only while the motion in force is the hold's own. It does not count as an act of
+    /// the user.
     ///
     /// Never inlined: the motion would lie on the stack under the whole turn.
     #[inline(never)]
@@ -105,18 +105,18 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
 }
 
 impl Holding {
-    /// What a window has told that is over: `Some(None)` if it broke, or came to no end. `None` while it is under way, or if a
-    /// stop has come.
+    /// The answers of a window that is over: `Some(None)` if it broke or never ended. `None` while it is under way, or if a stop
+    /// has come.
     fn answers<M: RawMutex>(
         &mut self,
         next: SampleIndex,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Option<Option<Answers>> {
-        let told = mailbox.measurement();
+        let measurement = mailbox.measurement();
         let length =
             BLOCK_SAMPLES.saturating_mul(u64::from(self.window.blocks).saturating_add(PATIENCE_BLOCKS));
-        match told.state {
+        match measurement.state {
             lock_in::State::Finished => {}
             lock_in::State::Measuring if next < self.window.begin.saturating_add(length) => return None,
             lock_in::State::Measuring | lock_in::State::Broken { .. } | lock_in::State::Idle => {
@@ -124,11 +124,11 @@ impl Holding {
             }
         }
         let input = usize::from(self.input);
-        let Some(span) = told.spans.get(input).copied().flatten() else { return Some(None) };
+        let Some(span) = measurement.spans.get(input).copied().flatten() else { return Some(None) };
         let mut amplitudes = [None; TONES];
         for (slot, (measured, last)) in amplitudes.iter_mut().zip(&mut self.amplitudes).enumerate() {
-            let answer = mailbox.answer(&told, input, slot);
-            *measured = answer.and_then(|answer| amplitude(answer, told.weight));
+            let answer = mailbox.answer(&measurement, input, slot);
+            *measured = answer.and_then(|answer| amplitude(answer, measurement.weight));
             *last = measured.unwrap_or(0);
             if is_stopped() {
                 return None;
@@ -149,7 +149,7 @@ impl Holding {
         Ok(())
     }
 
-    /// How much more is allowed now. While the fold-back works nothing rises; its report lags behind the model of the coil.
+    /// The rise that is allowed now: none while the fold-back works, whose report lags behind the model of the coil.
     fn room(&self, course: &Course, limit_per_mille: u16) -> Room {
         if limit_per_mille.min(course.foldback_per_mille) < 1000 {
             return Room { rise: Octaves::NONE, limit: Limit::Thermal };

@@ -1,4 +1,4 @@
-//! The level hold between the renderer's interrupt, stops, and inputs that fail. The inputs tell what a test says.
+//! The level hold with interrupts of the renderer at any moment, stops, and inputs that fail. Each test sets the readings.
 
 use slipline_protocol::hold::{Held, HoldLoss, HoldProgress, HoldSetting, HoldState, HoldTone};
 
@@ -61,7 +61,7 @@ fn tick(rig: &mut Rig) {
     rig.controller.tick(&mut || false, &rig.mailbox);
 }
 
-fn told(rig: &mut Rig) -> Held {
+fn read_hold(rig: &mut Rig) -> Held {
     match rig.execute(&Command::HoldRead) {
         Ok(Event::Held(held)) => held,
         other => panic!("{other:?}"),
@@ -83,10 +83,10 @@ fn a_window_that_is_over_is_taken_by_the_next_tick_and_its_levels_glide() {
     let rise = 20.0 * (sum(&rig) / before).log10();
     // Two fifths of the 1.9 dB that are missing.
     assert!((rise - 0.4 * 1.94).abs() < 0.02, "{rise} dB");
-    assert_eq!(told(&mut rig).windows, 1);
+    assert_eq!(read_hold(&mut rig).windows, 1);
     // The next one is under way.
     tick(&mut rig);
-    assert_eq!(told(&mut rig).windows, 1);
+    assert_eq!(read_hold(&mut rig).windows, 1);
 }
 
 #[test]
@@ -104,7 +104,7 @@ fn what_it_publishes_is_no_act_of_the_user() {
     }
     assert_eq!(rig.faults(), Faults::NONE.with(Fault::DriveTime));
     assert!(rig.mailbox.now() - began > max_drive - 100 * BLOCK as u64);
-    assert_eq!(told(&mut rig).progress, HoldProgress::Ended);
+    assert_eq!(read_hold(&mut rig).progress, HoldProgress::Ended);
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn a_stop_that_comes_while_levels_are_planned_keeps_them_from_starting() {
         rig.render(RAMP_BLOCKS);
         assert!(!rig.render(100), "at look {look}");
         tick(&mut rig);
-        assert_eq!(told(&mut rig).progress, HoldProgress::Ended);
+        assert_eq!(read_hold(&mut rig).progress, HoldProgress::Ended);
     }
 }
 
@@ -154,7 +154,7 @@ fn an_emergency_stop_between_any_two_steps_of_a_turn_is_as_quick_as_without_a_ho
         assert!(!rig.render(100), "before lock {locks}");
         assert!(rig.renderer.borrow().is_muted());
         tick(&mut rig);
-        assert_eq!(told(&mut rig).progress, HoldProgress::Ended, "before lock {locks}");
+        assert_eq!(read_hold(&mut rig).progress, HoldProgress::Ended, "before lock {locks}");
     }
     assert!(interrupted > 20 && interrupted < LOCKS, "{interrupted}");
 }
@@ -187,17 +187,17 @@ fn blocks_between_any_two_steps_of_a_turn_leave_a_hold_that_is_right_or_over() {
             }
             assert!(!rig.render(100), "before lock {locks}");
             tick(&mut rig);
-            assert_eq!(told(&mut rig).progress, HoldProgress::Ended, "before lock {locks}");
+            assert_eq!(read_hold(&mut rig).progress, HoldProgress::Ended, "before lock {locks}");
         } else {
             for _ in 0..12 {
                 rig.render(16);
                 measured(&rig, 1.0);
                 tick(&mut rig);
             }
-            let told = told(&mut rig);
-            assert_eq!(told.progress, HoldProgress::On, "before lock {locks}, {came}");
+            let hold = read_hold(&mut rig);
+            assert_eq!(hold.progress, HoldProgress::On, "before lock {locks}, {came}");
             // What it believes to be in force is in force.
-            let level = 10_f64.powf(f64::from(told.tones[0].correction.0) / 2000.0) * 0.25;
+            let level = 10_f64.powf(f64::from(hold.tones[0].correction.0) / 2000.0) * 0.25;
             rig.render(40);
             assert!((sum(&rig) / 2.0 / level - 1.0).abs() < 1e-3, "before lock {locks}: {}", sum(&rig));
         }
@@ -216,8 +216,8 @@ fn inputs_that_stop_are_noticed() {
         rig.render(16);
         tick(&mut rig);
     }
-    let told = told(&mut rig);
-    assert_eq!(told.progress, HoldProgress::Lost);
-    assert_eq!(told.tones[0].state, HoldState::Lost(HoldLoss::Broken));
+    let hold = read_hold(&mut rig);
+    assert_eq!(hold.progress, HoldProgress::Lost);
+    assert_eq!(hold.tones[0].state, HoldState::Lost(HoldLoss::Broken));
     assert!((sum(&rig) - 0.5).abs() < 1e-3, "{}", sum(&rig));
 }

@@ -7,7 +7,7 @@ use super::*;
 /// Knots between two looks for a stop, at most: with more of them a board is late.
 const KNOTS_AT_ONCE: usize = 4;
 
-/// Does a command during which a stop comes at the look after so many; returns how many looks there were.
+/// Executes a command during which a stop comes at the check after `look`; returns the answer and the number of checks.
 fn stopped_at(rig: &mut Rig, look: u32, command: &Command) -> (Result<Event, Refusal>, u32) {
     let mailbox = Rc::clone(&rig.mailbox);
     let looks = Cell::new(0);
@@ -29,7 +29,7 @@ fn a_stop_that_comes_while_a_drive_is_planned_keeps_it_from_starting() {
         }
         assert_eq!(answer, Err(Refusal::Busy(Busy::DriveActive)), "at look {look}");
         assert!(!rig.render(100), "at look {look}");
-        // The device is armed as before, and drives when it is told to.
+        // The device is armed as before, and obeys the next drive.
         rig.accepted(&drive);
         assert!(rig.render(100));
     }
@@ -93,7 +93,7 @@ fn a_stop_is_looked_for_every_few_knots_of_a_chunk_which_is_taken_whole() {
         assert!(!rig.render(10), "at look {look}");
         rig.accepted(&chunk(CHUNK_KNOTS, KNOTS));
         rig.accepted(&Command::TableCommit);
-        assert_eq!(rig.told_crc(), Some(header().crc), "at look {look}");
+        assert_eq!(rig.reported_crc(), Some(header().crc), "at look {look}");
     }
 }
 
@@ -109,7 +109,7 @@ fn a_stop_is_looked_for_every_few_knots_of_a_digest() {
         rig.accepted(&command);
     }
     let (answer, looks) = stopped_at(&mut rig, 0, &Command::TableDigest);
-    let Ok(Event::Table(TableReport { active: Some(told), .. })) = answer else { panic!("{answer:?}") };
-    assert_eq!(told.crc, header().crc);
+    let Ok(Event::Table(TableReport { active: Some(active), .. })) = answer else { panic!("{answer:?}") };
+    assert_eq!(active.crc, header().crc);
     assert!(looks as usize >= KNOTS.div_ceil(KNOTS_AT_ONCE), "{looks} looks");
 }

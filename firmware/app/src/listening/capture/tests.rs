@@ -11,12 +11,12 @@ fn memory() -> &'static Values {
     Box::leak(Box::default())
 }
 
-/// Codes that tell their index.
+/// The code at an index: a hash, so that equal codes mean equal indices.
 fn code(index: u64) -> u16 {
     (index.wrapping_mul(2_654_435_761) >> 7) as u16 & 0xFFF
 }
 
-/// The block at an index: the first input is mid-scale, the second tells its index.
+/// The block at an index: the first input is mid-scale, the second has the codes of [`code`].
 fn block(index: u64) -> [[u16; BLOCK]; INPUTS] {
     [[2048; BLOCK], core::array::from_fn(|n| code(index + n as u64))]
 }

@@ -1,9 +1,9 @@
-//! What a window has told of the tones: their amplitudes at one input.
+//! The result of a window: each tone's amplitude at one input.
 
 use crate::bank::TONES;
 use crate::listening::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span};
 
-/// The codes' highest.
+/// The highest code.
 const HIGHEST_CODE: u16 = 0x0FFF;
 
 /// The answers of one input over a whole window.
@@ -15,7 +15,7 @@ pub struct Answers {
     pub amplitudes: [Option<u32>; TONES],
 }
 
-/// Why none of an input's answers can be trusted.
+/// Why an input's answers are rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Untrusted {
     Stuck,
@@ -33,8 +33,8 @@ impl Answers {
         Some(Self { span, amplitudes })
     }
 
-    /// A clipped input tells too little of a strong tone, so the loop would make it stronger still; one that does not
-    /// move tells nothing.
+    /// Rejects an input that clips or does not move. A clipped input understates a strong tone, so the loop would raise
+    /// it further.
     pub(super) const fn check(&self) -> Result<(), Untrusted> {
         let Span { lowest, highest } = self.span;
         if lowest == highest {

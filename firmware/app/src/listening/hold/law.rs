@@ -30,7 +30,7 @@ pub(super) const fn fine(octaves: Octaves) -> i64 {
     (octaves.0 as i64) << FINE
 }
 
-/// How the loop answers an error.
+/// The gains and limits of the loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Law {
     /// Correction per error, [`FINE`] fractional bits, at most 1.
@@ -41,7 +41,7 @@ pub(super) struct Law {
     pub(super) max_rise: i64,
     /// The largest change of a correction per period.
     pub(super) slew: i64,
-    /// A tone is lost when it has been too weak for more than so many windows: the plate has answered by then.
+    /// Windows that a tone may be too weak before it is lost: the time that the plate needs to answer.
     pub(super) patience: u32,
 }
 

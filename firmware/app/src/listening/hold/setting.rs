@@ -1,4 +1,4 @@
-//! What a hold is told to do, and what of it is refused.
+//! Parameters of a hold, and their checks.
 
 use super::octaves::Octaves;
 use crate::bank::TONES;

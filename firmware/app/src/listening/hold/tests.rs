@@ -74,7 +74,7 @@ fn an_amplitude_is_what_the_lock_in_has_measured() {
         }
         let answers = Answers::of(lock_in.reading(), 0).expect("there is an input");
         let got = f64::from(answers.amplitudes[5].expect("followed")) / 256.0;
-        // Whole codes without noise tell an amplitude to a tenth of a code.
+        // Whole codes without noise give an amplitude to a tenth of a code.
         assert!((got - codes).abs() < 0.1, "{codes}: {got}");
         assert!(answers.amplitudes.iter().filter(|amplitude| amplitude.is_some()).count() == 1);
         assert_eq!(Answers::of(lock_in.reading(), 1), None);
@@ -147,19 +147,19 @@ fn an_unplugged_sensor_does_not_raise_the_level() {
 #[test]
 fn a_refusal_keeps_what_is_in_force_lets_what_falls_fall_and_is_not_repeated_at_once() {
     let mut hold = hold(&[3, 4]);
-    let told = answers(&[(3, 0.5), (4, 2.0)]);
-    let wanted = parts(hold.take(Some(&told), ROOMY), [3, 4]);
+    let measured = answers(&[(3, 0.5), (4, 2.0)]);
+    let wanted = parts(hold.take(Some(&measured), ROOMY), [3, 4]);
     assert!(wanted[0] > 1.2 && wanted[1] < 0.8, "{wanted:?}");
     let rest = parts(hold.refused(Limit::Travel), [3, 4]);
     assert_eq!(rest, [1.0, wanted[1]]);
     assert_eq!(hold.state(3), Some(State::AtLimit(Limit::Travel)));
     hold.accepted();
     for window in 1..tone::RETRY_WINDOWS {
-        assert_eq!(take(&mut hold, Some(&told), ROOMY)[3], 1.0, "{window}");
+        assert_eq!(take(&mut hold, Some(&measured), ROOMY)[3], 1.0, "{window}");
         assert_eq!(hold.state(3), Some(State::AtLimit(Limit::Travel)), "{window}");
     }
-    // It is tried again, without what a longing integral would have summed up.
-    let again = parts(hold.take(Some(&told), ROOMY), [3, 4])[0];
+    // The rise is proposed again, and the integral has not wound up meanwhile.
+    let again = parts(hold.take(Some(&measured), ROOMY), [3, 4])[0];
     assert_eq!(again, wanted[0]);
     hold.refused(Limit::Travel);
     // A tone that needs to rise no more is free at once.

@@ -5,11 +5,11 @@ use super::octaves::Octaves;
 use super::{HeldTone, Limit, Loss, Room, State};
 use slipline_protocol::units::Gain;
 
-/// After a refusal a rise is proposed again so many windows later: the planner's time is not spent in vain at each.
+/// Windows after a refusal until a rise is proposed again, to save the planner's time.
 pub(super) const RETRY_WINDOWS: u8 = 16;
 /// The lowest correction.
 const FLOOR: i64 = -fine(Octaves::MAX);
-/// A tone that would stay below a quarter of its set value even at the limit is too weak.
+/// Error above which a tone is too weak: it would stay below a quarter of its set value even at the limit.
 const TOO_WEAK: i64 = fine(Octaves(2 << 16));
 
 /// A correction and the integral behind it, with the fractional bits of [`fine`].
@@ -53,7 +53,7 @@ impl Tone {
         }
     }
 
-    /// Takes what a window has told: the amplitude in 1/256 code.
+    /// Takes the amplitude that a window has measured, in 1/256 code; `None` if the slot was not followed.
     pub(super) fn take(&mut self, amplitude: Option<u32>, room: Room, law: &Law) {
         self.frozen = self.frozen.saturating_sub(1);
         if self.is_lost() {

@@ -94,7 +94,7 @@ fn measured(
     lock_in.reading().clone()
 }
 
-/// The amplitude in codes and the phase in turns that a reading tells of a tone.
+/// A tone's amplitude in codes and its phase in turns, from a reading.
 fn answer(reading: &Reading, slot: usize) -> Answer {
     let sum = reading.answer(0, slot).expect("the tone was followed");
     let (i, q) = (sum.in_phase as f64, sum.quadrature as f64);

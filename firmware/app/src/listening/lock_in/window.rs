@@ -12,11 +12,11 @@ pub const MAX_WINDOW_BLOCKS: u16 = u16::MAX;
 /// The weight 1.
 const WEIGHT_ONE: u32 = 1 << 15;
 
-/// How much the blocks of a window count. All 128 samples of a block count the same.
+/// The weights of a window's blocks. All 128 samples of a block have the same weight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
-    /// All the same. The least noise, and exact for tones whose distances are whole multiples of one over the window's
-    /// length `T`. Of any other tone, `df` away, up to `1 / (pi df T)` leaks in; of an input's offset, twice that.
+    /// Equal weights. Least noise; tones whose spacing is a whole multiple of `1 / T`, `T` the window's length, do not
+    /// leak into each other. Any other tone, `df` away, leaks by up to `1 / (pi df T)`; an input's offset by twice that.
     Rectangular,
     /// Hann: `1/2 - 1/2 cos(2 pi (b + 1/2) / blocks)` for block `b`. Only `1 / (pi (df T)^3)` leaks in, but there is 1.8 dB
     /// more noise. Of a tone that is `d` from a distance of `m` times the block rate (3125 Hz at 400 kS/s), the steps

@@ -114,7 +114,7 @@ impl Rig {
         self.plan(|planner, view, table| planner.drive(drive, view.next, table, &view.motion))
     }
 
-    /// The lowest and the highest code of so many blocks.
+    /// The lowest and the highest code of the next `blocks` blocks.
     fn extent(&mut self, blocks: u32) -> (u16, u16) {
         let (mut lowest, mut highest, mut codes) = (MID_SCALE, MID_SCALE, [0; BLOCK]);
         for _ in 0..blocks {

@@ -24,7 +24,7 @@ pub(super) struct Law {
     damping: f32,
     /// The share of a frequency far below the resonance.
     static_share: f32,
-    /// The ratio at which the share is largest; `None` if it only falls.
+    /// The frequency ratio r at which the share of the allowed travel is largest; `None` if the share falls with r.
     peak: Option<f32>,
 }
 

@@ -146,7 +146,7 @@ impl Bench {
         self.motion.at(at, &self.slots, &self.shape)
     }
 
-    /// So many samples that free motion has died out: seven times its time constant, to a thousandth.
+    /// Samples until free motion has fallen to a thousandth: seven times its time constant.
     fn settles(&self) -> u64 {
         let quality = f64::from(self.limit.quality_per_mille) / 1e3;
         let resonance_hz = self.limit.resonance_uhz as f64 * 1e-6;

@@ -1,11 +1,11 @@
-//! What becomes of the two copies: a lost one is told and mended, a whole one is not written again, erasures are counted.
+//! The two copies: a lost one is reported and repaired, a whole one is not written again, erasures are counted.
 
 use std::format;
 
 use super::*;
 use crate::store::{erasures, has_lost_a_copy, holds, holds_nothing};
 
-/// Flash after so many stores, the last one of `last`.
+/// Flash after `times` stores, the last one of `last`.
 fn stored_times(times: u32, last: &Kept) -> Flash {
     let mut flash = Flash::new();
     for before in 1..times {

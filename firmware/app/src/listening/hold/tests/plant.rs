@@ -11,23 +11,23 @@ pub(super) const STEPS: usize = 40;
 const PERIOD: u32 = 40_000;
 pub(super) const SLOT: usize = 3;
 
-/// What the plate is like.
+/// The true plate, and the time constant that the hold assumes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Truth {
-    /// The time constant that the hold is told, in periods.
-    pub(super) told: f64,
-    /// The true one, in parts of it.
+    /// The time constant in the hold's setting, in periods.
+    pub(super) assumed_tau: f64,
+    /// The true time constant, in parts of the assumed one.
     pub(super) tau: f64,
     /// Its amplitude at the table's level, in parts of the set one.
     pub(super) gain: f64,
-    /// The power of the drive that its amplitude goes by; 1 for a plate that is linear.
+    /// Exponent of the plate's amplitude as a power of the drive's; 1 for a linear plate.
     pub(super) power: f64,
     /// Periods between the end of a window and the glide: a quarter, with the window, the glide and the hold of half a
     /// period, a quarter and half a period, makes a delay of 1.5.
     pub(super) lead: f64,
 }
 
-pub(super) const NOMINAL: Truth = Truth { told: 1.0, tau: 1.0, gain: 1.0, power: 1.0, lead: 0.25 };
+pub(super) const NOMINAL: Truth = Truth { assumed_tau: 1.0, tau: 1.0, gain: 1.0, power: 1.0, lead: 0.25 };
 
 pub(super) struct Rig {
     truth: Truth,
@@ -56,7 +56,7 @@ fn level_of(hold: &Hold) -> f64 {
 impl Rig {
     /// A plate that has followed the drive for long.
     pub(super) fn new(truth: Truth, slew: Octaves, room_db: f64) -> Self {
-        let samples = (truth.told * f64::from(PERIOD)) as u32;
+        let samples = (truth.assumed_tau * f64::from(PERIOD)) as u32;
         let setting = Setting { period: PERIOD, slew, ..setting(samples) };
         let tone = tone(SLOT as u8);
         let hold = Hold::new(&setting, &[tone], MIN_GLIDE).expect("it can be held");
@@ -87,7 +87,7 @@ impl Rig {
 
     /// Runs for some periods, `finger` what it leaves of the amplitude.
     pub(super) fn run(&mut self, periods: f64, finger: f64) {
-        let tau = self.truth.told * self.truth.tau * STEPS as f64;
+        let tau = self.truth.assumed_tau * self.truth.tau * STEPS as f64;
         let share = 1.0 - (-1.0 / tau.max(1e-9)).exp();
         for _ in 0..(periods * STEPS as f64) as usize {
             if let Some((begin, to)) = self.next.take_if(|(begin, _)| *begin == self.now) {
