@@ -138,7 +138,7 @@ def sounding(facts, image, mirror):
 @pytest.fixture(scope="session")
 def cool(facts, image):
     """Connected, with a table, armed, and so long after the start that the thermal model lets the full level pass:
-    after a reset it takes the coil for hot, and `mirror_codes` is not told the limit."""
+    after a reset it takes the coil for hot, and `mirror_codes` does not know the limit."""
     rig = Rig(facts, image)
     rig.host.connect()
     rig.host.upload()

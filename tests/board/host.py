@@ -193,7 +193,7 @@ class Host:
         self.nonce = 0
         self.keep_alive_due = 0.0
         self.lives = True
-        # What the mirror is told: (index, frame) of every accepted command that changes what sounds.
+        # Input of the mirror: (index, frame) of every accepted command that changes what sounds.
         self.accepted = []
 
     def connect(self):
@@ -284,14 +284,14 @@ class Host:
             progress = PROGRESS[r.number()]
             if progress == "broken":
                 r.number()
-            at, count, first, told = r.number(), r.number(), r.number(), r.number()
+            at, count, first, sent = r.number(), r.number(), r.number(), r.number()
             assert first == len(codes)
-            codes += [r.number() for _ in range(told)]
-            if not told or len(codes) == count:
+            codes += [r.number() for _ in range(sent)]
+            if not sent or len(codes) == count:
                 return progress, at, codes
 
     def hold(self, tones, blocks):
-        """Holds tones (slot, codes of amplitude) at the sensor, by windows of so many blocks, 12 dB up at most."""
+        """Holds tones (slot, codes of amplitude) at the sensor, with windows of `blocks` blocks and a rise of at most 12 dB."""
         listed = b"".join(bytes([slot]) + varint(round(256 * codes)) for slot, codes in tones)
         body = b"\0\0" + varint(blocks) + zigzag(1200) + zigzag(602) + bytes([len(tones)]) + listed
         return self.accept(HOLD, body)

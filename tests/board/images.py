@@ -41,6 +41,6 @@ def firmware(board):
         built = cargo("build", "--release", "-p", "slipline-stm32", "--target", TARGET, *features)["slipline-stm32"]
         copy = built.with_name(f"tested-{board}.elf")
         shutil.copy(built, copy.with_suffix(".new"))
-        # Whoever reads the old copy goes on reading it.
+        # A process that reads the old copy continues to read that.
         copy.with_suffix(".new").replace(copy)
     return copy

@@ -28,12 +28,12 @@ def listen(host, blocks, hann=False, slots=EVERY_SLOT, at=None, input=0):
 
 
 def listened(host, input):
-    """What has been measured of an input: two reads, of eight slots each; one while it is under way, and tells no answers."""
+    """The reading of an input: two reads, of eight slots each; while it is under way one read, without answers."""
     lower = _part(host, input, 0)
     if lower.progress == "running":
         return lower
     halves = [lower, _part(host, input, 8)]
-    assert halves[0][:-1] == halves[1][:-1], "both tell the same window"
+    assert halves[0][:-1] == halves[1][:-1], "both are of the same window"
     return halves[0]._replace(answers=halves[0].answers + halves[1].answers)
 
 

@@ -48,13 +48,13 @@ def test_a_chord_is_proven_and_is_the_mirrors_bit_for_bit(cool, mirror):
         assert (status["state"], status["clips"], status["underruns"]) == ("driving", 0, 0)
         assert status["sum"] > 2000, "more than a drive may have"
         assert status["max_cycles"] < 0.5 * BLOCK / RATE_HZ * board.CORE_HZ
-        # The mirror is told what the host did not hear of by itself.
+        # The mirror gets the chord, too, whose answer the host has not seen.
         host.live(2 * period / RATE_HZ)
         stop = host.accept(STOP)
         host.live(0.04)
         until = cool.played()
-        told = first, frame(host.session, sequence, CHORD, body)
-        accepted = sorted([*host.accepted, told], key=lambda entry: entry[0])
+        accepted_chord = first, frame(host.session, sequence, CHORD, body)
+        accepted = sorted([*host.accepted, accepted_chord], key=lambda entry: entry[0])
         host.accepted = accepted
         codes, expected = cool.codes(first, until), mirror(accepted, first, until)
         wrong = [i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]

@@ -37,16 +37,16 @@ def documented(row):
     return [int(number.replace(" ", "")) for number in re.findall(r"\d[\d ]*(?= \|)", line)]
 
 
-def agrees(told, true):
-    return abs(told - true) <= TOLERANCE * true
+def agrees(stated, true):
+    return abs(stated - true) <= TOLERANCE * true
 
 
 @pytest.mark.parametrize("board", BOARDS)
 def test_the_sizes_in_the_documents_are_the_images(board):
     flash, ram = sizes(firmware(board))
-    told = documented(board)
+    stated = documented(board)
     print(f"{board}: {flash} bytes of flash, {ram} bytes of RAM")
-    assert agrees(told[0], flash) and agrees(told[1], ram), f"documented {told}, built {flash}, {ram}"
+    assert agrees(stated[0], flash) and agrees(stated[1], ram), f"documented {stated}, built {flash}, {ram}"
 
 
 @on_f407
@@ -96,10 +96,10 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     depths = dict(board.worst_depth)
     renderer = depths.pop(board.priorities[RENDERER_IRQ])
     seen = {"thread mode": board.thread_depth(), "renderer's interrupt": renderer, "other interrupts": sum(depths.values())}
-    told = {part: documented(part)[0] for part in seen}
+    stated = {part: documented(part)[0] for part in seen}
     print(f"stack: {seen}, other interrupts by priority: {depths}")
-    assert told == pytest.approx(seen, abs=STACK_TOLERANCE)
-    assert documented("worst stack") == [sum(told.values())]
+    assert stated == pytest.approx(seen, abs=STACK_TOLERANCE)
+    assert documented("worst stack") == [sum(stated.values())]
 
 
 def test_every_test_that_the_safety_page_names_exists():

@@ -1,4 +1,4 @@
-"""What ends the drive when host, program or supply fail, and how that is told (RELIABILITY, sections B and E)."""
+"""The end of the drive when host, program or supply fail, and its report (RELIABILITY, sections B and E)."""
 import pytest
 from unicorn import arm_const
 
@@ -15,7 +15,7 @@ HANDLED_IN = 0.0001
 
 def at_each_reset(rig):
     """A list that gets the mute pin's level and the DAC's code at each reset, as they are just before it: a reset lets the
-    pin float, so afterwards nobody can tell."""
+    pin float, so its level is lost afterwards."""
     seen, reset = [], rig.board.reset
     rig.board.reset = lambda cause: (seen.append((rig.board.pin(rig.facts.unmute), rig.board.dac.output)), reset(cause))
     return seen
@@ -23,7 +23,7 @@ def at_each_reset(rig):
 
 @pytest.mark.every_image
 def test_a_silent_host_is_noticed_by_the_device_itself(armed):
-    """R-20: nothing about USB tells it, the cable stays in and the port open."""
+    """R-20: USB gives no sign of it, the cable stays in and the port open."""
     start(armed)
     last = armed.played()
     armed.host.lives = False
@@ -102,8 +102,8 @@ def run_code(rig, code, **registers):
 
 
 def muted_crash(rig, begins_in=0.0):
-    """Waits for the reset after a fault that begins within so many seconds, for as long as its handler may take; the message
-    that the next hello has."""
+    """Waits for the reset after a fault that begins within `begins_in` seconds, for as long as its handler may take. Returns the
+    message in the next hello."""
     seen = at_each_reset(rig)
     rig.board.run_until(lambda: seen, begins_in + HANDLED_IN, step=10e-6)
     assert seen == [(0, MID)], "muted before the reset"

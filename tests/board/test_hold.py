@@ -1,7 +1,7 @@
 """The level hold on the very image that is flashed: what is sent while one of its turns plans new levels is at the pin as soon as without it.
 
-A turn takes what a window has told, plans the levels of all tones, and publishes them; no command is looked at meanwhile but a
-stop. A first copy of the board finds out when the next turn begins and ends; further ones send at moments between.
+A turn takes the amplitudes of a window, plans the levels of all tones, and publishes them; meanwhile only a stop is looked at,
+no other command. A first copy of the board finds out when the next turn begins and ends; further ones send at moments between.
 """
 import re
 

@@ -53,9 +53,9 @@ def test_a_tone_that_stops_within_the_window_is_not_taken_for_measured(sounding)
         rig.host.live(blocks * BLOCK / RATE_HZ + 0.003)
         return listened(rig.host, 0)
 
-    told = on_copy(sounding, case)
-    assert (told.progress, told.blocks, told.followed) == ("finished", blocks, 0b01)
-    assert told.answers[0] != NOTHING and set(told.answers[1:]) == {NOTHING}
+    reading = on_copy(sounding, case)
+    assert (reading.progress, reading.blocks, reading.followed) == ("finished", blocks, 0b01)
+    assert reading.answers[0] != NOTHING and set(reading.answers[1:]) == {NOTHING}
 
 
 @pytest.mark.every_image
@@ -77,15 +77,15 @@ def test_codes_that_are_lost_break_the_lock_ins_whose_sums_are_right_up_to_there
         listen(host, 10, slots=SLOTS)
         host.live(10 * BLOCK / RATE_HZ + 0.003)
         whole = listened(host, 0)
-        heard = [rig.codes(told.begin, told.begin + told.blocks * BLOCK) for told in (broken, whole)]
+        heard = [rig.codes(reading.begin, reading.begin + reading.blocks * BLOCK) for reading in (broken, whole)]
         return begin, broken, whole, heard, host.accepted, host.inputs()[2]
 
     begin, broken, whole, heard, accepted, lost = on_copy(sounding, case)
     assert (broken.progress, broken.begin, whole.progress, whole.blocks) == ("broken", begin, "finished", 10)
     assert lost_after - 6 <= broken.blocks <= lost_after and 0 < lost <= 6
-    for told, codes in zip((broken, whole), heard):
-        assert (told.weight, told.followed, told.answers) == mirrored_lock_ins(accepted, told.begin, codes, slots=SLOTS)
-        assert (told.lowest, told.highest) == (min(codes), max(codes))
+    for reading, codes in zip((broken, whole), heard):
+        assert (reading.weight, reading.followed, reading.answers) == mirrored_lock_ins(accepted, reading.begin, codes, slots=SLOTS)
+        assert (reading.lowest, reading.highest) == (min(codes), max(codes))
 
 
 # 100 ms, in whole periods of a comb of two tones, at 26 and 41 kHz: harmonic and level.
@@ -124,7 +124,7 @@ def test_tones_at_40_and_80_db_below_full_scale_are_measured_through_the_noise(s
         return gain, [listened(host, input) for input in (0, 1)]
 
     gain, (sensor, shunt) = on_copy(sounding, case)
-    assert {(told.progress, told.followed) for told in (sensor, shunt)} == {("finished", SLOTS)}
+    assert {(reading.progress, reading.followed) for reading in (sensor, shunt)} == {("finished", SLOTS)}
     unit = LOCK_IN_UNIT * sensor.weight
     for (harmonic, _), heard, played, most, level in zip(TONES, sensor.answers, shunt.answers, most_db, (40, 80)):
         turns = harmonic / (BLOCK * PERIOD_BLOCKS)

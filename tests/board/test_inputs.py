@@ -55,8 +55,8 @@ def test_every_code_of_the_inputs_has_the_index_of_the_dacs_code(sounding, mirro
 
     first, codes, accepted, (count, delay, lost) = on_copy(sounding, case)
     assert (count, lost) == (2, 0)
-    told = re.search(rf"^\| {sounding.facts.name} \| 0 to 3\.[03] V \| (\d+) ns", TEXT, re.M)
-    assert int(told[1]) == delay, "the documents tell the delay that the device states"
+    stated = re.search(rf"^\| {sounding.facts.name} \| 0 to 3\.[03] V \| (\d+) ns", TEXT, re.M)
+    assert int(stated[1]) == delay, "the documents state the device's delay"
     assert max(codes) - min(codes) > 400, "it sounds"
     assert codes == mirror(accepted, first, first + len(codes), sounding.limit), "the index is the host's"
 
@@ -72,8 +72,8 @@ LOSSES = {
 @pytest.mark.parametrize("loss", LOSSES)
 @pytest.mark.parametrize("samples", [2, 50, 3000])
 def test_codes_that_are_lost_do_not_move_the_others(sounding, mirror, loss, samples):
-    """The capture that is under way breaks, up to there its codes are right, and so are those of the next; what was lost is
-    told, and the DAC does not notice. One word may wait for the DMA, so that two must be missing."""
+    """The capture under way breaks; its codes up to there are right, and so are those of the next. The loss is reported, and
+    the DAC's codes do not change. One word may wait for the DMA, so that two must be missing."""
 
     def case(rig):
         board, host = rig.board, rig.host
@@ -143,7 +143,7 @@ def mask(rig):
 @pytest.mark.every_image
 @pytest.mark.parametrize("fault", [silence, starve, mask])
 def test_after_a_fault_of_the_dac_the_codes_are_again_those_of_their_index(sounding, mirror, fault):
-    """The codes' places are no longer the device's indices then: the mirror tells which codes an index has."""
+    """The codes' places are no longer the device's indices then: the mirror gives the codes of an index."""
 
     def case(rig):
         host = rig.host

@@ -49,20 +49,20 @@ class Plate:
 
 
 def measure(rig, blocks, **window):
-    """Measures and returns what is told of every input that is measured, and the codes that it has sampled."""
+    """Measures; returns the plate, and the reading and the sampled codes of every measured input."""
     plate = Plate(rig)
     rig.host.live(0.001)
     begin = listen(rig.host, blocks, **window)
     rig.host.live(blocks * BLOCK / 400_000 + 0.003)
     inputs = (0, 1) if window["input"] is None else (window["input"],)
-    return plate, [(told := listened(rig.host, input), plate.sampled(input, begin, told.blocks)) for input in inputs]
+    return plate, [(reading := listened(rig.host, input), plate.sampled(input, begin, reading.blocks)) for input in inputs]
 
 
-def check(told, codes, mirrored):
+def check(reading, codes, mirrored):
     weight, followed, answers = mirrored
-    assert told.progress == "finished" and told.blocks * BLOCK == len(codes)
-    assert (told.weight, told.followed, told.answers) == (weight, followed, answers)
-    assert (told.lowest, told.highest) == (min(codes), max(codes))
+    assert reading.progress == "finished" and reading.blocks * BLOCK == len(codes)
+    assert (reading.weight, reading.followed, reading.answers) == (weight, followed, answers)
+    assert (reading.lowest, reading.highest) == (min(codes), max(codes))
 
 
 @pytest.mark.every_image
@@ -80,9 +80,9 @@ def test_the_lock_ins_of_a_comb_are_the_hosts_bit_for_bit_and_what_the_plate_is(
         return shunt, sensor, rig.host.accepted, [plate.answer(m / (BLOCK * PERIOD_BLOCKS)) for m, _, _ in TONES]
 
     *both, accepted, truth = on_copy(sounding, case)
-    for told, codes in both:
-        check(told, codes, mirrored_lock_ins(accepted, told.begin, codes))
-        assert told.followed == 0xFFFF
+    for reading, codes in both:
+        check(reading, codes, mirrored_lock_ins(accepted, reading.begin, codes))
+        assert reading.followed == 0xFFFF
     (shunt, _), (sensor, _) = both
     for sent, answer, true in zip(shunt.answers, sensor.answers, truth):
         # The noise leaves 0.03 codes (RMS), and at the shunt the faintest tone has 13, half of what is sent.
@@ -100,13 +100,13 @@ def test_the_lock_ins_of_a_drag_are_the_hosts_bit_for_bit(sounding, mirrored_loc
         rig.host.accept(DRIVE, drive([(slot, (slot + 0.5) / 17, 0.05) for slot in range(16)], 5 * MILLISECOND))
         rig.host.live(0.01)
         rig.host.accept(DRIVE, drive([(slot, (16 - slot) / 17, 0.05) for slot in range(16)], 20 * MILLISECOND))
-        _, told = measure(rig, 50, hann=True, slots=slots, input=input)
-        return told, rig.host.accepted
+        _, reading = measure(rig, 50, hann=True, slots=slots, input=input)
+        return reading, rig.host.accepted
 
     seen, accepted = on_copy(sounding, case)
-    for told, codes in seen:
-        check(told, codes, mirrored_lock_ins(accepted, told.begin, codes, hann=True, slots=slots))
-        assert told.followed == slots
+    for reading, codes in seen:
+        check(reading, codes, mirrored_lock_ins(accepted, reading.begin, codes, hann=True, slots=slots))
+        assert reading.followed == slots
 
 
 @pytest.mark.every_image

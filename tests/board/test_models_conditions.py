@@ -28,7 +28,7 @@ LEFT = 0b000011 << 10
 
 
 class Word(NamedTuple):
-    """A word of a flash with error correction, which cannot be corrected, and how a program reads one all the same."""
+    """A word of a flash with error correction that cannot be corrected, and how a program can still read it."""
 
     chip: type
     address: int

@@ -222,7 +222,7 @@ def test_a_timer_counts_anothers_updates_and_takes_its_compare_value_over_at_its
     for _ in range(24):
         chip.board.run(update)
         levels.append(chip.board.timers[4].outputs.level("3"))
-    # The value is buffered: the first round, up to the eighth update, goes by the old one.
+    # The value is buffered: the first round, up to the eighth update, uses the old one.
     assert levels == [0] * 7 + [1, 1, 1, 0, 0, 0, 0, 0] * 2 + [1]
     chip.write(TIM8 + CR1, 0)
     before = chip.read(TIM4 + CNT)

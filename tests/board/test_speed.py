@@ -75,9 +75,9 @@ def test_the_lock_ins_take_the_cycles_that_their_module_says(call):
     """Sixteen tones, one input."""
     cycles = worst_cycles(bench(), call)
     each, share = cycles / (TONES * BLOCK), 100 * cycles / BLOCK_PERIOD_CYCLES
-    told = re.search(rf"([\d.]+)(?: cycles per tone and sample)? while every tone (?:is )?{LOCK_INS[call]} \((\d+) %", LOCK_IN)
-    assert told, "the module's documentation has this figure"
-    assert [float(figure) for figure in told.groups()] == pytest.approx([each, share], rel=TOLERANCE)
+    stated = re.search(rf"([\d.]+)(?: cycles per tone and sample)? while every tone (?:is )?{LOCK_INS[call]} \((\d+) %", LOCK_IN)
+    assert stated, "the module's documentation has this figure"
+    assert [float(figure) for figure in stated.groups()] == pytest.approx([each, share], rel=TOLERANCE)
 
 
 def documented(row):
@@ -175,8 +175,8 @@ def test_a_block_is_rendered_and_measured_in_little_enough_of_its_time(armed):
             for _ in range(2):
                 listen(host, 3, hann=True, **window)
                 host.live(0.002)
-        told = listened(host, 0)
-        assert told.progress == "finished" and told.followed == window.get("slots", EVERY_SLOT)
+        reported = listened(host, 0)
+        assert reported.progress == "finished" and reported.followed == window.get("slots", EVERY_SLOT)
         compare(row, board, board.worst_cycles[RENDERER], recorder.runs, RENDERER, limits)
 
     glide(host, 0, 10)
@@ -203,7 +203,7 @@ def test_a_block_is_rendered_while_levels_are_held_in_little_enough_of_its_time(
     host.hold([(slot, 8) for slot in range(TONES)], 20)
     host.live(0.012)
     board.worst_cycles.clear()
-    # A window and its pause are 10.24 ms: when it is told that one is over its turn has just published new levels.
+    # A window and its pause are 10.24 ms: when a window is reported as over, its turn has just published new levels.
     windows = host.held()[1]
     board.run_until(lambda: host.held()[1] > windows, 0.02, step=0.0005)
     with Recorder(board, RENDERER) as recorder:
@@ -237,8 +237,8 @@ def test_a_block_that_waits_is_revised_in_the_time_that_the_ring_holds_back_for_
     print(f"handed over after {max(samples):.1f} samples; the ring allows {revision - margin}")
     # A byte of the UART takes 2 us, and one comes every 10.9 us.
     assert max(samples) * 1.2 <= revision - margin
-    told = [int(re.search(rf"(\d+) cycles \({name}\)", RING)[1]) for name in ("F407", "G474")]
-    assert told == pytest.approx((max(until_handed_over[:2]), until_handed_over[2]), rel=0.05)
+    stated = [int(re.search(rf"(\d+) cycles \({name}\)", RING)[1]) for name in ("F407", "G474")]
+    assert stated == pytest.approx((max(until_handed_over[:2]), until_handed_over[2]), rel=0.05)
 
 
 @on_f407
@@ -258,7 +258,7 @@ def test_interrupts_are_never_masked_for_longer_than_the_priorities_file_says(ar
     board.is_hasty = True
     host.live(0.15)
     cycles, _ = board.worst_masked
-    told = int(re.search(r"at most (\d+) cycles", PRIORITIES).group(1))
+    stated = int(re.search(r"at most (\d+) cycles", PRIORITIES).group(1))
     print(f"interrupts masked: at most {cycles:.0f} cycles, {cycles / board.CORE_HZ * 1e6:.2f} us")
     assert 0 < cycles < 2e-6 * board.CORE_HZ, "a byte of the UART takes 10.9 us"
-    assert told == pytest.approx(cycles, rel=0.1)
+    assert stated == pytest.approx(cycles, rel=0.1)

@@ -109,7 +109,7 @@ def test_the_lamp_tells_muted_from_sounding(armed):
 
 
 def test_the_lamp_tells_that_the_brown_out_level_is_not_set(rig):
-    """R-56: as chips leave the factory. Nothing but the lamp tells it."""
+    """R-56: as chips leave the factory. Only the lamp shows it."""
     mask, delivered = rig.facts.brown_out
     rig.board.flash.options = rig.board.flash.options & ~mask | delivered
     rig.board.reset("power")

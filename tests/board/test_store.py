@@ -33,7 +33,7 @@ def test_a_board_without_its_brown_out_level_says_so(rig):
 
 
 def operation_at(facts, words):
-    """The flash's operation during which the power goes: the first erasure, or where so many words of 4 bytes are written."""
+    """The flash's operation during which the power fails: the first erasure, or the one after `words` written words of 4 bytes."""
     return facts.erasures - 1 + -(-4 * words // facts.word_bytes) if words else 0
 
 

@@ -10,7 +10,7 @@ from images import ROOT
 from rig import MILLISECOND
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
-# The pin rises so many samples before the program's first code is at the DAC's pin, and stays high for half a block.
+# Samples from the pin's rise to the program's first code at the DAC's pin, and samples that the pin stays high (half a block).
 LEAD, PULSE = 2, 64
 TONE = [(2, 0.5, 0.1)]
 
@@ -78,7 +78,7 @@ def test_a_program_that_is_not_played_raises_nothing(sounding):
 
 def test_the_pin_keeps_in_step_with_the_ring_when_that_has_begun_anew(sounding, mirror):
     """The DMA does not deliver: the stream is set up again, and the block timer with it. The codes' places are no longer
-    the device's indices then, so the codes themselves tell where the program begins."""
+    the device's indices then, so the begin of the program is found in the codes themselves."""
 
     def case(rig):
         board, host = rig.board, rig.host

@@ -31,13 +31,13 @@ def rise(rig, seconds=20e-6):
 
 
 def to_phase(rig, phase):
-    """Lets time pass until the DAC is so many samples into a block."""
+    """Lets time pass until the DAC is at sample `phase` of a block."""
     rig.board.run_until(lambda: rig.played() % BLOCK == phase, 0.001, step=1e-6)
 
 
 @pytest.mark.every_image
 def test_a_drive_begins_within_two_blocks_of_the_rise_and_is_the_mirrors(sounding, mirror):
-    """Wherever in a block the input rises; the output tells the begin, and so does the device."""
+    """At any moment of a block at which the input rises; the output's edge and the device's report mark the begin."""
 
     def case(rig):
         host, edges, found = rig.host, Edges(rig), []
@@ -49,7 +49,7 @@ def test_a_drive_begins_within_two_blocks_of_the_rise_and_is_the_mirrors(soundin
             rose = rise(rig)
             host.live(0.002)
             waits, began = host.trigger()
-            # The mirror is told where it began, which the answer could not know.
+            # The mirror gets the index at which it began, which the answer could not know.
             host.accepted[-1] = (began, host.accepted[-1][1])
             found.append((state, waits, rose, began))
             host.live(0.006)

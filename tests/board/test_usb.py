@@ -267,7 +267,7 @@ def test_a_bus_reset_in_a_control_transfer_ends_it(sounding, transfer):
 @on_usb
 @pytest.mark.every_image
 def test_a_hundred_bus_resets_do_not_touch_the_samples_and_the_link_comes_back(sounding):
-    """Most come before the core has told the speed, some while the host enumerates."""
+    """Most come before the core has reported the speed, some while the host enumerates."""
     chance, board, cable = random.Random(100), sounding.board, sounding.cable
     for number in range(100):
         cable.bus_reset()

@@ -134,9 +134,9 @@ def test_a_usb_core_that_never_ends_a_flush_costs_the_deadline_and_not_the_finge
         host.inbox.clear()
         return off, board.resets, host.connect()["reset"], host.status()["faults"]
 
-    off, resets, told, faults = on_copy(sounding, case)
+    off, resets, reported, faults = on_copy(sounding, case)
     assert off <= (MUTED_IN if masks else longest_watchdog(sounding))
-    assert resets == ["watchdog"] and told == "watchdog" and "watchdog" in faults
+    assert resets == ["watchdog"] and reported == "watchdog" and "watchdog" in faults
 
 
 def test_a_crystal_that_stops_mutes_in_hardware_and_is_told(sounding):

@@ -136,5 +136,5 @@ class Channel:
                             answers.put(frame)
         except Closed as error:
             self._ended = error
-        except Exception as error:  # An answer would never come: whoever waits is told why.
+        except Exception as error:  # No answer will come: the waiting call gets the cause.
             self._ended = error

@@ -174,8 +174,8 @@ class Client:
     def listen(
         self, blocks: int, *, slots: int = 0xFFFF, input: int = 0, shape: Choice = RECTANGULAR, start: Optional[int] = None
     ) -> list[Optional[complex]]:
-        """How an input answers each slot's tone over so many blocks from the index `start` on: as a complex amplitude in
-        codes against the tone's sine, None for a tone that did not sound on. Waits until the window is over. Raises
+        """The answer of an input to each slot's tone over `blocks` blocks from the index `start` on: a complex amplitude in
+        codes against the tone's sine, None for a tone that stopped or began anew. Waits until the window is over. Raises
         `SliplineError` with a device older than 1.3, and if a block was lost.
         """
         begin = self._accepted("Listen", Listen(start, blocks, shape, slots, input))
@@ -190,7 +190,7 @@ class Client:
         return answers
 
     def capture(self, values: int, *, input: int = 0, log2_codes: int = 0, start: Optional[int] = None) -> list[float]:
-        """So many means of `2**log2_codes` codes of an input from the index `start` on; 2048 is mid-scale. Waits until they
+        """`values` means of `2**log2_codes` codes of an input from the index `start` on; 2048 is mid-scale. Waits until they
         are there. Raises `SliplineError` with a device older than 1.3, and if a block was lost."""
         begin = self._accepted("Capture", Capture(start, input, log2_codes, values))
         self._wait_for_index(begin + (values << log2_codes))
@@ -210,7 +210,7 @@ class Client:
         max_rise: int = 1200,
         slew: int = 602,
     ) -> int:
-        """Holds the measured amplitudes of tones that sound, by windows of so many blocks; returns the first window's first
+        """Holds the measured amplitudes of tones that sound, with windows of `blocks` blocks; returns the first window's first
         sample. `time_constant` is the plate's in samples; `max_rise` above the drive's level and `slew` from window to window
         are in 1/100 dB. Raises `FieldError`, and `SliplineError` with a device older than 1.3.
         """
@@ -265,7 +265,7 @@ class Client:
 
     def store(self) -> bool:
         """Keeps the table in force in flash; the device must be disarmed. Returns whether the device says that it has
-        written: one of 1.1 does not write again what it keeps already, one of 1.0 does not tell."""
+        written: one of 1.1 does not write again what it keeps already, one of 1.0 does not report that."""
         return self._written("Store")
 
     def forget(self) -> bool:
@@ -376,7 +376,7 @@ def demonstration_table(sample_rate_hz: int) -> Table:
 
 
 def demonstrate(device: Client, seconds: float) -> None:
-    """Drives a tone that glides along the plate, and tells what the device says."""
+    """Drives a tone that glides along the plate, and prints the device's answers."""
     who = device.device
     version = ".".join(str(number) for number in who.firmware)
     kind = "simulated" if who.simulated else "connected to a plate"

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from errors import DecodeError
 
-# A piece has at most so many bytes: its length plus 1 fits into one byte.
+# Bytes of a piece, at most: its length plus 1 fits into one byte.
 LONGEST_PIECE = 254
 
 

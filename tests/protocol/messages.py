@@ -284,7 +284,7 @@ class DigestStart(Record):
 
 @dataclass(frozen=True)
 class Listen(Record):
-    """Measures how an input, or all, answer the tones of these slots (bits), over so many blocks from an index on. Since 1.3."""
+    """Measures how an input, or all, answer the tones of these slots (bits), over `blocks` blocks from an index on. Since 1.3."""
 
     from_: Optional[int] = field(Option(U64))
     blocks: int = field(U16, 1, 65535)
@@ -320,7 +320,7 @@ class CaptureRead(Record):
 
 @dataclass(frozen=True)
 class Hold(Record):
-    """Holds the measured amplitudes of these tones, by windows of so many blocks: `time_constant` of the plate in samples,
+    """Holds the measured amplitudes of these tones, with windows of `blocks` blocks: `time_constant` of the plate in samples,
     `max_rise` above the drive's level and `slew` from window to window in 1/100 dB. No tones: the hold ends. Since 1.3."""
 
     input: int = field(U8)

@@ -143,7 +143,7 @@ class Option:
 
 @dataclasses.dataclass(frozen=True)
 class Array:
-    """So many items, without a count. An array of u8 is a `bytes`, any other one a tuple."""
+    """`count` items, with no count on the wire. An array of u8 is a `bytes`, any other one a tuple."""
 
     count: int
     item: Any
@@ -166,7 +166,7 @@ class Array:
 
 @dataclasses.dataclass(frozen=True)
 class List:
-    """The count as a varint, then so many items: a tuple."""
+    """The count as a varint, then that number of items: a tuple."""
 
     longest: int
     item: Any

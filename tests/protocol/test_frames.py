@@ -76,7 +76,7 @@ class Examples(unittest.TestCase):
                 self.assertEqual(encode_again(frame), example.wire)
 
     def test_values_of_the_examples(self) -> None:
-        # Two fields of one type in the wrong order would still encode to the same bytes; their values tell.
+        # Two fields of one type in the wrong order would still encode to the same bytes; their values show it.
         for example in page.examples():
             with self.subTest(chapter=example.section.chapter, message=example.section.name):
                 kind = kind_of(example.section.id)

@@ -99,16 +99,16 @@ impl Bench {
         PLACES.map(|share| share * self.nominal.length_m())
     }
 
-    /// What the device tells of its inputs.
+    /// The device's report of its inputs.
     ///
     /// # Panics
-    /// If it tells nothing.
+    /// If there is none.
     #[must_use]
     pub fn inputs(&self) -> InputsReport {
         self.loopback.view().inputs.expect("a device with inputs")
     }
 
-    /// Measures with the sensor, which was told to stand at `place_m`; `change` may do something at each step.
+    /// Measures with the sensor, whose stated place is `place_m`; `change` may do something at each step.
     ///
     /// # Errors
     /// Why there is no measurement.

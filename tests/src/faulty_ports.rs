@@ -29,11 +29,11 @@ pub struct FaultyPorts {
     pub generation: u32,
     /// Why a port cannot be opened.
     pub open_error: Option<LinkError>,
-    /// Drops the next replies, so many.
+    /// Number of the next replies to drop.
     pub drop_replies: u32,
-    /// Drops the next numbered commands, so many.
+    /// Number of the next numbered commands to drop.
     pub drop_commands: u32,
-    /// Drops the next stops, so many.
+    /// Number of the next stops to drop.
     pub drop_stops: u32,
     /// Changes a reply on its way.
     pub rewrite: Rewrite,

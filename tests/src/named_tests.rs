@@ -53,7 +53,7 @@ pub fn all_tests() -> BTreeSet<String> {
     found
 }
 
-/// The rows of a page's table with so many columns, without its head and its rule.
+/// The rows of a page's tables that have `columns` columns, without head and rule.
 #[must_use]
 pub fn rows(page: &str, columns: usize) -> Vec<Vec<String>> {
     let cells = |line: &str| -> Vec<String> {

@@ -105,7 +105,7 @@ impl Soak {
         soak
     }
 
-    /// Lets the user act for so many seconds more.
+    /// Lets the user act for further seconds.
     ///
     /// # Panics
     /// If a code is not the mirror's, a fault stands that the user has not caused, a counter is off, or a command is
@@ -220,8 +220,8 @@ impl Soak {
         self.drive(&tones);
     }
 
-    /// One tone where the table's gain is full, as loud as it goes: the coil gets warm. Its glide may be longer than asked
-    /// for by so many blocks.
+    /// One tone where the table's gain is full, at full level: the coil gets warm. Its glide may be longer than asked for by
+    /// `stretched` blocks.
     fn drive_alone(&mut self, stretched: u64) {
         let knots = &self.tables[self.table].knots;
         let (position, knot) =
@@ -320,7 +320,7 @@ impl Xorshift {
     }
 }
 
-/// This process's resident memory in bytes; `None` where the system does not tell.
+/// This process's resident memory in bytes; `None` where the system does not report it.
 #[must_use]
 pub fn resident_bytes() -> Option<u64> {
     let statm = std::fs::read_to_string("/proc/self/statm").ok()?;

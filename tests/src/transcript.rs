@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! # a remark
-//! + 3                so many blocks of the device pass
+//! + 3                3 blocks of the device pass
 //! > 000aa500...      what the host writes at once, in hexadecimal
 //! < 0a5a0102...      a frame of the device
 //! ```
@@ -26,7 +26,7 @@ use slipline_protocol::command::{Apply, DigestWindow};
 /// One line of a transcript.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Line {
-    /// So many blocks pass.
+    /// Number of blocks that pass.
     Blocks(u64),
     /// What the host writes at once: frames.
     Host(Vec<u8>),
@@ -265,7 +265,7 @@ pub fn parts(frame: &[u8]) -> Parts {
 pub struct Scripted {
     /// What the host asked and what came, in order; each is used once.
     exchanges: VecDeque<(Parts, Parts)>,
-    /// The latest status it told, for every question after it that was not recorded.
+    /// The latest status that it reported, the answer to every later question that was not recorded.
     status: Option<Parts>,
     decoder: Decoder,
     answers: Vec<u8>,

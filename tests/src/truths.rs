@@ -54,7 +54,7 @@ impl Judged {
     pub fn line(&self) -> String {
         let Self { seed, before, after, found, snr_db, samples } = self;
         format!(
-            "{seed:4}  {:5.2} -> {:6.3} mm (told {:5.3})  {:5.2} -> {:5.3} dB (told {:5.3})  chi2/n {:4.2}  SNR {:.0}, {:.0} dB  {:4.1} s",
+            "{seed:4}  {:5.2} -> {:6.3} mm (stated {:5.3})  {:5.2} -> {:5.3} dB (stated {:5.3})  chi2/n {:4.2}  SNR {:.0}, {:.0} dB  {:4.1} s",
             1e3 * before.boundary_m,
             1e3 * after.boundary_m,
             1e3 * found.boundary_tolerance_m,
@@ -123,7 +123,7 @@ impl Drawn {
         let sensor = Measurement::at(place_m, SensorKind::Displacement, points);
         let there = predicted(&self.truth, &sensor).expect("on the plate").into_iter().flatten();
         let square = there.map(|it| it.norm_sqr()).sum::<f64>() / frequencies_hz.len() as f64;
-        let full_scale = self.options.full_scale.expect("told");
+        let full_scale = self.options.full_scale.expect("given in the options");
         let codes = CODES * amplitude * square.sqrt() / full_scale;
         let noise = match self.noise {
             Noise::Input => codes * (0.5 * frequencies_hz.len() as f64 / combs).sqrt(),

@@ -16,7 +16,7 @@ const LEVEL: f64 = 0.8;
 /// The device's codes on each side of mid-scale.
 const CODES: f64 = 2047.0;
 /// A tone of fewer codes is off by tenths of a decibel, because the DAC has no code between two: a random plate whose gains
-/// span 60 dB and more has such tones, and the light "DAC resolution" tells of them.
+/// span 60 dB and more has such tones, and the light "DAC resolution" shows them.
 const LEAST_CODES: f64 = 16.0;
 
 fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_gains: bool) -> Simulated {
@@ -119,7 +119,7 @@ fn swing_db(plate_at: impl Fn(f64) -> Plate) -> f64 {
 fn without_the_table_the_peak_swings_as_the_physics_says() {
     let driven = swing_db(|_| aluminium(DriveEnd::Displacement));
     assert!((driven - 36.0).abs() < 1.5, "displacement-driven: {driven} dB, 36 expected");
-    // Matched at every frequency: a real damper drifts away from that, which the preset's own table tells.
+    // Matched at every frequency: a real damper drifts away from that, as the preset's own table shows.
     let matched = swing_db(|hz| aluminium(DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: hz }));
     assert!((matched - 6.0).abs() < 1.0, "matched: {matched} dB, 6 expected");
 }

@@ -128,12 +128,15 @@ fn the_travel_is_that_of_each_tones_own_frequency() {
         level / ((1.0 - r * r).powi(2) + (r / 4.0).powi(2)).sqrt()
     };
     for (harmonic, level) in [(2, 0.3), (1, 0.8), (2, 0.26)] {
-        let told = match rig.send(&of(harmonic, level)) {
+        let reported = match rig.send(&of(harmonic, level)) {
             Event::Refused(Refusal::Travel { travel_per_mille, .. }) => f64::from(travel_per_mille) / 1000.0,
             other => panic!("{harmonic}: {other:?}"),
         };
         let wanted = travel(harmonic.into(), level);
-        assert!(wanted > 1.0 && (told / wanted - 1.0).abs() < 0.003, "{harmonic}: {told}, not {wanted}");
+        assert!(
+            wanted > 1.0 && (reported / wanted - 1.0).abs() < 0.003,
+            "{harmonic}: {reported}, not {wanted}"
+        );
     }
     for (harmonic, level) in [(40, 1.0), (2, 0.24)] {
         rig.accepted(&of(harmonic, level));

@@ -23,7 +23,7 @@ proptest! {
 
     #[test]
     fn a_host_that_dies_at_any_moment_is_followed_by_silence_in_time(blocks in 0u64..2000) {
-        // the link stays "connected" all the while, nothing but the missing beats tells.
+        // the link stays "connected" all the while, the missing beats are the only sign.
         let mut rig = driving();
         rig.live_blocks(blocks);
         rig.keep_alive();

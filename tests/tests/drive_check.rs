@@ -1,5 +1,5 @@
-//! "Is it on?" through the protocol, the device application and the rig: each state of a drive is told in its sentence, before
-//! anything loud sounds.
+//! "Is it on?" through the protocol, the device application and the rig: the report of each state of a drive, before anything
+//! loud sounds.
 
 use slipline_instrument::measure::{
     AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measuring, Plan, Procedure, Sensor,
@@ -23,7 +23,7 @@ fn check(bench: &mut Bench, drive: KnownDrive) -> CheckedDrive {
     found
 }
 
-/// Breaks the drive in every way; the numbers are the current of another motor over that of the told one.
+/// Breaks the drive in every way; `others` are the currents of other motors over that of the stated one.
 fn every_state(name: &str, others: &[f64]) {
     let mut bench = Bench::near(name, 4, 32);
     let known = bench.rig.known_drive();

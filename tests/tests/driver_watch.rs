@@ -25,7 +25,7 @@ fn driving() -> LinkRig {
     rig
 }
 
-/// How many of these commands the device was sent since so many.
+/// Number of these commands that the device was sent after the first `since`.
 fn sent(rig: &LinkRig, since: usize, which: fn(&Command) -> bool) -> usize {
     rig.ports().commands[since..].iter().filter(|(_, command)| which(command)).count()
 }
@@ -64,9 +64,9 @@ fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_told() {
         assert_eq!(sent(&rig, words, |command| *command == Command::Disarm), 1);
         let last: Vec<&Change> = rig.view().journal.iter().rev().take(2).map(|entry| &entry.change).collect();
         assert_eq!(last, [&Change::Disarmed, &Change::Stop]);
-        let told = rig.view().log.iter().find(|line| line.text.contains("gave no sign of life for 1 s"));
-        assert_eq!(told.map(|line| line.severity), Some(Severity::Error));
-        // It stays hung: nothing is left to be stopped, and nothing is told again.
+        let notice = rig.view().log.iter().find(|line| line.text.contains("gave no sign of life for 1 s"));
+        assert_eq!(notice.map(|line| line.severity), Some(Severity::Error));
+        // It stays hung: nothing is left to be stopped, and nothing is reported again.
         rig.pass_ms(20_000);
         assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
         assert_eq!(sent(&rig, words, |command| *command == Command::Stop), 1);

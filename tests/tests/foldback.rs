@@ -16,8 +16,8 @@ use slipline_tests::faulty_ports::as_real;
 use slipline_tests::link_rig::{self, LinkRig};
 use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
 
-/// Lives for some blocks, tells the mirror what the status says of the limit since the status before, and compares all
-/// codes since. Returns the limit, per mille.
+/// Lives for some blocks, gives the mirror the changes of the limit between the last two statuses, and compares all codes
+/// since. Returns the limit, per mille.
 fn follow(rig: &mut Rig, mirror: &mut Mirror, before: &mut Option<Status>, blocks: u64) -> u16 {
     rig.live_blocks(blocks);
     let status = rig.status();
@@ -76,11 +76,11 @@ fn a_limit_that_is_told_after_its_time_makes_the_mirror_untrue() {
     let step = Timing::at(RATE_HZ).limit_period;
     mirror.render(2 * step, |_, _| {});
     mirror.acknowledge_limit(1000, step).unwrap();
-    assert!(mirror.is_true(), "nothing new was told");
+    assert!(mirror.is_true(), "no new limit was reported");
     assert!(mirror.acknowledge_limit(990, step).is_err());
     assert!(!mirror.is_true());
     mirror.silence(3 * step);
-    assert!(mirror.is_true(), "silence begins anew, with the limit that was told last");
+    assert!(mirror.is_true(), "silence begins anew, with the limit that was reported last");
 }
 
 /// The steps that the link notes of a device that cools down, when the answers at these times, in ms, are lost.
@@ -154,7 +154,7 @@ fn a_lost_status_leaves_the_replay_exact() {
 #[test]
 fn after_more_lost_steps_than_a_status_tells_the_replay_is_inexact_until_the_fold_back_is_known() {
     let (mut rig, mut replay) = replayed();
-    // Seven steps more than the host has heard of, as after a gap longer than what a status tells.
+    // Seven steps more than the host has heard of, as after a gap longer than what a status covers.
     rig.ports().rewrite = |event| match as_real(event) {
         Event::Status(status) => {
             Event::Status(Status { foldback_changes: status.foldback_changes + 7, ..status })

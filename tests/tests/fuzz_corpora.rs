@@ -25,13 +25,13 @@ fn replay(target: &str) {
 
 #[test]
 fn every_target_has_its_binary_its_corpus_and_its_replay() {
-    let told: BTreeSet<String> = TARGETS.iter().map(|(name, _)| (*name).to_owned()).collect();
+    let expected: BTreeSet<String> = TARGETS.iter().map(|(name, _)| (*name).to_owned()).collect();
     let binaries: BTreeSet<String> = names("tests/fuzz").iter().map(|name| name.replace(".rs", "")).collect();
-    assert_eq!(binaries, told);
-    assert_eq!(names("tests/corpus"), told);
+    assert_eq!(binaries, expected);
+    assert_eq!(names("tests/corpus"), expected);
     let manifest = fs::read_to_string(root().join("tests/Cargo.toml")).expect("the manifest");
     let source = include_str!("fuzz_corpora.rs");
-    for name in told {
+    for name in expected {
         assert!(manifest.contains(&format!("path = \"fuzz/{name}.rs\"")), "{name}");
         assert!(source.contains(&format!("replay(\"{name}\")")), "{name}");
     }

@@ -167,20 +167,20 @@ fn what_a_finger_takes_is_given_back_and_taken_away_again_when_it_leaves() {
         finger.put(Touch::Part(part));
         let at = live(&mut rig, 12);
         assert!(at.abs_diff(sum) <= 6, "{part}: {at}");
-        let told = held(&mut rig);
-        assert_eq!(states(&told), [(2, HoldState::Held), (5, HoldState::Held)]);
-        for (tone, level) in told.tones.iter().zip([0.1, 0.2]) {
+        let report = held(&mut rig);
+        assert_eq!(states(&report), [(2, HoldState::Held), (5, HoldState::Held)]);
+        for (tone, level) in report.tones.iter().zip([0.1, 0.2]) {
             assert!((decibels(tone) + 20.0 * f64::log10(part)).abs() < 0.1, "{tone:?}");
             let share = f64::from(tone.amplitude) / 256.0 / codes(level);
             assert!((share - 1.0).abs() < 0.01, "{share}");
         }
     }
     // One window after the other.
-    let told = held(&mut rig);
-    let periods = (told.begin - begin) / BLOCK / PERIOD;
+    let report = held(&mut rig);
+    let periods = (report.begin - begin) / BLOCK / PERIOD;
     assert!(
-        told.windows == periods as u32 && (told.begin - begin).is_multiple_of(PERIOD * BLOCK),
-        "{told:?}"
+        report.windows == periods as u32 && (report.begin - begin).is_multiple_of(PERIOD * BLOCK),
+        "{report:?}"
     );
     // The end brings back the drive.
     finger.put(Touch::Part(0.5));
@@ -223,10 +223,10 @@ fn where_there_is_no_room_the_tones_stay_at_the_limit_and_say_which() {
         if limit == HoldLimit::Thermal {
             rig.accepted(&Command::Hold(asked));
         }
-        let (sum_at, told) = (live(&mut rig, 14), held(&mut rig));
+        let (sum_at, report) = (live(&mut rig, 14), held(&mut rig));
         let at_limit = HoldState::AtLimit(limit);
-        assert_eq!(states(&told), [(2, at_limit), (5, at_limit)], "{told:?}");
-        let rise = decibels(&told.tones[0]);
+        assert_eq!(states(&report), [(2, at_limit), (5, at_limit)], "{report:?}");
+        let rise = decibels(&report.tones[0]);
         match limit {
             HoldLimit::Headroom => assert!((997..=1000).contains(&sum_at), "{sum_at}"),
             HoldLimit::Thermal => assert_eq!((sum_at, rise), (sum, 0.0)),
@@ -263,11 +263,11 @@ fn an_answer_that_cannot_be_trusted_ends_in_the_levels_of_the_drive() {
             // It never rises meanwhile.
             assert!(live(&mut rig, 1) <= raised + 2, "{loss:?}");
         }
-        let told = held(&mut rig);
-        assert_eq!(told.progress, HoldProgress::Lost, "{loss:?}: {told:?}");
+        let report = held(&mut rig);
+        assert_eq!(report.progress, HoldProgress::Lost, "{loss:?}: {report:?}");
         let lost = HoldState::Lost(loss);
-        assert_eq!(states(&told), [(2, lost), (5, lost)]);
-        assert_eq!(told.tones.iter().map(|tone| tone.correction.0).collect::<Vec<_>>(), [0, 0]);
+        assert_eq!(states(&report), [(2, lost), (5, lost)]);
+        assert_eq!(report.tones.iter().map(|tone| tone.correction.0).collect::<Vec<_>>(), [0, 0]);
         assert_eq!(rig.status().sum_per_mille, 501, "{loss:?}");
         // The lock-ins are free again, and so is the way for another hold.
         finger.put(Touch::Part(1.0));
@@ -302,11 +302,11 @@ fn whatever_changes_what_sounds_ends_it_and_the_codes_are_those_of_a_device_with
         finger.put(Touch::Part(0.5));
         live(&mut rig, 10);
         rig.accepted(&command);
-        let told = held(&mut rig);
-        assert_eq!(told.progress, HoldProgress::Ended, "{command:?}");
-        assert_eq!(told.tones.len(), 2);
+        let report = held(&mut rig);
+        assert_eq!(report.progress, HoldProgress::Ended, "{command:?}");
+        assert_eq!(report.tones.len(), 2);
         finger.put(Touch::Part(0.1));
-        let windows = told.windows;
+        let windows = report.windows;
         rig.live_blocks(3 * PERIOD);
         assert_eq!(held(&mut rig).windows, windows, "{command:?}");
         rig.accepted(&Command::Listen(window()));
@@ -359,11 +359,11 @@ fn the_lock_ins_are_its_own_meanwhile() {
         assert_eq!(rig.refused(&command), Refusal::Busy(Busy::Holding));
     }
     let part = Command::ListenRead(ListenPart { input: 0, first_slot: 0 });
-    let Event::Listened(told) = rig.send(&part) else { panic!() };
-    assert_eq!((told.progress, told.begin), (Progress::Running, begin));
+    let Event::Listened(reading) = rig.send(&part) else { panic!() };
+    assert_eq!((reading.progress, reading.begin), (Progress::Running, begin));
     rig.accepted(&OFF);
-    let Event::Listened(told) = rig.send(&part) else { panic!() };
-    assert_eq!(told.progress, Progress::Idle);
+    let Event::Listened(reading) = rig.send(&part) else { panic!() };
+    assert_eq!(reading.progress, Progress::Idle);
     rig.accepted(&Command::ListenStop);
     rig.accepted(&OFF);
 }
@@ -432,10 +432,10 @@ fn a_comb_keeps_its_exact_tones_beyond_the_table_too() {
     rig.accepted(&hold(&[(0, codes(0.1)), (1, codes(0.1)), (2, codes(0.1))]));
     finger.put(Touch::Part(0.5));
     live(&mut rig, 24);
-    let told = held(&mut rig);
+    let report = held(&mut rig);
     assert!(
-        told.tones.iter().all(|tone| tone.state == HoldState::Held && (decibels(tone) - 6.02).abs() < 0.1),
-        "{told:?}"
+        report.tones.iter().all(|tone| tone.state == HoldState::Held && (decibels(tone) - 6.02).abs() < 0.1),
+        "{report:?}"
     );
     // Nothing is corrected any more where the levels are right to the last bit, or the hold has ended.
     rig.accepted(&OFF);
@@ -458,9 +458,9 @@ fn a_chord_that_only_its_proof_allows_is_not_corrected() {
     rig.accepted(&hold(&[(3, codes(0.1))]));
     finger.put(Touch::Part(0.5));
     rig.live_blocks(8 * PERIOD);
-    let told = held(&mut rig);
-    assert_eq!(states(&told), [(3, HoldState::AtLimit(HoldLimit::Headroom))]);
-    assert_eq!((told.tones[0].correction.0, rig.status().counters.clips), (0, 0));
+    let report = held(&mut rig);
+    assert_eq!(states(&report), [(3, HoldState::AtLimit(HoldLimit::Headroom))]);
+    assert_eq!((report.tones[0].correction.0, rig.status().counters.clips), (0, 0));
 }
 
 /// An emergency stop that comes at any block of the hold's work begins as soon as in a device that holds nothing.

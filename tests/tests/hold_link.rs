@@ -77,9 +77,9 @@ fn the_snapshot_says_how_the_hold_stands_for_as_long_as_it_is_on() {
     for ticket in [driven, held] {
         assert!(matches!(loopback.view().outcome(ticket), Some(Outcome::Done { .. })));
     }
-    let told = loopback.view().hold.clone().unwrap();
-    assert!(loopback.view().is_holding() && told.windows > 20, "{told:?}");
-    let tone = told.tones[0];
+    let report = loopback.view().hold.clone().unwrap();
+    assert!(loopback.view().is_holding() && report.windows > 20, "{report:?}");
+    let tone = report.tones[0];
     assert_eq!((tone.slot, tone.state), (0, HoldState::Held));
     assert!((f64::from(tone.correction.0) / 100.0 - 6.02).abs() < 0.1, "{tone:?}");
     assert!((f64::from(tone.amplitude) / 256.0 / CODES - 1.0).abs() < 0.01, "{tone:?}");
@@ -93,7 +93,7 @@ fn the_snapshot_says_how_the_hold_stands_for_as_long_as_it_is_on() {
     pass(&mut loopback, 0.3);
     loopback.perform(drive(), |_| ()).unwrap();
     pass(&mut loopback, 0.3);
-    assert_eq!(loopback.view().hold.as_ref().map(|told| told.progress), Some(HoldProgress::Ended));
+    assert_eq!(loopback.view().hold.as_ref().map(|report| report.progress), Some(HoldProgress::Ended));
     let asked = loopback.view().counters.commands;
     pass(&mut loopback, 1.0);
     // Five keep-alives a second.

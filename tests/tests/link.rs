@@ -159,9 +159,9 @@ fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
     rig.pass_ms(300);
     let status = rig.view().status.unwrap();
     assert_eq!(status.first_fault, Some(Fault::Underrun));
-    let told = |entry: &Acknowledged| (entry.at, entry.change.clone(), entry.is_exact);
+    let summary = |entry: &Acknowledged| (entry.at, entry.change.clone(), entry.is_exact);
     assert_eq!(
-        rig.view().journal.back().map(|entry| told(entry)),
+        rig.view().journal.back().map(|entry| summary(entry)),
         Some((status.first_fault_at, Change::Stop, false))
     );
 

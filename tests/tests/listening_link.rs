@@ -97,7 +97,7 @@ const WINDOW: ListenRequest =
 #[test]
 fn a_comb_and_a_window_give_the_response_that_is_known() {
     let mut loopback = connected();
-    let inputs = loopback.view().inputs.expect("a device of 1.3 tells them");
+    let inputs = loopback.view().inputs.expect("a device of 1.3 reports them");
     assert_eq!((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (2, 16, 0));
     assert!(loopback.view().can_listen());
     let at = loopback.perform(Request::Comb(comb()), |_| ()).unwrap();

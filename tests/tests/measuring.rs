@@ -79,7 +79,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
     };
     let mut bench = Bench::near("al-bending", 1, 48);
     let place_m = bench.places_m()[0];
-    // Lost samples are measured again: so many that a window cannot miss them.
+    // Lost samples are measured again. They are lost often enough that a window cannot miss them.
     let mut windows = 0;
     let measured = bench.measure(place_m, |loopback, _, step, asked| {
         if step < 400 && step % 30 == 0 {

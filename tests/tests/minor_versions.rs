@@ -216,7 +216,7 @@ fn a_newer_host_drives_an_older_device_and_does_not_offer_what_it_lacks() {
     pair.drive_and_stop();
     assert_eq!(pair.ask(Request::MeasureCoil), Some(Outcome::DeviceTooOld));
     assert!(!pair.line.lock().unwrap().commands.contains(&MEASURE_COIL), "nothing newer is ever sent");
-    assert_eq!(refusals(&pair.sent()), [0; 0], "the device understood all it was told");
+    assert_eq!(refusals(&pair.sent()), [0; 0], "the device understood every command");
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn a_newer_device_does_not_know_a_new_command_from_an_older_host() {
     let pair = old_new::Pair::connected(SOUND);
     let mut line = pair.line.lock().unwrap();
     let (mut decoder, mut bytes) = (Decoder::new(), Vec::new());
-    // A repeat of the hello tells the session.
+    // A repeat of the hello returns the session's number.
     let hello = Command::Hello(Hello {
         version: Version { minor: slipline_protocol::version::MINOR, ..Version::OURS },
         nonce: *b"once",
@@ -274,5 +274,5 @@ fn two_sides_of_the_old_minor_are_the_same() {
     let mut pair = old_old::Pair::connected(SOUND);
     assert_eq!(pair.view().compatibility, Some(slipline_protocol::version::Compatibility::Same));
     pair.drive_and_stop();
-    assert_eq!(refusals(&pair.sent()), [0; 0], "the device understood all it was told");
+    assert_eq!(refusals(&pair.sent()), [0; 0], "the device understood every command");
 }

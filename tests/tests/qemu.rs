@@ -39,7 +39,7 @@ fn armed(emulator: &Emulator) -> (Host, Mirror) {
     (host, mirror)
 }
 
-/// Sends a drive for an index that lies safely ahead, and tells the mirror.
+/// Sends a drive for an index that lies safely ahead, to the device and to the mirror.
 fn drive_ahead(host: &mut Host, mirror: &mut Mirror, mut drive: Drive) -> SampleIndex {
     drive.apply = Apply::At(host.status().now + AHEAD);
     let at = host.accepted(&Command::Drive(drive.clone()));

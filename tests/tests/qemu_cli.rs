@@ -68,11 +68,11 @@ impl Drop for Driving {
 #[ignore = "needs qemu-system-arm"]
 fn info_tells_who_the_emulated_board_is() {
     let emulator = Emulator::start(Line::Terminal);
-    let (output, told) = run(&emulator.link().display().to_string(), &["info"]);
+    let (output, answer) = run(&emulator.link().display().to_string(), &["info"]);
     assert!(output.status.success(), "{output:?}");
-    assert_eq!(told["board"], "mps2-an386 (emulated)");
-    assert_eq!(told["sample_rate_hz"], RATE_HZ);
-    assert_eq!(told["state"], "Idle");
+    assert_eq!(answer["board"], "mps2-an386 (emulated)");
+    assert_eq!(answer["sample_rate_hz"], RATE_HZ);
+    assert_eq!(answer["state"], "Idle");
 }
 
 #[test]
@@ -82,11 +82,11 @@ fn drive_sounds_for_its_time_and_leaves_silence() {
     let port = emulator.link().display().to_string();
     let mut arguments = DRIVE;
     arguments[8] = "300ms";
-    let (output, told) = run(&port, &arguments);
+    let (output, answer) = run(&port, &arguments);
     assert!(output.status.success(), "{output:?}");
-    let (from, until) = (&told["at_samples"], &told["stopped_at_samples"]);
-    assert!(until.as_u64() > from.as_u64(), "{told}");
-    assert_eq!(told["clipped_samples"], 0);
+    let (from, until) = (&answer["at_samples"], &answer["stopped_at_samples"]);
+    assert!(until.as_u64() > from.as_u64(), "{answer}");
+    assert_eq!(answer["clipped_samples"], 0);
     let silent =
         until.as_u64().expect("an index") + u64::from(STOP_RAMP_MS) * u64::from(RATE_HZ) / 1000 + SAMPLES;
     loop {
@@ -146,10 +146,10 @@ fn a_host_that_is_killed_while_it_drives_is_followed_by_silence() {
 #[ignore = "needs qemu-system-arm"]
 fn verify_says_that_the_emulated_codes_are_the_mirrors() {
     let emulator = Emulator::start(Line::Terminal);
-    let (output, told) = run(&emulator.link().display().to_string(), &["verify"]);
+    let (output, answer) = run(&emulator.link().display().to_string(), &["verify"]);
     assert!(output.status.success(), "{output:?}");
-    assert_eq!(told["equal"], true);
-    assert_eq!(told["windows"].as_array().map(Vec::len), Some(4));
+    assert_eq!(answer["equal"], true);
+    assert_eq!(answer["windows"].as_array().map(Vec::len), Some(4));
 }
 
 #[test]
@@ -172,15 +172,15 @@ fn verify_says_so_when_the_emulated_device_was_told_something_else() {
         let emulator = Emulator::start(Line::Socket);
         let device = connect(&emulator);
         let proxy = CommandProxy::for_device(Box::new(device), alter);
-        let (output, told) = run(&proxy.port(), &["verify", "--tones", "3"]);
-        assert_eq!(told["equal"], equal, "{output:?}");
+        let (output, answer) = run(&proxy.port(), &["verify", "--tones", "3"]);
+        assert_eq!(answer["equal"], equal, "{output:?}");
         assert_eq!(output.status.code(), Some(if equal { 0 } else { 1 }));
     }
 }
 
 /// The emulator's line, as soon as it is there.
 fn connect(emulator: &Emulator) -> socket::Socket {
-    // Whoever is accepted as a host has proved that the line is there.
+    // A host that is accepted proves that the line is there.
     drop(emulator.host());
     socket::open(emulator.link())
         .unwrap_or_else(|trouble| panic!("{}: {trouble}", Port::Unix(emulator.link().into())))

@@ -46,7 +46,7 @@ fn waiting() -> (LinkRig, LinkError) {
     let port = Port::Serial("A".to_owned());
     let connect = rig.ask(Request::Connect(port.clone()));
     let missing = LinkError::NoSuchPort(port);
-    assert_eq!(rig.outcome(connect), Some(Outcome::Refused(missing.clone().into())), "told at once");
+    assert_eq!(rig.outcome(connect), Some(Outcome::Refused(missing.clone().into())), "refused at once");
     rig.pass_ms(5000);
     assert_eq!(rig.states, [LinkState::Reconnecting(missing.clone())]);
     assert_eq!(rig.view().error, Some(missing.clone()));

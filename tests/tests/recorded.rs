@@ -76,9 +76,9 @@ fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
 
     let Ok(Opened::Recording(wav)) = Opened::read(near.0) else { panic!("a recording") };
     let sweep = PlayedSweep::from_toml(&near.1).unwrap();
-    let told =
+    let stated =
         ToldOfRecording { place_m: bench.places_m()[0], kind: Some(SensorKind::Displacement), channel: 2 };
-    let (measurement, notes) = recorded(&nominal, &wav, &sweep, &told).unwrap();
+    let (measurement, notes) = recorded(&nominal, &wav, &sweep, &stated).unwrap();
     println!("{notes:?}");
     let (ppm, _) = notes[0].split_once("clock is ").unwrap().1.split_once(" ppm fast").unwrap();
     assert!((ppm.parse::<f64>().unwrap() - 1e6 * PHONE.clock).abs() < 0.5, "{notes:?}");
@@ -88,7 +88,7 @@ fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
     println!("alone {alone:?}, chi2/n {}", found.chi2_per_n);
     assert!(alone.boundary_m < 0.5 * before.boundary_m, "{alone:?}");
     // The other channel has noise alone.
-    let noise = recorded(&nominal, &wav, &sweep, &ToldOfRecording { channel: 1, ..told }).unwrap_err();
+    let noise = recorded(&nominal, &wav, &sweep, &ToldOfRecording { channel: 1, ..stated }).unwrap_err();
     assert_eq!(noise, Untold::Heard(HeardError::NotFound));
 }
 

@@ -19,8 +19,8 @@ fn table() -> Vec<Vec<String>> {
 #[test]
 fn every_row_that_was_weak_has_a_test_that_was_seen_red() {
     let table = table();
-    let told: BTreeSet<&str> = table.iter().map(|row| row[0].as_str()).collect();
-    assert_eq!(told, ROWS.into());
+    let rows: BTreeSet<&str> = table.iter().map(|row| row[0].as_str()).collect();
+    assert_eq!(rows, ROWS.into());
     for row in &table {
         assert!(row[1].len() > 10 && row[3].len() > 20, "{row:?}");
         assert!(row[3].contains('`'), "the mutation names its file: {row:?}");

@@ -138,10 +138,10 @@ fn a_digest_is_that_of_the_codes_that_are_played() {
         rig.live_ms(20);
         let codes = &rig.recording.from(window.from)[..count as usize];
         let bytes: Vec<u8> = codes.iter().flat_map(|code| code.to_le_bytes()).collect();
-        let told = rig.send(&Command::DigestRead);
+        let answer = rig.send(&Command::DigestRead);
         assert!(
-            matches!(told, Event::Digest(digest) if digest.crc == Some(CRC.checksum(&bytes))),
-            "{first} {count}: {told:?}"
+            matches!(answer, Event::Digest(digest) if digest.crc == Some(CRC.checksum(&bytes))),
+            "{first} {count}: {answer:?}"
         );
     }
 }

@@ -22,7 +22,7 @@ fn driving() -> LinkRig {
     rig
 }
 
-/// Whether a drive has been said since so many words.
+/// Whether a drive has been sent after the first `words` commands.
 fn has_driven_since(rig: &LinkRig, words: usize) -> bool {
     lock(&rig.ports).commands.iter().skip(words).any(|(_, command)| matches!(command, Command::Drive(_)))
 }

@@ -43,7 +43,7 @@ fn other(first_hz: f64) -> Table {
 
 fn maintenance(rig: &mut Rig) -> Maintenance {
     match rig.send(&Command::Maintenance) {
-        Event::Maintenance(told) => told,
+        Event::Maintenance(wear) => wear,
         other => panic!("{other:?}"),
     }
 }
@@ -131,8 +131,8 @@ fn the_wear_is_counted_across_starts_and_told_with_what_the_data_sheet_promises(
             rig.live_ms(50);
             rig.accepted(&Command::Store);
         }
-        let told = maintenance(&mut rig);
-        assert_eq!((told.erasures, told.erasures_promised), (2 * start + 2, 20_000));
+        let wear = maintenance(&mut rig);
+        assert_eq!((wear.erasures, wear.erasures_promised), (2 * start + 2, 20_000));
         flash = rig.device.flash();
     }
 }
@@ -168,7 +168,7 @@ fn an_older_table_is_not_used_in_silence_when_the_newer_one_has_decayed() {
     assert_eq!(status.table_crc, Table::usual().header.crc, "the older one is in use");
     assert_eq!(rig.refused(&Command::Arm), Refusal::Faulted { faults: status.faults });
 
-    // Whoever knows it may drive; the next start tells it again.
+    // Cleared, the device may drive; the next start reports the fault again.
     rig.accepted(&Command::ClearFaults);
     rig.arm();
     rig.device.restart(ResetCause::Pin);

@@ -60,7 +60,7 @@ fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
     };
     let (noises, worst) = departure(&swept, &truth(&frequencies(&swept)));
     println!("sweep: {noises} noises, {worst} at worst");
-    // The noise that is told is the noise that there is.
+    // The reported noise is the true noise.
     assert!((0.7..1.2).contains(&noises), "{noises}");
     let combed = bench.measure(sensor.place_m, |_, _, _, _| ()).unwrap();
     let (noises, worst) = departure(&combed, &truth(&frequencies(&combed)));

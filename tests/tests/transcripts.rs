@@ -93,9 +93,10 @@ fn answers_as_recorded(transcript: &str, blocks_ahead: u64) -> u32 {
                     Some((then, now)) if then != now => {
                         // The device draws other numbers for its sessions than it did then.
                         for frame in split(&bytes) {
-                            let told = parts(&frame);
-                            let session = if told.header.session == then { now } else { told.header.session };
-                            device.feed(&reframed(Header { session, ..told.header }, &told.body));
+                            let recorded = parts(&frame);
+                            let session =
+                                if recorded.header.session == then { now } else { recorded.header.session };
+                            device.feed(&reframed(Header { session, ..recorded.header }, &recorded.body));
                         }
                     }
                     _ => device.feed(&bytes),

@@ -307,10 +307,10 @@ fn a_device_of_1_0_is_told_to_the_user_and_driven_without_a_limit() {
     assert!(matches!(rig.outcome(upload), Some(Outcome::Done { .. })));
     assert!(!rig.view().can_limit_travel());
     assert_eq!(rig.view().travel_limit, None);
-    let told = |text: &str| {
+    let warns = |text: &str| {
         rig.view().log.iter().any(|line| line.severity == Severity::Warning && line.text.contains(text))
     };
-    assert!(told("does not limit the actuator's travel"));
+    assert!(warns("does not limit the actuator's travel"));
     let is_sent = |(_, command): &(u16, Command)| matches!(command, Command::SetTravelLimit(_));
     assert!(!rig.ports().commands.iter().any(is_sent), "nothing newer than the device is sent");
 }

@@ -91,18 +91,18 @@ fn table() -> Vec<Vec<String>> {
 
 #[test]
 fn the_table_names_every_unsafe_place_and_no_other() {
-    let mut told = Places::new();
+    let mut listed = Places::new();
     for row in table() {
         let place = (row[0].replace('`', ""), row[1].replace('`', ""));
         let times = row[2].parse().expect("a number of times");
-        assert!(told.insert(place, times).is_none(), "twice in the table: {row:?}");
+        assert!(listed.insert(place, times).is_none(), "twice in the table: {row:?}");
         assert!(row[3].len() >= 10, "no proof: {row:?}");
     }
     let true_places = in_the_sources();
     assert!(true_places.len() > 40, "the search finds the sources");
     let missing: Vec<_> =
-        true_places.iter().filter(|(place, times)| told.get(place) != Some(times)).collect();
-    let gone: Vec<_> = told.iter().filter(|(place, times)| true_places.get(place) != Some(times)).collect();
+        true_places.iter().filter(|(place, times)| listed.get(place) != Some(times)).collect();
+    let gone: Vec<_> = listed.iter().filter(|(place, times)| true_places.get(place) != Some(times)).collect();
     assert!(
         missing.is_empty() && gone.is_empty(),
         "not in the table: {missing:#?}\nnot in the sources: {gone:#?}"

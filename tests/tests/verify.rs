@@ -37,13 +37,13 @@ fn a_level_that_is_off_by_its_smallest_step_is_reported() {
             tone.level.0 -= 1;
         }
     };
-    let told = verify(Options::default(), alter).unwrap_err();
-    assert!(told.contains("not the mirror's"), "{told}");
+    let error = verify(Options::default(), alter).unwrap_err();
+    assert!(error.contains("not the mirror's"), "{error}");
 }
 
 #[test]
 fn a_stop_of_the_devices_own_is_not_called_a_difference_of_the_codes() {
-    // The host is told of the stop only afterwards, and not where its ramp began: nobody can compare the window.
+    // The host learns of the stop only afterwards, and not where its ramp began: the window cannot be compared.
     let alter = |command: &mut Command| {
         static STAGES: AtomicU32 = AtomicU32::new(0);
         static IS_STOPPED: AtomicBool = AtomicBool::new(false);
@@ -58,6 +58,6 @@ fn a_stop_of_the_devices_own_is_not_called_a_difference_of_the_codes() {
             _ => {}
         }
     };
-    let told = verify_window(Options::default(), alter, "1s").unwrap_err();
-    assert!(told.contains("stopped by itself") && told.contains("cannot be compared"), "{told}");
+    let error = verify_window(Options::default(), alter, "1s").unwrap_err();
+    assert!(error.contains("stopped by itself") && error.contains("cannot be compared"), "{error}");
 }

@@ -147,7 +147,7 @@ class Clocks:
         raise NotImplementedError
 
     def reset_flags(self, cause):
-        """The register that tells why the chip was reset."""
+        """The register with the cause of the reset."""
         raise NotImplementedError
 
     def tree(self):

@@ -1,4 +1,4 @@
-"""What happens when the processor cannot go on: which bits of CFSR tell why, then a hard fault or a lock-up.
+"""Faults of the processor: the bits of CFSR that state the cause, then a hard fault or a lock-up.
 
 The faults that have handlers of their own are not enabled (SHCSR), so all escalate to the hard fault (ARMv7-M B1.5.14).
 """

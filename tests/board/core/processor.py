@@ -18,7 +18,7 @@ from .mpu import Mpu
 from .nvic import CFSR, HARD_FAULT, HARD_FAULT_PRIORITY
 from .stack import StackWatch, Trace
 
-# The bits of xPSR that tell how the rest of an IT block is executed (ARMv7-M B1.4.2).
+# The bits of xPSR with the state of an IT block (ARMv7-M B1.4.2).
 IT_STATE = 0b11 << 25 | 0b111111 << 10
 # A page nothing else uses: a handler's return address points here.
 RETURN = 0x0FFF0000
@@ -290,7 +290,7 @@ class Processor(Faults, Agenda):
             self.run_events()
 
     def run_until(self, is_so, seconds, step=0.002):
-        """Lets time pass until `is_so()`; fails after so many seconds."""
+        """Lets time pass until `is_so()`; fails after `seconds`."""
         for _ in range(int(seconds / step) + 1):
             if is_so():
                 return

@@ -182,7 +182,7 @@ class Timer:
             self.master.slaves.append(self)
 
     def clock(self, edges):
-        """So many trigger outputs of the master."""
+        """Clocks the counter by `edges` trigger outputs of the master."""
         if not self.control1 & ENABLED or self.is_frozen:
             return
         assert not self.prescaler and not self.enabled, "neither prescaler nor interrupts of a slave are modelled"

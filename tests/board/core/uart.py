@@ -1,6 +1,6 @@
 """USART with FIFOs (RM0440 chapter 37), and the host's end of the line: on the Nucleo the ST-LINK's serial port.
 
-Bytes take their time on the line, in both directions; whoever samples at another rate than it was sent at reads noise.
+Bytes take their time on the line, in both directions; a receiver at another rate than the sender's reads noise.
 """
 
 CR1, CR2, CR3, BRR, RQR, ISR, ICR, RDR, TDR, PRESC = 0x00, 0x04, 0x08, 0x0C, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C
@@ -50,7 +50,7 @@ class Uart:
     # --- the line
 
     def hear(self, byte, baud):
-        """A byte has come in, sent at so many baud."""
+        """Receives a byte that was sent at `baud`."""
         if self.baud() and abs(self.baud() / baud - 1) > TOLERANCE:
             self.take(byte * 0x55 + 0x2A & 0xFF, FRAMING)
         else:

@@ -16,7 +16,7 @@ class UsbHost(UsbCore):
 
     def __init__(self, board):
         self.is_plugged = self.reads = self.enumerates = True
-        # Bytes in each packet to the device, if there are so many; an endpoint takes 64 at most.
+        # Bytes in each full packet to the device; an endpoint takes 64 at most.
         self.packet = 64
         self.sessions = 0
         super().__init__(board)

@@ -2,7 +2,7 @@
 //! `cargo run --release -p slipline-tests --bin truths [count] [first seed]`.
 //!
 //! Twenty true plates of each of two presets unless another number is given. Prints a line for each plate; with these twenty, ends
-//! with an error where the errors of the calibrated tables are not what PHYSICS.md tells.
+//! with an error where the errors of the calibrated tables are not those of PHYSICS.md.
 
 use slipline_tests::truths::{Judged, Noise, calibrate, middle_and_worst};
 use std::sync::Mutex;
@@ -31,7 +31,7 @@ fn main() {
         is_held &= [mm.0, mm.1, db.0, db.1].iter().zip(limits).all(|(found, most)| *found <= most);
     }
     // Of other plates PHYSICS.md says nothing.
-    assert!(is_held || (count, first) != (20, 0), "not what PHYSICS.md tells");
+    assert!(is_held || (count, first) != (20, 0), "not the errors of PHYSICS.md");
 }
 
 /// Each seed's plate, by as many threads as the machine has.

@@ -215,7 +215,7 @@ fn any_table(bytes: &mut impl Iterator<Item = u8>) -> Table {
 }
 
 /// The flash after anything: a kept table, with bytes changed where the data says (slot, place, value; place 0xffff makes
-/// the checksums right again). The device starts, tells what it found, and what it has taken can be driven.
+/// the checksums right again). The device starts, reports what it found, and a table that it has taken can be driven.
 ///
 /// # Panics
 /// If that does not hold.

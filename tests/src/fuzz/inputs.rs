@@ -152,12 +152,12 @@ pub fn inputs(data: &[u8]) {
     if !ordered.has_held {
         assert!(rig.recording.codes == deaf.recording.codes, "to measure changes nothing that sounds");
     }
-    let Event::Inputs(report) = rig.send(&Command::Inputs) else { panic!("the inputs are told") };
+    let Event::Inputs(report) = rig.send(&Command::Inputs) else { panic!("no report of the inputs") };
     assert_eq!(report.lost_blocks, ordered.lost);
     rig.hello();
     let Event::Listened(listened) = rig.send(&Command::ListenRead(ListenPart { input: 0, first_slot: 0 }))
     else {
-        panic!("the measurement is told")
+        panic!("no report of the measurement")
     };
     assert_eq!(listened.progress, Progress::Idle, "a session ends what the last one began");
 }
@@ -180,11 +180,11 @@ fn both(rig: &mut Rig, deaf: &mut Rig, command: &Command, ordered: &Ordered) {
 }
 
 fn is_holding(rig: &mut Rig) -> bool {
-    let Event::Held(held) = rig.send(&Command::HoldRead) else { panic!("the hold is told") };
+    let Event::Held(held) = rig.send(&Command::HoldRead) else { panic!("no report of the hold") };
     held.progress == HoldProgress::On
 }
 
-/// Compares what is told with what the first input has sampled.
+/// Compares the reported readings with the samples of the first input.
 fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
     let status = rig.status();
     assert!(status.sum_per_mille <= 1000 && status.counters.clips == 0, "{status:?}");
@@ -193,20 +193,20 @@ fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
         return;
     }
     for input in 0..2 {
-        let Event::Listened(told) = rig.send(&Command::ListenRead(ListenPart { input, first_slot: 3 }))
+        let Event::Listened(reading) = rig.send(&Command::ListenRead(ListenPart { input, first_slot: 3 }))
         else {
-            panic!("the measurement is told")
+            panic!("no report of the measurement")
         };
         let Some((begin, window)) = ordered.listen else {
-            assert_eq!(told.progress, Progress::Idle);
+            assert_eq!(reading.progress, Progress::Idle);
             continue;
         };
-        assert_eq!((told.begin, told.followed & !window.slots), (begin, 0));
+        assert_eq!((reading.begin, reading.followed & !window.slots), (begin, 0));
         assert!(
-            told.blocks <= window.blocks
-                && (ordered.is_cut || !matches!(told.progress, Progress::Broken { .. }))
+            reading.blocks <= window.blocks
+                && (ordered.is_cut || !matches!(reading.progress, Progress::Broken { .. }))
         );
-        match told.progress {
+        match reading.progress {
             Progress::Finished => {
                 let codes = &heard[begin as usize..][..usize::from(window.blocks) * BLOCK as usize];
                 let is_measured = window.input.is_none_or(|measured| measured == input);
@@ -215,22 +215,25 @@ fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
                     0 => (*codes.iter().min().expect("codes"), *codes.iter().max().expect("codes")),
                     _ => (STUCK, STUCK),
                 };
-                assert_eq!((told.lowest, told.highest, told.blocks), (lowest, highest, window.blocks));
-                assert_eq!(told.answers.len(), 8);
+                assert_eq!(
+                    (reading.lowest, reading.highest, reading.blocks),
+                    (lowest, highest, window.blocks)
+                );
+                assert_eq!(reading.answers.len(), 8);
             }
             Progress::Broken { at } => assert!(at >= begin),
-            Progress::Idle | Progress::Running => assert!(told.answers.is_empty()),
+            Progress::Idle | Progress::Running => assert!(reading.answers.is_empty()),
         }
     }
-    let Event::Captured(told) = rig.send(&Command::CaptureRead(CapturePart { first: 0 })) else {
-        panic!("the capture is told")
+    let Event::Captured(capture) = rig.send(&Command::CaptureRead(CapturePart { first: 0 })) else {
+        panic!("no report of the capture")
     };
-    let Some((from, window)) = ordered.capture.filter(|_| told.progress != Progress::Idle) else { return };
-    assert_eq!(told.from, from);
-    assert!(told.captured <= window.values);
-    assert!(told.captured == window.values || told.progress != Progress::Finished);
+    let Some((from, window)) = ordered.capture.filter(|_| capture.progress != Progress::Idle) else { return };
+    assert_eq!(capture.from, from);
+    assert!(capture.captured <= window.values);
+    assert!(capture.captured == window.values || capture.progress != Progress::Finished);
     let size = 1 << window.log2_codes;
-    for (place, value) in told.values.iter().enumerate() {
+    for (place, value) in capture.values.iter().enumerate() {
         let sum = match window.input {
             0 => heard[from as usize + place * size..][..size].iter().map(|code| u32::from(*code)).sum(),
             _ => u32::from(STUCK) << window.log2_codes,

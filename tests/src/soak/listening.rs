@@ -21,9 +21,9 @@ use crate::wire::Wire;
 const LONGEST_WINDOW: u32 = 2000;
 /// Blocks between the one that is rendered and the one whose codes the inputs have sampled, at most.
 const BEHIND: u64 = 4;
-/// A window of so many periods tells a tone's phase.
+/// Periods of the tone in a window from which its phase is checked.
 const PERIODS: f64 = 20.0;
-/// To so many degrees: what is left of the tone's own image at minus its frequency.
+/// Tolerance of the phase in degrees: leakage of the tone's own image at minus its frequency.
 const DEGREES: f64 = 3.0;
 
 /// What is measured now, and what must come out.
@@ -172,19 +172,19 @@ impl Soak {
     }
 
     fn check_window(&mut self, window: &Window) {
-        let told = self.listened(0);
+        let reading = self.listened(0);
         assert_eq!(
-            (told.progress, told.begin, told.blocks),
+            (reading.progress, reading.begin, reading.blocks),
             (Progress::Finished, window.begin, window.blocks)
         );
-        assert_eq!(Some((told.lowest, told.highest)), window.span, "from {} on", window.begin);
+        assert_eq!(Some((reading.lowest, reading.highest)), window.span, "from {} on", window.begin);
         let stuck = self.listened(1);
         let code = if window.has_both { Wire::STUCK } else { 0 };
         assert_eq!((stuck.lowest, stuck.highest), (code, code));
         assert_eq!(self.inputs().lost_blocks, 0);
         let Some(step) = window.step else { return };
-        let answer = told.answers.first().expect("a finished window has answers");
-        assert_eq!(told.followed, 1, "one tone sounds: {window:?}");
+        let answer = reading.answers.first().expect("a finished window has answers");
+        assert_eq!(reading.followed, 1, "one tone sounds: {window:?}");
         let lag = f64::from(step) / 4_294_967_296.0 * Wire::LAG as f64;
         let found = (answer.quadrature as f64).atan2(answer.in_phase as f64) / TAU;
         let off = (found + lag - (found + lag).round()) * 360.0;
@@ -209,21 +209,21 @@ impl Soak {
     fn listened(&mut self, input: u8) -> Listened {
         match self.send(&Command::ListenRead(ListenPart { input, first_slot: 0 })) {
             Event::Listened(listened) => listened,
-            other => panic!("a measurement should be told, not {other:?}"),
+            other => panic!("a measurement should be reported, not {other:?}"),
         }
     }
 
     fn captured(&mut self, first: u16) -> Captured {
         match self.send(&Command::CaptureRead(CapturePart { first })) {
             Event::Captured(captured) => captured,
-            other => panic!("a capture should be told, not {other:?}"),
+            other => panic!("a capture should be reported, not {other:?}"),
         }
     }
 
     fn inputs(&mut self) -> InputsReport {
         match self.send(&Command::Inputs) {
             Event::Inputs(report) => report,
-            other => panic!("the inputs should be told, not {other:?}"),
+            other => panic!("the inputs should be reported, not {other:?}"),
         }
     }
 }
