@@ -1,4 +1,4 @@
-//! What a host tells a device.
+//! Commands: the messages from a host to a device, and their bodies.
 
 use crate::hold::HoldSetting;
 use crate::limits::{
@@ -23,12 +23,11 @@ messages! {
     pub enum Command {
         /// Asks who the device is and begins a session, which ends the one before. Frozen for all versions.
         0x01 since 0 Hello(Hello) -> Hello,
-        /// Says that the host is alive: feeds the dead-man. Not numbered.
+        /// Sign of life of the host: restarts the dead-man's time. Not numbered.
         0x02 since 0 KeepAlive(KeepAlive) -> Status,
         /// Asks for the status. Not numbered. Does not feed the dead-man.
         0x03 since 0 Status -> Status,
-        /// Asks for what a person who looks after the device has to know: the wear of its flash, and whether its supply
-        /// is guarded.
+        /// Asks for the data of maintenance: the wear of the flash, and whether the supply is guarded.
         0x04 since 1 Maintenance -> Maintenance,
         /// Unmutes the amplifier and accepts drives. Needs a device without latched faults.
         0x10 since 0 Arm -> Accepted,
@@ -48,7 +47,7 @@ messages! {
         0x16 since 1 SetTravelLimit(TravelSetting) -> TravelLimit,
         /// Asks which limit of the travel is in force.
         0x17 since 1 TravelLimit -> TravelLimit,
-        /// Asks how the drive stands that waits for the trigger input, and where the last one began that had waited.
+        /// Asks whether a drive waits for the trigger input, and where the last drive began that had waited.
         0x18 since 1 Trigger -> Trigger,
         /// Sounds tones that are multiples of one base frequency, from silence on. Needs an armed device with a table. It may
         /// take some milliseconds: the device renders a period of them before it answers.
@@ -56,7 +55,7 @@ messages! {
         /// Sounds tones that are multiples of one low base frequency, from silence on, within the table's frequencies or beyond
         /// them. Needs an armed device with a table.
         0x1a since 3 Comb(Comb) -> Accepted,
-        /// Begins to upload a turning-point table. What sounds goes on by the table in force.
+        /// Begins to upload a turning-point table. The drive continues by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
         0x21 since 0 TableChunk(TableChunk) -> Accepted,
@@ -82,11 +81,11 @@ messages! {
         /// Second step into the ROM bootloader: shows the token. Only while disarmed; the device answers and then
         /// restarts.
         0x51 since 0 BootloaderEnter(u32) -> Accepted,
-        /// Asks what the device's inputs can do, and how many of their blocks were lost.
+        /// Asks for the number, lock-ins and delay of the device's inputs, and how many of their blocks were lost.
         0x60 since 3 Inputs -> Inputs,
         /// Begins to measure how the inputs answer each tone, over a window that lies ahead; forgets the last measurement. The
-        /// answer names the window's first sample. Needs a device with inputs; what the hello of a new session finds under way
-        /// is dropped.
+        /// answer names the window's first sample. Needs a device with inputs; the hello of a new session drops a measurement
+        /// under way.
         0x61 since 3 Listen(ListenWindow) -> Accepted,
         /// Asks for the measurement.
         0x62 since 3 ListenRead(ListenPart) -> Listened,
@@ -99,11 +98,11 @@ messages! {
         0x65 since 3 CaptureRead(CapturePart) -> Captured,
         /// Ends the capture; what has been captured can still be read. Accepted when there is none, too.
         0x66 since 3 CaptureStop -> Accepted,
-        /// Holds the measured amplitudes of tones that sound at these values, until something else changes what sounds. The
-        /// answer names the first window's first sample; to a list without tones, where the levels begin to return to those of
-        /// the drive. Needs a device with inputs.
+        /// Holds the measured amplitudes of sounding tones at these values, until another command or a fault changes the drive.
+        /// The answer names the first window's first sample; for a list without tones, the index at which the levels begin to
+        /// return to those of the drive. Needs a device with inputs.
         0x67 since 3 Hold(HoldSetting) -> Accepted,
-        /// Asks how the hold stands.
+        /// Asks for the state of the hold.
         0x68 since 3 HoldRead -> Held,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: asks for the coil's resistance.
@@ -125,7 +124,7 @@ body! {
     /// The body of [`Command::Hello`]. Its ten bytes are frozen for all versions.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct Hello {
-        /// What the host speaks.
+        /// The host's protocol version.
         pub version: Version [""],
         /// A number that the host draws once for each session. A hello with the nonce of the present session is a
         /// repeat: it is answered again and begins nothing.
@@ -146,8 +145,8 @@ body! {
     /// One tone of a drive.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct Tone {
-        /// Which of the device's tone generators. One that sounds glides from where it is; one that a drive does not
-        /// name fades out.
+        /// The number of the tone generator. A slot that sounds glides from its present place; a slot that the drive does
+        /// not name fades out.
         pub slot: u8 ["", 0, MAX_TONES - 1],
         /// Where its turning point is, along the span of the table.
         pub position: Position ["1/65535 of the span"],
@@ -165,11 +164,11 @@ choices! {
         0 since 0 Next,
         /// At this sample index, rounded up to a block boundary; the answer names it.
         1 since 0 At(SampleIndex),
-        /// With the first block that is rendered after the trigger input rises. The answer names the index from which on a
-        /// rise counts: the drive is planned at once, for where nothing moves any more. Until then it waits
-        /// (`State::Waiting`), and what sounds sounds on. A newer drive takes its place; a stop, a disarm, a fault and the
-        /// end of the session drop it. A device without the input refuses it (`NotSupported`). To a device of 1.0 it is not
-        /// sent.
+        /// With the first block that is rendered after the trigger input rises. The drive is planned at once; the answer
+        /// names the index from which on a rise counts, where the glide under way is over. Until then it waits
+        /// (`State::Waiting`), and the previous drive continues. A newer drive takes its place; a stop, a disarm, a fault
+        /// and the end of the session drop it. A device without the input refuses it (`NotSupported`). It is not sent to a
+        /// device of 1.0.
         2 since 1 AtTrigger or Self::At(SampleIndex::MAX),
     }
 }

@@ -19,17 +19,17 @@ messages! {
         0x81 since 0 Hello(Identity),
         /// State, faults and counters.
         0x83 since 0 Status(Status),
-        /// What a person who looks after the device has to know.
+        /// The data of maintenance.
         0x84 since 1 Maintenance(Maintenance),
         /// Done, or will be done at this index.
         0x90 since 0 Accepted(Accepted),
         /// Not done; nothing has changed.
         0x91 since 0 Refused(Refusal),
-        /// Done without a write: the flash holds already what it was to hold. A host of 1.0 is told `Accepted`.
+        /// Done without a write, because the flash holds the requested content already. A host of 1.0 gets `Accepted`.
         0x92 since 1 Unchanged(Accepted) or Accepted,
         /// The limit of the actuator's travel that is in force.
         0x97 since 1 TravelLimit(TravelSetting),
-        /// How the drive stands that waits for the trigger input.
+        /// Whether a drive waits for the trigger input, and where the last one began that had waited.
         0x98 since 1 Trigger(TriggerReport),
         /// The table in force.
         0xa4 since 0 Table(TableReport),
@@ -37,13 +37,13 @@ messages! {
         0xb1 since 0 Digest(Digest),
         /// The token that lets the next command enter the bootloader.
         0xd0 since 0 BootloaderToken(u32),
-        /// What the inputs can do.
+        /// Number, lock-ins, delay and lost blocks of the inputs.
         0xe0 since 3 Inputs(InputsReport),
         /// How the inputs answered each tone.
         0xe2 since 3 Listened(Listened),
         /// Values of a capture.
         0xe5 since 3 Captured(Captured),
-        /// How the level hold stands.
+        /// The state of the level hold.
         0xe8 since 3 Held(Held),
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: the coil's resistance.
@@ -93,7 +93,7 @@ choices! {
 }
 
 choices! {
-    /// What became of the configuration kept in flash.
+    /// The result of reading the configuration kept in flash.
     #[derive(Default)]
     pub enum StoredConfig {
         /// There is none, or the device is in safe mode and has not looked.
@@ -106,7 +106,7 @@ choices! {
         /// It is damaged; defaults are in use.
         3 since 0 Damaged,
         /// One of its two places is torn or has decayed; the table in the other is in use, and may be an older one. A
-        /// host of 1.0 is told `Loaded`.
+        /// host of 1.0 gets `Loaded`.
         4 since 1 FellBack or Self::Loaded,
     }
 }
@@ -115,7 +115,7 @@ body! {
     /// The body of [`Event::Hello`].
     #[derive(Clone, Debug, PartialEq, Eq)]
     pub struct Identity {
-        /// What the device speaks. Frozen for all versions.
+        /// The device's protocol version. Frozen for all versions.
         pub version: Version [""],
         /// The firmware's version: major, minor, patch.
         pub firmware: (u8, u8, u8) [""],
@@ -141,11 +141,11 @@ body! {
         pub min_glide: u32 ["samples"],
         /// The longest glide.
         pub max_glide: u32 ["samples"],
-        /// Without a keep-alive for so long, the device ramps to silence and disarms.
+        /// The dead-man's time: without a keep-alive for this time the device ramps to silence and disarms.
         pub dead_man_ms: u32 ["ms"],
         /// Why it was last reset.
         pub reset: ResetCause [""],
-        /// What became of the table kept in flash.
+        /// The result of reading the table kept in flash.
         pub stored: StoredConfig [""],
         /// The last panic's message, or nothing.
         pub crash: String<MAX_CRASH> [""],
@@ -169,7 +169,7 @@ choices! {
         4 since 0 Fault,
         /// Started after repeated crashes: it answers and never drives.
         5 since 0 SafeMode,
-        /// A drive waits for the trigger input; what sounded before it sounds on. A host of 1.0 is told `Driving`.
+        /// A drive waits for the trigger input; the previous drive continues until then. A host of 1.0 gets `Driving`.
         6 since 1 Waiting or Self::Driving,
     }
 }
@@ -193,7 +193,7 @@ body! {
         pub underruns: u32 [""],
         /// Samples clamped to the DAC's range.
         pub clips: u32 [""],
-        /// The most processor cycles that one block took; 0 where the device cannot tell.
+        /// The most processor cycles that one block took; 0 where the device has no cycle counter.
         pub max_cycles: u32 ["cycles"],
     }
 }
@@ -216,7 +216,7 @@ body! {
         pub sum_per_mille: u16 ["1/1000 of full scale"],
         /// The computed temperature rise of the coil.
         pub heat_per_mille: u16 ["1/1000 of its limit"],
-        /// What the thermal fold-back leaves of every amplitude in the present fold-back period; 1000 when cool. It
+        /// The factor of the thermal fold-back on every amplitude in the present fold-back period; 1000 when cool. It
         /// changes only where a fold-back period begins; the present one is that of the last sample before `now`.
         pub foldback_per_mille: u16 ["1/1000"],
         /// The same in the periods before it, the latest first. A host that missed some answers reads here what the

@@ -26,7 +26,7 @@ choices! {
         /// The stored configuration was damaged.
         8 since 0 StoreDamaged,
         /// One of the two places of the kept table is torn or has decayed; the table in the other is in use, and may be
-        /// an older one. A host of 1.0 is told `StoreDamaged`.
+        /// an older one. A host of 1.0 gets `StoreDamaged`.
         9 since 1 StoreFellBack or Self::StoreDamaged,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.

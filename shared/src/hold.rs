@@ -1,4 +1,4 @@
-//! The level hold: the bodies of the command that orders it and of the event that tells how it stands.
+//! The level hold: the bodies of the command that orders it and of the event that reports its state.
 
 use crate::limits::{HELD_AMPLITUDE, MAX_HOLD_CDB, MAX_TONES};
 use crate::schema::{body, choices};
@@ -37,13 +37,13 @@ body! {
 }
 
 choices! {
-    /// How far a hold has come.
+    /// Progress of a hold.
     #[derive(Default)]
     pub enum HoldProgress {
         /// None has been ordered in this session, or the host has ended it.
         #[default]
         0 since 0 Off,
-        /// It works.
+        /// The hold is on.
         1 since 0 On,
         /// A drive, a chord, a comb, a table, a stop, a disarm or a fault has ended it.
         2 since 0 Ended,
@@ -65,7 +65,7 @@ choices! {
         3 since 0 Thermal,
         /// The limit of the travel.
         4 since 0 Travel,
-        /// The lowest level that is worked with.
+        /// The lowest level: 60 dB below that of the drive.
         5 since 0 Fall,
     }
 }
@@ -87,7 +87,7 @@ choices! {
 }
 
 choices! {
-    /// How a held tone stands.
+    /// The state of a held tone.
     pub enum HoldState {
         /// It is on its way to the set amplitude.
         0 since 0 Settling,
@@ -95,7 +95,7 @@ choices! {
         1 since 0 Held,
         /// It is further off, and a limit keeps it there.
         2 since 0 AtLimit(HoldLimit),
-        /// It is not held any more, and goes by its drive's level.
+        /// It is no longer held and has its drive's level.
         3 since 0 Lost(HoldLoss),
     }
 }
@@ -106,9 +106,9 @@ body! {
     pub struct HeldTone {
         /// Its slot.
         pub slot: u8 ["", 0, MAX_TONES - 1],
-        /// How it stands, or stood when the hold ended.
+        /// Its state, now or when the hold ended.
         pub state: HoldState [""],
-        /// What is in force above its drive's level; negative below it.
+        /// The level in force relative to its drive's level.
         pub correction: CentiDecibel ["1/100 dB"],
         /// The amplitude that the last window has measured; 0 before the first.
         pub amplitude: u32 ["1/256 code"],
@@ -119,9 +119,9 @@ body! {
     /// The body of [`Event::Held`](crate::Event::Held).
     #[derive(Clone, Debug, Default, PartialEq, Eq)]
     pub struct Held {
-        /// How far the hold has come.
+        /// Progress of the hold.
         pub progress: HoldProgress [""],
-        /// The input that it goes by.
+        /// The input whose amplitudes are held.
         pub input: u8 [""],
         /// The first sample of the window under way, or of the last one.
         pub begin: SampleIndex ["samples"],

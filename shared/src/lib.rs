@@ -1,4 +1,4 @@
-//! What Slipline's device and host say to each other.
+//! The protocol between Slipline's device and host.
 //!
 //! ```text
 //! host:    Command --frame_for--> bytes ==> Decoder --Frame--> Command::decode   :device

@@ -48,10 +48,10 @@ pub const MAX_CAPTURE_LOG2: u8 = 10;
 pub const CAPTURED_VALUES: usize = 40;
 /// The amplitude that a level hold can hold, in 1/256 code: 1/16 code to the 2047 codes that fit the input's range.
 pub const HELD_AMPLITUDE: (u32, u32) = (16, 2047 << 8);
-/// Blocks from the end of a window of a level hold to the beginning of the next: until then the last codes have been sampled,
-/// and the thread side has looked at what they say.
+/// Blocks from the end of a window of a level hold to the beginning of the next: by then the last codes have been sampled,
+/// and the thread side has evaluated them.
 pub const HOLD_PAUSE_BLOCKS: u16 = 12;
-/// The most that a level hold changes a level by, and that it does so at once, in hundredths of a decibel: a factor of 1024.
+/// The largest correction of a level hold, and its largest slew per window, in hundredths of a decibel: a factor of 1024.
 pub const MAX_HOLD_CDB: i16 = 6020;
 /// The largest sum of a chord's amplitudes, in per mille of full scale: `4 sqrt(2)`. Beyond it the RMS of sixteen tones, and so
 /// their peak, exceeds full scale with any phases.
@@ -81,7 +81,7 @@ pub const EMERGENCY_RAMP_MS: u32 = 2;
 pub const MIN_GLIDE_MS: u32 = 5;
 /// The longest glide a drive may ask for.
 pub const MAX_GLIDE_MS: u32 = 10_000;
-/// The farthest that an apply-at index may lie ahead: a drive that begins later is surely a mistake.
+/// The farthest that an apply-at index may lie ahead: a later one counts as a mistake.
 pub const MAX_APPLY_AHEAD_MS: u32 = 60_000;
 /// A table upload that gets no chunk for this time is dropped.
 pub const STAGING_TIMEOUT_MS: u32 = 2000;

@@ -1,4 +1,5 @@
-//! What the inputs measure: the bodies of the commands that order it and of the events that tell it.
+//! Measuring the inputs: the bodies of the commands that order a measurement or a capture, and of the events with the
+//! results.
 
 use crate::limits::{CAPTURED_VALUES, LISTENED_TONES, MAX_CAPTURE_LOG2, MAX_CAPTURE_VALUES};
 use crate::schema::{body, choices};
@@ -24,9 +25,9 @@ body! {
 }
 
 choices! {
-    /// How much the blocks of a window count.
+    /// The weights of a window's blocks.
     pub enum WindowShape {
-        /// All the same.
+        /// Equal weights.
         0 since 0 Rectangular,
         /// Hann: `1/2 - 1/2 cos(2 pi (b + 1/2) / blocks)` for block b.
         1 since 0 Hann,
@@ -56,13 +57,13 @@ body! {
     pub struct ListenPart {
         /// The input, from 0.
         pub input: u8 [""],
-        /// The first slot to be told; eight are.
+        /// The first of the eight slots to be read.
         pub first_slot: u8 ["", 0, crate::limits::MAX_TONES - 1],
     }
 }
 
 choices! {
-    /// How far a measurement or a capture has come.
+    /// Progress of a measurement or a capture.
     #[derive(Default)]
     pub enum Progress {
         /// None has been started, or it was dropped.
@@ -97,7 +98,7 @@ body! {
     /// The body of [`Event::Listened`](crate::Event::Listened).
     #[derive(Clone, Debug, Default, PartialEq, Eq)]
     pub struct Listened {
-        /// How far the measurement has come.
+        /// Progress of the measurement.
         pub progress: Progress [""],
         /// The window's first sample.
         pub begin: SampleIndex ["samples"],
@@ -125,9 +126,9 @@ body! {
         pub from: Option<SampleIndex> ["samples"],
         /// The input, from 0.
         pub input: u8 [""],
-        /// The binary logarithm of how many codes a value sums up.
+        /// The binary logarithm of the number of codes that a value sums up.
         pub log2_codes: u8 ["", 0, MAX_CAPTURE_LOG2],
-        /// How many values.
+        /// The number of values.
         pub values: u16 ["", 1, MAX_CAPTURE_VALUES],
     }
 }
@@ -136,7 +137,7 @@ body! {
     /// The body of [`Command::CaptureRead`](crate::Command::CaptureRead).
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub struct CapturePart {
-        /// The first value to be told.
+        /// The number of the first value to be read, from 0.
         pub first: u16 [""],
     }
 }
@@ -145,13 +146,13 @@ body! {
     /// The body of [`Event::Captured`](crate::Event::Captured).
     #[derive(Clone, Debug, Default, PartialEq, Eq)]
     pub struct Captured {
-        /// How far the capture has come.
+        /// Progress of the capture.
         pub progress: Progress [""],
         /// The index of the first code of value 0.
         pub from: SampleIndex ["samples"],
-        /// How many values there are.
+        /// The number of values captured so far.
         pub captured: u16 [""],
-        /// Which value the first one here is.
+        /// The number of the first of `values`, from 0.
         pub first: u16 [""],
         /// The values, as many as there are and fit: sums of codes.
         pub values: Vec<u32, CAPTURED_VALUES> [""],

@@ -8,9 +8,9 @@ pub const MINOR: u8 = if cfg!(slipline_next) { 4 } else { 3 };
 pub struct Minor(u8);
 
 impl Minor {
-    /// What every device and host of the major version knows, and all that may be said before the hello.
+    /// The minor that every device and host of the major version knows; the only one before the hello.
     pub const FIRST: Self = Self(0);
-    /// All that this build knows.
+    /// The minor of this build.
     pub const OURS: Self = Self(MINOR);
 
     pub(crate) const fn new(minor: u8) -> Self {

@@ -44,7 +44,7 @@ choices! {
         17 since 3 CombPeriod or Self::Glide,
         /// The number of blocks that an input is measured over.
         18 since 3 WindowBlocks or Self::DigestCount,
-        /// How many tones are to be measured at once.
+        /// The number of tones to be measured at once.
         19 since 3 LockIns or Self::ToneCount,
         /// The number of an input.
         20 since 3 Input or Self::ToneSlot,
@@ -202,16 +202,16 @@ choices! {
         21 since 0 SafeMode,
         /// No digest has been asked for.
         22 since 0 NoDigest,
-        /// The flash is only written while the device is disarmed: meanwhile it takes no stop. A host of 1.0 is told
-        /// `Armed`.
+        /// The flash is only written while the device is disarmed, because the device takes no stop meanwhile. A host of 1.0
+        /// gets `Armed`.
         23 since 1 DisarmFirst or Self::Armed,
         /// The tones together would move the actuator beyond its peak travel, at rest or on their way: lower the levels, or
         /// stop first.
         24 since 1 Travel {
             /// The steady travel at worst, in per mille of the peak travel.
             travel_per_mille: u16 ["1/1000 of the peak travel"],
-            /// What the levels may be at most, in per mille of what they are; 0 if none helps, because the tones that sound
-            /// are too loud for the way.
+            /// The factor that brings the levels to the limit; 0 if no levels help, because the sounding tones are too loud
+            /// on the way.
             allowed_per_mille: u16 ["1/1000"],
         } or Self::Headroom { sum_per_mille: *travel_per_mille },
         /// A chord's tones exceed full scale: the device has rendered a period of them. Lower the levels, or choose other

@@ -1,4 +1,4 @@
-//! What a message's body holds, field by field, as data: made by the same macros that make the types.
+//! The schema of the messages' bodies as data, made by the same macros that make the types.
 //!
 //! ```text
 //! body! { struct }   choices! { enum }   messages! { commands, events }
@@ -12,7 +12,7 @@
 use crate::minor::Minor;
 use heapless::{String, Vec};
 
-/// How a value stands on the wire.
+/// The encoding of a value on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shape {
     /// One byte.
@@ -54,7 +54,7 @@ pub struct FieldRow {
     pub unit: &'static str,
     /// The lowest and the highest allowed value, where that is less than the type can hold.
     pub range: Option<(i64, i64)>,
-    /// How it stands on the wire.
+    /// Its encoding.
     pub shape: &'static Shape,
 }
 
@@ -90,9 +90,9 @@ pub struct MessageRow {
     pub answer: Option<&'static str>,
 }
 
-/// What may stand in a body.
+/// A type that may stand in a body.
 pub trait Wire: Sized {
-    /// How it stands on the wire.
+    /// Its encoding.
     const SHAPE: &'static Shape;
 
     /// The same for a side that speaks an older minor: what is newer is replaced by what that side knows.

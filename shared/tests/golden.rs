@@ -181,7 +181,7 @@ fn ids_rise_and_the_two_directions_share_none() {
 }
 
 /// An event as a host of an older minor gets it; nothing if it does not.
-fn told(event: &Event, minor: Minor) -> Option<Event> {
+fn as_received(event: &Event, minor: Minor) -> Option<Event> {
     let frame = event.frame_for(minor, SESSION, SEQUENCE).ok()?;
     let mut decoder = Decoder::new();
     frame.iter().find_map(|&byte| decoder.push(byte, |it| Event::decode(it.header.id, it.body).unwrap()))
@@ -190,8 +190,10 @@ fn told(event: &Event, minor: Minor) -> Option<Event> {
 /// What a side of 1.1 gets in the place of each addition of 1.2.
 #[test]
 fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
-    let seen: Vec<String> =
-        events_of(2).iter().map(|(_, event)| format!("{:?}", told(event, minor(1)).unwrap())).collect();
+    let seen: Vec<String> = events_of(2)
+        .iter()
+        .map(|(_, event)| format!("{:?}", as_received(event, minor(1)).unwrap()))
+        .collect();
     // No host of 1.1 sends a chord; so none ever gets these.
     let expected = [
         "Refused(Headroom { sum_per_mille: 1213 })",
@@ -207,7 +209,8 @@ fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
 /// What a side of 1.2 gets in the place of each addition of 1.3.
 #[test]
 fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
-    let seen: Vec<Option<Event>> = events_of(3).iter().map(|(_, event)| told(event, minor(2))).collect();
+    let seen: Vec<Option<Event>> =
+        events_of(3).iter().map(|(_, event)| as_received(event, minor(2))).collect();
     // No host of 1.2 sends what these refuse; so none ever gets these.
     let refused = |field| Some(Event::Refused(Refusal::OutOfRange { field, min: 0, max: 1, got: 2 }));
     let mut expected = vec![None; 12];
@@ -235,10 +238,10 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
 /// What a side of 1.0 gets in the place of each addition of 1.1.
 #[test]
 fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
-    let old = |event: &Event| told(event, Minor::FIRST);
+    let old = |event: &Event| as_received(event, Minor::FIRST);
     let mut seen = Vec::new();
     for (label, event) in events_of(1) {
-        let told = match (label.as_str(), old(&event)) {
+        let received = match (label.as_str(), old(&event)) {
             (
                 "maintenance-reply"
                 | "maintenance-reply-largest"
@@ -255,7 +258,7 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
             (_, Some(other)) => format!("{other:?}"),
             (label, None) => panic!("{label} does not reach a host of 1.0"),
         };
-        seen.push((label, told));
+        seen.push((label, received));
     }
     let damaged = format!("Fault {} {:?}", Fault::StoreDamaged.text(), Some(Fault::StoreDamaged));
     let range = "Refused(OutOfRange { field: SampleRate, min: 1, max: 1000000000, got: 0 })";
@@ -277,7 +280,7 @@ fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
         ("refused-out-of-range-quality", range),
         ("refused-out-of-range-static-travel", range),
     ];
-    assert_eq!(seen, expected.map(|(label, told)| (label.to_owned(), told.to_owned())));
+    assert_eq!(seen, expected.map(|(label, text)| (label.to_owned(), text.to_owned())));
     for (label, command) in commands_of(1) {
         assert!(
             command.frame_for(Minor::FIRST, SESSION, SEQUENCE).is_err(),

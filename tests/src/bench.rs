@@ -1,5 +1,4 @@
-//! A plate that nobody knows, under a simulated device with a sensor, measured through the protocol and the device
-//! application.
+//! A secret plate under a simulated device with a sensor, measured through the protocol and the device application.
 
 use slipline_instrument::measure::{
     MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted,
@@ -24,9 +23,9 @@ const POSITIONS: usize = 1601;
 /// Steps after which a measurement never ends.
 const STEPS: usize = 1_000_000;
 
-/// A device whose inputs sense a plate, armed, with the table of the plate that its user believes in.
+/// An armed device whose inputs sense the true plate, with the table of the nominal plate.
 pub struct Bench {
-    /// What the user believes in.
+    /// The nominal plate, which the user assumes.
     pub nominal: Plate,
     /// The plate under the device.
     pub truth: Plate,
@@ -36,7 +35,7 @@ pub struct Bench {
     pub hand: RigHand,
     /// The link and the device, in virtual time.
     pub loopback: Loopback,
-    /// What is measured.
+    /// The order of the measurement.
     pub wanted: Wanted,
     /// The table of the nominal plate.
     pub table: Arc<DeviceTable>,
@@ -173,7 +172,7 @@ impl Bench {
     }
 }
 
-/// What the frequency domain says of a displacement sensor on a plate, metres per DAC code of 1, with the codes' hold.
+/// Response of a displacement sensor on a plate by the frequency domain, in metres per DAC amplitude of 1, with the codes' hold.
 ///
 /// # Panics
 /// If the plate has no answer at a frequency.

@@ -1,4 +1,4 @@
-//! What every test client can do, whichever device answers: simulated or emulated.
+//! The interface of every test client, for a simulated or an emulated device.
 
 use slipline_protocol::event::{Event, Status};
 use slipline_protocol::units::SampleIndex;

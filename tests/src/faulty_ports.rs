@@ -47,7 +47,7 @@ pub struct FaultyPorts {
     pub commands: Vec<(u16, Command)>,
     /// The header of the last of them.
     pub last: Option<Header>,
-    /// PortsOpener in the order in which they were opened.
+    /// The ports in the order in which they were opened.
     pub opened: Vec<Port>,
     /// How often a line was read.
     pub reads: u64,

@@ -239,5 +239,5 @@ pub fn drive(boundary_m: f64) -> Request {
     Request::Drive(DriveRequest::of(vec![ToneRequest { slot: 0, boundary_m, level: 0.5, phase_turns: 0.0 }]))
 }
 
-/// A device that answers no more is lost after so long, in milliseconds.
+/// Time until a device that answers no more is lost, in milliseconds.
 pub const LOST_AFTER_MS: u64 = (REPLY_TIMEOUT_MS * (MAX_RETRIES + 1)) as u64;

@@ -1,4 +1,4 @@
-//! A recorder that is no part of the device: it hears what the rig's sensor shows, by a clock of its own, and writes a WAV file.
+//! A recorder apart from the device: it samples the rig's sensor by a clock of its own and writes a WAV file.
 
 use slipline_link::BLOCK;
 use slipline_link::simulator::SimulatedInputs;
@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Samples of the device that make one of the recorder's filter: far above what a plate with low frequencies does.
 const MEAN: usize = 8;
 
-/// What the rig's sensor has shown, as the device's codes.
+/// The signal of the rig's sensor, as the device's codes.
 #[derive(Clone, Default)]
 pub struct Tape(Arc<Mutex<Vec<u16>>>);
 
@@ -35,7 +35,7 @@ impl SimulatedInputs for Tapped {
     }
 }
 
-/// How a recorder records.
+/// Properties of a recorder.
 #[derive(Debug, Clone, Copy)]
 pub struct Recorder {
     /// Values a second, as it names it.

@@ -1,4 +1,4 @@
-//! A recorded session: what a host and a device of one version said to each other, byte for byte.
+//! A recorded session: the bytes between a host and a device of one version.
 //!
 //! ```text
 //! # a remark

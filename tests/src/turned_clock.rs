@@ -1,4 +1,4 @@
-//! A clock that a test turns, for workers on their own threads: how fast the computer is changes no verdict.
+//! A clock that a test turns, for workers on their own threads: no verdict depends on the computer's speed.
 
 use slipline_link::native::Handle;
 use slipline_link::simulator::realtime::Clock;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Only a hang takes so long. No test asserts how long anything took.
+/// The limit of a wait, reached only by a hang. No test asserts how long anything took.
 pub const HANG: Duration = Duration::from_secs(120);
 
 /// Waits until this is so.

@@ -1,4 +1,4 @@
-//! What the documents say of the tree is true: every file and folder they name exists, and the version stands once.
+//! The documents agree with the tree: every file and folder they name exists, and the version stands once.
 
 use slipline_tests::source_tree::{PRODUCT, root, rust_files};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,4 +1,4 @@
-//! What the fuzzers have found interesting, replayed..
+//! The corpora of the fuzzers, replayed..
 
 use slipline_tests::fuzz::TARGETS;
 use slipline_tests::source_tree::root;

@@ -1,4 +1,4 @@
-//! The level hold through the protocol: what it does, what limits it, and what ends it. The plate is a wire with a finger on it.
+//! The level hold through the protocol: its corrections, its limits and its ends. The plate is a wire with a finger on it.
 
 use std::sync::{Arc, Mutex};
 
@@ -17,7 +17,7 @@ use slipline_protocol::{Command, units::SampleIndex};
 use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, chord, comb, drive};
 
-/// What becomes of the codes on their way from the pin to the sensor.
+/// The path of the codes from the pin to the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Touch {
     /// This share is left.

@@ -95,8 +95,8 @@ struct Bench {
 }
 
 impl Bench {
-    /// A device that drives a tone so far below full scale at least, and holds what the sensor hears of it. Another tone of the
-    /// amplitude `other` is not held.
+    /// A device that drives a tone at least `headroom_db` below full scale and holds its amplitude at the sensor. Another tone, of
+    /// the amplitude `other`, is not held.
     fn holding(trial: Trial, headroom_db: f64, other: f64) -> Self {
         let plate = preset(trial.name).unwrap();
         let (start_m, end_m) = plate.span_m();

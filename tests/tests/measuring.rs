@@ -1,5 +1,4 @@
-//! A plate that nobody knows is measured through the protocol and the device application, and calibrated: the simulated rig
-//! stands on it.
+//! A secret plate under the simulated rig, measured through the protocol and the device application, and calibrated.
 
 use slipline_instrument::measure::{MeasureError, Measured, Procedure};
 use slipline_instrument::rig::RigFault;

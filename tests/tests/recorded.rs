@@ -1,5 +1,5 @@
-//! A plate that nobody knows, calibrated from recordings of the sweep: the device plays, and a recorder of its own, with a clock
-//! of its own, hears the rig's sensor.
+//! A secret plate, calibrated from recordings of the sweep: the device plays, and a separate recorder with its own clock
+//! records the rig's sensor.
 
 use clap::Parser as _;
 use slipline::cli::Cli;

@@ -34,7 +34,7 @@ fn armed_with(block_waits: bool) -> (Rig, Mirror) {
     (rig, mirror)
 }
 
-/// Drives, and returns where that begins.
+/// Drives; returns the index of the begin.
 fn begin(rig: &mut Rig, mirror: &mut Mirror, drive: &Drive) -> SampleIndex {
     let at = rig.accepted(&Command::Drive(drive.clone()));
     mirror.acknowledge_drive(drive, at).unwrap();

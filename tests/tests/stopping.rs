@@ -10,7 +10,7 @@ use slipline_tests::faulty_ports::{as_real, lock};
 use slipline_tests::link_rig::{LinkRig, drive};
 use std::sync::Arc;
 
-/// Longer than a lost word takes to be said again.
+/// Longer than the time after which a lost command is sent again.
 const AGAIN_MS: u64 = 2 * REPLY_TIMEOUT_MS as u64;
 
 /// Armed, with one tone that sounds.

@@ -1,5 +1,5 @@
-//! An exponential sweep through the protocol, the device application and the rig: the responses of a plate that nobody knows,
-//! and the current of its drive.
+//! An exponential sweep through the protocol, the device application and the rig: the responses of a secret plate, and the
+//! current of its drive.
 
 use slipline_instrument::measure::{MeasureError, Measured, Procedure, Sensor, SweepPlan, Sweeping, Warning};
 use slipline_instrument::rig::RigFault;

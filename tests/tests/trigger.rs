@@ -1,4 +1,4 @@
-//! When the trigger output rises: with each program, at the index that was answered, and never else.
+//! The trigger output rises with each program, at the answered index, and at no other time.
 
 use slipline_link::simulator::SimulatedDevice;
 use slipline_protocol::Command;

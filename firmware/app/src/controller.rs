@@ -1,4 +1,4 @@
-//! What every command does: checks it, may refuse it, and hands the effect over.
+//! Execution of commands: checks a command, then refuses it or hands its effect over.
 //!
 //! ```text
 //! Command --execute--> Ok(Event) or Err(Refusal)
@@ -71,7 +71,7 @@ pub struct Controller<'a, F, S> {
     flash: F,
     system: S,
     stored: StoredConfig,
-    /// How often the two slots have been erased; 0 in safe mode, which has not looked.
+    /// Erasures of both slots; 0 in safe mode, which does not read the flash.
     erasures: u32,
     thermal: Thermal,
     /// The active table; its slot holds the knots.

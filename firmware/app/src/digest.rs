@@ -86,10 +86,10 @@ fn lookup(table: &[u32; 256], sum: u32) -> u32 {
     table[(sum & 0xFF) as usize]
 }
 
-/// How a digest stands.
+/// State of a digest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DigestState {
-    /// None has been asked for.
+    /// No digest was ordered.
     None,
     /// The window lies ahead or is open.
     Waiting(DigestWindow),

@@ -77,13 +77,13 @@ impl Inbox {
         self.queue.pop_front()
     }
 
-    /// How many stops have come: what is under way when this number changes must not start anything any more.
+    /// Number of stops received. A command under way when it changes must not start anything any more.
     #[must_use]
     pub const fn stops(&self) -> u32 {
         self.stops
     }
 
-    /// What the link has counted on this side.
+    /// Counters of the receiving side.
     #[must_use]
     pub fn counters(&self) -> Counters {
         let decoder = self.decoder.counters();

@@ -48,7 +48,7 @@ impl Default for Motion {
 }
 
 impl Motion {
-    /// Silence, by no table.
+    /// Silence, without a table.
     #[must_use]
     pub const fn silent() -> Self {
         Self { outline: Outline::SILENT, tones: [ToneTrajectory::SILENT; MAX_TONES] }

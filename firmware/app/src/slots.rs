@@ -83,7 +83,7 @@ pub(crate) struct Table<'a> {
 }
 
 impl Table<'_> {
-    /// What a tone at `position` needs by this table.
+    /// Step and gain of a tone at `position`.
     #[inline(always)]
     pub(crate) fn evaluate(self, position: FinePosition) -> Setting {
         let (index, fraction) = table::place(self.knots, position);
@@ -136,7 +136,7 @@ impl TableSlots {
         }
     }
 
-    /// What a tone at `position` needs by this table.
+    /// Step and gain of a tone at `position` by a table.
     #[must_use]
     pub fn evaluate(&self, table: TableRef, position: FinePosition) -> Setting {
         self.table(table).evaluate(position)

@@ -25,7 +25,7 @@ pub struct Upload {
     received: u16,
     moved_at: SampleIndex,
     validator: Validator,
-    /// What the first knot at fault is refused with, at the commit.
+    /// Refusal for the first invalid knot, given at the commit.
     fault: Option<Refusal>,
     digester: Digester,
 }

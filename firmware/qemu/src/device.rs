@@ -16,8 +16,8 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
 use slipline_app::bank::BLOCK;
 use slipline_app::listening::capture::Values;
-use slipline_app::planning::chord::Candidate;
 use slipline_app::listening::listener::Listener;
+use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{DacStream, HasMuted, Mute, NoFlash, RendererPorts, System, Underrun};
 use slipline_app::{Boot, Device, Link, Mailbox, Renderer, Timing, release};
 
@@ -31,7 +31,7 @@ const BOARD_HZ: u32 = 25_000_000;
 const TICKS_PER_BLOCK: u32 = BOARD_HZ / (SAMPLE_RATE_HZ / BLOCK as u32);
 
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
-/// What a capture takes.
+/// The captured values.
 static CAPTURED: Values = Values::new();
 
 /// Interrupts of this board that no peripheral uses; the executors run in them, at their priorities.

@@ -30,8 +30,8 @@ use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog
 /// The state that thread and interrupt share.
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 
-/// What a capture takes. Where the memory map puts it; it is not cleared at the start, for no value is read that has not been
-/// written.
+/// The captured values. Where the memory map puts it; it is not cleared at the start, because no value is read that has not
+/// been written.
 // SAFETY: any 32 bits are a value.
 #[unsafe(link_section = ".uninit.captured")]
 static CAPTURED: Values = Values::new();
@@ -137,7 +137,7 @@ async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
     link.run(&MAILBOX, read, write).await;
 }
 
-/// What the hello says about this device.
+/// This device's identity in the hello.
 fn identity() -> Device {
     Device {
         board: board::NAME,

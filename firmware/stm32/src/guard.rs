@@ -21,7 +21,7 @@
 
 use cortex_m::peripheral::MPU;
 
-/// Of the guard below the stack. More than any stack here has in all, so no function's variables reach across it.
+/// Size of the guard below the stack in bytes: larger than any stack here, so no function's variables reach across it.
 const BELOW_STACK: u32 = 32 * 1024;
 
 // MPU_CTRL (ARMv7-M B3.5.5) and MPU_RASR (B3.5.9). No permission is AP = 000; the fields for caches stay 0, for nothing is
@@ -75,7 +75,7 @@ pub(crate) fn start() {
     cortex_m::asm::isb();
 }
 
-/// What a fault is called, by CFSR, MMFAR and the return address, which for a refused fetch is the address itself.
+/// The name of a fault, by CFSR, MMFAR and the return address, which for a refused fetch is the address itself.
 pub(crate) fn name_of(status: u32, address: u32, pc: u32) -> &'static str {
     let touched = if status & MMARVALID != 0 { address } else { pc };
     if touched < null_end() {

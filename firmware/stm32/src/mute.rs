@@ -29,7 +29,7 @@ use slipline_app::ports::{HasMuted, Mute};
 use crate::board::{self, MUTE_CHANNEL as CHANNEL, MUTE_TIMER as TIMER};
 use crate::pin_lock;
 
-/// The amplifier is off so long after the last good block. A block lasts 0.32 ms, so twelve may be missing.
+/// Time from the last good block until the amplifier is off, in us. A block lasts 0.32 ms, so twelve may be missing.
 const STAYS_ON_US: u16 = 4000;
 
 /// Output compare modes.

@@ -17,7 +17,7 @@ use slipline_app::bank::BLOCK;
 /// Blocks that are remembered: two wait or play when one is read, and the ADC's ring has no more.
 const REMEMBERED: usize = 4;
 
-/// What has become of the oldest block that has not been read.
+/// The oldest block that has not been read, searched among the sampled codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Search {
     /// It is not over yet, or there is none.

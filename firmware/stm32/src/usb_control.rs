@@ -1,4 +1,4 @@
-//! A USB driver whose control pipe takes whatever a host does.
+//! A USB driver with a control pipe that tolerates any behaviour of the host.
 //!
 //! embassy-usb 0.6 on embassy-usb-synopsys-otg 0.3 trusts its host in three points:
 //! - A request to an endpoint that the chip does not have fails an assertion: one packet would reset the device.
@@ -92,7 +92,7 @@ impl Endpoints {
     }
 }
 
-/// The control pipe that takes whatever a host does.
+/// A control pipe that tolerates any behaviour of the host.
 pub(crate) struct GuardedPipe<P> {
     pipe: P,
     endpoints: Endpoints,

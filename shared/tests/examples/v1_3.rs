@@ -95,7 +95,7 @@ fn holds() -> [(&'static str, Command); 4] {
     ]
 }
 
-/// What is told of the level hold: every state, and the largest.
+/// Reports of the level hold: every state, and the largest report.
 fn held() -> [(&'static str, Event); 4] {
     let states = [
         HoldState::Settling,

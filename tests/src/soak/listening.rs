@@ -1,4 +1,4 @@
-//! What the user of a soak measures meanwhile, and what the wire says must come out.
+//! Measurements during a soak, compared with the response of the wire.
 
 use std::f64::consts::TAU;
 
@@ -26,7 +26,7 @@ const PERIODS: f64 = 20.0;
 /// Tolerance of the phase in degrees: leakage of the tone's own image at minus its frequency.
 const DEGREES: f64 = 3.0;
 
-/// What is measured now, and what must come out.
+/// The measurements under way, and the expected results.
 #[derive(Debug, Default)]
 pub(super) struct Listening {
     wire: Wire,

@@ -18,7 +18,7 @@ use crate::safety::foldback::Foldback;
 const DAC_BITS: u8 = 12;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
-    /// Who the device is.
+    /// The device's identity, the answer to a hello.
     #[must_use]
     pub fn identity(&self) -> Identity {
         Identity {
@@ -42,7 +42,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
     }
 
-    /// How the device is; `counters` has the link's part.
+    /// The device's status; `counters` are the link's, to which the renderer's are added.
     pub fn status<M: RawMutex>(&self, mailbox: &Mailbox<M>, counters: Counters) -> Status {
         let view = mailbox.view();
         let first = view.faults.first();
@@ -69,7 +69,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
     }
 
-    /// What a person who looks after the device has to know.
+    /// The data of maintenance: wear of the flash, brown-out guard.
     pub(super) fn maintenance(&self) -> Maintenance {
         Maintenance {
             erasures: self.erasures,

@@ -29,7 +29,7 @@ pub const MAX_VALUES: usize = 4096;
 /// The highest power of two of codes in a value: 1024 of them.
 pub const MAX_LOG2_CODES: u8 = 10;
 
-/// What a capture takes.
+/// Parameters of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipe {
     /// The first code's index; any.
@@ -43,7 +43,7 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    /// Whether it can be made if the block that begins at `next` is the first to be taken.
+    /// Checks it, for `next` the first sample of the first block that will be taken.
     pub(crate) fn check(&self, next: SampleIndex, inputs: usize) -> Result<(), CaptureError> {
         let inputs = u8::try_from(inputs.min(INPUTS)).unwrap_or(u8::MAX);
         if self.begin < next {
@@ -88,7 +88,7 @@ pub enum CaptureError {
     BeyondTime,
 }
 
-/// How far a capture has come.
+/// Progress of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Progress {
     /// None has been started.
@@ -191,7 +191,7 @@ impl<'a> Capture<'a> {
         self.recipe.begin
     }
 
-    /// How far it has come.
+    /// Its progress.
     #[must_use]
     pub const fn progress(&self) -> Progress {
         self.progress
@@ -204,7 +204,7 @@ impl<'a> Capture<'a> {
         if self.progress == Progress::Capturing { input..input.saturating_add(1) } else { 0..0 }
     }
 
-    /// How many values there are so far.
+    /// Number of values so far.
     #[must_use]
     pub const fn filled(&self) -> usize {
         self.filled

@@ -69,7 +69,7 @@ pub enum Limit {
     Thermal,
     /// The travel limit.
     Travel,
-    /// 60 dB below the table's level, the least that is worked with.
+    /// The lowest level: 60 dB below the table's.
     Fall,
 }
 
@@ -88,7 +88,7 @@ pub enum Loss {
     Broken,
 }
 
-/// How a held tone stands.
+/// State of a held tone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// It is on its way to the set amplitude.
@@ -101,12 +101,12 @@ pub enum State {
     Lost(Loss),
 }
 
-/// How much more than what is in force is allowed now.
+/// The allowed rise above the levels in force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
     /// The ratio by which all held tones may rise together.
     pub rise: Octaves,
-    /// What allows no more.
+    /// The limit that sets it.
     pub limit: Limit,
 }
 
@@ -230,13 +230,13 @@ impl Hold {
         self.tones.iter_mut().flatten().for_each(Tone::drop_proposal);
     }
 
-    /// How a slot stands; `None` if it is not held.
+    /// A slot's state; `None` if it is not held.
     #[must_use]
     pub fn state(&self, slot: usize) -> Option<State> {
         Some(self.tones.get(slot)?.as_ref()?.state)
     }
 
-    /// What is in force above a slot's table's level; `None` if it is not held.
+    /// A slot's correction in force, relative to its level by the table; `None` if it is not held.
     #[must_use]
     pub fn correction(&self, slot: usize) -> Option<Octaves> {
         Some(self.tones.get(slot)?.as_ref()?.correction())

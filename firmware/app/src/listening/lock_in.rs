@@ -103,7 +103,7 @@ use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
 use slipline_protocol::units::SampleIndex;
 
-/// How far a measurement has come.
+/// Progress of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// None has been started.
@@ -169,7 +169,7 @@ impl LockIn {
         self.reading = Reading::NONE;
     }
 
-    /// How far it has come.
+    /// Its progress.
     #[must_use]
     pub const fn state(&self) -> State {
         self.state

@@ -1,4 +1,4 @@
-//! How the output goes on: a part of the [`View`](super::View) that costs little.
+//! The motion in force without its tones: a part of the [`View`](super::View) that costs little.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::units::SampleIndex;
@@ -27,7 +27,7 @@ pub struct Course {
 }
 
 impl<M: RawMutex> Mailbox<M> {
-    /// How the output goes on.
+    /// The motion in force without its tones.
     pub fn course(&self) -> Course {
         self.shared.lock(|shared| {
             let (outline, report) = (shared.outline(), shared.report.get());

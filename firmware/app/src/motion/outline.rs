@@ -7,7 +7,7 @@ use super::placement::Placement;
 use crate::planning::ramp::{ONE, RampShape};
 use crate::slots::{SlotIndex, TableRef};
 
-/// When a motion takes place, by which table, and whether it matters.
+/// Time and table of a motion, and whether it begins and ends in silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Outline {
     pub(crate) start: SampleIndex,

@@ -34,7 +34,7 @@ use crate::timing::Timing;
 /// Periods of the resonance that a drive takes at least. Within two of them a raised cosine leaves little free motion.
 pub const PERIODS: u64 = 2;
 
-/// The limit in force, if any, and what it says of the two tables.
+/// The limit in force, if any, and the travels of the two tables by it.
 #[derive(Clone, Debug)]
 pub struct Excursion {
     sample_rate_hz: u32,

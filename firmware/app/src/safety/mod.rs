@@ -1,4 +1,4 @@
-//! What keeps actuator and finger safe, and what is known after a bad end: limits, latches, fades and records.
+//! Protection of actuator and finger: limits, the fault latch, fades, and the record of a crash for the next start.
 //!
 //! `thermal` models the coil and reduces every amplitude; `foldback` is the report of it. `excursion` refuses a motion that
 //! would pass the travel limit. `faults` is the latch, `supervisor` the watchdog's condition, `fade` what plays where a

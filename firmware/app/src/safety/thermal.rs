@@ -20,9 +20,9 @@ pub const WINDING_S: f32 = 8.0;
 pub const BODY_S: f32 = 120.0;
 /// The temperature rise that a full-scale sine would reach, 1 = the limit.
 pub const FULL_SINE: f32 = 1.3;
-/// From here on the amplitude is folded back.
+/// Temperature rise above which the amplitude is folded back, 1 = the limit.
 pub const WARN: f32 = 0.8;
-/// What is left of the amplitude at the limit.
+/// Factor on the amplitude at the limit.
 pub const FLOOR: f32 = 0.5;
 
 /// What is known about the coil's temperature at the start.

@@ -14,7 +14,7 @@ impl Octaves {
     pub const ONE: Self = Self(1 << 16);
     /// 1 dB, `log2(10) / 20`.
     pub const DECIBEL: Self = Self(10_885);
-    /// The most that is worked with, a factor of 1024 (60.2 dB), up or down.
+    /// The largest ratio of the hold, a factor of 1024 (60.2 dB), up or down.
     pub const MAX: Self = Self(10 << 16);
 
     /// The logarithm of a number, rounded down: at most 1/65536 too small. 0 counts as 1.

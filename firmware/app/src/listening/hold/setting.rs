@@ -10,7 +10,7 @@ pub const MIN_AMPLITUDE: u32 = HELD_AMPLITUDE.0;
 /// The largest amplitude that fits the inputs' range, 2047 codes, in 1/256 code.
 pub const MAX_AMPLITUDE: u32 = HELD_AMPLITUDE.1;
 
-/// How the loops work.
+/// Parameters of the loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Setting {
     /// From the beginning of one window to that of the next, in samples: twice the shortest glide (10 ms) at least.

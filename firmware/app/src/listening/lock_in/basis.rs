@@ -176,7 +176,7 @@ impl Basis {
         (self.constant, self.constant_bend) = (projection.real, projection.bend_real);
     }
 
-    /// What of the constant [`CONSTANT`] lies along it.
+    /// The projection of the constant [`CONSTANT`] on it.
     #[inline(always)]
     pub(super) const fn constant(&self) -> Projection {
         Projection { real: self.constant, imaginary: 0, bend_real: self.constant_bend, bend_imaginary: 0 }

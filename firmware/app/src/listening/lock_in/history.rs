@@ -1,4 +1,4 @@
-//! What the renderer has handed to the DAC, until the ADC's codes of the same samples come.
+//! Phases and tones of the last rendered blocks, kept until the ADC's codes of the same samples come.
 
 use crate::bank::{TONES, ToneBlock};
 use slipline_protocol::units::SampleIndex;
@@ -33,7 +33,7 @@ impl Played {
     };
 }
 
-/// The last blocks that were rendered. A stop that revises a block changes amplitudes, not phases: it needs no word here.
+/// The last blocks that were rendered. A stop that revises a block changes amplitudes, not phases, and is not noted here.
 #[derive(Clone, Debug)]
 pub struct History {
     blocks: [Played; BLOCKS],

@@ -1,4 +1,4 @@
-//! What a window has measured.
+//! The result of a window: the sums of each tone and input.
 
 use super::basis::{CONSTANT, Sums};
 use super::fold::Span;
@@ -27,7 +27,7 @@ impl InPhaseQuadrature {
     }
 }
 
-/// What a window has measured so far.
+/// The sums of a window so far.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reading {
     /// The sums of each input's tones, the input's offset not taken away.

@@ -51,7 +51,7 @@ impl Window {
         }
     }
 
-    /// Whether it can be measured if the block that begins at `next` is the first to be taken.
+    /// Checks it, for `next` the first sample of the first block that will be taken.
     pub(crate) const fn check(&self, next: SampleIndex) -> Result<(), StartError> {
         if !self.begin.is_multiple_of(BLOCK_SAMPLES) {
             return Err(StartError::WithinBlock);

@@ -11,7 +11,7 @@ use crate::timing::BLOCK_SAMPLES;
 /// Tones that are prepared between two looks for a stop: together they take about as long as a block.
 const TONES_AT_ONCE: usize = 4;
 
-/// Between which samples a signal lies, in units of 1/[`FULL_SCALE`] of half the DAC's swing.
+/// Lowest and highest sample of a signal, in units of 1/[`FULL_SCALE`] of half the DAC's swing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// The lowest sample.
@@ -53,7 +53,7 @@ impl Extent {
     }
 }
 
-/// What a proof computes with.
+/// Working memory of a proof.
 #[derive(Clone, Debug)]
 pub struct Proof {
     bank: SteadyBank,

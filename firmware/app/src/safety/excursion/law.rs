@@ -1,4 +1,4 @@
-//! How far a tone moves a mass on a spring, as a share of what is allowed.
+//! Travel of a mass on a spring under a tone, as a share of the allowed travel.
 //!
 //! ```text
 //! share(r) = static_share / sqrt((1 - r^2)^2 + (r / Q)^2),   r = f / f0
