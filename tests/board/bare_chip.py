@@ -48,7 +48,7 @@ class Registers:
         self.write(APB1ENR, 1 << 4)
 
     def timer(self, control, compare, reload, mode=PWM2, enables=CC3NE, main=MOE | BKP):
-        """TIM1's channel 3 as the mute timer has it: one count a microsecond, its complementary output on PB1."""
+        """TIM1's channel 3, set up as in the mute timer: one count a microsecond, its complementary output on PB1."""
         self.write(TIM1 + PSC, PRESCALER)
         self.write(TIM1 + ARR, reload)
         self.write(TIM1 + CCR3, compare)

@@ -22,7 +22,7 @@ TONES = 16
 # A window, and the pause after it: the shortest, so that turns come as often as they may.
 WINDOW_BLOCKS, PAUSE_BLOCKS = 20, 12
 PERIOD = (WINDOW_BLOCKS + PAUSE_BLOCKS) * BLOCK / RATE_HZ
-# Codes of amplitude to hold: less than a fifth of what the sensor hears of the drive, so that every turn has new levels.
+# Codes of amplitude to hold: less than a fifth of the drive's amplitude at the sensor, so that every turn has new levels.
 HELD_CODES = 8
 # From a ramp's first sample until silence (firmware/SAFETY.md), and the dead-man's time.
 RAMPS = {EMERGENCY_STOP: 2 * MILLISECOND, STOP: 30 * MILLISECOND}

@@ -23,7 +23,7 @@ WITH_A_STORE = *PROGRAM[:READ], 0x600B, *PROGRAM[READ + 1 :]
 # ldr r0, =ECCR; ldr r2, [r0]; str r2, [r0]; ldr r0, =COUNT; ldr r2, [r0]; adds r2, #1; str r2, [r0]; bx lr: what ECCR holds is
 # cleared by writing it.
 CLEAR_AND_COUNT = struct.pack("<8H2I", 0x4803, 0x6802, 0x6002, 0x4803, 0x6802, 0x3201, 0x6002, 0x4770, ECCR, COUNT)
-# What is left of ITTE EQ after its first instruction, as xPSR has it (ARMv7-M A7.3.3, B1.4.2): 0b0000_1100.
+# The rest of ITTE EQ after its first instruction, in xPSR's form (ARMv7-M A7.3.3, B1.4.2): 0b0000_1100.
 LEFT = 0b000011 << 10
 
 

@@ -87,7 +87,7 @@ def residuals(u, plate, data):
 
 
 def measured(plate, truth, random):
-    """A source that nobody knows, 40 dB over the noise."""
+    """An unknown source, 40 dB above the noise."""
     p = wave(plate, truth)
     n = len(plate.frequencies)
     t = np.linspace(0, 1, n)

@@ -2,7 +2,7 @@
 
 /// How often each fault happens, as a share of the frames that pass (of the bits, for `flip`).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Faults {
+pub struct LinkFaults {
     /// A frame is lost.
     pub drop: f64,
     /// A frame comes twice.
@@ -65,7 +65,7 @@ impl Random {
 /// One direction of a link with faults. Frames go in at one end and bytes come out at the other, one call a frame time.
 #[derive(Clone, Debug)]
 pub struct FaultyLink {
-    faults: Faults,
+    faults: LinkFaults,
     random: Random,
     /// Bytes on the way, each lot with the number of calls it still waits.
     held: Vec<(u32, Vec<u8>)>,
@@ -75,13 +75,13 @@ pub struct FaultyLink {
 impl FaultyLink {
     /// A link with these faults.
     #[must_use]
-    pub const fn new(seed: u64, faults: Faults) -> Self {
+    pub const fn new(seed: u64, faults: LinkFaults) -> Self {
         Self { faults, random: Random::new(seed), held: Vec::new(), echoed: Vec::new() }
     }
 
     /// Puts a frame in (or nothing) and takes out what arrives at the other end now.
     pub fn pass(&mut self, frame: &[u8]) -> Vec<u8> {
-        let Faults { drop, duplicate, reorder, flip, truncate, insert, split, delay, echo } = self.faults;
+        let LinkFaults { drop, duplicate, reorder, flip, truncate, insert, split, delay, echo } = self.faults;
         let mut arrived = Vec::new();
         let mut still_held = Vec::new();
         for (wait, bytes) in self.held.drain(..) {

@@ -192,20 +192,20 @@ pub fn play<P: Peer>(peer: &Arc<Mutex<P>>, minor: u8, mut pass: impl FnMut(&mut 
 }
 
 /// A device that is listened to.
-pub struct Recorder {
+pub struct SessionRecorder {
     device: SimulatedDevice,
     from_device: Vec<u8>,
     /// What has been said.
     pub lines: Vec<Line>,
 }
 
-impl Default for Recorder {
+impl Default for SessionRecorder {
     fn default() -> Self {
         Self { device: device(), from_device: Vec::new(), lines: Vec::new() }
     }
 }
 
-impl Recorder {
+impl SessionRecorder {
     /// Lets a millisecond pass, in whole blocks.
     pub fn pass(&mut self) {
         self.device.advance(3, |_| ());
@@ -216,7 +216,7 @@ impl Recorder {
     }
 }
 
-impl Peer for Recorder {
+impl Peer for SessionRecorder {
     fn take(&mut self, bytes: &[u8]) {
         self.lines.push(Line::Host(bytes.to_vec()));
         self.device.feed(bytes);

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 type Module = Vec<String>;
 
 /// One source file.
-struct Source {
+struct SourceFile {
     /// Its text without comments and unit tests.
     text: String,
     /// What its `use` declarations bring in: the name it has here, and the path.
@@ -101,7 +101,12 @@ fn paths(text: &str) -> Vec<Vec<String>> {
 }
 
 /// The module whose file defines what a path names, if that is in the crate.
-fn resolve(crate_of: &BTreeMap<Module, Source>, from: &Module, path: &[String], depth: u8) -> Option<Module> {
+fn resolve(
+    crate_of: &BTreeMap<Module, SourceFile>,
+    from: &Module,
+    path: &[String],
+    depth: u8,
+) -> Option<Module> {
     let mut at = from.clone();
     let mut parts = path.iter().peekable();
     match parts.peek().map(|part| part.as_str()) {
@@ -145,7 +150,7 @@ fn resolve(crate_of: &BTreeMap<Module, Source>, from: &Module, path: &[String], 
 }
 
 /// Which file uses which, parents and children left out.
-fn uses(crate_of: &BTreeMap<Module, Source>) -> BTreeMap<Module, BTreeSet<Module>> {
+fn uses(crate_of: &BTreeMap<Module, SourceFile>) -> BTreeMap<Module, BTreeSet<Module>> {
     let is_family = |a: &Module, b: &Module| a.starts_with(b) || b.starts_with(a);
     crate_of
         .iter()
@@ -170,12 +175,12 @@ fn reached(uses: &BTreeMap<Module, BTreeSet<Module>>, from: &Module) -> BTreeSet
 }
 
 /// The sources of a crate by module; its programs in `bin` are crates of their own.
-fn read(folder: &Path) -> BTreeMap<Module, Source> {
+fn read(folder: &Path) -> BTreeMap<Module, SourceFile> {
     let mut found = rust_files(folder);
     found.retain(|file| !file.strip_prefix(folder).expect("below").iter().any(|part| part == "bin"));
     let source = |file: &PathBuf| {
         let text = code(&std::fs::read_to_string(file).expect("readable"));
-        (module(folder, file), Source { imports: imports(&text), text })
+        (module(folder, file), SourceFile { imports: imports(&text), text })
     };
     found.iter().map(source).collect()
 }
@@ -223,9 +228,9 @@ fn every_crate_of_the_workspace_is_looked_at() {
 
 #[test]
 fn a_circle_is_found_through_groups_and_re_exports() {
-    let source = |text: &str| Source { imports: imports(text), text: text.to_owned() };
+    let source = |text: &str| SourceFile { imports: imports(text), text: text.to_owned() };
     let module = |path: &str| path.split("::").map(str::to_owned).collect::<Module>();
-    let crate_of: BTreeMap<Module, Source> = [
+    let crate_of: BTreeMap<Module, SourceFile> = [
         (Vec::new(), source("pub mod a; pub mod b; pub mod c;")),
         (module("a"), source("use crate::{b::{self, Item as Other}, std::fmt};\n")),
         (module("b"), source("pub mod inner;\npub use inner::Item;")),

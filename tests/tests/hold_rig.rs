@@ -84,7 +84,7 @@ const fn half_of(name: &'static str) -> Trial {
 
 const FINGER: Trial = Trial { name: "al-bending", resistance_n_s_per_m: Some(350.0) };
 
-struct Bench {
+struct HoldBench {
     loopback: Loopback,
     person: Arc<Person>,
     hand: RigHand,
@@ -94,7 +94,7 @@ struct Bench {
     loudest: u16,
 }
 
-impl Bench {
+impl HoldBench {
     /// A device that drives a tone at least `headroom_db` below full scale and holds its amplitude at the sensor. Another tone, of
     /// the amplitude `other`, is not held.
     fn holding(trial: Trial, headroom_db: f64, other: f64) -> Self {
@@ -185,7 +185,7 @@ fn decibels(ratio: f64) -> f64 {
 /// A finger comes and goes.
 fn comes_and_goes(trial: Trial) {
     let name = trial.name;
-    let mut bench = Bench::holding(trial, 10.0, 0.0);
+    let mut bench = HoldBench::holding(trial, 10.0, 0.0);
     let free = bench.amplitude();
     bench.touch(true);
     bench.pass(bench.plan.recovery_s());
@@ -226,7 +226,7 @@ fn it_is_stable_on_every_preset() {
 fn where_the_headroom_is_less_the_tone_stays_at_full_scale_and_says_so() {
     for trial in [half_of("membrane"), half_of("al-bending")] {
         // 0.5 of full scale beside 0.3: 2.9 dB are left.
-        let mut bench = Bench::holding(trial, 6.02, 0.3);
+        let mut bench = HoldBench::holding(trial, 6.02, 0.3);
         bench.touch(true);
         bench.pass(2.0 * bench.plan.recovery_s());
         let (progress, state, correction_db) = bench.state();
@@ -244,7 +244,7 @@ fn a_sensor_that_fails_ends_in_the_level_of_the_drive() {
         (RigFault::Clipped, HoldLoss::Clipped),
         (RigFault::Stuck(777), HoldLoss::Stuck),
     ] {
-        let mut bench = Bench::holding(half_of("al-bending"), 10.0, 0.0);
+        let mut bench = HoldBench::holding(half_of("al-bending"), 10.0, 0.0);
         bench.touch(true);
         bench.pass(2.0 * bench.plan.recovery_s());
         let (raised, (_, _, correction_db)) = (bench.loudest, bench.state());

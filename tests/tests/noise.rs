@@ -9,7 +9,7 @@ use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS};
 use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
-use slipline_tests::faulty_link::{Faults, FaultyLink, Random};
+use slipline_tests::faulty_link::{FaultyLink, LinkFaults, Random};
 use slipline_tests::rig::{BLOCK, Rig, drive};
 
 fn driving() -> Rig {
@@ -153,7 +153,7 @@ fn sends_needed(rig: &mut Rig, there: &mut FaultyLink, back: &mut FaultyLink, co
 #[test]
 fn at_one_wrong_bit_in_ten_thousand_every_command_gets_through_with_the_hosts_retries() {
     //
-    let noisy = Faults { flip: 1e-4, ..Faults::default() };
+    let noisy = LinkFaults { flip: 1e-4, ..LinkFaults::default() };
     let (mut there, mut back) = (FaultyLink::new(3, noisy), FaultyLink::new(4, noisy));
     let mut rig = Rig::armed();
     let mut most = 0;
@@ -170,7 +170,7 @@ fn at_one_wrong_bit_in_ten_thousand_every_command_gets_through_with_the_hosts_re
 #[test]
 fn at_one_wrong_bit_in_a_hundred_the_output_falls_silent() {
     //
-    let noisy = Faults { flip: 1e-2, ..Faults::default() };
+    let noisy = LinkFaults { flip: 1e-2, ..LinkFaults::default() };
     let mut link = FaultyLink::new(5, noisy);
     let mut rig = driving();
     for beat in 0..300u32 {

@@ -6,7 +6,7 @@ use slipline_protocol::command::TableChunk;
 use slipline_protocol::event::{Event, State};
 use slipline_protocol::refusal::Refusal;
 use slipline_tests::client::Client;
-use slipline_tests::faulty_link::{Faults, FaultyLink};
+use slipline_tests::faulty_link::{FaultyLink, LinkFaults};
 use slipline_tests::rig::{Rig, Table, drive};
 
 /// A session from hello to stop, each frame sent through `link`.
@@ -37,8 +37,8 @@ fn play(mut link: FaultyLink) -> Rig {
 #[test]
 fn a_frame_that_comes_twice_is_done_once_and_answered_twice_alike() {
     //
-    let mut once = play(FaultyLink::new(1, Faults::default()));
-    let mut twice = play(FaultyLink::new(1, Faults { duplicate: 1.0, ..Faults::default() }));
+    let mut once = play(FaultyLink::new(1, LinkFaults::default()));
+    let mut twice = play(FaultyLink::new(1, LinkFaults { duplicate: 1.0, ..LinkFaults::default() }));
     assert_eq!(once.recording.codes, twice.recording.codes);
     assert_eq!(once.device.flash(), twice.device.flash(), "the flash is written once");
     let (a, b) = (once.status().counters, twice.status().counters);
@@ -109,7 +109,7 @@ proptest! {
     #[test]
     fn an_upload_through_a_link_that_reorders_loses_and_repeats_is_whole_or_not_at_all(seed: u64) {
         //
-        let faults = Faults { drop: 0.1, duplicate: 0.2, reorder: 0.3, delay: 0.1, split: 0.1, truncate: 0.05, insert: 0.05, ..Faults::default() };
+        let faults = LinkFaults { drop: 0.1, duplicate: 0.2, reorder: 0.3, delay: 0.1, split: 0.1, truncate: 0.05, insert: 0.05, ..LinkFaults::default() };
         let (mut there, mut back) = (FaultyLink::new(seed, faults), FaultyLink::new(!seed, faults));
         let mut rig = Rig::default();
         rig.hello();

@@ -19,7 +19,7 @@ fn waiting(position: f64) -> Command {
     Command::Drive(Drive { apply: Apply::AtTrigger, ..drive(&[(0, position, 0.5)], 2000) })
 }
 
-/// What the device says of the drive that waits.
+/// The device's report of the drive that waits.
 fn report(rig: &mut Rig) -> TriggerReport {
     match rig.send(&Command::Trigger) {
         Event::Trigger(report) => report,

@@ -53,7 +53,7 @@ use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
 pub use self::course::Course;
-pub use self::listening::{Captured, Inputs, Measurement};
+pub use self::listening::{CaptureReport, Inputs, MeasurementReport};
 pub(crate) use self::listening::{ListenOrders, Order};
 pub use self::orders::Orders;
 pub use self::pending::Pending;

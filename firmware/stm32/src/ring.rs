@@ -10,7 +10,7 @@
 //! **A block that is late is not played.** Late is not only a half that the DMA has entered, but one that it will enter
 //! within [`MARGIN`] samples: while the block is copied the DMA must not come into the same half, or it would play some
 //! codes of the line and then some of the block. From a late block on, the halves keep what the interrupt wrote, one
-//! line over as many of them as it needs; then blocks are taken again. So what is heard of a missed deadline is one line
+//! line over as many of them as it needs; then blocks are taken again. So a missed deadline sounds as one line
 //! from the last good code to mid-scale, and [`Halves::offer`] reports it.
 //!
 //! **A block that waits can be revised**, for a stop that comes after it was rendered, while [`REVISION`] samples are left

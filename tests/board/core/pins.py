@@ -119,7 +119,7 @@ class Pins:
         return None if is_open and level == 1 else level
 
     def drive(self, name, level):
-        """Something outside drives a pin. Only what is given to a timer's input hears of it."""
+        """Something outside drives a pin. Only a timer whose input is on this pin sees it."""
         use = self.alternate(name) if self.mode(name) == ALTERNATE else None
         if isinstance(use, tuple) and use[1].startswith("IN"):
             self.board.timers[use[0]].inputs.drive(int(use[1][2:]) - 1, level)

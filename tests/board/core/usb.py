@@ -52,7 +52,7 @@ class UsbHost(UsbCore):
             self.plan(1e-3, self.bus_reset)
 
     def bus_reset(self):
-        """The host knows nothing of the device any more."""
+        """The host forgets the device."""
         self.forget()
         self.take_out_of_use()
         self.shows(USBRST)

@@ -2,12 +2,12 @@
 //! when it is released. The files in `transcripts/` are never made anew.
 
 use slipline_protocol::version::{MAJOR, MINOR};
-use slipline_tests::transcript::{Line, Recorder, play};
+use slipline_tests::transcript::{Line, SessionRecorder, play};
 use std::sync::{Arc, Mutex};
 
 fn main() {
-    let recorder = Arc::new(Mutex::new(Recorder::default()));
-    play(&recorder, MINOR, Recorder::pass);
+    let recorder = Arc::new(Mutex::new(SessionRecorder::default()));
+    play(&recorder, MINOR, SessionRecorder::pass);
     println!("# A host and a device of protocol {MAJOR}.{MINOR}. Frozen: never edit this file.");
     for line in &recorder.lock().expect("nobody else holds it").lines {
         let hex = |frame: &[u8]| frame.iter().map(|byte| format!("{byte:02x}")).collect::<String>();

@@ -16,9 +16,9 @@ const RATE_HZ: u32 = 40_000;
 /// The longest that the link may take to find the device again when everything works.
 const RECOVERY_MS: u64 = 5000;
 
-/// The host's link on a bad day: each step is one byte that chooses what happens, then its arguments. Among the device's
-/// answers come bytes of any kind and whole frames with any body, the line fails, the cable is pulled, and the user asks
-/// for this and that. Afterwards everything works again: the link connects, and stops the drive.
+/// The host's link under faults: each step is one byte that chooses the event, then its arguments. Among the device's
+/// answers come bytes of any kind and whole frames with any body, the line fails, the cable is pulled, and the user makes
+/// requests. Afterwards everything works again: the link connects, and stops the drive.
 ///
 /// # Panics
 /// If that does not hold.

@@ -199,8 +199,8 @@ fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
 
 /// Makes a motion and hands it over, anew with a later index if the renderer was faster.
 ///
-/// `is_outrun` remembers that it was. From then on the first attempt leads by a block, too: an attempt in vain costs
-/// more time than that block.
+/// `is_outrun` remembers that it was. From then on the first attempt leads by a block, too: a failed attempt costs more
+/// time than that block.
 ///
 /// A motion that waits for the trigger input gives way to one that `make` makes.
 pub(super) fn publish<M: RawMutex>(

@@ -23,7 +23,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 use super::Controller;
 use super::listening::{check_input, existing};
 use crate::bank::TONES;
-use crate::listening::hold::{HeldTone, Hold, Limit, Loss, Octaves, Setting, SettingError, State};
+use crate::listening::hold::{Hold, Limit, LoopSetting, LoopState, Loss, Octaves, SettingError, ToneToHold};
 use crate::listening::lock_in::{Shape, Window};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
@@ -130,7 +130,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 
     /// The loops' parameters.
-    fn setting(&self, asked: &HoldSetting) -> Result<Setting, Refusal> {
+    fn setting(&self, asked: &HoldSetting) -> Result<LoopSetting, Refusal> {
         let timing = &self.timing;
         let shortest =
             self.excursion.limit().map_or(timing.min_glide, |limit| shortest_glide(&limit, timing));
@@ -147,7 +147,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Err(Refusal::out_of_range(field, least.into(), MAX_HOLD_CDB.into(), asked.0.into()))
         };
         let period = u64::from(asked.blocks).saturating_add(pause).saturating_mul(BLOCK_SAMPLES);
-        Ok(Setting {
+        Ok(LoopSetting {
             period: u32::try_from(period).unwrap_or(u32::MAX),
             tau: asked.time_constant,
             max_rise: level(Field::MaxRise, 0, asked.max_rise)?,
@@ -162,7 +162,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     fn hold_what_sounds<M: RawMutex>(
         &mut self,
         asked: &HoldSetting,
-        setting: &Setting,
+        setting: &LoopSetting,
         mailbox: &Mailbox<M>,
     ) -> Result<(), Refusal> {
         let view = mailbox.view();
@@ -174,13 +174,13 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         let end = view.motion.end().max(view.next);
         let places = view.motion.at(end, mailbox.slots(), &self.shape);
-        let mut tones: Vec<HeldTone, MAX_TONES> = Vec::new();
+        let mut tones: Vec<ToneToHold, MAX_TONES> = Vec::new();
         let mut slots = 0;
         for &wire::HoldTone { slot, amplitude } in &asked.tones {
             // A slot that does not exist is refused below, as one that is silent is.
             let level = places.get(usize::from(slot)).map_or(Gain::FULL, |place| place.level);
             // There is room: just as many are asked for.
-            let _ = tones.push(HeldTone { slot, amplitude, level });
+            let _ = tones.push(ToneToHold { slot, amplitude, level });
             slots |= 1_u16.checked_shl(slot.into()).unwrap_or(0);
         }
         let holding = &mut self.holding;
@@ -296,11 +296,11 @@ fn refusal(error: SettingError) -> Refusal {
     }
 }
 
-const fn on_wire(state: State) -> wire::HoldState {
+const fn on_wire(state: LoopState) -> wire::HoldState {
     match state {
-        State::Settling => wire::HoldState::Settling,
-        State::Held => wire::HoldState::Held,
-        State::AtLimit(limit) => wire::HoldState::AtLimit(match limit {
+        LoopState::Settling => wire::HoldState::Settling,
+        LoopState::Held => wire::HoldState::Held,
+        LoopState::AtLimit(limit) => wire::HoldState::AtLimit(match limit {
             Limit::Rise => wire::HoldLimit::Rise,
             Limit::Level => wire::HoldLimit::Level,
             Limit::Headroom => wire::HoldLimit::Headroom,
@@ -308,7 +308,7 @@ const fn on_wire(state: State) -> wire::HoldState {
             Limit::Travel => wire::HoldLimit::Travel,
             Limit::Fall => wire::HoldLimit::Fall,
         }),
-        State::Lost(loss) => wire::HoldState::Lost(match loss {
+        LoopState::Lost(loss) => wire::HoldState::Lost(match loss {
             Loss::NotFollowed => wire::HoldLoss::NotFollowed,
             Loss::TooWeak => wire::HoldLoss::TooWeak,
             Loss::Clipped => wire::HoldLoss::Clipped,

@@ -8,12 +8,12 @@
 //! A finger on the plate takes some of a wave's amplitude, a warm coil gives less: the hold gives it back by the tone's
 //! level, up or down. Each held slot has a loop of its own; `law.rs` has its equations and margins.
 //!
-//! **Time.** Windows of one length follow each other, one per [period](Setting::period). At the end of each the caller
+//! **Time.** Windows of one length follow each other, one per [period](LoopSetting::period). At the end of each the caller
 //! calls [`Hold::take`] and publishes the levels that it gets, by a drive that glides for [`Hold::glide`] samples, half a
 //! period. With `tau` the longer of the plate's time constant and the period, and 6 dB of room, a finger's -6 dB are back
 //! within 1 dB after 4.8 `tau` at the latest, also on a plate 6 dB stronger or weaker than the table says, and the overshoot
 //! is below 0.1 dB. The loop stays stable, with an overshoot below 3 dB, where the plate's amplitude is a power of 0.5 to 2
-//! of the drive's (half and twice the loop gain), and where its time constant is 0.4 to 2.5 times [`Setting::tau`].
+//! of the drive's (half and twice the loop gain), and where its time constant is 0.4 to 2.5 times [`LoopSetting::tau`].
 //! A simulation in `tests/stability.rs` asserts this for time constants of 0.05 to 20 periods.
 //!
 //! With gaps between the windows the period is longer than a window; the figures above count in periods.
@@ -23,7 +23,7 @@
 //! **Limits.** The hold decides nothing about what a drive may be. It proposes, and the planner that every drive goes
 //! through accepts or refuses; a refusal keeps what is in force. The caller says how much more is allowed ([`Room`]), so
 //! that refusals are rare and the limit is reached exactly: of the headroom what is left of full scale, nothing while the
-//! thermal limit folds back. No tone rises above [`Setting::max_rise`] or level 1 either. What falls is always proposed,
+//! thermal limit folds back. No tone rises above [`LoopSetting::max_rise`] or level 1 either. What falls is always proposed,
 //! also after a refusal. At a limit the integral waits: when the finger leaves, the tone is louder by what the hold had
 //! added until the loop has seen it, 5 `tau` later within 1 dB again, and never more than 0.1 dB below its set value. The
 //! test of this has 3 dB of room.
@@ -51,7 +51,7 @@ use self::answers::Untrusted;
 pub use self::answers::{Answers, amplitude};
 use self::law::Law;
 pub use self::octaves::Octaves;
-pub use self::setting::{HeldTone, MAX_AMPLITUDE, MIN_AMPLITUDE, Setting, SettingError};
+pub use self::setting::{LoopSetting, MAX_AMPLITUDE, MIN_AMPLITUDE, SettingError, ToneToHold};
 use self::tone::Tone;
 use crate::bank::TONES;
 use slipline_protocol::units::Gain;
@@ -59,7 +59,7 @@ use slipline_protocol::units::Gain;
 /// What keeps a tone from rising or falling further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
-    /// [`Setting::max_rise`].
+    /// [`LoopSetting::max_rise`].
     Rise,
     /// Level 1.
     Level,
@@ -90,7 +90,7 @@ pub enum Loss {
 
 /// State of a held tone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum State {
+pub enum LoopState {
     /// It is on its way to the set amplitude.
     Settling,
     /// It is within 1 dB of it.
@@ -127,10 +127,10 @@ pub type Levels = [Option<Gain>; TONES];
 
 /// What the caller does at the end of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum HoldAction {
     /// Nothing: the levels in force are right.
     Keep,
-    /// Publishes these levels, and says what became of them: [`Hold::accepted`], [`Hold::refused`] or [`Hold::dropped`].
+    /// Publishes these levels, and reports the outcome: [`Hold::accepted`], [`Hold::refused`] or [`Hold::dropped`].
     Publish(Levels),
 }
 
@@ -150,7 +150,7 @@ impl Hold {
     ///
     /// # Errors
     /// [`SettingError`], with what is out of range.
-    pub fn new(setting: &Setting, held: &[HeldTone], min_glide: u32) -> Result<Self, SettingError> {
+    pub fn new(setting: &LoopSetting, held: &[ToneToHold], min_glide: u32) -> Result<Self, SettingError> {
         let mut hold = Self::NONE;
         hold.set(setting, held, min_glide).map(|()| hold)
     }
@@ -159,7 +159,12 @@ impl Hold {
     ///
     /// # Errors
     /// As [`Hold::new`].
-    pub fn set(&mut self, setting: &Setting, held: &[HeldTone], min_glide: u32) -> Result<(), SettingError> {
+    pub fn set(
+        &mut self,
+        setting: &LoopSetting,
+        held: &[ToneToHold],
+        min_glide: u32,
+    ) -> Result<(), SettingError> {
         setting.check(min_glide)?;
         let mut slots = 0_u16;
         for tone in held {
@@ -190,7 +195,7 @@ impl Hold {
 
     /// Takes the answers of a window that is finished, or `None` if it broke. A proposal of the window before that nobody
     /// has answered is [dropped](Self::dropped).
-    pub fn take(&mut self, answers: Option<&Answers>, room: Room) -> Step {
+    pub fn take(&mut self, answers: Option<&Answers>, room: Room) -> HoldAction {
         self.dropped();
         let loss = match answers.map(Answers::check) {
             None => Some(Loss::Broken),
@@ -216,7 +221,7 @@ impl Hold {
 
     /// A limit has refused the levels. The tones that were to rise stay as they are for some windows, or until they need to
     /// rise no more. Returns what is left to publish: the tones that fall.
-    pub fn refused(&mut self, limit: Limit) -> Step {
+    pub fn refused(&mut self, limit: Limit) -> HoldAction {
         let rose = self.tones.iter_mut().flatten().fold(false, |rose, tone| tone.refuse(limit) | rose);
         if !rose {
             // Not even what falls is taken.
@@ -232,7 +237,7 @@ impl Hold {
 
     /// A slot's state; `None` if it is not held.
     #[must_use]
-    pub fn state(&self, slot: usize) -> Option<State> {
+    pub fn state(&self, slot: usize) -> Option<LoopState> {
         Some(self.tones.get(slot)?.as_ref()?.state)
     }
 
@@ -261,12 +266,12 @@ impl Hold {
     }
 
     /// What is proposed. Corrections too small for a level's last bit come into force without a drive.
-    fn step(&mut self) -> Step {
+    fn step(&mut self) -> HoldAction {
         if self.tones.iter().flatten().any(Tone::is_changed) {
-            return Step::Publish(self.tones.map(|tone| tone.map(|tone| tone.level())));
+            return HoldAction::Publish(self.tones.map(|tone| tone.map(|tone| tone.level())));
         }
         self.accepted();
-        Step::Keep
+        HoldAction::Keep
     }
 }
 

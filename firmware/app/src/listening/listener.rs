@@ -13,7 +13,7 @@
 use crate::bank::{BLOCK, TONES, ToneBlock};
 use crate::listening::capture::{Capture, Progress, Values};
 use crate::listening::lock_in::{History, LockIn, State};
-use crate::mailbox::{Captured, ListenOrders, Mailbox, Order};
+use crate::mailbox::{CaptureReport, ListenOrders, Mailbox, Order};
 use crate::ports::{INPUTS, Overrun, SenseStream};
 use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
@@ -108,7 +108,7 @@ impl<'a> Listener<'a> {
             let progress = self.capture.progress();
             self.owes_capture = progress == Progress::Capturing;
             let (begin, filled) = (self.capture.begin(), self.capture.filled());
-            mailbox.set_captured(Captured { progress, begin, filled });
+            mailbox.set_captured(CaptureReport { progress, begin, filled });
         }
     }
 

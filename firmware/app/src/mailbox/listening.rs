@@ -52,7 +52,7 @@ pub struct Inputs {
 
 /// A measurement without its sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Measurement {
+pub struct MeasurementReport {
     /// How far it has come.
     pub state: State,
     /// Its first sample.
@@ -68,7 +68,7 @@ pub struct Measurement {
     codes: [i64; INPUTS],
 }
 
-impl Measurement {
+impl MeasurementReport {
     const NONE: Self = Self::begun(0, State::Idle);
 
     const fn begun(begin: SampleIndex, state: State) -> Self {
@@ -78,7 +78,7 @@ impl Measurement {
 
 /// A capture without its values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Captured {
+pub struct CaptureReport {
     /// How far it has come.
     pub progress: capture::Progress,
     /// The index of its first code.
@@ -87,7 +87,7 @@ pub struct Captured {
     pub filled: usize,
 }
 
-impl Captured {
+impl CaptureReport {
     const NONE: Self = Self { progress: capture::Progress::Idle, begin: 0, filled: 0 };
 }
 
@@ -101,10 +101,10 @@ pub(super) struct Listening {
     measurement_order: Cell<Option<Order<Window>>>,
     capture_order: Cell<Option<Order<Recipe>>>,
     inputs: Cell<Inputs>,
-    measurement: Cell<Measurement>,
+    measurement: Cell<MeasurementReport>,
     sums: [Cell<Sums>; INPUTS],
     constant: Cell<Sums>,
-    captured: Cell<Captured>,
+    captured: Cell<CaptureReport>,
 }
 
 impl Listening {
@@ -115,20 +115,20 @@ impl Listening {
             measurement_order: Cell::new(None),
             capture_order: Cell::new(None),
             inputs: Cell::new(Inputs { count: 0, lock_ins: 0, delay_ns: 0, lost_blocks: 0 }),
-            measurement: Cell::new(Measurement::NONE),
+            measurement: Cell::new(MeasurementReport::NONE),
             sums: [const { Cell::new(NOTHING) }; INPUTS],
             constant: Cell::new(NOTHING),
-            captured: Cell::new(Captured::NONE),
+            captured: Cell::new(CaptureReport::NONE),
         }
     }
 
-    fn order_measurement(&self, order: Order<Window>, until_taken: Measurement) {
+    fn order_measurement(&self, order: Order<Window>, until_taken: MeasurementReport) {
         self.measurement_order.set(Some(order));
         self.measurement.set(until_taken);
         self.is_ordered.set(true);
     }
 
-    fn order_capture(&self, order: Order<Recipe>, until_taken: Captured) {
+    fn order_capture(&self, order: Order<Recipe>, until_taken: CaptureReport) {
         self.capture_order.set(Some(order));
         self.captured.set(until_taken);
         self.is_ordered.set(true);
@@ -153,7 +153,7 @@ impl<M: RawMutex> Mailbox<M> {
     ) -> Result<SampleIndex, E> {
         self.shared.lock(|shared| {
             let window = window(shared.next.get())?;
-            let begun = Measurement::begun(window.begin, State::Measuring);
+            let begun = MeasurementReport::begun(window.begin, State::Measuring);
             shared.listening.order_measurement(Order::Start(window), begun);
             Ok(window.begin)
         })
@@ -161,16 +161,21 @@ impl<M: RawMutex> Mailbox<M> {
 
     /// Drops the measurement.
     pub fn drop_measurement(&self) {
-        self.shared.lock(|shared| shared.listening.order_measurement(Order::Drop, Measurement::NONE));
+        self.shared.lock(|shared| shared.listening.order_measurement(Order::Drop, MeasurementReport::NONE));
     }
 
     /// The measurement's state.
-    pub fn measurement(&self) -> Measurement {
+    pub fn measurement(&self) -> MeasurementReport {
         self.shared.lock(|shared| shared.listening.measurement.get())
     }
 
     /// As [`Reading::answer`], of a `measurement` that is over.
-    pub fn answer(&self, measurement: &Measurement, input: usize, slot: usize) -> Option<InPhaseQuadrature> {
+    pub fn answer(
+        &self,
+        measurement: &MeasurementReport,
+        input: usize,
+        slot: usize,
+    ) -> Option<InPhaseQuadrature> {
         measurement.spans.get(input).copied().flatten()?;
         if measurement.followed & 1_u16.checked_shl(u32::try_from(slot).ok()?)? == 0 {
             return None;
@@ -196,7 +201,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| {
             let recipe = recipe(shared.next.get())?;
             let progress = capture::Progress::Capturing;
-            let begun = Captured { progress, begin: recipe.begin, filled: 0 };
+            let begun = CaptureReport { progress, begin: recipe.begin, filled: 0 };
             shared.listening.order_capture(Order::Start(recipe), begun);
             Ok(recipe.begin)
         })
@@ -208,21 +213,23 @@ impl<M: RawMutex> Mailbox<M> {
             let listening = &shared.listening;
             match listening.capture_order.get() {
                 // It has not begun.
-                Some(Order::Start(_) | Order::Drop) => listening.order_capture(Order::Drop, Captured::NONE),
+                Some(Order::Start(_) | Order::Drop) => {
+                    listening.order_capture(Order::Drop, CaptureReport::NONE);
+                }
                 _ => listening.order_capture(Order::Stop, listening.captured.get()),
             }
         });
     }
 
     /// The capture's state.
-    pub fn captured(&self) -> Captured {
+    pub fn captured(&self) -> CaptureReport {
         self.shared.lock(|shared| shared.listening.captured.get())
     }
 
     /// Drops measurement and capture.
     pub fn drop_listening(&self) {
         self.drop_measurement();
-        self.shared.lock(|shared| shared.listening.order_capture(Order::Drop, Captured::NONE));
+        self.shared.lock(|shared| shared.listening.order_capture(Order::Drop, CaptureReport::NONE));
     }
 }
 
@@ -259,7 +266,7 @@ impl<M: RawMutex> Mailbox<M> {
             let listening = &shared.listening;
             if listening.measurement_order.get().is_none() {
                 let last = listening.measurement.get();
-                listening.measurement.set(Measurement { blocks, ..last });
+                listening.measurement.set(MeasurementReport { blocks, ..last });
             }
         });
     }
@@ -276,7 +283,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.listening.constant.set(reading.constant));
         self.shared.lock(|shared| {
             if shared.listening.measurement_order.get().is_none() {
-                shared.listening.measurement.set(Measurement {
+                shared.listening.measurement.set(MeasurementReport {
                     state,
                     begin,
                     blocks: reading.blocks,
@@ -290,7 +297,7 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Reports the capture's state, unless there is a new order.
-    pub(crate) fn set_captured(&self, captured: Captured) {
+    pub(crate) fn set_captured(&self, captured: CaptureReport) {
         self.shared.lock(|shared| {
             if shared.listening.capture_order.get().is_none() {
                 shared.listening.captured.set(captured);

@@ -11,7 +11,7 @@
 //!
 //! This is the steady travel. A change adds free motion to it, the more the faster it is, so that with a limit a drive
 //! takes at least [`PERIODS`] of the resonance. A limit belongs to a session: one that is set for a plate must not judge
-//! another host's tables. All of this is thread time: the renderer knows nothing of it.
+//! another host's tables. All of this runs on the thread side; the renderer does not know the limit.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 

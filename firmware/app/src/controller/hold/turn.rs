@@ -9,7 +9,7 @@ use slipline_protocol::units::SampleIndex;
 use super::{Controller, Holding};
 use crate::bank::TONES;
 use crate::controller::drive::publish;
-use crate::listening::hold::{Answers, Levels, Limit, Octaves, Room, Step, amplitude};
+use crate::listening::hold::{Answers, HoldAction, Levels, Limit, Octaves, Room, amplitude};
 use crate::listening::lock_in::{self, Window};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
@@ -33,7 +33,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             return;
         }
         let mut step = self.take_window(is_stopped, mailbox);
-        while let Some(Step::Publish(levels)) = step {
+        while let Some(HoldAction::Publish(levels)) = step {
             let published = self.publish_levels(&levels, is_stopped, mailbox);
             step = self.answer_proposal(published);
         }
@@ -49,7 +49,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         &mut self,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
-    ) -> Option<Step> {
+    ) -> Option<HoldAction> {
         let course = mailbox.course();
         let answers = self.holding.answers(course.next, is_stopped, mailbox)?;
         if self.holding.begin_window(mailbox).is_err() {
@@ -61,7 +61,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 
     /// What is left to publish after the levels were published, or refused.
-    fn answer_proposal(&mut self, published: Result<SampleIndex, Refusal>) -> Option<Step> {
+    fn answer_proposal(&mut self, published: Result<SampleIndex, Refusal>) -> Option<HoldAction> {
         let hold = &mut self.holding.hold;
         match published {
             Ok(at) => {

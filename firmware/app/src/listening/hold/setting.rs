@@ -12,7 +12,7 @@ pub const MAX_AMPLITUDE: u32 = HELD_AMPLITUDE.1;
 
 /// Parameters of the loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Setting {
+pub struct LoopSetting {
     /// From the beginning of one window to that of the next, in samples: twice the shortest glide (10 ms) at least.
     pub period: u32,
     /// The plate's time constant `2 / (eta omega)`, in samples; any. Of several tones the longest.
@@ -26,7 +26,7 @@ pub struct Setting {
 
 /// A tone to hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct HeldTone {
+pub struct ToneToHold {
     /// Its slot, below 16.
     pub slot: u8,
     /// The amplitude to hold, in 1/256 code at the input, [`MIN_AMPLITUDE`]`..=`[`MAX_AMPLITUDE`].
@@ -71,7 +71,7 @@ pub enum SettingError {
     },
 }
 
-impl Setting {
+impl LoopSetting {
     pub(super) fn check(&self, min_glide: u32) -> Result<(), SettingError> {
         let shortest = min_glide.max(1).saturating_mul(2);
         if self.period < shortest {
@@ -87,7 +87,7 @@ impl Setting {
     }
 }
 
-impl HeldTone {
+impl ToneToHold {
     pub(super) fn check(&self) -> Result<(), SettingError> {
         let slot = self.slot;
         if usize::from(slot) >= TONES {

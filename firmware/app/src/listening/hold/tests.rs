@@ -16,13 +16,13 @@ const SET_CODES: f64 = 200.0;
 const ROOMY: Room = Room { rise: Octaves::MAX, limit: Limit::Headroom };
 const SPAN: Span = Span { lowest: 1000, highest: 3000 };
 
-fn setting(tau: u32) -> Setting {
-    Setting { period: PERIOD, tau, max_rise: Octaves(4 << 16), slew: Octaves::ONE }
+fn setting(tau: u32) -> LoopSetting {
+    LoopSetting { period: PERIOD, tau, max_rise: Octaves(4 << 16), slew: Octaves::ONE }
 }
 
 /// A hundredth of full scale.
-fn tone(slot: u8) -> HeldTone {
-    HeldTone { slot, amplitude: (SET_CODES * 256.0) as u32, level: Gain(Gain::FULL.0 / 100) }
+fn tone(slot: u8) -> ToneToHold {
+    ToneToHold { slot, amplitude: (SET_CODES * 256.0) as u32, level: Gain(Gain::FULL.0 / 100) }
 }
 
 fn hold(slots: &[u8]) -> Hold {
@@ -41,14 +41,14 @@ fn answers(parts: &[(usize, f64)]) -> Answers {
 
 /// Takes a window; what is to be published is accepted. Returns the levels in parts of the table's.
 fn take(hold: &mut Hold, answers: Option<&Answers>, room: Room) -> [f64; TONES] {
-    if let Step::Publish(_) = hold.take(answers, room) {
+    if let HoldAction::Publish(_) = hold.take(answers, room) {
         hold.accepted();
     }
     core::array::from_fn(|slot| (f64::from(hold.correction(slot).unwrap_or_default().0) / 65_536.0).exp2())
 }
 
-fn parts(step: Step, slots: [usize; 2]) -> [f64; 2] {
-    let Step::Publish(levels) = step else { panic!("something is to be published") };
+fn parts(step: HoldAction, slots: [usize; 2]) -> [f64; 2] {
+    let HoldAction::Publish(levels) = step else { panic!("something is to be published") };
     slots.map(|slot| f64::from(levels[slot].expect("held").0) / f64::from(Gain::FULL.0 / 100))
 }
 
@@ -86,8 +86,11 @@ fn an_amplitude_is_what_the_lock_in_has_measured() {
 #[test]
 fn a_tone_that_is_right_is_left_alone() {
     let mut hold = hold(&[0, 15]);
-    assert_eq!(hold.take(Some(&answers(&[(0, 1.0), (15, 1.0)])), ROOMY), Step::Keep);
-    assert_eq!((hold.state(0), hold.state(15), hold.state(1)), (Some(State::Held), Some(State::Held), None));
+    assert_eq!(hold.take(Some(&answers(&[(0, 1.0), (15, 1.0)])), ROOMY), HoldAction::Keep);
+    assert_eq!(
+        (hold.state(0), hold.state(15), hold.state(1)),
+        (Some(LoopState::Held), Some(LoopState::Held), None)
+    );
     assert_eq!((hold.correction(1), hold.glide()), (None, PERIOD / 2));
 }
 
@@ -110,16 +113,16 @@ fn what_cannot_be_trusted_loses_every_tone_and_a_slot_that_is_not_followed_only_
         let step = hold.take(case.as_ref(), ROOMY);
         assert_eq!(parts(step, [1, 2]), [1.0, 1.0], "{loss:?}");
         hold.accepted();
-        assert_eq!([hold.state(1), hold.state(2)], [Some(State::Lost(loss)); 2]);
+        assert_eq!([hold.state(1), hold.state(2)], [Some(LoopState::Lost(loss)); 2]);
         assert!(hold.is_over());
         // For good.
-        assert_eq!(hold.take(Some(&answers(&[(1, 0.8), (2, 1.2)])), ROOMY), Step::Keep);
+        assert_eq!(hold.take(Some(&answers(&[(1, 0.8), (2, 1.2)])), ROOMY), HoldAction::Keep);
     }
     let mut hold = hold(&[1, 2]);
     take(&mut hold, Some(&answers(&[(1, 0.8), (2, 0.8)])), ROOMY);
     let parts = take(&mut hold, Some(&answers(&[(2, 0.8)])), ROOMY);
-    assert_eq!((hold.state(1), parts[1]), (Some(State::Lost(Loss::NotFollowed)), 1.0));
-    assert!(parts[2] > 1.1 && hold.state(2) == Some(State::Settling));
+    assert_eq!((hold.state(1), parts[1]), (Some(LoopState::Lost(Loss::NotFollowed)), 1.0));
+    assert!(parts[2] > 1.1 && hold.state(2) == Some(LoopState::Settling));
 }
 
 #[test]
@@ -131,16 +134,16 @@ fn an_unplugged_sensor_does_not_raise_the_level() {
             part += (0.5 * level - part) / f64::from(tau / PERIOD + 1);
             level = take(&mut hold, Some(&answers(&[(7, part)])), ROOMY)[7];
         }
-        assert!((level - 2.0).abs() < 0.05 && hold.state(7) == Some(State::Held), "{tau}: {level}");
+        assert!((level - 2.0).abs() < 0.05 && hold.state(7) == Some(LoopState::Held), "{tau}: {level}");
         // What is left is noise. The correction may rise by four octaves, three more than it has.
         let patience = tau / PERIOD + 3;
         for window in 0..patience {
             let now = take(&mut hold, Some(&answers(&[(7, 0.01)])), ROOMY)[7];
             assert!(now <= level, "{window}: {now}");
-            assert_eq!(hold.state(7), Some(State::Settling));
+            assert_eq!(hold.state(7), Some(LoopState::Settling));
         }
         assert_eq!(take(&mut hold, Some(&answers(&[(7, 0.01)])), ROOMY)[7], 1.0);
-        assert_eq!(hold.state(7), Some(State::Lost(Loss::TooWeak)));
+        assert_eq!(hold.state(7), Some(LoopState::Lost(Loss::TooWeak)));
     }
 }
 
@@ -152,11 +155,11 @@ fn a_refusal_keeps_what_is_in_force_lets_what_falls_fall_and_is_not_repeated_at_
     assert!(wanted[0] > 1.2 && wanted[1] < 0.8, "{wanted:?}");
     let rest = parts(hold.refused(Limit::Travel), [3, 4]);
     assert_eq!(rest, [1.0, wanted[1]]);
-    assert_eq!(hold.state(3), Some(State::AtLimit(Limit::Travel)));
+    assert_eq!(hold.state(3), Some(LoopState::AtLimit(Limit::Travel)));
     hold.accepted();
     for window in 1..tone::RETRY_WINDOWS {
         assert_eq!(take(&mut hold, Some(&measured), ROOMY)[3], 1.0, "{window}");
-        assert_eq!(hold.state(3), Some(State::AtLimit(Limit::Travel)), "{window}");
+        assert_eq!(hold.state(3), Some(LoopState::AtLimit(Limit::Travel)), "{window}");
     }
     // The rise is proposed again, and the integral has not wound up meanwhile.
     let again = parts(hold.take(Some(&measured), ROOMY), [3, 4])[0];
@@ -165,14 +168,14 @@ fn a_refusal_keeps_what_is_in_force_lets_what_falls_fall_and_is_not_repeated_at_
     // A tone that needs to rise no more is free at once.
     let fallen = take(&mut hold, Some(&answers(&[(3, 1.1), (4, 1.0)])), ROOMY)[3];
     assert!(take(&mut hold, Some(&answers(&[(3, 0.9), (4, 1.0)])), ROOMY)[3] > fallen + 0.01);
-    assert_eq!(hold.state(3), Some(State::Held));
+    assert_eq!(hold.state(3), Some(LoopState::Held));
 }
 
 #[test]
 fn a_refusal_of_what_only_falls_changes_nothing() {
     let mut hold = hold(&[3]);
-    assert!(matches!(hold.take(Some(&answers(&[(3, 2.0)])), ROOMY), Step::Publish(_)));
-    assert_eq!(hold.refused(Limit::Headroom), Step::Keep);
+    assert!(matches!(hold.take(Some(&answers(&[(3, 2.0)])), ROOMY), HoldAction::Publish(_)));
+    assert_eq!(hold.refused(Limit::Headroom), HoldAction::Keep);
     assert_eq!(hold.correction(3), Some(Octaves::NONE));
     // Nor does a proposal that nobody answers.
     let first = hold.take(Some(&answers(&[(3, 2.0)])), ROOMY);
@@ -185,14 +188,14 @@ fn nothing_rises_without_room_and_every_limit_is_named() {
     let mut hold = hold(&[0]);
     for _ in 0..30 {
         assert_eq!(take(&mut hold, Some(&answers(&[(0, 0.5)])), no_room)[0], 1.0);
-        assert_eq!(hold.state(0), Some(State::AtLimit(Limit::Thermal)));
+        assert_eq!(hold.state(0), Some(LoopState::AtLimit(Limit::Thermal)));
     }
     // No integral has been wound up meanwhile.
     let parts = take(&mut hold, Some(&answers(&[(0, 1.0)])), ROOMY);
     assert!((parts[0] - 1.0).abs() < 1e-3, "{parts:?}");
 
-    let loud = HeldTone { level: Gain(Gain::FULL.0 / 2), ..tone(9) };
-    let gentle = Setting { max_rise: Octaves(1 << 15), ..setting(0) };
+    let loud = ToneToHold { level: Gain(Gain::FULL.0 / 2), ..tone(9) };
+    let gentle = LoopSetting { max_rise: Octaves(1 << 15), ..setting(0) };
     for (setting, ends, limit) in [(setting(0), 2.0, Limit::Level), (gentle, 2_f64.sqrt(), Limit::Rise)] {
         let mut hold = Hold::new(&setting, &[loud], MIN_GLIDE).expect("it can be held");
         let mut level = 1.0;
@@ -200,7 +203,7 @@ fn nothing_rises_without_room_and_every_limit_is_named() {
             level = take(&mut hold, Some(&answers(&[(9, 0.3)])), ROOMY)[9];
         }
         assert!((level - ends).abs() < 1e-4 && level <= ends, "{level}");
-        assert_eq!(hold.state(9), Some(State::AtLimit(limit)));
+        assert_eq!(hold.state(9), Some(LoopState::AtLimit(limit)));
     }
 }
 
@@ -210,7 +213,7 @@ fn the_floor_is_named_too() {
     for _ in 0..40 {
         take(&mut hold, Some(&answers(&[(0, 4.0)])), ROOMY);
     }
-    assert_eq!(hold.state(0), Some(State::AtLimit(Limit::Fall)));
+    assert_eq!(hold.state(0), Some(LoopState::AtLimit(Limit::Fall)));
     assert_eq!(hold.correction(0), Some(Octaves(-Octaves::MAX.0)));
 }
 
@@ -230,23 +233,23 @@ fn the_room_in_the_headroom_fills_full_scale_and_no_more() {
 #[test]
 fn a_setting_out_of_range_is_refused_by_its_field() {
     let good = setting(0);
-    let refused = |setting: Setting, tones: &[HeldTone]| Hold::new(&setting, tones, MIN_GLIDE).err();
+    let refused = |setting: LoopSetting, tones: &[ToneToHold]| Hold::new(&setting, tones, MIN_GLIDE).err();
     assert_eq!(refused(good, &[tone(0)]), None);
     let shortest = 2 * MIN_GLIDE;
-    assert_eq!(refused(Setting { period: 3999, ..good }, &[]), Some(SettingError::Period { shortest }));
+    assert_eq!(refused(LoopSetting { period: 3999, ..good }, &[]), Some(SettingError::Period { shortest }));
     for max_rise in [Octaves(-1), Octaves(Octaves::MAX.0 + 1)] {
-        assert_eq!(refused(Setting { max_rise, ..good }, &[]), Some(SettingError::MaxRise));
+        assert_eq!(refused(LoopSetting { max_rise, ..good }, &[]), Some(SettingError::MaxRise));
     }
     for slew in [Octaves::NONE, Octaves(Octaves::MAX.0 + 1)] {
-        assert_eq!(refused(Setting { slew, ..good }, &[]), Some(SettingError::Slew));
+        assert_eq!(refused(LoopSetting { slew, ..good }, &[]), Some(SettingError::Slew));
     }
     assert_eq!(refused(good, &[tone(16)]), Some(SettingError::Slot { slot: 16 }));
     assert_eq!(refused(good, &[tone(2), tone(2)]), Some(SettingError::SlotTwice { slot: 2 }));
     for amplitude in [MIN_AMPLITUDE - 1, MAX_AMPLITUDE + 1] {
-        let tone = HeldTone { amplitude, ..tone(2) };
+        let tone = ToneToHold { amplitude, ..tone(2) };
         assert_eq!(refused(good, &[tone]), Some(SettingError::Amplitude { slot: 2, amplitude }));
     }
     for level in [Gain(0), Gain(Gain::FULL.0 + 1)] {
-        assert_eq!(refused(good, &[HeldTone { level, ..tone(2) }]), Some(SettingError::Level { slot: 2 }));
+        assert_eq!(refused(good, &[ToneToHold { level, ..tone(2) }]), Some(SettingError::Level { slot: 2 }));
     }
 }

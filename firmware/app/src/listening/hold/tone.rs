@@ -1,8 +1,8 @@
-//! One tone's loop: from the error to the correction that is proposed, and what becomes of it.
+//! One tone's loop: from the error to the proposed correction, and its acceptance or refusal.
 
 use super::law::{FINE, Law, fine};
 use super::octaves::Octaves;
-use super::{HeldTone, Limit, Loss, Room, State};
+use super::{Limit, LoopState, Loss, Room, ToneToHold};
 use slipline_protocol::units::Gain;
 
 /// Windows after a refusal until a rise is proposed again, to save the planner's time.
@@ -34,11 +34,11 @@ pub(super) struct Tone {
     /// Windows in which no rise is proposed, and what refused it.
     frozen: u8,
     frozen_by: Limit,
-    pub(super) state: State,
+    pub(super) state: LoopState,
 }
 
 impl Tone {
-    pub(super) fn new(tone: &HeldTone) -> Self {
+    pub(super) fn new(tone: &ToneToHold) -> Self {
         let below_full = Octaves::log2(Gain::FULL.0.into()).0 - Octaves::log2(tone.level.0.into()).0;
         Self {
             set: Octaves::log2(tone.amplitude.into()),
@@ -49,7 +49,7 @@ impl Tone {
             weak: 0,
             frozen: 0,
             frozen_by: Limit::Rise,
-            state: State::Settling,
+            state: LoopState::Settling,
         }
     }
 
@@ -81,13 +81,13 @@ impl Tone {
         let ceiling = if is_weak { self.accepted.correction } else { ceiling };
         let is_beyond = self.control(error, ceiling, law);
         self.state = if error.0.abs() <= Octaves::DECIBEL.0 {
-            State::Held
+            LoopState::Held
         } else if error > Octaves::NONE && (is_beyond && !is_weak || left == 0) {
-            State::AtLimit(limit)
+            LoopState::AtLimit(limit)
         } else if error < Octaves::NONE && self.proposed.correction == FLOOR {
-            State::AtLimit(Limit::Fall)
+            LoopState::AtLimit(Limit::Fall)
         } else {
-            State::Settling
+            LoopState::Settling
         };
     }
 
@@ -126,7 +126,7 @@ impl Tone {
     /// Gives the tone up: it goes back to the table's level.
     pub(super) fn lose(&mut self, loss: Loss, room: Room) {
         if !self.is_lost() {
-            self.state = State::Lost(loss);
+            self.state = LoopState::Lost(loss);
         }
         self.fall_back(room);
     }
@@ -164,7 +164,7 @@ impl Tone {
     }
 
     pub(super) const fn is_lost(&self) -> bool {
-        matches!(self.state, State::Lost(_))
+        matches!(self.state, LoopState::Lost(_))
     }
 
     /// What is proposed is in force.
@@ -186,8 +186,8 @@ impl Tone {
         self.proposed = self.accepted;
         self.frozen = RETRY_WINDOWS;
         self.frozen_by = limit;
-        if self.state == State::Settling {
-            self.state = State::AtLimit(limit);
+        if self.state == LoopState::Settling {
+            self.state = LoopState::AtLimit(limit);
         }
         true
     }

@@ -52,7 +52,7 @@ fn drive(tones: &[(u16, u16)], glide: u32) -> Drive {
 }
 
 /// A device's thread side, as far as it plans, and the actuator that hangs on it.
-struct Bench {
+struct TravelBench {
     slots: Box<TableSlots>,
     excursion: Excursion,
     shape: RampShape,
@@ -66,7 +66,7 @@ struct Bench {
     speed: f64,
 }
 
-impl Bench {
+impl TravelBench {
     fn new(limit: TravelLimit, from_hz: f64, to_hz: f64) -> Self {
         let slots = Box::new(TableSlots::new());
         let tables =
@@ -166,7 +166,7 @@ proptest! {
             (prop::collection::vec((any::<u16>(), 1000u16..), 1..SLOTS), 0u32..4000), 1..4,
         ),
     ) {
-        let mut bench = Bench::new(limit(resonance_hz, quality, static_share), 20.0, 1200.0);
+        let mut bench = TravelBench::new(limit(resonance_hz, quality, static_share), 20.0, 1200.0);
         for (tones, longer) in drives {
             let glide = bench.shortest() + longer;
             let mut asked = drive(&tones, glide);
@@ -205,7 +205,7 @@ proptest! {
 /// The largest travel while a tone begins, over its steady travel.
 fn overshoot(ratio: f64, quality: f64) -> f64 {
     let limit = limit(60.0, quality, 1e-3);
-    let mut bench = Bench::new(limit, 60.0 * ratio, 60.0 * ratio * 1.01);
+    let mut bench = TravelBench::new(limit, 60.0 * ratio, 60.0 * ratio * 1.01);
     let glide = bench.shortest();
     bench.ask(&drive(&[(0, u16::MAX)], glide)).unwrap();
     let settles = bench.settles();
@@ -229,10 +229,10 @@ fn a_tone_that_begins_in_two_periods_overshoots_as_little_as_the_physics_page_sa
 
 #[test]
 fn a_glide_across_the_resonance_counts_with_its_peak_although_both_ends_are_harmless() {
-    let mut bench = Bench::new(limit(60.0, 10.0, 0.5), 6.0, 600.0);
+    let mut bench = TravelBench::new(limit(60.0, 10.0, 0.5), 6.0, 600.0);
     let glide = 10 * bench.shortest();
     for end in [0, u16::MAX] {
-        let mut rested = Bench::new(bench.limit, 6.0, 600.0);
+        let mut rested = TravelBench::new(bench.limit, 6.0, 600.0);
         assert_eq!(rested.ask(&drive(&[(end, u16::MAX)], glide)), Ok(()), "at rest at {end}");
     }
     assert_eq!(bench.ask(&drive(&[(0, u16::MAX)], glide)), Ok(()));
@@ -258,7 +258,7 @@ fn a_glide_across_the_resonance_counts_with_its_peak_although_both_ends_are_harm
 
 #[test]
 fn travels_add_up() {
-    let mut bench = Bench::new(limit(600.0, 0.7, 1.0), 20.0, 60.0);
+    let mut bench = TravelBench::new(limit(600.0, 0.7, 1.0), 20.0, 60.0);
     let glide = bench.shortest();
     // Within the headroom, since static travel at full scale is just the peak travel: less than the thousandth.
     let half = u16::MAX / 2;
@@ -269,11 +269,11 @@ fn travels_add_up() {
 
 #[test]
 fn a_table_that_takes_the_tones_to_a_resonance_is_not_swapped_in() {
-    let mut bench = Bench::new(limit(60.0, 10.0, 0.5), 500.0, 600.0);
+    let mut bench = TravelBench::new(limit(60.0, 10.0, 0.5), 500.0, 600.0);
     let glide = bench.shortest();
     bench.ask(&drive(&[(0, u16::MAX)], glide)).unwrap();
     bench.at = block_at_or_after(bench.motion.end());
-    let swap = |bench: &mut Bench, from_hz| {
+    let swap = |bench: &mut TravelBench, from_hz| {
         bench.excursion.begin(SlotIndex::Second);
         let other = table(&bench.slots, SlotIndex::Second, from_hz, 700.0);
         bench.excursion.written(other, 0, &bench.slots);
@@ -287,7 +287,7 @@ fn a_table_that_takes_the_tones_to_a_resonance_is_not_swapped_in() {
 
 #[test]
 fn a_glide_shorter_than_two_periods_of_the_resonance_is_refused_with_the_shortest() {
-    let mut bench = Bench::new(limit(50.0, 2.0, 0.1), 200.0, 600.0);
+    let mut bench = TravelBench::new(limit(50.0, 2.0, 0.1), 200.0, 600.0);
     let shortest = 2 * RATE / 50;
     assert_eq!(bench.shortest(), shortest);
     let refused = Refusal::OutOfRange {
@@ -305,7 +305,7 @@ fn a_glide_shorter_than_two_periods_of_the_resonance_is_refused_with_the_shortes
 
 #[test]
 fn a_limit_out_of_range_is_refused_with_its_field_and_the_one_before_stays() {
-    let mut bench = Bench::new(limit(50.0, 2.0, 0.1), 200.0, 600.0);
+    let mut bench = TravelBench::new(limit(50.0, 2.0, 0.1), 200.0, 600.0);
     let good = bench.limit;
     let tables = [TABLE, TableRef { slot: SlotIndex::Second, knots: 0 }];
     for (field, bad) in [
@@ -326,7 +326,7 @@ fn a_limit_out_of_range_is_refused_with_its_field_and_the_one_before_stays() {
 
 #[test]
 fn a_way_is_judged_by_all_intervals_that_it_touches_whatever_came_first() {
-    let bench = Bench::new(limit(60.0, 10.0, 0.5), 6.0, 600.0);
+    let bench = TravelBench::new(limit(60.0, 10.0, 0.5), 6.0, 600.0);
     let mut in_chunks = Excursion::unlimited(RATE);
     let empty = TableRef { knots: 0, ..TABLE };
     in_chunks

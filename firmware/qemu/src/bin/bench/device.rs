@@ -13,7 +13,7 @@ use slipline_app::bank::{
 use slipline_app::listening::lock_in::{History, LockIn, MAX_WINDOW_BLOCKS, Shape, State, Window};
 
 /// The state between the calls.
-struct Bench {
+struct CycleBench {
     bank: Bank,
     tones: [ToneBlock; TONES],
     /// A glide up, as fast as the bank's stated accuracy allows, and the glide back down.
@@ -29,7 +29,7 @@ struct Bench {
     index: u64,
 }
 
-impl Bench {
+impl CycleBench {
     /// Measures one block of the tones, as they were rendered.
     fn measure(&mut self, glide: Option<bool>) {
         let Self { lock_in, history, phases, index, codes, .. } = self;
@@ -70,11 +70,11 @@ impl Bench {
     }
 }
 
-struct Shared(UnsafeCell<Bench>);
+struct Shared(UnsafeCell<CycleBench>);
 // SAFETY: this image has one thread and no interrupts.
 unsafe impl Sync for Shared {}
 
-static BENCH: Shared = Shared(UnsafeCell::new(Bench {
+static BENCH: Shared = Shared(UnsafeCell::new(CycleBench {
     bank: Bank::new(),
     tones: [ToneBlock::steady(0, 0); TONES],
     glides: [[ToneBlock::steady(0, 0); TONES]; 2],
@@ -88,7 +88,7 @@ static BENCH: Shared = Shared(UnsafeCell::new(Bench {
     index: 0,
 }));
 
-fn bench() -> &'static mut Bench {
+fn bench() -> &'static mut CycleBench {
     // SAFETY: each function below takes the only reference and returns without keeping it.
     unsafe { &mut *BENCH.0.get() }
 }
@@ -196,7 +196,7 @@ fn main() -> ! {
     timer.set_reload(0x00FF_FFFF);
     timer.enable_counter();
 
-    let Bench { bank, lock_in, samples, codes, .. } = bench();
+    let CycleBench { bank, lock_in, samples, codes, .. } = bench();
     let mut draw = Draw::new();
     let blocks = bank_differences(&mut draw, bank, samples, codes);
     hprintln!("blocks that differ from the portable kernel's: {} of 300", blocks);

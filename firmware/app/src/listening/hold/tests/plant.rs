@@ -57,7 +57,7 @@ impl Rig {
     /// A plate that has followed the drive for long.
     pub(super) fn new(truth: Truth, slew: Octaves, room_db: f64) -> Self {
         let samples = (truth.assumed_tau * f64::from(PERIOD)) as u32;
-        let setting = Setting { period: PERIOD, slew, ..setting(samples) };
+        let setting = LoopSetting { period: PERIOD, slew, ..setting(samples) };
         let tone = tone(SLOT as u8);
         let hold = Hold::new(&setting, &[tone], MIN_GLIDE).expect("it can be held");
         // The tone itself may rise by so much.
@@ -113,7 +113,7 @@ impl Rig {
         let before = level_of(&self.hold);
         let room = Room::in_headroom(held, self.others);
         let step = self.hold.take(Some(&Answers { span: SPAN, amplitudes }), room);
-        if let Step::Publish(levels) = step {
+        if let HoldAction::Publish(levels) = step {
             self.hold.accepted();
             let level = levels[SLOT].expect("held").0;
             let sum = (self.others + u64::from(level)) as f64 / f64::from(Gain::FULL.0);

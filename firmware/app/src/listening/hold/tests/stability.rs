@@ -1,7 +1,7 @@
 //! The loop around a plate: how fast, how stable, and at its limits. Times in periods; the longer of the time constant and
 //! the period is the unit of what is promised.
 
-use super::super::{Limit, Octaves, State};
+use super::super::{Limit, LoopState, Octaves};
 use super::plant::{NOMINAL, Rig, SLOT, Truth};
 
 const RATIOS: [f64; 15] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 20.0];
@@ -42,7 +42,7 @@ fn a_finger_is_taken_back_within_five_time_constants_without_overshoot() {
             assert!(settled <= 4.8 * unit, "{truth:?} {phase}: {settled}");
             assert!(rig.highest() < 0.1, "{truth:?} {phase}: {}", rig.highest());
             assert!(rig.loudest <= 1.0, "{truth:?} {phase}: {}", rig.loudest);
-            assert_eq!(rig.hold.state(SLOT), Some(State::Held), "{truth:?}");
+            assert_eq!(rig.hold.state(SLOT), Some(LoopState::Held), "{truth:?}");
         }
     });
 }
@@ -68,7 +68,7 @@ fn without_the_room_it_stays_at_the_limit_says_so_and_has_wound_nothing_up() {
         let (mut rig, unit) = held(truth, Octaves::ONE, room_db, phase);
         rig.run(30.0 * unit, FINGER);
         assert!((rig.last() - (HALF_DB + 3.0)).abs() < 0.05, "{truth:?} {phase}: {}", rig.last());
-        assert_eq!(rig.hold.state(SLOT), Some(State::AtLimit(Limit::Headroom)), "{truth:?}");
+        assert_eq!(rig.hold.state(SLOT), Some(LoopState::AtLimit(Limit::Headroom)), "{truth:?}");
         assert!(rig.loudest > 0.999 && rig.loudest <= 1.0, "{truth:?}: {}", rig.loudest);
 
         rig.forget();
