@@ -33,7 +33,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         #[cfg(slipline_next)]
         if self.is_coil_open() {
-            // The first time it is refused for what it is, later on for the fault.
+            // The first refusal names the open coil, later ones the latched fault.
             mailbox.latch(slipline_protocol::event::Fault::CoilOpen);
             return Err(Refusal::CoilOpen);
         }
@@ -174,7 +174,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
                 in_range(Field::ApplyAt, earliest, latest, at)?;
                 block_at_or_after(at)
             }
-            // Where nothing that sounds moves any more: what is planned for there holds at every later index.
+            // At the end of the glide under way: nothing moves after it, so the plan holds at every later index.
             Apply::AtTrigger if view.motion.is_silent_from(earliest) => earliest.saturating_add(lead),
             Apply::AtTrigger => block_at_or_after(earliest.max(view.motion.end())).saturating_add(lead),
         })

@@ -221,7 +221,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Ok(at)
     }
 
-    /// Ends the hold because of another drive.
+    /// Ends the hold, because something else changes the output.
     pub(super) fn end_hold<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         if self.holding.is_on() {
             self.holding.progress = HoldProgress::Ended;

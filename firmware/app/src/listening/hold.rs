@@ -224,7 +224,7 @@ impl Hold {
     pub fn refused(&mut self, limit: Limit) -> HoldAction {
         let rose = self.tones.iter_mut().flatten().fold(false, |rose, tone| tone.refuse(limit) | rose);
         if !rose {
-            // Not even what falls is taken.
+            // None was to rise: the falling levels are refused, too.
             self.dropped();
         }
         self.step()

@@ -44,7 +44,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| {
             shared.next.set(index.saturating_add(BLOCK_SAMPLES));
             let here = shared.pending.get().filter(|pending| pending.at <= index);
-            // What rose before the block at its start was for nobody, or for the drive before it.
+            // A rise before the block at its start has no effect, or belongs to the drive before it.
             let listens = here.is_some_and(|pending| pending.waits && (!has_risen || pending.at == index));
             let due = here.filter(|_| !listens);
             let mut orders = Orders {

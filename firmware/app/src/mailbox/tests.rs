@@ -273,7 +273,7 @@ fn the_cost_that_is_told_is_that_of_the_dearest_block() {
             let (rendered, listened) = (cost - cost / 3, cost / 3);
             let before = *now;
             let between = before.wrapping_add(rendered);
-            // What the DAC waits for costs nothing.
+            // The wait for the DAC does not count as cost.
             let after = between.wrapping_add(10_000);
             *now = after.wrapping_add(listened);
             Some([before, between, after, *now])

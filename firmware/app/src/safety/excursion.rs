@@ -143,7 +143,7 @@ impl Excursion {
             at_start += travel * amplitude(tone.from_level);
             at_end += travel * amplitude(tone.to_level);
         }
-        // Not by `max`, which drops what is no number.
+        // Not by `max`, which ignores a NaN.
         if at_start <= 1.0 && at_end <= 1.0 { Ok(()) } else { Err(refusal(at_start, at_end)) }
     }
 

@@ -11,7 +11,7 @@ fn memory() -> &'static Values {
     Box::leak(Box::default())
 }
 
-/// The code at an index: a hash, so that equal codes mean equal indices.
+/// The code at an index: a hash of it, so that a block at another index has other codes.
 fn code(index: u64) -> u16 {
     (index.wrapping_mul(2_654_435_761) >> 7) as u16 & 0xFFF
 }

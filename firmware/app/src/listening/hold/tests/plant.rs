@@ -60,7 +60,7 @@ impl Rig {
         let setting = LoopSetting { period: PERIOD, slew, ..setting(samples) };
         let tone = tone(SLOT as u8);
         let hold = Hold::new(&setting, &[tone], MIN_GLIDE).expect("it can be held");
-        // The tone itself may rise by so much.
+        // The other tones leave room for a rise of `room_db` of this one.
         let raised = f64::from(tone.level.0) * 10_f64.powf(room_db / 20.0);
         let others = (f64::from(Gain::FULL.0) - raised) as u64;
         Self {
