@@ -14,9 +14,9 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
-use slipline_app::planning::chord::ChordTones;
 use slipline_app::listening::lock_in::Played;
 use slipline_app::mailbox::{Mailbox, Stop};
+use slipline_app::planning::chord::ChordTones;
 use slipline_app::planning::plan::Planner;
 use slipline_app::planning::ramp::RampShape;
 use slipline_app::slots::TableRef;

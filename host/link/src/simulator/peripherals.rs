@@ -9,11 +9,11 @@ use std::task::Poll;
 
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
-use slipline_app::safety::fade::fade;
 use slipline_app::ports::{
     DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, INPUTS, Mute, Overrun, SenseStream,
     System, Trigger, Underrun,
 };
+use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 
 /// What the data sheets of the boards' chips promise for each slot.
