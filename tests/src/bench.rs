@@ -1,7 +1,7 @@
 //! A secret plate under a simulated device with a sensor, measured through the protocol and the device application.
 
 use slipline_instrument::measure::{
-    MeasureError, Measured, Measuring, Plan, Procedure, Sensor, Step, Wanted,
+    MeasureError, Measured, Measuring, Plan, Procedure, Run, Sensor, Step, Wanted,
 };
 use slipline_instrument::rig::{PreparedRig, RigHand, RigOptions, secret};
 use slipline_link::protocol::listen::InputsReport;
@@ -117,7 +117,7 @@ impl Bench {
     pub fn measure(
         &mut self,
         place_m: f64,
-        change: impl FnMut(&mut Loopback, &mut Measuring, usize, Option<&Request>),
+        change: impl FnMut(&mut Loopback, &mut Run<Measuring>, usize, Option<&Request>),
     ) -> Result<Measured, MeasureError> {
         let inputs = self.inputs();
         let plan = Plan::new(&self.nominal, &self.wanted, RATE_HZ, inputs.lock_ins.into())?;
@@ -135,9 +135,10 @@ impl Bench {
     /// If it never ends.
     pub fn run<P: Procedure>(
         &mut self,
-        mut procedure: P,
-        mut change: impl FnMut(&mut Loopback, &mut P, usize, Option<&Request>),
+        procedure: P,
+        mut change: impl FnMut(&mut Loopback, &mut Run<P>, usize, Option<&Request>),
     ) -> Result<P::Found, MeasureError> {
+        let mut procedure = Run::of(procedure);
         let mut ticket = None;
         for steps in 0.. {
             assert!(steps < STEPS, "it never ends");

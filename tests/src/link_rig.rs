@@ -7,7 +7,9 @@ use slipline_link::connection::Connection;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::table::DeviceTable;
 use slipline_link::transport::Waker;
-use slipline_link::{DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Ticket, ToneRequest};
+use slipline_link::{
+    DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Sounding, Ticket, ToneRequest,
+};
 use slipline_protocol::event::State;
 use slipline_protocol::limits::{MAX_RETRIES, REPLY_TIMEOUT_MS};
 
@@ -236,7 +238,12 @@ impl LinkRig {
 /// A request for one tone with its boundary there, in metres.
 #[must_use]
 pub fn drive(boundary_m: f64) -> Request {
-    Request::Drive(DriveRequest::of(vec![ToneRequest { slot: 0, boundary_m, level: 0.5, phase_turns: 0.0 }]))
+    Request::Play(Sounding::Drive(DriveRequest::of(vec![ToneRequest {
+        slot: 0,
+        boundary_m,
+        level: 0.5,
+        phase_turns: 0.0,
+    }])))
 }
 
 /// Time until a device that answers no more is lost, in milliseconds.

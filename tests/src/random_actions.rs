@@ -128,7 +128,7 @@ pub fn play(
                     Event::Accepted(accepted) => {
                         let sum = sum(table, tones, *master);
                         prop_assert!(sum <= 1.0 + 1e-3, "accepted with a sum of {}", sum);
-                        mirror.acknowledge_drive(&drive, accepted.at)?;
+                        mirror.acknowledge_play(drive.clone(), accepted.at)?;
                     }
                     Event::Refused(
                         Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_),
@@ -140,7 +140,7 @@ pub fn play(
                 let at = ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead);
                 let chord = random_chord(table, *period_log2, tones, *glide, at);
                 match rig.send(&Command::Chord(chord.clone())) {
-                    Event::Accepted(accepted) => mirror.acknowledge_chord(&chord, accepted.at)?,
+                    Event::Accepted(accepted) => mirror.acknowledge_play(chord.clone(), accepted.at)?,
                     Event::Refused(
                         Refusal::Headroom { .. }
                         | Refusal::Peak { .. }
@@ -161,7 +161,7 @@ pub fn play(
                 let at = ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead);
                 let comb = random_comb(*period_blocks, *highest, tones, *glide, at);
                 match rig.send(&Command::Comb(comb.clone())) {
-                    Event::Accepted(accepted) => mirror.acknowledge_comb(&comb, accepted.at)?,
+                    Event::Accepted(accepted) => mirror.acknowledge_play(comb.clone(), accepted.at)?,
                     Event::Refused(
                         Refusal::Headroom { .. }
                         | Refusal::Busy(_)

@@ -238,7 +238,7 @@ impl Soak {
         let drive = drive(tones, self.rig.samples(glide) as u32);
         match self.send(&Command::Drive(drive.clone())) {
             Event::Accepted(accepted) => {
-                self.mirror.acknowledge_drive(&drive, accepted.at).expect("the mirror is not ahead");
+                self.mirror.acknowledge_play(drive.clone(), accepted.at).expect("the mirror is not ahead");
                 self.listening.acted();
                 self.tally.drives += 1;
                 Some(accepted.at + u64::from(drive.glide))

@@ -18,7 +18,8 @@ use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::table::DeviceTable;
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
 use slipline_link::{
-    ChordRequest, ChordToneRequest, DriveRequest, LinkError, Outcome, Port, PortInfo, Request, Ticket,
+    ChordRequest, DriveRequest, HarmonicRequest, LinkError, Outcome, Port, PortInfo, Request, Sounding,
+    Ticket,
 };
 use slipline_protocol::Decoder;
 use slipline_protocol::command::{Apply, DigestWindow};
@@ -76,7 +77,7 @@ pub fn table() -> DeviceTable {
 /// Never: its values are in range.
 #[must_use]
 pub fn requests(minor: u8) -> Vec<(Request, u64)> {
-    let drive = |tones: &[(f64, f64)]| Request::Drive(DriveRequest::at(tones));
+    let drive = |tones: &[(f64, f64)]| Request::Play(Sounding::Drive(DriveRequest::at(tones)));
     let mut requests = vec![
         (Request::Connect(Port::Serial("A".to_owned())), 100),
         // No table: refused by the device.
@@ -106,7 +107,7 @@ pub fn requests(minor: u8) -> Vec<(Request, u64)> {
         requests.extend([
             (Request::Upload(Arc::new(limited)), 100),
             (Request::Arm, 50),
-            (Request::Drive(waiting), 50),
+            (Request::Play(Sounding::Drive(waiting)), 50),
             (Request::Refresh, 20),
             // It drops the drive that waits.
             (Request::Stop, 50),
@@ -117,9 +118,9 @@ pub fn requests(minor: u8) -> Vec<(Request, u64)> {
     if minor >= 2 {
         // In phase their sum clips: refused by the device, which has rendered a period of it.
         let chord = |turns: [f64; 3]| {
-            let tone = |(harmonic, phase_turns)| ChordToneRequest { harmonic, level: 0.5, phase_turns };
+            let tone = |(harmonic, phase_turns)| HarmonicRequest { harmonic, level: 0.5, phase_turns };
             let tones = [400, 450, 500].into_iter().zip(turns).map(tone);
-            Request::Chord(ChordRequest::of(12, tones.collect()))
+            Request::Play(Sounding::Chord(ChordRequest::of(12, tones.collect())))
         };
         requests.extend([
             (Request::Upload(Arc::new(table())), 100),

@@ -3,7 +3,7 @@
 use slipline_link::chord::extent;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{Change, ChordRequest, ChordToneRequest, DeviceTable, Request};
+use slipline_link::{Change, ChordRequest, DeviceTable, HarmonicRequest, Played, Request, Sounding};
 use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Chord, Drive, TravelLimit, TravelSetting};
 use slipline_protocol::event::{Event, State};
@@ -190,23 +190,25 @@ fn the_link_sends_chords_and_its_mirror_replays_them_code_by_code() {
     let mut perform =
         |loopback: &mut Loopback, request| loopback.perform(request, |codes| sent.extend(codes));
     perform(&mut loopback, Request::Upload(Arc::new(table()))).unwrap();
-    let tones = (0..16u16).map(|i| ChordToneRequest {
+    let tones = (0..16u16).map(|i| HarmonicRequest {
         harmonic: 240 + 20 * i,
         level: 0.22,
         phase_turns: -f64::from(i).powi(2) / 32.0,
     });
     let request = ChordRequest { glide_s: 0.005, ..ChordRequest::of(12, tones.collect()) };
-    let at = perform(&mut loopback, Request::Chord(request.clone())).unwrap();
+    let at = perform(&mut loopback, Request::Play(Sounding::Chord(request.clone()))).unwrap();
     loopback.pass(50_000, |codes| sent.extend(codes));
     let mut perform =
         |loopback: &mut Loopback, request| loopback.perform(request, |codes| sent.extend(codes));
     perform(&mut loopback, Request::Stop).unwrap();
     let louder =
-        ChordRequest { tones: vec![ChordToneRequest { level: 1.1, ..request.tones[0] }], ..request.clone() };
-    let refused = perform(&mut loopback, Request::Chord(louder)).unwrap_err();
+        ChordRequest { tones: vec![HarmonicRequest { level: 1.1, ..request.tones[0] }], ..request.clone() };
+    let refused = perform(&mut loopback, Request::Play(Sounding::Chord(louder))).unwrap_err();
     assert!(refused.to_string().contains("level is 1.1; allowed are 0 to 1"), "{refused}");
     // The stop ramps: the chord is sent again until it is taken.
-    let again = perform(&mut loopback, Request::Chord(ChordRequest { master_db: -3.0, ..request })).unwrap();
+    let again =
+        perform(&mut loopback, Request::Play(Sounding::Chord(ChordRequest { master_db: -3.0, ..request })))
+            .unwrap();
     loopback.pass(30_000, |codes| sent.extend(codes));
     loopback.perform(Request::Refresh, |codes| sent.extend(codes)).unwrap();
     assert!(again > at + 50_000);
@@ -215,7 +217,7 @@ fn the_link_sends_chords_and_its_mirror_replays_them_code_by_code() {
         .journal
         .iter()
         .filter_map(|entry| match &entry.change {
-            Change::Chord(chord) => Some((entry.at, chord.glide, chord.master.0)),
+            Change::Play(Played::Chord(chord)) => Some((entry.at, chord.glide, chord.master.0)),
             _ => None,
         })
         .collect();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{CombRequest, CombToneRequest, DeviceTable, DriveRequest, Request};
+use slipline_link::{CombRequest, DeviceTable, DriveRequest, HarmonicRequest, Request, Sounding};
 use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Comb, TravelLimit, TravelSetting};
 use slipline_protocol::event::Event;
@@ -155,19 +155,19 @@ fn a_drive_takes_its_tones_along_and_the_mirror_plays_all_of_it() {
     let before = loopback.samples();
     let mut perform = |request| loopback.perform(request, |codes| sent.extend(codes)).unwrap();
     perform(Request::Upload(Arc::new(table)));
-    let tones = TONES.map(|(harmonic, level, phase_turns)| CombToneRequest { harmonic, level, phase_turns });
+    let tones = TONES.map(|(harmonic, level, phase_turns)| HarmonicRequest { harmonic, level, phase_turns });
     let request = CombRequest { apply: Apply::Next, ..CombRequest::of(PERIOD_BLOCKS, tones.to_vec()) };
-    let began = perform(Request::Comb(request.clone()));
+    let began = perform(Request::Play(Sounding::Comb(request.clone())));
     let mut drive = DriveRequest::at(&[(0.1, 0.3)]);
     drive.glide_s = 0.03;
     loopback.pass(20_000, |codes| sent.extend(codes));
     let mut perform = |request| loopback.perform(request, |codes| sent.extend(codes)).unwrap();
     // The tone of 234 Hz glides to some 50 kHz; the others fade.
-    perform(Request::Drive(drive));
+    perform(Request::Play(Sounding::Drive(drive)));
     loopback.pass(40_000, |codes| sent.extend(codes));
     let mut perform = |request| loopback.perform(request, |codes| sent.extend(codes)).unwrap();
     perform(Request::Stop);
-    let again = perform(Request::Comb(request));
+    let again = perform(Request::Play(Sounding::Comb(request)));
     loopback.pass(20_000, |codes| sent.extend(codes));
     loopback.perform(Request::Refresh, |codes| sent.extend(codes)).unwrap();
     let history = DeviceHistory::of(loopback.view()).unwrap();

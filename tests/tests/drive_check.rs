@@ -2,10 +2,10 @@
 //! loud sounds.
 
 use slipline_instrument::measure::{
-    AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measuring, Plan, Procedure, Sensor,
+    AfterCheck, CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measuring, Plan, Sensor,
 };
 use slipline_instrument::rig::RigFault;
-use slipline_link::Request;
+use slipline_link::{Request, Sounding};
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad, SensorKind};
 use slipline_tests::bench::{Bench, RATE_HZ};
 
@@ -114,7 +114,8 @@ fn a_measurement_begins_only_after_its_drive_was_found_on() {
         let mut share = 0.0;
         let found = bench.run(after, |loopback, after, _, asked| {
             let is_checking = after.is_checking();
-            combs[usize::from(!is_checking)] += u32::from(matches!(asked, Some(Request::Comb(_))));
+            combs[usize::from(!is_checking)] +=
+                u32::from(matches!(asked, Some(Request::Play(Sounding::Comb(_)))));
             let now = after.progress(loopback.samples());
             // A check that needs more effort begins anew.
             assert!(now >= share || is_checking, "{now} after {share}");

@@ -4,7 +4,7 @@
 use slipline_link::native::{SystemOpener, Worker};
 use slipline_link::table::DeviceTable;
 use slipline_link::{
-    Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Severity, Ticket,
+    Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Severity, Sounding, Ticket,
 };
 use slipline_protocol::Command;
 use slipline_protocol::event::State;
@@ -224,7 +224,7 @@ impl Driven {
         let worker = Worker::spawn_in_time_of(clock.clock(), ports, || ()).unwrap();
         let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
         let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6).unwrap();
-        let drive = Request::Drive(DriveRequest::at(&[(0.05, 0.5)]));
+        let drive = Request::Play(Sounding::Drive(DriveRequest::at(&[(0.05, 0.5)])));
         let driven = Self { worker, clock };
         for request in
             [Request::Connect(Port::Simulated), Request::Upload(Arc::new(table)), Request::Arm, drive]

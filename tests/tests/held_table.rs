@@ -4,7 +4,7 @@ use slipline_link::mirror::Mirror;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::table::DeviceTable;
-use slipline_link::{Change, DriveRequest, Request, ToneRequest};
+use slipline_link::{Change, DriveRequest, Request, Sounding, ToneRequest};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ fn the_mirror_follows_a_drive_that_plays_a_stored_table() {
     let mut chain = restarted_with_the_stored_table();
     chain.perform(Request::Upload(table()), |_| ()).unwrap();
     let tones = vec![ToneRequest { slot: 0, boundary_m: 0.2, level: 0.8, phase_turns: 0.0 }];
-    chain.perform(Request::Drive(DriveRequest::of(tones)), |_| ()).unwrap();
+    chain.perform(Request::Play(Sounding::Drive(DriveRequest::of(tones))), |_| ()).unwrap();
     let mut sent: Vec<u16> = Vec::new();
     chain.pass(20_000, |codes| sent.extend_from_slice(codes));
 
@@ -58,7 +58,7 @@ fn the_mirror_follows_a_drive_that_plays_a_stored_table() {
     for entry in journal {
         match &entry.change {
             Change::Table(table) => mirror.acknowledge_table(table.knots().into(), entry.at).unwrap(),
-            Change::Drive(drive) => mirror.acknowledge_drive(drive, entry.at).unwrap(),
+            Change::Play(played) => mirror.acknowledge_play(played.clone(), entry.at).unwrap(),
             _ => {}
         }
     }

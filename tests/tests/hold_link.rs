@@ -8,7 +8,7 @@ use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{
     Change, DeviceTable, DriveRequest, HoldProgress, HoldRequest, HoldState, HoldToneRequest, ListenRequest,
-    Outcome, Request, WindowShape,
+    Outcome, Request, Sounding, WindowShape,
 };
 use slipline_tests::rig::{BLOCK, MID, RATE_HZ};
 
@@ -57,7 +57,7 @@ fn hold() -> HoldRequest {
 }
 
 fn drive() -> Request {
-    Request::Drive(DriveRequest::at(&[(0.1, LEVEL)]))
+    Request::Play(Sounding::Drive(DriveRequest::at(&[(0.1, LEVEL)])))
 }
 
 /// Lets seconds pass.

@@ -10,7 +10,7 @@ use slipline_instrument::rig::{PreparedRig, RigFault, RigHand, RigOptions};
 use slipline_link::protocol::units::{Gain, Position};
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
-use slipline_link::{DriveRequest, HoldLimit, HoldLoss, HoldProgress, HoldState, Outcome, Request};
+use slipline_link::{DriveRequest, HoldLimit, HoldLoss, HoldProgress, HoldState, Outcome, Request, Sounding};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::{Finger, preset};
 use slipline_tests::rig::{BLOCK, MID};
@@ -126,7 +126,7 @@ impl HoldBench {
         let other = other / gain(table.position(other_m).unwrap());
         let mut tones = vec![(boundary_m, level)];
         tones.extend((other > 0.0).then_some((other_m, other)));
-        let at = loopback.perform(Request::Drive(DriveRequest::at(&tones)), |_| ()).unwrap();
+        let at = loopback.perform(Request::Play(Sounding::Drive(DriveRequest::at(&tones))), |_| ()).unwrap();
         let plan = HoldPlan::new(&plate, &[(0, hz)], RATE_HZ, 16, 20.0).unwrap();
         let reached = at + (0.02 * RATE_HZ) as u64;
         loopback.perform(Request::Listen(plan.listen(Some(reached))), |_| ()).unwrap();

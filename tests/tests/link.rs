@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use slipline_link::table::DeviceTable;
 use slipline_link::{
-    Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Port, Request, Ticket,
-    ToneRequest,
+    Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Played, Port, Request,
+    Sounding, Ticket, ToneRequest,
 };
 use slipline_protocol::Command;
 use slipline_protocol::event::{Fault, State};
@@ -25,7 +25,12 @@ fn a_lost_reply_is_asked_for_again_and_the_command_is_done_once() {
     assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })));
     rig.pass_ms(u64::from(KEEP_ALIVE_PERIOD_MS) + 10);
     assert_eq!(rig.view().status.unwrap().counters.duplicates, duplicates + 1, "answered from the cache");
-    let drives = rig.view().journal.iter().filter(|entry| matches!(entry.change, Change::Drive(_))).count();
+    let drives = rig
+        .view()
+        .journal
+        .iter()
+        .filter(|entry| matches!(entry.change, Change::Play(Played::Drive(_))))
+        .count();
     assert_eq!(drives, 1);
 }
 
@@ -98,7 +103,7 @@ fn a_drag_during_a_table_swap_uses_the_positions_of_the_table_in_force() {
     for entry in rig.view().journal.iter() {
         match &entry.change {
             Change::Table(table) => span_um = table.header().span_end_um,
-            Change::Drive(drive) => {
+            Change::Play(Played::Drive(drive)) => {
                 // 50 mm of the span, in 65 536ths of it.
                 let part = f64::from(drive.tones[0].position.0) / 65536.0;
                 assert!((part * f64::from(span_um) - 50_000.0).abs() < 5.0, "{part} of {span_um} um");
@@ -203,7 +208,7 @@ fn values_out_of_range_never_reach_the_wire() {
         (DriveRequest { master_db: 1.0, ..good.clone() }, "master"),
         (DriveRequest { glide_s: f64::NAN, ..good }, "glide"),
     ] {
-        let ticket = rig.ask(Request::Drive(request));
+        let ticket = rig.ask(Request::Play(Sounding::Drive(request)));
         match rig.outcome(ticket) {
             Some(Outcome::Refused(refusal)) => assert!(refusal.to_string().contains(field), "{refusal}"),
             other => panic!("{field}: {other:?}"),

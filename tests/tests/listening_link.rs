@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex};
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{
-    CaptureRequest, Captured, CombRequest, CombToneRequest, DeviceTable, ListenRequest, Listened, Outcome,
-    Refusal, Request, WindowShape,
+    CaptureRequest, Captured, CombRequest, DeviceTable, HarmonicRequest, ListenRequest, Listened, Outcome,
+    Refusal, Request, Sounding, WindowShape,
 };
 use slipline_tests::rig::RATE_HZ;
 
@@ -83,7 +83,7 @@ fn captured(loopback: &mut Loopback, request: CaptureRequest) -> Arc<Captured> {
 
 /// Sixteen tones over 40 blocks, from 234 Hz to 179 kHz, across the resonance at 40 kHz.
 fn comb() -> CombRequest {
-    let tones = (0..16u16).map(|i| CombToneRequest {
+    let tones = (0..16u16).map(|i| HarmonicRequest {
         harmonic: 3 + 150 * i + i % 3,
         level: 0.05,
         phase_turns: f64::from(i) * 0.37,
@@ -100,7 +100,7 @@ fn a_comb_and_a_window_give_the_response_that_is_known() {
     let inputs = loopback.view().inputs.expect("a device of 1.3 reports them");
     assert_eq!((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (2, 16, 0));
     assert!(loopback.view().can_listen());
-    let at = loopback.perform(Request::Comb(comb()), |_| ()).unwrap();
+    let at = loopback.perform(Request::Play(Sounding::Comb(comb())), |_| ()).unwrap();
     let from = Some(at + 20_001);
     let sensor = listened(&mut loopback, ListenRequest { from, ..WINDOW });
     assert_eq!((sensor.begin, sensor.blocks), ((at + 20_001).next_multiple_of(128), 80));
@@ -125,7 +125,7 @@ fn a_capture_comes_whole_and_in_order() {
     let mut loopback = connected();
     let mut sent: Vec<u16> = Vec::new();
     let before = loopback.samples();
-    loopback.perform(Request::Comb(comb()), |codes| sent.extend(codes)).unwrap();
+    loopback.perform(Request::Play(Sounding::Comb(comb())), |codes| sent.extend(codes)).unwrap();
     loopback.pass(10_000, |codes| sent.extend(codes));
     let from = loopback.samples() + 1000;
     let request = CaptureRequest { from: Some(from), input: 1, log2_codes: 3, values: 333 };
@@ -148,7 +148,7 @@ fn a_newer_window_takes_the_place_of_one_under_way_and_commands_pass_both() {
     assert_eq!(loopback.view().outcome(first), None);
     // A drive does not wait for the window.
     let now = loopback.samples();
-    let at = loopback.perform(Request::Comb(comb()), |_| ()).unwrap();
+    let at = loopback.perform(Request::Play(Sounding::Comb(comb())), |_| ()).unwrap();
     assert!(at < now + 10 * 128, "{at} {now}");
     listened(&mut loopback, WINDOW);
     assert_eq!(loopback.view().outcome(first), Some(&Outcome::Superseded));

@@ -1,6 +1,6 @@
 //! A secret plate under the simulated rig, measured through the protocol and the device application, and calibrated.
 
-use slipline_instrument::measure::{MeasureError, Measured, Procedure};
+use slipline_instrument::measure::{MeasureError, Measured};
 use slipline_instrument::rig::RigFault;
 use slipline_link::Request;
 use slipline_plate::Complex64;

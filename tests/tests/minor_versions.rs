@@ -13,7 +13,8 @@ macro_rules! pair {
             use $host::connection::Connection;
             use $host::transport::{Opener, Transport, Waker, read_received};
             use $host::{
-                DeviceTable, LinkError, LinkState, Outcome, Port, PortInfo, Request, Snapshot, Ticket,
+                DeviceTable, LinkError, LinkState, Outcome, Port, PortInfo, Request, Snapshot, Sounding,
+                Ticket,
             };
             use $protocol::Decoder;
 
@@ -125,7 +126,7 @@ macro_rules! pair {
                     assert!(self.is_done(Request::Upload(Arc::new(table))));
                     assert!(self.is_done(Request::Arm));
                     let drive = $host::DriveRequest::at(&[(0.05, 0.5)]);
-                    assert!(self.is_done(Request::Drive(drive)));
+                    assert!(self.is_done(Request::Play(Sounding::Drive(drive))));
                     assert!(self.is_done(Request::Refresh));
                     assert!(self.is_done(Request::Stop));
                     assert!(self.is_done(Request::Disarm));

@@ -11,7 +11,7 @@ use slipline_app::bank::BLOCK;
 use slipline_link::mirror::Mirror;
 use slipline_link::native::Worker;
 use slipline_link::table::DeviceTable;
-use slipline_link::{DriveRequest, Outcome, Port, Request, ToneRequest};
+use slipline_link::{DriveRequest, Outcome, Port, Request, Sounding, ToneRequest};
 use slipline_protocol::command::{Apply, Command, DigestWindow, Drive};
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::frame::CRC;
@@ -43,7 +43,7 @@ fn armed(emulator: &Emulator) -> (Host, Mirror) {
 fn drive_ahead(host: &mut Host, mirror: &mut Mirror, mut drive: Drive) -> SampleIndex {
     drive.apply = Apply::At(host.status().now + AHEAD);
     let at = host.accepted(&Command::Drive(drive.clone()));
-    mirror.acknowledge_drive(&drive, at).expect("the mirror has not been played so far");
+    mirror.acknowledge_play(drive.clone(), at).expect("the mirror has not been played so far");
     at
 }
 
@@ -212,7 +212,7 @@ fn the_hosts_own_link_drives_it_through_a_serial_port() {
     done(Request::Upload(Arc::new(table)));
     done(Request::Arm);
     let tones = vec![ToneRequest { slot: 0, boundary_m: 0.175, level: 0.5, phase_turns: 0.0 }];
-    done(Request::Drive(DriveRequest::of(tones)));
+    done(Request::Play(Sounding::Drive(DriveRequest::of(tones))));
     let sum = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| {
         snapshot.status.as_ref().filter(|s| s.state == State::Driving).map(|s| s.sum_per_mille)
     });

@@ -3,11 +3,11 @@
 
 use clap::Parser as _;
 use slipline::cli::Cli;
-use slipline_instrument::measure::{HeardError, MeasureError, PlayedSweep, Playing, Procedure, Wanted};
+use slipline_instrument::measure::{HeardError, MeasureError, PlayedSweep, Playing, Wanted};
 use slipline_instrument::measured_file::{Opened, ToldOfRecording, Untold, recorded};
 use slipline_instrument::rig::{RigOptions, secret};
-use slipline_link::Request;
 use slipline_link::protocol::command::Apply;
+use slipline_link::{Request, Sounding};
 use slipline_plate::calibrate::{Priors, SensorKind, departure, from_one_sensor};
 use slipline_plate::{Plate, preset};
 use slipline_tests::bench::{Bench, RATE_HZ};
@@ -100,7 +100,7 @@ fn a_slow_host_and_a_cancelled_sweep_leave_the_device_as_it_was() {
     let sweep = playing(&bench, 0.2);
     let played = bench
         .run(sweep, |loopback, _, _, asked| {
-            if matches!(asked, Some(Request::Drive(drive)) if matches!(drive.apply, Apply::At(_))) {
+            if matches!(asked, Some(Request::Play(Sounding::Drive(drive))) if matches!(drive.apply, Apply::At(_))) {
                 drives += 1;
                 // A second late, once, before the second sweep's tone glides.
                 loopback.pass(if drives == 4 { 400_000 } else { 0 }, |_| ());

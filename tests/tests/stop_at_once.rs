@@ -37,7 +37,7 @@ fn armed_with(block_waits: bool) -> (Rig, Mirror) {
 /// Drives; returns the index of the begin.
 fn begin(rig: &mut Rig, mirror: &mut Mirror, drive: &Drive) -> SampleIndex {
     let at = rig.accepted(&Command::Drive(drive.clone()));
-    mirror.acknowledge_drive(drive, at).unwrap();
+    mirror.acknowledge_play(drive.clone(), at).unwrap();
     at
 }
 

@@ -1,7 +1,7 @@
 //! Stops on a bad line: what they overtake does not come back, and what is asked for after them is not undone.
 
 use slipline_link::table::DeviceTable;
-use slipline_link::{Change, DriveRequest, LinkState, Outcome, Port, Request, ToneRequest};
+use slipline_link::{Change, DriveRequest, LinkState, Outcome, Played, Port, Request, Sounding, ToneRequest};
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::REPLY_TIMEOUT_MS;
@@ -87,7 +87,10 @@ fn a_drive_told_only_after_the_stop_that_ended_it_does_not_count_as_sounding() {
     rig.pass_ms(AGAIN_MS);
     assert_eq!(rig.state(), State::Armed, "silent");
     let journal = &rig.view().journal;
-    assert!(journal.iter().any(|entry| matches!(entry.change, Change::Drive(_))), "it did sound");
+    assert!(
+        journal.iter().any(|entry| matches!(entry.change, Change::Play(Played::Drive(_)))),
+        "it did sound"
+    );
     assert_eq!(journal.back().map(|entry| &entry.change), Some(&Change::Stop));
 }
 
@@ -176,7 +179,10 @@ fn a_disarm_does_not_wait_for_a_drive_that_is_busy() {
     let mut rig = LinkRig::armed();
     let in_20_s = rig.ports().device.now() + 20 * 400_000;
     let tones = vec![ToneRequest { slot: 0, boundary_m: 0.05, level: 0.5, phase_turns: 0.0 }];
-    rig.ask(Request::Drive(DriveRequest { apply: Apply::At(in_20_s), ..DriveRequest::of(tones) }));
+    rig.ask(Request::Play(Sounding::Drive(DriveRequest {
+        apply: Apply::At(in_20_s),
+        ..DriveRequest::of(tones)
+    })));
     rig.pass_ms(5);
     let busy = rig.ask(drive(0.06));
     let disarm = rig.ask(Request::Disarm);

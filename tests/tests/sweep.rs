@@ -1,11 +1,11 @@
 //! An exponential sweep through the protocol, the device application and the rig: the responses of a secret plate, and the
 //! current of its drive.
 
-use slipline_instrument::measure::{MeasureError, Measured, Procedure, Sensor, SweepPlan, Sweeping, Warning};
+use slipline_instrument::measure::{MeasureError, Measured, Run, Sensor, SweepPlan, Sweeping, Warning};
 use slipline_instrument::rig::RigFault;
 use slipline_link::protocol::command::Apply;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{CaptureRequest, Request};
+use slipline_link::{CaptureRequest, Request, Sounding};
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
 use slipline_plate::check::Colour;
@@ -99,7 +99,7 @@ fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
                 loopback.inject_overrun(1);
             }
         }
-        Some(Request::Drive(drive)) if matches!(drive.apply, Apply::At(_)) => {
+        Some(Request::Play(Sounding::Drive(drive))) if matches!(drive.apply, Apply::At(_)) => {
             glides += 1;
             // Half a second late, once.
             loopback.pass(if glides == 3 { 200_000 } else { 0 }, |_| ());
@@ -124,7 +124,7 @@ fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
 fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
     let mut bench = Bench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
-    let mut ended = |change: &dyn Fn(&mut Loopback, &mut Sweeping)| {
+    let mut ended = |change: &dyn Fn(&mut Loopback, &mut Run<Sweeping>)| {
         let mut glides = 0;
         let sweeping = sweeping(&bench, sensor);
         let found = bench.run(sweeping, |loopback, sweeping, _, asked| {

@@ -6,7 +6,7 @@ use slipline_app::Timing;
 use slipline_app::safety::excursion::shortest_glide;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::table::DeviceTable;
-use slipline_link::{DriveRequest, LinkState, Outcome, Request, Severity};
+use slipline_link::{DriveRequest, LinkState, Outcome, Request, Severity, Sounding};
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Event, ResetCause, State};
 use slipline_protocol::refusal::{Busy, Field};
@@ -223,7 +223,7 @@ fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
     }
     rig.record();
     // 20 ms are asked for.
-    let began = rig.ask(Request::Drive(DriveRequest::at(&[(0.09, 0.3)])));
+    let began = rig.ask(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.09, 0.3)]))));
     rig.pass_ms(300);
     rig.ask(Request::Refresh);
     rig.pass_ms(10);
@@ -245,7 +245,7 @@ fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
     assert!(codes == rig.sent(at, 60_000));
     assert!(codes.iter().any(|&code| code > 2500));
 
-    let loud = rig.ask(Request::Drive(DriveRequest::at(&[(0.04, 0.3)])));
+    let loud = rig.ask(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.04, 0.3)]))));
     rig.pass_ms(100);
     let Some(Outcome::Refused(refusal)) = rig.outcome(loud) else { panic!("{:?}", rig.outcome(loud)) };
     assert!(refusal.to_string().contains("of its peak travel"), "{refusal}");

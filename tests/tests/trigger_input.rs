@@ -3,7 +3,7 @@
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::simulator::Options;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{Change, DeviceTable, DriveRequest, Request};
+use slipline_link::{Change, DeviceTable, DriveRequest, Played, Request, Sounding};
 use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Drive};
 use slipline_protocol::event::{Event, Fault, State, TriggerReport};
@@ -195,7 +195,7 @@ impl Watched {
 
     fn wait_at(&mut self, boundary_m: f64) -> SampleIndex {
         let drive = DriveRequest { apply: Apply::AtTrigger, ..DriveRequest::at(&[(boundary_m, 0.5)]) };
-        self.perform(Request::Drive(drive))
+        self.perform(Request::Play(Sounding::Drive(drive)))
     }
 
     /// Every code that the mirror knows, which are those of the device; returns how many.
@@ -212,7 +212,7 @@ impl Watched {
 #[test]
 fn the_mirror_goes_no_further_than_is_known_and_is_exact_once_it_is() {
     let mut watched = Watched::new();
-    watched.perform(Request::Drive(DriveRequest::at(&[(0.02, 0.4)])));
+    watched.perform(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.02, 0.4)]))));
     watched.pass(20_000);
     let from = watched.wait_at(0.05);
     watched.pass(200_000);
@@ -251,7 +251,7 @@ fn a_stop_that_is_told_before_the_drive_that_it_ended_is_mirrored_behind_it() {
         .journal
         .iter()
         .filter_map(|entry| match entry.change {
-            Change::Drive(_) => Some("drive"),
+            Change::Play(Played::Drive(_)) => Some("drive"),
             Change::Stop => Some("stop"),
             _ => None,
         })
@@ -278,7 +278,7 @@ fn a_drive_that_took_the_place_of_one_that_waited_is_mirrored_with_it_or_without
             watched.pass(BLOCK);
             watched.compare();
         }
-        watched.perform(Request::Drive(DriveRequest::at(&[(0.01, 0.3)])));
+        watched.perform(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.01, 0.3)]))));
         watched.pass(100_000);
         watched.perform(Request::Refresh);
         watched.pass(2000);

@@ -4,6 +4,7 @@
 //! It never arms a real device and never drives one that the user has not asked to drive. The simulated device is
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
 
+use crate::changes::Changes;
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
@@ -97,11 +98,11 @@ impl Autopilot {
         self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
     }
 
-    /// Compares two snapshots of the link and returns what to send. `made` is the table for the plate on the
-    /// screen; `is_uploading_wanted` says whether a real device gets a new table automatically.
+    /// What to send, now that the snapshot has changed so. `made` is the table for the plate on the screen;
+    /// `is_uploading_wanted` says whether a real device gets a new table automatically.
     pub fn update(
         &mut self,
-        before: &Snapshot,
+        changes: &Changes,
         now: &Snapshot,
         made: Option<&TableMade>,
         is_uploading_wanted: bool,
@@ -117,7 +118,7 @@ impl Autopilot {
         }
         let state = now.status.map(|status| status.state);
         // If the user pressed Drive during this fault, the fault is being cleared and the drive is still wanted.
-        let is_cleared = drive_clears_fault(before) && drive_clears_fault(now);
+        let is_cleared = drive_clears_fault(now) && !changes.state && !changes.faults;
         if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
             self.forget_drive("the device has a fault");
         }
@@ -131,7 +132,6 @@ impl Autopilot {
         if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
             return actions;
         }
-        let on_device = now.table.active.map(|header| header.crc);
         let is_held = is_held(now, made);
         if let Some(made) = made {
             let crc = made.device_table.crc();
@@ -146,8 +146,7 @@ impl Autopilot {
                 return actions;
             }
         }
-        let table_changed = before.table.active.map(|header| header.crc) != on_device;
-        if table_changed
+        if changes.table
             || !matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping))
         {
             self.has_driven = false;
@@ -251,7 +250,7 @@ mod tests {
         let loopback = Loopback::connect(400_000).unwrap();
         let (now, mut autopilot) = (loopback.view(), Autopilot::default());
         let mut sent = |made| {
-            let actions = autopilot.update(now, now, Some(made), true);
+            let actions = autopilot.update(&Changes::default(), now, Some(made), true);
             actions.iter().filter(|action| matches!(action, Action::Upload(_))).count()
         };
         assert_eq!([sent(&stiff), sent(&stiff), sent(&soft), sent(&soft)], [1, 0, 1, 0]);

@@ -22,6 +22,7 @@
 pub mod autopilot;
 pub mod bench;
 pub mod calibration;
+pub mod changes;
 pub mod hold;
 mod instrument;
 pub mod jobs;

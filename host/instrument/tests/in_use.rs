@@ -35,7 +35,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     session.instrument.begin_gestures(1);
     session.attention.is_dragging = true;
     for mm in 150..180 {
-        session.instrument.drag_line(0, f64::from(mm) * 1e-3);
+        session.instrument.drag_line(0, &[f64::from(mm) * 1e-3]);
         session.pass(50);
     }
     session.attention.is_dragging = false;
@@ -97,11 +97,11 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     session.instrument.start();
     session.instrument.record(true);
     for mm in [160, 170, 180] {
-        session.instrument.drag_line(0, f64::from(mm) * 1e-3);
+        session.instrument.drag_line(0, &[f64::from(mm) * 1e-3]);
         session.pass(100);
     }
     session.instrument.record(false);
-    session.instrument.drag_line(0, 0.2);
+    session.instrument.drag_line(0, &[0.2]);
     session.sent();
     session.instrument.play(true);
     session.pass(1000);
@@ -124,7 +124,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
 fn the_script_of_a_window_runs_without_one() {
     let mut session = Session::new();
     let sent = script::play(&mut session);
-    let combs = sent.iter().filter(|request| request.starts_with("Comb")).count();
+    let combs = sent.iter().filter(|request| request.starts_with("Play(Comb")).count();
     assert!(combs > 3, "a measurement plays combs: {sent:#?}");
     assert_eq!(session.state(), Some(State::Driving));
 }

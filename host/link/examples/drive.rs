@@ -4,7 +4,7 @@
 //! a serial port, or `unix:PATH`.
 
 use slipline_link::native::Worker;
-use slipline_link::{DeviceTable, DriveRequest, Outcome, Port, Request};
+use slipline_link::{DeviceTable, DriveRequest, Outcome, Port, Request, Sounding};
 use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     perform(&worker, Request::Arm)?;
 
     // One tone with its peak at 50 mm and half of the full displacement.
-    let at = perform(&worker, Request::Drive(DriveRequest::at(&[(0.05, 0.5)])))?;
+    let at = perform(&worker, Request::Play(Sounding::Drive(DriveRequest::at(&[(0.05, 0.5)]))))?;
     println!("drives from sample {at} on");
     // Pausing and waiting by the worker gives the signs of life that it wants while the device is armed.
     worker.pause(Duration::from_millis(500));

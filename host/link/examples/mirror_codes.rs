@@ -51,9 +51,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     Command::TableBegin(_) => knots.clear(),
                     Command::TableChunk(chunk) => knots.extend_from_slice(&chunk.knots),
                     Command::TableCommit => mirror.acknowledge_table(Arc::from(knots.as_slice()), at)?,
-                    Command::Drive(drive) => mirror.acknowledge_drive(&drive, at)?,
-                    Command::Chord(chord) => mirror.acknowledge_chord(&chord, at)?,
-                    Command::Comb(comb) => mirror.acknowledge_comb(&comb, at)?,
+                    Command::Drive(drive) => mirror.acknowledge_play(drive.clone(), at)?,
+                    Command::Chord(chord) => mirror.acknowledge_play(chord.clone(), at)?,
+                    Command::Comb(comb) => mirror.acknowledge_play(comb.clone(), at)?,
                     Command::Stop | Command::Disarm => mirror.acknowledge_stop(Stop::Normal, at)?,
                     Command::EmergencyStop => mirror.acknowledge_stop(Stop::Emergency, at)?,
                     // They change no code.

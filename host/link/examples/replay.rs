@@ -6,7 +6,7 @@
 
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{Change, DeviceTable, DriveRequest, Request};
+use slipline_link::{Change, DeviceTable, DriveRequest, Played, Request, Sounding};
 use std::error::Error;
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let knots = (0..=100).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
     let table = DeviceTable::from_knots((0.0, 0.1), f64::from(RATE_HZ), knots, 1e-6)?;
     loopback.perform(Request::Upload(Arc::new(table)), |codes| sent.extend(codes))?;
-    let drive = Request::Drive(DriveRequest::at(&[(0.03, 0.4), (0.07, 0.4)]));
+    let drive = Request::Play(Sounding::Drive(DriveRequest::at(&[(0.03, 0.4), (0.07, 0.4)])));
     let began = loopback.perform(drive, |codes| sent.extend(codes))?;
     loopback.pass(u64::from(RATE_HZ / 2), |codes| sent.extend(codes));
     // The replay ends where the latest status says that the device is.
@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             Change::Session => "session",
             Change::Armed => "armed",
             Change::Disarmed => "disarmed",
-            Change::Drive(_) => "drive",
-            Change::Chord(_) => "chord",
-            Change::Comb(_) => "comb",
+            Change::Play(Played::Drive(_)) => "drive",
+            Change::Play(Played::Chord(_)) => "chord",
+            Change::Play(Played::Comb(_)) => "comb",
             Change::Hold => "level hold",
             Change::Stop => "stop",
             Change::EmergencyStop => "emergency stop",

@@ -1,6 +1,7 @@
 //! A chord in shares and seconds, its form in the device's units, and its peak as the device will prove it.
 
 use crate::drive::{self, DriveError};
+use crate::harmonic::{HarmonicRequest, harmonics};
 use crate::out_of_range::OutOfRange;
 use crate::table::DeviceTable;
 use slipline_app::bank::FULL_SCALE;
@@ -10,22 +11,11 @@ use slipline_protocol::event::Identity;
 use slipline_protocol::limits::{CHORD_PERIOD_LOG2, MAX_HARMONIC};
 use slipline_protocol::refusal::Refusal;
 
-/// One tone of a chord.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ChordToneRequest {
-    /// Which multiple of the base frequency it is; the multiples rise from tone to tone.
-    pub harmonic: u16,
-    /// Its peak relative to the table's full scale, 0..=1.
-    pub level: f64,
-    /// Phase at its start, in turns.
-    pub phase_turns: f64,
-}
-
 /// Tones that are multiples of the base frequency `rate / 2^period_log2`, so that they repeat exactly. They begin in silence;
 /// together they may be as loud as their peak allows, which the device proves before it accepts them.
 ///
 /// ```
-/// use slipline_link::{ChordRequest, ChordToneRequest, DeviceTable, Request};
+/// use slipline_link::{ChordRequest, DeviceTable, HarmonicRequest, Request, Sounding};
 /// use slipline_link::simulator::loopback::Loopback;
 /// use std::sync::Arc;
 ///
@@ -35,10 +25,10 @@ pub struct ChordToneRequest {
 /// let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6)?;
 /// loopback.perform(Request::Upload(Arc::new(table)), |_| ())?;
 /// // 21.5, 22.3 and 23 kHz: multiples of 400 kHz / 4096. Their levels add up to 1.2, their peak is less.
-/// let tone = |harmonic, phase_turns| ChordToneRequest { harmonic, level: 0.4, phase_turns };
+/// let tone = |harmonic, phase_turns| HarmonicRequest { harmonic, level: 0.4, phase_turns };
 /// let chord = ChordRequest::of(12, vec![tone(220, 0.0), tone(228, 0.25), tone(236, 0.0)]);
 /// let mut highest = 0;
-/// loopback.perform(Request::Chord(chord), |_| ())?;
+/// loopback.perform(Request::Play(Sounding::Chord(chord)), |_| ())?;
 /// loopback.pass(20_000, |codes| highest = codes.iter().copied().max().unwrap_or(0).max(highest));
 /// assert!(highest > 3500 && highest <= 4095);
 /// # Ok(())
@@ -49,7 +39,7 @@ pub struct ChordRequest {
     /// The binary logarithm of the period in samples, 7..=14.
     pub period_log2: u8,
     /// The tones, 1 to 16.
-    pub tones: Vec<ChordToneRequest>,
+    pub tones: Vec<HarmonicRequest>,
     /// Scales all tones, in dB, -96..=0.
     pub master_db: f64,
     /// How long they rise from silence, in seconds; taken to the nearest time the device can.
@@ -61,7 +51,7 @@ pub struct ChordRequest {
 impl ChordRequest {
     /// A chord at full master level that begins at once and rises in 20 ms.
     #[must_use]
-    pub const fn of(period_log2: u8, tones: Vec<ChordToneRequest>) -> Self {
+    pub const fn of(period_log2: u8, tones: Vec<HarmonicRequest>) -> Self {
         Self { period_log2, tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
     }
 
@@ -71,25 +61,13 @@ impl ChordRequest {
     /// [`DriveError`], naming the value and its range. Whether the multiples rise and lie within the table's frequencies, and
     /// whether the peak fits, is for the device to say.
     pub fn for_device(&self, identity: &Identity, travel: Option<&TravelLimit>) -> Result<Chord, DriveError> {
-        let too_many = || DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
-        if self.tones.len() > usize::from(identity.tones) {
-            return Err(too_many());
-        }
         let (shortest, longest) = CHORD_PERIOD_LOG2;
         let (least, most) = (shortest.into(), longest.into());
         OutOfRange::check("chord's period (log2 of samples)", self.period_log2.into(), least, most)?;
-        let mut tones = heapless::Vec::new();
-        for (slot, tone) in (0..).zip(&self.tones) {
-            let refuse = |value| DriveError::Tone { slot, value };
-            let (harmonic, highest) = (f64::from(tone.harmonic), f64::from(MAX_HARMONIC));
-            OutOfRange::check("multiple of the base frequency", harmonic, 1.0, highest).map_err(refuse)?;
-            let level = drive::level(tone.level).map_err(refuse)?;
-            let phase = drive::phase(tone.phase_turns).map_err(refuse)?;
-            tones.push(ChordTone { harmonic: tone.harmonic, level, phase }).map_err(|_| too_many())?;
-        }
+        let tone = |harmonic, level, phase| ChordTone { harmonic, level, phase };
         Ok(Chord {
             period_log2: self.period_log2,
-            tones,
+            tones: harmonics(&self.tones, MAX_HARMONIC.into(), identity, tone)?,
             master: drive::master(self.master_db)?,
             glide: drive::glide(self.glide_s, identity, travel)?,
             apply: self.apply,

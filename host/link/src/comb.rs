@@ -1,21 +1,11 @@
 //! A comb in shares and seconds, and its form in the device's units.
 
 use crate::drive::{self, DriveError};
+use crate::harmonic::{HarmonicRequest, harmonics};
 use crate::out_of_range::OutOfRange;
 use slipline_protocol::command::{Apply, Comb, CombTone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::{COMB_BLOCK, COMB_PERIOD_BLOCKS, MAX_FREQUENCY_PER_MILLE};
-
-/// One tone of a comb.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CombToneRequest {
-    /// Which multiple of the base frequency it is; the multiples rise from tone to tone.
-    pub harmonic: u16,
-    /// Its peak relative to the table's full scale, 0..=1. Beyond an end of the table it is relative to that end's gain.
-    pub level: f64,
-    /// Phase at its start, in turns.
-    pub phase_turns: f64,
-}
 
 /// Tones that are multiples of the base frequency `rate / (128 period_blocks)`, within the table's frequencies or beyond them.
 /// They begin in silence; their amplitudes add up to full scale at most. A window of whole periods tells them apart exactly
@@ -25,7 +15,7 @@ pub struct CombRequest {
     /// The period in blocks of 128 samples, at least 1.
     pub period_blocks: u16,
     /// The tones, 1 to 16; tone i sounds in slot i.
-    pub tones: Vec<CombToneRequest>,
+    pub tones: Vec<HarmonicRequest>,
     /// Scales all tones, in dB, -96..=0.
     pub master_db: f64,
     /// How long they rise from silence, in seconds; taken to the nearest time the device can.
@@ -37,7 +27,7 @@ pub struct CombRequest {
 impl CombRequest {
     /// A comb at full master level that begins at once and rises in 20 ms.
     #[must_use]
-    pub const fn of(period_blocks: u16, tones: Vec<CombToneRequest>) -> Self {
+    pub const fn of(period_blocks: u16, tones: Vec<HarmonicRequest>) -> Self {
         Self { period_blocks, tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
     }
 
@@ -47,10 +37,6 @@ impl CombRequest {
     /// [`DriveError`], naming the value and its range. Whether the multiples rise, and whether the amplitudes fit, is for the
     /// device to say.
     pub fn for_device(&self, identity: &Identity, travel: Option<&TravelLimit>) -> Result<Comb, DriveError> {
-        let too_many = || DriveError::TooManyTones { got: self.tones.len(), max: identity.tones };
-        if self.tones.len() > usize::from(identity.tones) {
-            return Err(too_many());
-        }
         let (shortest, longest) = COMB_PERIOD_BLOCKS;
         OutOfRange::check(
             "comb's period (blocks)",
@@ -60,18 +46,10 @@ impl CombRequest {
         )?;
         let period = f64::from(COMB_BLOCK) * f64::from(self.period_blocks);
         let highest = (period * f64::from(MAX_FREQUENCY_PER_MILLE) / 1000.0).floor().min(65_535.0);
-        let mut tones = heapless::Vec::new();
-        for (slot, tone) in (0..).zip(&self.tones) {
-            let refuse = |value| DriveError::Tone { slot, value };
-            let harmonic = f64::from(tone.harmonic);
-            OutOfRange::check("multiple of the base frequency", harmonic, 1.0, highest).map_err(refuse)?;
-            let level = drive::level(tone.level).map_err(refuse)?;
-            let phase = drive::phase(tone.phase_turns).map_err(refuse)?;
-            tones.push(CombTone { harmonic: tone.harmonic, level, phase }).map_err(|_| too_many())?;
-        }
+        let tone = |harmonic, level, phase| CombTone { harmonic, level, phase };
         Ok(Comb {
             period_blocks: self.period_blocks,
-            tones,
+            tones: harmonics(&self.tones, highest, identity, tone)?,
             master: drive::master(self.master_db)?,
             glide: drive::glide(self.glide_s, identity, travel)?,
             apply: self.apply,

@@ -173,15 +173,8 @@ impl<O: Opener> Connection<O> {
     /// Takes a request. What cannot be done now ends at once.
     pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
         self.recorder.set_time(now);
-        let is_of_many = matches!(
-            request,
-            Request::Drive(_)
-                | Request::Chord(_)
-                | Request::Comb(_)
-                | Request::Listen(_)
-                | Request::Refresh
-                | Request::Note(..)
-        );
+        let is_of_many =
+            matches!(request, Request::Play(_) | Request::Listen(_) | Request::Refresh | Request::Note(..));
         if !is_of_many {
             self.recorder.log(Severity::Detail, format!("Request: {}.", request.name()));
         }
@@ -239,9 +232,7 @@ impl<O: Opener> Connection<O> {
             }
             Request::Arm
             | Request::Disarm
-            | Request::Drive(_)
-            | Request::Chord(_)
-            | Request::Comb(_)
+            | Request::Play(_)
             | Request::Listen(_)
             | Request::Capture(_)
             | Request::Hold(_)

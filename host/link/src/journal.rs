@@ -1,7 +1,7 @@
 //! The journal: what the device has agreed to, in order; what the mirror replays.
 
+use crate::played::Played;
 use crate::table::DeviceTable;
-use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -30,12 +30,8 @@ pub enum Change {
     Armed,
     /// It was disarmed: a ramp to silence.
     Disarmed,
-    /// A drive, in the device's own units.
-    Drive(Arc<Drive>),
-    /// A chord, in the device's own units.
-    Chord(Arc<Chord>),
-    /// A comb, in the device's own units.
-    Comb(Arc<Comb>),
+    /// A drive, a chord or a comb.
+    Play(Played),
     /// A level hold began, so the levels follow what the device measures: the codes are unknown until the next silence.
     Hold,
     /// A stop: a ramp to silence.

@@ -12,25 +12,23 @@ use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use crate::played::Played;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
-use slipline_app::listening::lock_in::Played;
+use slipline_app::listening::lock_in;
 use slipline_app::mailbox::{Mailbox, Stop};
 use slipline_app::planning::chord::ChordTones;
 use slipline_app::planning::plan::Planner;
 use slipline_app::planning::ramp::RampShape;
 use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
-use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
 /// A change that the device has accepted and that is to be applied.
 #[derive(Clone, Debug)]
 enum Scheduled {
-    Drive(Drive),
-    Chord(Chord),
-    Comb(Comb),
+    Play(Played),
     Table(Arc<[Knot]>),
     Stop(Stop),
 }
@@ -65,7 +63,7 @@ pub struct TooLate {
 ///
 /// let mut mirror = Mirror::new(400_000, 0);
 /// mirror.acknowledge_table(table.knots().into(), 0)?;
-/// mirror.acknowledge_drive(&drive, 12_800)?;
+/// mirror.acknowledge_play(drive, 12_800)?;
 /// let mut first_sound = None;
 /// mirror.render(40_000, |first, codes| {
 ///     if codes.iter().any(|&code| code != 2048) {
@@ -123,7 +121,7 @@ impl Mirror {
 
     /// How the last block was rendered, for a [lock-in](slipline_app::listening::lock_in) on what an input answered to it.
     #[must_use]
-    pub fn played(&self) -> Played {
+    pub fn played(&self) -> lock_in::Played {
         self.renderer.played()
     }
 
@@ -133,33 +131,12 @@ impl Mirror {
         !self.diverged
     }
 
-    /// A change that the device acknowledged was missed: the mirror is not true until the device is known to be silent.
-    pub const fn distrust(&mut self) {
-        self.diverged = true;
-    }
-
-    /// A drive was accepted and begins at `at`.
+    /// A drive, a chord or a comb was accepted and begins at `at`. A chord's peak is not proven again.
     ///
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
-    pub fn acknowledge_drive(&mut self, drive: &Drive, at: SampleIndex) -> Result<(), TooLate> {
-        self.acknowledge(at, Scheduled::Drive(drive.clone()))
-    }
-
-    /// A chord was accepted and begins at `at`. Its peak is not proven again.
-    ///
-    /// # Errors
-    /// [`TooLate`]; the mirror is not true from then on.
-    pub fn acknowledge_chord(&mut self, chord: &Chord, at: SampleIndex) -> Result<(), TooLate> {
-        self.acknowledge(at, Scheduled::Chord(chord.clone()))
-    }
-
-    /// A comb was accepted and begins at `at`.
-    ///
-    /// # Errors
-    /// [`TooLate`]; the mirror is not true from then on.
-    pub fn acknowledge_comb(&mut self, comb: &Comb, at: SampleIndex) -> Result<(), TooLate> {
-        self.acknowledge(at, Scheduled::Comb(comb.clone()))
+    pub fn acknowledge_play(&mut self, played: impl Into<Played>, at: SampleIndex) -> Result<(), TooLate> {
+        self.acknowledge(at, Scheduled::Play(played.into()))
     }
 
     /// A table was swapped in at `at`, by a commit or because the device held it already.
@@ -177,9 +154,7 @@ impl Mirror {
     /// [`TooLate`]; the mirror is not true from then on.
     pub fn acknowledge_stop(&mut self, stop: Stop, at: SampleIndex) -> Result<(), TooLate> {
         // A drive that was accepted but had not begun is dropped, as in the device; a table is in force all the same.
-        self.changes.retain(|(begins, change)| {
-            *begins < at || !matches!(change, Scheduled::Drive(_) | Scheduled::Chord(_) | Scheduled::Comb(_))
-        });
+        self.changes.retain(|(begins, change)| *begins < at || !matches!(change, Scheduled::Play(_)));
         self.acknowledge(at, Scheduled::Stop(stop))
     }
 
@@ -221,7 +196,7 @@ impl Mirror {
             match change {
                 Scheduled::Table(knots) if at <= index => table = Some(knots),
                 Scheduled::Table(_) => later.push_back((at, change)),
-                Scheduled::Drive(_) | Scheduled::Chord(_) | Scheduled::Comb(_) | Scheduled::Stop(_) => {}
+                Scheduled::Play(_) | Scheduled::Stop(_) => {}
             }
         }
         let limit = self.latest_limit;
@@ -282,14 +257,14 @@ impl Mirror {
                 self.mailbox.stop(stop);
                 return;
             }
-            Scheduled::Drive(drive) => planner.drive(&drive, at, self.table, &view.motion),
-            Scheduled::Chord(chord) => {
+            Scheduled::Play(Played::Drive(drive)) => planner.drive(&drive, at, self.table, &view.motion),
+            Scheduled::Play(Played::Chord(chord)) => {
                 let mut tones = ChordTones::NONE;
                 planner
                     .place_chord(&chord, self.table, &mut tones)
                     .and_then(|()| planner.chord(&tones, at, chord.glide, self.table, &view.motion))
             }
-            Scheduled::Comb(comb) => {
+            Scheduled::Play(Played::Comb(comb)) => {
                 let mut tones = ChordTones::NONE;
                 planner
                     .place_comb(&comb, self.table, &mut tones)
@@ -314,7 +289,7 @@ impl Mirror {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipline_protocol::command::{Apply, Tone};
+    use slipline_protocol::command::{Apply, Drive, Tone};
     use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 
     /// One tone at full level.
@@ -345,11 +320,11 @@ mod tests {
         mirror.acknowledge_table(knots(), mirror.now()).unwrap();
         assert_eq!(peak(&mut mirror, 1_010_000), 0);
         let now = mirror.now();
-        assert_eq!(mirror.acknowledge_drive(&drive(), now - 128), Err(TooLate { at: now - 128, now }));
+        assert_eq!(mirror.acknowledge_play(drive(), now - 128), Err(TooLate { at: now - 128, now }));
         assert!(!mirror.is_true());
         mirror.silence(2_000_000);
         assert!(mirror.is_true());
-        mirror.acknowledge_drive(&drive(), 2_000_000 / 128 * 128 + 1280).unwrap();
+        mirror.acknowledge_play(drive(), 2_000_000 / 128 * 128 + 1280).unwrap();
         assert_eq!(peak(&mut mirror, 2_000_000), 0);
         assert_eq!(peak(&mut mirror, 2_010_000), 2047, "the table was kept");
         assert!(mirror.is_true());
@@ -359,10 +334,10 @@ mod tests {
     fn a_stop_drops_the_drive_that_had_not_begun_and_a_mirror_needs_no_host_that_keeps_alive() {
         let mut mirror = Mirror::new(400_000, 0);
         mirror.acknowledge_table(knots(), 0).unwrap();
-        mirror.acknowledge_drive(&drive(), 12_800).unwrap();
+        mirror.acknowledge_play(drive(), 12_800).unwrap();
         mirror.acknowledge_stop(Stop::Normal, 6400).unwrap();
         assert_eq!(peak(&mut mirror, 20_000), 0);
-        mirror.acknowledge_drive(&drive(), 25_600).unwrap();
+        mirror.acknowledge_play(drive(), 25_600).unwrap();
         assert_eq!(peak(&mut mirror, 30_000), 2047);
         mirror.render(1_000_000, |_, _| {});
         assert_eq!(peak(&mut mirror, 1_010_000), 2047);
@@ -372,7 +347,7 @@ mod tests {
     #[test]
     fn a_drive_without_a_table_is_not_true() {
         let mut mirror = Mirror::new(400_000, 0);
-        mirror.acknowledge_drive(&drive(), 0).unwrap();
+        mirror.acknowledge_play(drive(), 0).unwrap();
         assert_eq!(peak(&mut mirror, 10_000), 0);
         assert!(!mirror.is_true());
     }

@@ -109,7 +109,7 @@ impl Recorder {
             return;
         }
         let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
-            Change::Drive(_) | Change::Chord(_) | Change::Comb(_) => Some(true),
+            Change::Play(_) => Some(true),
             Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
             Change::Armed | Change::Table(_) | Change::Hold | Change::Limit(_) => None,
         });

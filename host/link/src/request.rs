@@ -1,21 +1,19 @@
 //! What a program asks of the link, and how it ended.
 
-use crate::chord::ChordRequest;
-use crate::comb::CombRequest;
-use crate::drive::DriveRequest;
 use crate::hold::HoldRequest;
 use crate::listen::{CaptureRequest, Captured, ListenRequest, Listened};
 use crate::log::Severity;
 use crate::port::Port;
 use crate::refusal::Refusal;
+use crate::sounding::Sounding;
 use crate::table::DeviceTable;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use std::sync::Arc;
 
 /// One thing to do. Requests are done in order, but [`Request::Stop`] and [`Request::EmergencyStop`] overtake all
-/// others, and a newer [`Request::Drive`], [`Request::Chord`], [`Request::Comb`] or a [`Request::Disarm`] replaces one of the
-/// three that the device has not taken yet.
+/// others, and a newer [`Request::Play`] or a [`Request::Disarm`] replaces a [`Request::Play`] that the device has not taken
+/// yet.
 #[derive(Clone, Debug)]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
@@ -27,12 +25,8 @@ pub enum Request {
     Arm,
     /// Ramp to silence and mute.
     Disarm,
-    /// Sound these tones.
-    Drive(DriveRequest),
-    /// Sound these multiples of one base frequency, from silence on.
-    Chord(ChordRequest),
-    /// Sound these multiples of one low base frequency, from silence on.
-    Comb(CombRequest),
+    /// Have this sound.
+    Play(Sounding),
     /// Measure how an input answers each tone.
     Listen(ListenRequest),
     /// Capture the codes of an input.
@@ -79,9 +73,7 @@ impl Request {
             Self::Disconnect => "disconnect",
             Self::Arm => "arm",
             Self::Disarm => "disarm",
-            Self::Drive(_) => "drive",
-            Self::Chord(_) => "chord",
-            Self::Comb(_) => "comb",
+            Self::Play(_) => "play",
             Self::Listen(_) => "listen",
             Self::Capture(_) => "capture",
             Self::Hold(_) => "level hold",

@@ -84,12 +84,11 @@ mod tests {
     use super::*;
     use slipline_protocol::command::{Apply, Drive};
     use slipline_protocol::units::CentiDecibel;
-    use std::sync::Arc;
 
     fn drive(glide: u32) -> Change {
         let tones = heapless::Vec::new();
         let drive = Drive { tones, master: CentiDecibel(0), glide, apply: Apply::AtTrigger };
-        Change::Drive(Arc::new(drive))
+        Change::Play(drive.into())
     }
 
     fn held(at: SampleIndex, change: Change) -> Held {

@@ -6,8 +6,8 @@ use slipline_link::protocol::command::{Apply, DigestWindow};
 use slipline_link::protocol::frame::CRC;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::{
-    ChordRequest, ChordToneRequest, CombRequest, CombToneRequest, DeviceTable, DriveRequest, Outcome,
-    Request, ToneRequest,
+    ChordRequest, CombRequest, DeviceTable, DriveRequest, HarmonicRequest, Outcome, Request, Sounding,
+    ToneRequest,
 };
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ fn table() -> DeviceTable {
 fn drive(at: u64, glide_s: f64, tones: &[(u8, f64, f64, f64)]) -> Request {
     let tone = |&(slot, boundary_m, level, phase_turns)| ToneRequest { slot, boundary_m, level, phase_turns };
     let tones = tones.iter().map(tone).collect();
-    Request::Drive(DriveRequest { tones, master_db: -1.5, glide_s, apply: Apply::At(at) })
+    Request::Play(Sounding::Drive(DriveRequest { tones, master_db: -1.5, glide_s, apply: Apply::At(at) }))
 }
 
 #[test]
@@ -75,18 +75,18 @@ fn the_codes_of_a_fixed_script_are_the_same_on_every_processor() {
     played.perform(Request::Stop);
 
     played.until(150_016);
-    let tone = |(harmonic, level, phase_turns)| ChordToneRequest { harmonic, level, phase_turns };
+    let tone = |(harmonic, level, phase_turns)| HarmonicRequest { harmonic, level, phase_turns };
     let tones = [(220, 0.4, 0.0), (228, 0.4, 0.25), (236, 0.4, 0.0), (301, 0.1, 0.6)].map(tone).to_vec();
     let chord = ChordRequest { apply: Apply::At(160_000), ..ChordRequest::of(12, tones) };
-    assert_eq!(played.perform(Request::Chord(chord)), 160_000);
+    assert_eq!(played.perform(Request::Play(Sounding::Chord(chord))), 160_000);
     played.until(200_064);
     played.perform(Request::Stop);
 
     played.until(220_032);
-    let tone = |(harmonic, level, phase_turns)| CombToneRequest { harmonic, level, phase_turns };
+    let tone = |(harmonic, level, phase_turns)| HarmonicRequest { harmonic, level, phase_turns };
     let tones = [(3, 0.1, 0.0), (128, 0.2, 0.25), (512, 0.2, 0.5), (1280, 0.4, 0.125)].map(tone).to_vec();
     let comb = CombRequest { apply: Apply::At(230_400), ..CombRequest::of(40, tones) };
-    assert_eq!(played.perform(Request::Comb(comb)), 230_400);
+    assert_eq!(played.perform(Request::Play(Sounding::Comb(comb))), 230_400);
     played.until(300_032);
     played.perform(Request::EmergencyStop);
 

@@ -19,7 +19,6 @@ pub mod colour_map;
 pub mod export;
 pub mod field;
 pub mod jobs;
-pub mod played;
 pub mod response;
 pub mod scenes;
 pub mod setup;

@@ -1,10 +1,9 @@
 //! What the device sounds now, by the link's journal.
 
 use crate::field::steady_field::SteadyTone;
-use crate::played::Played;
 use slipline_link::protocol::event::State;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Change, Snapshot};
+use slipline_link::{Change, Played, Snapshot};
 use std::sync::Arc;
 
 /// The drive that the device has acknowledged and plays now.
@@ -32,9 +31,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let mut latest = None;
     for entry in snapshot.journal.iter() {
         match &entry.change {
-            Change::Drive(drive) => latest = Some((entry, Played::Drive(Arc::clone(drive)))),
-            Change::Chord(chord) => latest = Some((entry, Played::Chord(Arc::clone(chord)))),
-            Change::Comb(comb) => latest = Some((entry, Played::Comb(Arc::clone(comb)))),
+            Change::Play(played) => latest = Some((entry, played)),
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
                 latest = None;
             }
@@ -50,5 +47,47 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
         peak_m: tone.peak_m,
     });
     let (number, reached) = (entry.number, entry.at.saturating_add(played.glide().into()));
-    Some(SoundingDrive { number, tones: tones.collect(), table: Arc::clone(table), played, reached })
+    let (table, played) = (Arc::clone(table), played.clone());
+    Some(SoundingDrive { number, tones: tones.collect(), table, played, reached })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::simulation::device_table;
+    use slipline_link::ChordRequest;
+    use slipline_link::protocol::command::{Apply, Chord, ChordTone, Drive, Tone};
+    use slipline_link::protocol::units::{CentiDecibel, Level, Phase, Position};
+    use slipline_plate::DriveTable;
+
+    #[test]
+    fn a_chord_sounds_as_a_drive_of_the_same_frequencies_does() {
+        let plate = slipline_plate::preset("al-bending").unwrap();
+        let table = device_table(&DriveTable::build(&plate, 400e3, 65).unwrap()).unwrap();
+        let position = Position(30_000);
+        // The longest period: 24.4 Hz.
+        let harmonic = (table.frequency_hz(position) / (400e3 / 16_384.0)).round() as u16;
+        let (level, phase, master) = (Level(20_000), Phase(0), CentiDecibel(-300));
+        let tone = Tone { slot: 0, position, level, phase };
+        let tones = [tone].into_iter().collect();
+        let drive = Played::from(Drive { tones, master, glide: 8000, apply: Apply::Next });
+        let tones = [ChordTone { harmonic, level, phase }].into_iter().collect();
+        let chord = Chord { period_log2: 14, tones, master, glide: 8000, apply: Apply::Next };
+        let chord = Played::from(chord);
+        let ([by_place], [by_multiple]) = (&drive.tones(&table)[..], &chord.tones(&table)[..]) else {
+            panic!("one tone each")
+        };
+        assert!((by_place.frequency_hz - by_multiple.frequency_hz).abs() < 12.3);
+        let near = |one: f64, other: f64| (one / other - 1.0).abs() < 0.01;
+        assert!(near(by_place.amplitude, by_multiple.amplitude), "{by_place:?} {by_multiple:?}");
+        assert!(near(by_place.peak_m, by_multiple.peak_m), "{by_place:?} {by_multiple:?}");
+        assert!((by_multiple.frequency_hz / f64::from(harmonic) - 400e3 / 16_384.0).abs() < 1e-9);
+        // A multiple below the table's lowest frequency.
+        let low = ChordRequest::of(14, Vec::new());
+        let identity = slipline_link::simulator::loopback::Loopback::connect(400_000).unwrap();
+        let identity = identity.view().identity.clone().unwrap();
+        let mut low = low.for_device(&identity, None).unwrap();
+        low.tones.push(ChordTone { harmonic: 3, level, phase }).unwrap();
+        assert!(Played::from(low).tones(&table).is_empty());
+    }
 }

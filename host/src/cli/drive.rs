@@ -8,11 +8,11 @@ use crate::signals;
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
-use slipline_link::{ChordRequest, DriveRequest, LinkState, Snapshot};
+use slipline_link::{DriveRequest, LinkState, Snapshot, Sounding};
 use slipline_model::atomic_file::{read_text, said};
 use slipline_model::setup::file::{self, Opened};
 use slipline_model::setup::{Setup, edit};
-use slipline_model::texture::chord_of;
+use slipline_model::texture::{self, chord_of};
 use slipline_plate::Plate;
 use slipline_plate::quantity::{show_frequency, show_place};
 use std::sync::Arc;
@@ -36,16 +36,18 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let bench = Bench::new(&device, &plate)?;
     known_drive::check(&bench, arguments.known.known(None))?;
     let table = bench.table;
-    let chord = match setup.as_ref().and_then(|setup| chord_of(setup, &table)) {
-        Some(chord) if device.snapshot().can_play_chords() => {
-            let identity = device.identity()?;
-            Some(device.during(|| chord.fitted(&identity, &table)).map_err(Failure::usage)?)
+    let sounding = match &setup {
+        Some(setup) => {
+            let snapshot = device.snapshot();
+            let chord = chord_of(setup, &table);
+            device.during(|| texture::sounding(setup, chord, &table, &snapshot)).map_err(Failure::usage)?
         }
-        _ => None,
+        None => Sounding::Drive(request.clone()),
     };
-    let gain_db = setup.as_ref().and_then(|setup| setup.chord_gain_db).filter(|_| chord.is_some());
-    let tones = sounding(&request, gain_db.unwrap_or(0.0));
-    if chord.is_none() {
+    let is_chord = matches!(sounding, Sounding::Chord(_));
+    let gain_db = setup.as_ref().and_then(|setup| setup.chord_gain_db).filter(|_| is_chord);
+    let tones = louder(&request, gain_db.unwrap_or(0.0));
+    if !is_chord {
         table.check_sum(&tones).map_err(Failure::usage)?;
     }
     let mut holder = arguments.hold.holder(&device, &plate, &table, &request)?;
@@ -54,10 +56,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         Begin::Now => Apply::Next,
         Begin::Trigger => Apply::AtTrigger,
     };
-    let at = match chord {
-        Some(chord) => device.play_chord(ChordRequest { apply, ..chord }),
-        None => device.play(DriveRequest { apply, ..request }),
-    }?;
+    let at = device.play(sounding.beginning(apply))?;
     // Before it is said that Ctrl-C ends the drive.
     let (interrupted, interruption) = channel();
     let stop = device.stopper();
@@ -156,7 +155,7 @@ fn wanted(arguments: &DriveArguments) -> Result<Wanted, Failure> {
 }
 
 /// The tones of a drive as (place in metres, level at the drive's master level), so many decibels louder.
-fn sounding(request: &DriveRequest, louder_db: f64) -> Vec<(f64, f64)> {
+fn louder(request: &DriveRequest, louder_db: f64) -> Vec<(f64, f64)> {
     let master = 10.0_f64.powf((request.master_db + louder_db) / 20.0);
     request.tones.iter().map(|tone| (tone.boundary_m, tone.level * master)).collect()
 }

@@ -12,7 +12,7 @@ use slipline_link::protocol::command::DigestWindow;
 use slipline_link::protocol::event::Digest;
 use slipline_link::protocol::frame::CRC;
 use slipline_link::protocol::limits::MAX_DIGEST_SAMPLES;
-use slipline_link::{DriveRequest, Snapshot, ToneRequest};
+use slipline_link::{DriveRequest, Snapshot, Sounding, ToneRequest};
 use slipline_plate::quantity::{Measure, Range};
 use std::sync::Arc;
 use std::time::Duration;
@@ -121,7 +121,7 @@ fn act(
                 }
             })
             .collect();
-        device.play(DriveRequest::of(tones))
+        device.play(Sounding::Drive(DriveRequest::of(tones)))
     };
     match stage {
         Stage::Start => drop(drive(0.0)?),

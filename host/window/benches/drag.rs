@@ -53,6 +53,7 @@ struct Bench {
     stage: Stage,
     /// When the last picture had been handed to the graphics.
     drawn: Rc<Cell<Instant>>,
+    _worker: Worker,
 }
 
 impl eframe::App for Bench {
@@ -172,10 +173,10 @@ fn main() -> eframe::Result {
         let waker = ctx.clone();
         let worker = Worker::spawn(move || waker.request_repaint())?;
         let handle = worker.handle();
-        let parts = Parts::threaded(ctx, Box::new(worker))?;
+        let parts = Parts::threaded(ctx, Box::new(handle.clone()))?;
         let setup = first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?;
         let app = App::new(ctx, parts, setup, Settings::default());
-        let bench = Bench { app, stage: Stage::Settling(Instant::now()), drawn };
+        let bench = Bench { app, stage: Stage::Settling(Instant::now()), drawn, _worker: worker };
         Ok((Box::new(bench) as Box<dyn eframe::App>, handle))
     };
     run_in_event_loop("Slipline drag", options, open, move || at.set(Instant::now()))

@@ -247,8 +247,8 @@ impl Instrument {
                     self.edit(&Edit::Plate(Arc::clone(&kept.plate)));
                     self.jobs.tables.cancel();
                     self.table = TableState::Ready(kept);
-                    self.predict();
-                    self.remember_lines();
+                    self.edges_m.clear();
+                    self.forget_prediction();
                 }
             }
             Some("design") => {

@@ -3,14 +3,14 @@
 
 use super::{Instrument, TableJob, TableMade, TableState};
 use crate::autopilot;
+use crate::changes::Changes;
 use crate::hold::HoldEnd;
 use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::Fault;
-use slipline_link::{ChordRequest, Outcome, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Ticket};
-use slipline_model::played::Played;
+use slipline_link::{Outcome, Played, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Sounding, Ticket};
 use slipline_model::setup::{MAX_TONES, edit};
 use slipline_model::sounding;
-use slipline_model::texture::chord_of;
+use slipline_model::texture;
 use std::sync::Arc;
 
 /// A reason as a whole sentence.
@@ -45,31 +45,24 @@ impl Instrument {
             // Nothing sounds any more, so messages about refused drives are obsolete.
             self.notices.settle();
         }
-        let told = before.last_refusal.as_ref().map(|(ticket, _)| *ticket);
-        if let Some((ticket, refusal)) = self.snapshot.last_refusal.clone()
-            && told != Some(ticket)
-            && !self.goes_by_rest(ticket, &refusal)
-            && !self.live.awaits(ticket)
-            && !self.level.awaits(ticket)
-        {
-            if self.connect_sent == Some(ticket) {
-                self.notices.miss(sentence(&refusal.to_string()));
-            } else if self.latest_drive == Some(ticket) {
-                self.notices.refuse_drive(format!("Refused: {refusal}"));
-            } else {
-                self.notices.refuse(format!("Refused: {refusal}"));
-            }
+        let changes = Changes::between(&before, &self.snapshot);
+        if let Some((ticket, refusal)) = &changes.refused {
+            self.report_refusal(*ticket, refusal);
         }
-        let stands =
-            |snapshot: &Snapshot| (snapshot.link.clone(), snapshot.status.map(|status| status.state));
-        if stands(&before) != stands(&self.snapshot) {
+        if changes.state {
             self.notices.state_changed();
         }
         self.report_remaining_faults();
-        self.report_drive_time(&before);
-        self.report_stall(&before);
+        match changes.drive_time_over {
+            Some(true) => self.report_drive_time(),
+            Some(false) => self.notices.cleared(),
+            None => {}
+        }
+        if changes.stalled {
+            self.report_stall();
+        }
         self.ask_for_table();
-        self.run_autopilot(&before);
+        self.run_autopilot(&changes);
         self.update_playback();
     }
 
@@ -78,17 +71,22 @@ impl Instrument {
         self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate))
     }
 
-    /// Tells the user that the device stopped at the end of its drive time, and what to do.
-    fn report_drive_time(&mut self, before: &Snapshot) {
-        let has = |snapshot: &Snapshot| {
-            snapshot.status.is_some_and(|status| status.faults.contains(Fault::DriveTime))
-        };
-        if !has(&self.snapshot) {
-            return self.notices.cleared();
-        }
-        if has(before) {
+    /// Tells the user what the device has refused, unless something here deals with that.
+    fn report_refusal(&mut self, ticket: Ticket, refusal: &Refusal) {
+        if self.goes_by_rest(ticket, refusal) || self.live.awaits(ticket) || self.level.awaits(ticket) {
             return;
         }
+        if self.connect_sent == Some(ticket) {
+            self.notices.miss(sentence(&refusal.to_string()));
+        } else if self.latest_drive == Some(ticket) {
+            self.notices.refuse_drive(format!("Refused: {refusal}"));
+        } else {
+            self.notices.refuse(format!("Refused: {refusal}"));
+        }
+    }
+
+    /// Tells the user that the device stopped at the end of its drive time, and what to do.
+    fn report_drive_time(&mut self) {
         let next = if autopilot::drive_clears_fault(&self.snapshot) {
             "Press Drive to go on."
         } else {
@@ -98,10 +96,7 @@ impl Instrument {
     }
 
     /// Tells the user that the link has ended the drive, because this window did not respond.
-    fn report_stall(&mut self, before: &Snapshot) {
-        if self.snapshot.driver_stalls == before.driver_stalls {
-            return;
-        }
+    fn report_stall(&mut self) {
         self.autopilot.stopped();
         let next = if self.snapshot.is_simulated() { "Press" } else { "Arm it, then press" };
         let seconds = SIGN_PATIENCE.as_secs_f64();
@@ -129,9 +124,10 @@ impl Instrument {
         }
     }
 
-    pub(crate) fn run_autopilot(&mut self, before: &Snapshot) {
+    pub(crate) fn run_autopilot(&mut self, changes: &Changes) {
         let made = self.screen_table().cloned();
-        for action in self.autopilot.update(before, &self.snapshot, made.as_deref(), self.attention.uploads) {
+        for action in self.autopilot.update(changes, &self.snapshot, made.as_deref(), self.attention.uploads)
+        {
             match action {
                 autopilot::Action::Upload(table) => {
                     self.link.send(Request::Upload(table));
@@ -168,29 +164,19 @@ impl Instrument {
         if is_current {
             self.background.keep(&table);
             self.table = table;
-            self.predict();
-            self.remember_lines();
-            let snapshot = Arc::clone(&self.snapshot);
-            self.run_autopilot(&snapshot);
+            self.edges_m.clear();
+            self.forget_prediction();
+            self.run_autopilot(&Changes::default());
             self.update_playback();
         }
     }
 
-    /// The setup's tones as a chord, if they are one that the device can play with its plate's table.
-    pub(crate) fn chord(&self) -> Option<ChordRequest> {
-        let made = self.screen_table().filter(|_| self.snapshot.can_play_chords())?;
-        chord_of(&self.setup, &made.device_table)
-    }
-
-    /// The request that plays the setup.
-    fn playing(&self) -> Request {
-        let by_sum = || Request::Drive(edit::drive(&self.setup));
-        let (Some(made), Some(identity)) = (self.screen_table(), &self.snapshot.identity) else {
-            return by_sum();
-        };
-        // A chord that the device would refuse whatever its loudness is played by the sum of its amplitudes.
-        let chord = self.chord().and_then(|chord| chord.fitted(identity, &made.device_table).ok());
-        chord.map_or_else(by_sum, Request::Chord)
+    /// What plays the setup. A chord that the device would refuse whatever its loudness is played by the sum of its amplitudes.
+    fn playing(&self) -> Sounding {
+        let chosen = self.screen_table().map(|made| {
+            texture::sounding(&self.setup, self.chord().cloned(), &made.device_table, &self.snapshot)
+        });
+        chosen.and_then(Result::ok).unwrap_or_else(|| Sounding::Drive(edit::drive(&self.setup)))
     }
 
     /// How many of the tones begin, end, or have another place than in this drive. A drag moves one.
@@ -205,12 +191,12 @@ impl Instrument {
     }
 
     pub(crate) fn send_drive(&mut self) {
-        let request = self.playing();
+        let next = self.playing();
         let sounding = sounding::sounding(&self.snapshot).map(|sounding| sounding.played);
-        let by_rest = match (&request, &sounding) {
+        let by_rest = match (&next, &sounding) {
             // A chord begins in silence; what comes then waits for what fades. A chord's tones lie in other slots than those
             // of a drive, so these would cross the plate on their way.
-            (Request::Chord(_), _) | (_, Some(Played::Chord(_) | Played::Comb(_))) => true,
+            (Sounding::Chord(_), _) | (_, Some(Played::Chord(_) | Played::Comb(_))) => true,
             // So would the tones of a texture, or of what is taken back or opened, and be too loud on the way.
             (_, Some(Played::Drive(drive))) => self.tones_moved_from(drive) > 1,
             (_, None) => false,
@@ -218,7 +204,7 @@ impl Instrument {
         if by_rest {
             self.link.send(Request::Stop);
         }
-        let ticket = self.link.send(request);
+        let ticket = self.link.send(Request::Play(next));
         self.drive_sent = Some(ticket);
         self.latest_drive = Some(ticket);
     }

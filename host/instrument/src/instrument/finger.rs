@@ -28,7 +28,7 @@ impl Instrument {
     /// Puts a finger on the plate or takes it off. It begins where the selected tone has its peak.
     pub fn touch(&mut self, touch: Touch) {
         if self.finger.touch == Touch::None {
-            let wave = self.predicted.tone(self.selected);
+            let wave = self.predicted().field.tone(self.selected);
             let peak_m = wave.map(|wave| wave.peak_position_m.unwrap_or(wave.turning_point_m));
             self.finger.place_m = peak_m.unwrap_or(0.5 * self.setup.plate.length_m());
         }
@@ -65,7 +65,7 @@ impl Instrument {
 
     /// Solves again what is predicted and what sounds.
     fn solve_touched(&mut self) {
-        self.predict();
+        self.forget_prediction();
         let finger = self.finger();
         if self.sounding_on_screen().is_some()
             && let Some(sounding) = &mut self.playback.sounding

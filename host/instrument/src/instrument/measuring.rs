@@ -6,10 +6,10 @@ use super::MeasureDraft;
 use super::rig::Rig;
 use super::shown::LiveScene;
 use super::signal::{Looks, SENSOR_INPUT};
+use super::start::Obstacle;
 use crate::hold::HoldEnd;
 use crate::measure::{
-    AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Procedure, Sensor,
-    Step, Wanted,
+    AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Run, Sensor, Wanted,
 };
 use slipline_link::{Severity, Ticket};
 use slipline_plate::Plate;
@@ -22,10 +22,8 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A measurement under way.
-struct Run {
-    measuring: AfterCheck<Measuring>,
-    /// The request whose outcome is awaited.
-    awaited: Option<Ticket>,
+struct UnderWay {
+    measuring: Run<AfterCheck<Measuring>>,
     plate: Arc<Plate>,
     name: String,
     /// The calibration's place that it is for, 0 or 1.
@@ -36,7 +34,7 @@ struct Run {
 #[derive(Default)]
 pub(crate) struct Live {
     pub(crate) draft: MeasureDraft,
-    run: Option<Run>,
+    run: Option<UnderWay>,
     /// Why the last one was none.
     failed: Option<String>,
     /// The rig of the simulated device.
@@ -77,7 +75,8 @@ impl Live {
 
     /// Whether the measurement under way deals with this request's outcome.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
-        self.run.as_ref().is_some_and(|run| run.awaited == Some(ticket)) || self.looks.awaits(ticket)
+        self.run.as_ref().is_some_and(|run| run.measuring.awaited() == Some(ticket))
+            || self.looks.awaits(ticket)
     }
 
     pub(crate) fn is_under_way(&self) -> bool {
@@ -88,8 +87,8 @@ impl Live {
 /// Why the device cannot carry a measurement out now.
 #[derive(Debug, thiserror::Error)]
 enum MeasuringRefused {
-    #[error("{0}")]
-    NoDrive(String),
+    #[error(transparent)]
+    NoDrive(#[from] Obstacle),
     #[error("This device has no input for a sensor: its board or its firmware has none.")]
     NoSensorInput,
     #[error("The device does not hold this plate's table yet: wait for it, or upload it.")]
@@ -124,15 +123,16 @@ impl Instrument {
                 let name = format!("{place}, run {}", self.live.count);
                 let plate = Arc::clone(&self.setup.plate);
                 self.note(Severity::Info, format!("Measuring at {place}."));
-                self.live.run = Some(Run { measuring, awaited: None, plate, name, answers });
+                let measuring = Run::of(measuring);
+                self.live.run = Some(UnderWay { measuring, plate, name, answers });
             }
         }
     }
 
     /// The measurement of the draft, or why the device cannot carry it out now.
     fn prepared_measuring(&self) -> Result<AfterCheck<Measuring>, MeasuringRefused> {
-        if let Some(reason) = self.obstacle_to_drive() {
-            return Err(MeasuringRefused::NoDrive(reason));
+        if let Some(obstacle) = self.obstacle() {
+            return Err(obstacle.into());
         }
         let inputs = self.snapshot.inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
         let inputs = inputs.ok_or(MeasuringRefused::NoSensorInput)?;
@@ -180,19 +180,9 @@ impl Instrument {
         if !Arc::ptr_eq(&run.plate, &self.setup.plate) {
             run.measuring.cancel();
         }
-        run.measuring.watch(&self.snapshot);
         let was_checking = run.measuring.is_checking();
-        loop {
-            let told = run.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
-            if let Some(outcome) = told {
-                run.measuring.take(outcome);
-                run.awaited = None;
-            }
-            match run.measuring.step() {
-                Step::Ask(request) => run.awaited = Some(self.link.send(request)),
-                Step::Wait => break,
-                Step::Ended => return self.measured(),
-            }
+        if !run.measuring.turn(&self.snapshot, |request| self.link.send(request)) {
+            return self.measured();
         }
         if was_checking && !run.measuring.is_checking() {
             self.note(Severity::Info, DriveCheck::On.to_string());
@@ -202,7 +192,7 @@ impl Instrument {
 
     /// Takes what was measured, or tells why nothing was.
     fn measured(&mut self) {
-        let Some(Run { measuring, name, answers, .. }) = self.live.run.take() else { return };
+        let Some(UnderWay { measuring, name, answers, .. }) = self.live.run.take() else { return };
         match measuring.finish() {
             Ok(measured) => self.take_measured(&name, measured, answers),
             Err(MeasureError::Cancelled) => self.notices.tell("The measurement was cancelled.".to_owned()),

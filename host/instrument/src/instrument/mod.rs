@@ -22,6 +22,7 @@ mod measuring;
 mod notices;
 mod opened;
 mod playback;
+mod prediction;
 mod reading;
 mod replay;
 mod rig;
@@ -51,13 +52,10 @@ use crate::bench::Bench;
 use notices::Notices;
 use playback::Playback;
 use slipline_link::{Request, Severity, Snapshot, Ticket};
-use slipline_model::field::felt::Felt;
-use slipline_model::field::line::Line;
-use slipline_model::field::steady_field::SteadyField;
 use slipline_model::jobs::table::{TableJob, TableMade, TableState};
+use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Compare;
 use slipline_model::setup::undo::History;
-use slipline_model::setup::{MAX_TONES, Setup};
 use slipline_model::texture::WishDraft;
 use slipline_plate::Plate;
 use std::sync::Arc;
@@ -95,16 +93,9 @@ pub struct Instrument {
     table: TableState,
     /// The plate and rate of the latest table request.
     table_asked: Option<(Arc<Plate>, u32)>,
-    /// The field that the setup would produce on its plate.
-    predicted: SteadyField,
-    /// What is felt of that field without a finger; `None` while its height is not known.
-    felt: Option<Felt>,
-    /// The boundary line of each tone, in their order.
-    lines: Vec<Line>,
-    /// The places that the line of the selected tone can have, in metres; `None` until they are asked for.
-    limits_m: Option<(u8, (f64, f64))>,
-    /// Where the user has put the felt edge of each slot's tone, in metres: it stays there when a level changes.
-    wanted_m: [Option<f64>; MAX_TONES],
+    prediction: prediction::Prediction,
+    /// The felt edges, by slot and in metres, that the lines hold since the latest change that moved one.
+    edges_m: Vec<(u8, f64)>,
     finger: finger::OnPlate,
     playback: Playback,
     background: background::Work,
@@ -122,7 +113,7 @@ impl Instrument {
     pub fn new(link: Box<dyn Link>, jobs: Jobs, bench: Bench, setup: Setup) -> Self {
         let selected = setup.tones.first().map_or(0, |tone| tone.slot);
         let textures = texture::Textures::of(&setup.plate);
-        let mut instrument = Self {
+        Self {
             link,
             jobs,
             bench,
@@ -145,11 +136,8 @@ impl Instrument {
             snapshot: Arc::default(),
             table: TableState::Waiting,
             table_asked: None,
-            predicted: SteadyField::default(),
-            felt: None,
-            lines: Vec::new(),
-            limits_m: None,
-            wanted_m: [None; MAX_TONES],
+            prediction: prediction::Prediction::default(),
+            edges_m: Vec::new(),
             finger: finger::OnPlate::default(),
             playback: Playback::default(),
             background: background::Work::default(),
@@ -158,10 +146,7 @@ impl Instrument {
             live: measuring::Live::default(),
             level: level_hold::LevelHold::default(),
             notices: Notices::default(),
-        };
-        instrument.predict();
-        instrument.remember_lines();
-        instrument
+        }
     }
 
     /// Takes what the shell shows and the user holds now.
@@ -286,8 +271,8 @@ impl Instrument {
     }
 
     /// What it shows.
-    pub fn shown(&mut self) -> Shown<'_> {
-        let limits_m = self.limits_m();
+    pub fn shown(&self) -> Shown<'_> {
+        let prediction::Predicted { field, felt, lines } = self.predicted();
         let now = self.snapshot.status.map_or(0, |status| status.now);
         Shown {
             setup: &self.setup,
@@ -297,10 +282,10 @@ impl Instrument {
             finger: self.finger(),
             trace: &self.finger.trace,
             drive_wanted: self.autopilot.wants_drive(),
-            predicted: &self.predicted,
-            felt: self.felt.as_ref(),
-            lines: &self.lines,
-            limits_m,
+            predicted: field,
+            felt: felt.as_ref(),
+            lines,
+            limits_m: self.limits_m(),
             sounding: self.sounding_on_screen(),
             full_peak_m: self.full_peak_m(),
             drive_table: self.drive_table(),
@@ -323,3 +308,6 @@ impl Instrument {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,6 @@
 
 use super::{Background, Instrument, Notice, Recorder};
 use slipline_link::Snapshot;
-use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::touch::Trace;
 use slipline_model::jobs::table::TableState;
 use slipline_model::setup::Setup;
@@ -56,12 +55,6 @@ impl Instrument {
     #[must_use]
     pub fn background(&self) -> &Background {
         &self.background.shown
-    }
-
-    /// The field that the setup would produce on its plate.
-    #[must_use]
-    pub fn predicted(&self) -> &SteadyField {
-        &self.predicted
     }
 
     /// Whether a drive sounds.

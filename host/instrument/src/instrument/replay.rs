@@ -3,6 +3,7 @@
 
 use super::Instrument;
 use crate::recording::Recording;
+use slipline_model::setup::undo::{Gesture, Source};
 use std::time::Duration;
 
 /// Time between two moves of a replay.
@@ -17,6 +18,8 @@ pub struct Recorder {
     /// While it records: the time of the first move, once there is one.
     begun: Option<Option<f64>>,
     playing: Option<Playing>,
+    /// Replays so far: each is a gesture.
+    plays: u64,
     /// Whether the replay begins again at its end.
     pub is_looped: bool,
 }
@@ -66,6 +69,7 @@ impl Instrument {
     /// Begins the replay, or ends it.
     pub fn play(&mut self, plays: bool) {
         self.recorder.begun = None;
+        self.recorder.plays += 1;
         let has_moves = !self.recorder.recording.moves().is_empty();
         self.recorder.playing =
             (plays && has_moves).then_some(Playing { done_s: -1.0, last_s: None, has_driven: false });
@@ -83,10 +87,9 @@ impl Instrument {
     }
 
     /// Records that the user has moved a line.
-    pub(crate) fn note_move(&mut self, now_s: f64, slot: u8) {
-        let Some(place_m) = self.line(slot).map(|line| line.place_m) else { return };
+    pub(crate) fn note_move(&mut self, slot: u8, place_m: f64) {
         let Some(begun_s) = &mut self.recorder.begun else { return };
-        if !self.recorder.recording.push(now_s, begun_s, slot, place_m) {
+        if !self.recorder.recording.push(self.attention.now_s, begun_s, slot, place_m) {
             self.recorder.begun = None;
             self.fail("The recording is full: it is kept up to here.".to_owned());
         }
@@ -96,6 +99,7 @@ impl Instrument {
     pub(crate) fn replay(&mut self) {
         let now_s = self.attention.now_s;
         let is_driven = self.autopilot.wants_drive();
+        let gesture = Gesture { source: Source::Recording, number: self.recorder.plays };
         let Recorder { recording, playing, is_looped, .. } = &mut self.recorder;
         let Some(play) = playing else { return };
         if play.has_driven && !is_driven {
@@ -117,7 +121,9 @@ impl Instrument {
             }
         }
         for step in due {
-            self.move_line(step.slot, step.place_m);
+            if let Some(edit) = self.line_move(step.slot, step.place_m) {
+                self.edit_by(gesture, &edit);
+            }
         }
         self.wake_after(STEP);
     }

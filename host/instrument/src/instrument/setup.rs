@@ -2,18 +2,23 @@
 //! driven.
 
 use super::Instrument;
-use slipline_model::field::felt::Felt;
-use slipline_model::field::line::{self, Holds, Line};
-use slipline_model::field::steady_field::{SteadyField, steady_tones};
+use slipline_model::field::line::{self, Line};
+use slipline_model::setup::Setup;
 use slipline_model::setup::edit::{self, Edit};
-use slipline_model::setup::{MAX_TONES, Setup};
+use slipline_model::setup::undo::{Gesture, Source};
 use slipline_plate::DriveTable;
 use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
 
 impl Instrument {
-    /// Applies a change, records it for undo, and sends it at once if the plate is driven.
+    /// Applies a change of the user's, records it for undo, and sends it at once if the plate is driven.
     pub fn edit(&mut self, edit: &Edit) {
+        self.edit_by(Gesture { source: Source::User, number: self.gesture }, edit);
+    }
+
+    /// Applies a change of any source's: the newest counts. It is sent only while the user has the plate driven, so no source
+    /// but the user arms a device or goes on after a stop.
+    pub fn edit_by(&mut self, gesture: Gesture, edit: &Edit) {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
             Ok(mut next) => {
@@ -27,38 +32,46 @@ impl Instrument {
                     }
                 }
                 // What these change moves the felt edges; the lines hold them.
-                let wanted_m = self.wanted_m;
-                let are_held = matches!(
-                    edit,
-                    Edit::Level { .. } | Edit::Master(_) | Edit::Feeling(_) | Edit::Add { .. }
-                );
-                if are_held {
-                    next = line::held(next, |slot| wanted_m.get(usize::from(slot)).copied().flatten(), table);
+                let mut edges_m = Vec::new();
+                if matches!(edit, Edit::Level { .. } | Edit::Master(_) | Edit::Feeling(_) | Edit::Add { .. })
+                {
+                    let slots = self.setup.tones.iter().map(|tone| tone.slot);
+                    edges_m = slots.filter_map(|slot| Some((slot, self.edge_m(slot)?))).collect();
+                    next = line::held(next, &edges_m, table);
                 }
-                self.history.note(&self.setup, edit, self.gesture);
+                self.history.note(&self.setup, &next, edit, gesture);
                 self.take(next);
-                if are_held {
-                    for (now_m, before_m) in self.wanted_m.iter_mut().zip(wanted_m) {
-                        *now_m = before_m.or(*now_m);
-                    }
-                }
+                self.edges_m = edges_m;
             }
             Err(error) => self.fail(error.to_string()),
         }
     }
 
-    /// Moves the line of the tone in a slot as the user's hand does: a recording takes the move.
-    pub fn drag_line(&mut self, slot: u8, place_m: f64) {
-        self.move_line(slot, place_m);
-        self.note_move(self.attention.now_s, slot);
+    /// Moves the line of the tone in a slot as the user's hand does, by way of these places in metres: a recording takes all of
+    /// them, the plate the last.
+    pub fn drag_line(&mut self, slot: u8, places_m: &[f64]) {
+        let Some((&last_m, earlier_m)) = places_m.split_last() else { return };
+        if let Some(tone) = self.setup.tone(slot).filter(|_| self.recorder.is_recording()) {
+            let (low_m, high_m) = line::limits_m(&self.setup, tone, self.drive_table());
+            for place_m in earlier_m.iter().filter(|place_m| place_m.is_finite()) {
+                self.note_move(slot, place_m.max(low_m).min(high_m));
+            }
+        }
+        if let Some(edit) = self.line_move(slot, last_m) {
+            self.edit(&edit);
+        }
+        if self.recorder.is_recording()
+            && let Some(line) = self.line(slot)
+        {
+            self.note_move(slot, line.place_m);
+        }
     }
 
-    /// Moves the line of the tone in a slot to a place in metres, or as near to it as it can be.
-    pub(crate) fn move_line(&mut self, slot: u8, place_m: f64) {
-        if let Some(tone) = self.setup.tone(slot).filter(|_| place_m.is_finite()) {
-            let position_m = line::turning_point_m(&self.setup, tone, self.drive_table(), place_m);
-            self.edit(&Edit::Move { slot, position_m });
-        }
+    /// What moves the line of the tone in a slot to a place in metres, or as near to it as it can be.
+    pub(crate) fn line_move(&self, slot: u8, place_m: f64) -> Option<Edit> {
+        let tone = self.setup.tone(slot).filter(|_| place_m.is_finite())?;
+        let position_m = line::turning_point_m(&self.setup, tone, self.drive_table(), place_m);
+        Some(Edit::Move { slot, position_m })
     }
 
     /// Takes the setup of an undo or redo of the change with this name.
@@ -76,6 +89,8 @@ impl Instrument {
         let is_felt_anew = self.setup.feeling != next.feeling;
         let added = next.tones.iter().find(|tone| self.setup.tone(tone.slot).is_none()).map(|tone| tone.slot);
         self.setup = next;
+        self.edges_m.clear();
+        self.forget_prediction();
         if let Some(slot) = added {
             self.selected = slot;
         } else if self.setup.tone(self.selected).is_none() {
@@ -90,68 +105,9 @@ impl Instrument {
         } else if self.autopilot.may_drive(&self.snapshot) {
             self.send_drive();
         }
-        self.predict();
-        self.remember_lines();
         if is_felt_anew {
             self.playback.feel(&self.setup.feeling);
         }
-    }
-
-    /// The felt edges that the lines show now are where the user wants them.
-    pub(crate) fn remember_lines(&mut self) {
-        self.wanted_m = [None; MAX_TONES];
-        for line in self.lines.iter().filter(|line| line.holds == Holds::FeltEdge) {
-            if let Some(wanted_m) = self.wanted_m.get_mut(usize::from(line.slot)) {
-                *wanted_m = Some(line.place_m);
-            }
-        }
-    }
-
-    /// The line of the tone in a slot.
-    pub fn line(&self, slot: u8) -> Option<&Line> {
-        self.lines.iter().find(|line| line.slot == slot)
-    }
-
-    /// The places that the line of the selected tone can have, in metres.
-    pub(crate) fn limits_m(&mut self) -> (f64, f64) {
-        if let Some((slot, limits_m)) = self.limits_m
-            && slot == self.selected
-        {
-            return limits_m;
-        }
-        let Some(tone) = self.setup.tone(self.selected) else { return self.setup.plate.span_m() };
-        let limits_m = line::limits_m(&self.setup, tone, self.drive_table());
-        self.limits_m = Some((self.selected, limits_m));
-        limits_m
-    }
-
-    /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
-    pub fn full_peak_m(&self) -> Option<f64> {
-        self.drive_table().map(|table| table.peak_at_full_scale_m)
-    }
-
-    /// The table of the setup's plate, once it is finished.
-    pub(crate) fn drive_table(&self) -> Option<&DriveTable> {
-        self.screen_table().map(|made| &made.drive_table)
-    }
-
-    /// Predicts the field of the setup, what is felt of it, and where its lines are.
-    pub(crate) fn predict(&mut self) {
-        let plate = &self.setup.plate;
-        let table = self.drive_table();
-        let tones = match self.chord() {
-            Some(_) => steady_tones(&self.setup, table),
-            None => steady_tones(&self.setup.without_chord(), table),
-        };
-        let alone = SteadyField::solve(plate, &tones);
-        let known = table.map(|_| &alone);
-        self.lines = line::lines(&self.setup, known);
-        self.felt = known.map(|known| Felt::of(plate, &self.setup.feeling, known));
-        self.limits_m = None;
-        self.predicted = match self.finger() {
-            None => alone,
-            Some(finger) => SteadyField::solve_touched(plate, &tones, Some(&finger)),
-        };
     }
 }
 

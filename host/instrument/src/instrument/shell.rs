@@ -14,7 +14,7 @@ pub trait Link {
 }
 
 #[cfg(feature = "native")]
-impl Link for slipline_link::native::Worker {
+impl Link for slipline_link::native::Handle {
     fn send(&self, request: Request) -> Ticket {
         Self::send(self, request)
     }

@@ -3,26 +3,52 @@
 use super::Instrument;
 use super::{Output, Page};
 use crate::autopilot;
-use slipline_link::protocol::event::State;
+use crate::changes::Changes;
+use slipline_link::protocol::event::{Faults, State};
+use slipline_link::protocol::version::Compatibility;
 use slipline_link::{LinkError, LinkState, Request};
 use slipline_model::jobs::table::TableState;
-use std::sync::Arc;
 
 /// The explanation of safe mode, and what helps.
 pub const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
     Take its power away and connect it again; if it comes back like this, flash its firmware.";
 
-/// Why Drive cannot act.
-struct Obstacle {
-    text: String,
-    /// The page that helps, if there is one.
-    page: Option<Page>,
-}
-
-impl From<&str> for Obstacle {
-    fn from(text: &str) -> Self {
-        Self { text: text.to_owned(), page: None }
-    }
+/// Why Drive cannot act, and what helps.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum Obstacle {
+    #[error("No device is connected: press Connect first.")]
+    NotConnected,
+    #[error("The device has not answered yet: press Drive once it has.")]
+    Connecting,
+    #[error("The link itself has failed: close Slipline and start it again.")]
+    LinkFailed,
+    #[error("The device is lost: press Reconnect first.")]
+    Lost,
+    #[error(
+        "The port {0} is not there yet: plug the device in or choose another port, \
+             and press Drive once it is connected."
+    )]
+    NoPort(String),
+    #[error("The device is lost and looked for: press Drive once it is back.")]
+    Reconnecting,
+    #[error("{}", .0.sentence())]
+    OtherVersion(Compatibility),
+    #[error("The device has not told its state yet: press Drive once it has.")]
+    NoState,
+    #[error("The device is muted: arm it first, then press Drive.")]
+    Muted,
+    #[error("The device has stopped: {0}. Press Clear fault first.")]
+    Fault(Faults),
+    #[error("{SAFE_MODE}")]
+    SafeMode,
+    #[error("The plate has no table, so it cannot be driven: {0}")]
+    NoTable(String),
+    #[error("The making of the plate's table was given up: press Make the table first.")]
+    TableGivenUp,
+    #[error("The device holds no table, and the plate's is not made yet: wait, then upload it.")]
+    TableUnfinished,
+    #[error("The device holds no table: press \"table differs: upload\" first.")]
+    TableNotSent,
 }
 
 impl Instrument {
@@ -32,10 +58,10 @@ impl Instrument {
             let text = "The plate is being measured: cancel that or press STOP first.";
             return self.notices.hinder(text.to_owned());
         }
-        if let Some(Obstacle { text, page }) = self.obstacle() {
-            self.notices.hinder(text);
-            if let Some(page) = page.filter(|_| !self.attention.has_page) {
-                self.outputs.push(Output::Open(page));
+        if let Some(obstacle) = self.obstacle() {
+            self.notices.hinder(obstacle.to_string());
+            if obstacle == Obstacle::Muted && !self.attention.has_page {
+                self.outputs.push(Output::Open(Page::Arm));
             }
             return;
         }
@@ -49,8 +75,7 @@ impl Instrument {
             let text = "The plate is driven as soon as the device holds its table.";
             self.notices.tell(text.to_owned());
         }
-        let snapshot = Arc::clone(&self.snapshot);
-        self.run_autopilot(&snapshot);
+        self.run_autopilot(&Changes::default());
     }
 
     /// Clears a harmless fault and arms a simulated device.
@@ -63,11 +88,6 @@ impl Instrument {
         }
     }
 
-    /// Why the plate cannot be driven now, if there is something that does not disappear by itself.
-    pub(crate) fn obstacle_to_drive(&self) -> Option<String> {
-        self.obstacle().map(|obstacle| obstacle.text)
-    }
-
     /// Whether the device holds the table of the plate on the screen.
     pub(crate) fn is_table_there(&self) -> bool {
         let on_device = self.snapshot.table.active.map(|header| header.crc);
@@ -75,45 +95,29 @@ impl Instrument {
     }
 
     /// The obstacle that prevents driving and does not disappear by itself, if there is one.
-    fn obstacle(&self) -> Option<Obstacle> {
+    pub(crate) fn obstacle(&self) -> Option<Obstacle> {
         let snapshot = &self.snapshot;
         match &snapshot.link {
             LinkState::Connected => {}
-            LinkState::Disconnected => return Some("No device is connected: press Connect first.".into()),
-            LinkState::Connecting => {
-                return Some("The device has not answered yet: press Drive once it has.".into());
-            }
-            LinkState::Lost(LinkError::Crashed) => {
-                return Some("The link itself has failed: close Slipline and start it again.".into());
-            }
-            LinkState::Lost(_) => return Some("The device is lost: press Reconnect first.".into()),
+            LinkState::Disconnected => return Some(Obstacle::NotConnected),
+            LinkState::Connecting => return Some(Obstacle::Connecting),
+            LinkState::Lost(LinkError::Crashed) => return Some(Obstacle::LinkFailed),
+            LinkState::Lost(_) => return Some(Obstacle::Lost),
             LinkState::Reconnecting(LinkError::NoSuchPort(port)) => {
-                let text = format!(
-                    "The port {port} is not there yet: plug the device in or choose another port, \
-                     and press Drive once it is connected."
-                );
-                return Some(Obstacle { text, page: None });
+                return Some(Obstacle::NoPort(port.to_string()));
             }
-            LinkState::Reconnecting(_) => {
-                return Some("The device is lost and looked for: press Drive once it is back.".into());
-            }
+            LinkState::Reconnecting(_) => return Some(Obstacle::Reconnecting),
         }
         if let Some(mismatch) = snapshot.compatibility.filter(|compatibility| !compatibility.may_drive()) {
-            return Some(mismatch.sentence().into());
+            return Some(Obstacle::OtherVersion(mismatch));
         }
-        let Some(status) = snapshot.status else {
-            return Some("The device has not told its state yet: press Drive once it has.".into());
-        };
+        let Some(status) = snapshot.status else { return Some(Obstacle::NoState) };
         match status.state {
-            State::Idle if !autopilot::drive_arms(snapshot) => {
-                let text = "The device is muted: arm it first, then press Drive.".to_owned();
-                return Some(Obstacle { text, page: Some(Page::Arm) });
-            }
+            State::Idle if !autopilot::drive_arms(snapshot) => return Some(Obstacle::Muted),
             State::Fault if !autopilot::drive_clears_fault(snapshot) => {
-                let text = format!("The device has stopped: {}. Press Clear fault first.", status.faults);
-                return Some(Obstacle { text, page: None });
+                return Some(Obstacle::Fault(status.faults));
             }
-            State::SafeMode => return Some(SAFE_MODE.into()),
+            State::SafeMode => return Some(Obstacle::SafeMode),
             State::Idle | State::Armed | State::Waiting | State::Driving | State::Stopping | State::Fault => {
             }
         }
@@ -127,20 +131,11 @@ impl Instrument {
         let may_go_on = !is_simulated && self.snapshot.table.active.is_some();
         match &self.table {
             _ if may_go_on || is_coming || self.is_table_there() => None,
-            TableState::Failed(reason) => {
-                let text = format!("The plate has no table, so it cannot be driven: {reason}");
-                Some(Obstacle { text, page: None })
-            }
-            TableState::Cancelled => {
-                Some("The making of the plate's table was given up: press Make the table first.".into())
-            }
+            TableState::Failed(reason) => Some(Obstacle::NoTable(reason.to_string())),
+            TableState::Cancelled => Some(Obstacle::TableGivenUp),
             TableState::Waiting | TableState::Making | TableState::Ready(_) if is_simulated => None,
-            TableState::Waiting | TableState::Making => Some(
-                "The device holds no table, and the plate's is not made yet: wait, then upload it.".into(),
-            ),
-            TableState::Ready(_) => {
-                Some("The device holds no table: press \"table differs: upload\" first.".into())
-            }
+            TableState::Waiting | TableState::Making => Some(Obstacle::TableUnfinished),
+            TableState::Ready(_) => Some(Obstacle::TableNotSent),
         }
     }
 }

@@ -29,6 +29,11 @@ impl Instrument {
             self.end_drive(Request::EmergencyStop);
             return;
         }
+        self.stop();
+    }
+
+    /// Stops the drive, whoever asks for it, and disarms a real device: only the user's Drive goes on.
+    pub fn stop(&mut self) {
         self.end_drive(Request::Stop);
         // The simulated device stays armed: nothing real moves, and it is armed again without being asked. A device of
         // another version takes no command but the stop.

@@ -5,13 +5,14 @@
 //!                                                    \-> DriveCheck: on, open, shorted, no amplifier, another drive
 //! ```
 
-use super::answers::{Measured, Sensor};
+use super::answers::Sensor;
+use super::dialogue::Dialogue;
 use super::error::MeasureError;
 use super::measuring::Measuring;
 use super::plan::Plan;
-use super::procedure::{Procedure, Step};
+use super::procedure::Procedure;
+use slipline_link::DeviceTable;
 use slipline_link::protocol::listen::InputsReport;
-use slipline_link::{DeviceTable, Outcome, Snapshot};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, Measurement, SensorKind, check_drive};
 use std::sync::Arc;
@@ -76,21 +77,17 @@ pub struct CheckedDrive {
     pub level: f64,
 }
 
-/// The check of a drive under way.
+/// The check of a drive.
 pub struct DriveChecking {
     plate: Plate,
     drive: KnownDrive,
     table: Arc<DeviceTable>,
     inputs: InputsReport,
     rate_hz: f64,
-    effort: Effort,
-    /// Nothing once it has ended.
-    measuring: Option<Measuring>,
-    ended: Option<Result<CheckedDrive, MeasureError>>,
 }
 
 impl DriveChecking {
-    /// A check that begins with the next step. The device must be armed and hold `table`, that of `plate`; it has told `inputs`.
+    /// A check with a device that must be armed and hold `table`, that of `plate`; it has told `inputs`.
     ///
     /// # Errors
     /// [`MeasureError::NoInputs`] if it has no input for the current.
@@ -101,88 +98,41 @@ impl DriveChecking {
         rate_hz: f64,
         inputs: &InputsReport,
     ) -> Result<Self, MeasureError> {
-        let mut checking = Self {
-            plate: plate.clone(),
-            drive,
-            table,
-            inputs: *inputs,
-            rate_hz,
-            effort: Effort::FIRST,
-            measuring: None,
-            ended: None,
-        };
-        checking.begin(Effort::FIRST)?;
+        let checking = Self { plate: plate.clone(), drive, table, inputs: *inputs, rate_hz };
+        checking.measuring(Effort::FIRST)?;
         Ok(checking)
     }
 
-    /// Begins to measure.
-    fn begin(&mut self, effort: Effort) -> Result<(), MeasureError> {
-        let lock_ins = self.inputs.lock_ins.into();
-        let load = &self.drive.circuit.load;
+    /// The measurement of the current.
+    fn measuring(&self, effort: Effort) -> Result<Measuring, MeasureError> {
+        let (load, lock_ins) = (&self.drive.circuit.load, self.inputs.lock_ins.into());
         let plan = Plan::of_drive(&self.plate, load, self.rate_hz, lock_ins, effort.level, effort.window_s)?;
-        self.effort = effort;
-        self.measuring = Some(Measuring::new(plan, self.table.clone(), current_sensor(), &self.inputs)?);
-        Ok(())
-    }
-
-    /// Judges what was measured, or begins anew with more effort.
-    fn judge(
-        &mut self,
-        measured: Result<Measured, MeasureError>,
-    ) -> Result<Option<CheckedDrive>, MeasureError> {
-        let current =
-            Measurement { unit_per_response: Some(self.drive.full_scale_a), ..measured?.measurement };
-        let check = check_drive(&self.plate, &self.drive.circuit, &current)?;
-        if let DriveCheck::TooQuiet { louder_db } = check
-            && let Some(effort) = self.effort.more(louder_db)
-        {
-            self.begin(effort)?;
-            return Ok(None);
-        }
-        Ok(Some(CheckedDrive { check, current, level: self.effort.level }))
+        Measuring::new(plan, Arc::clone(&self.table), current_sensor(), &self.inputs)
     }
 }
 
 impl Procedure for DriveChecking {
+    type Heard = CheckedDrive;
     type Found = CheckedDrive;
 
-    fn step(&mut self) -> Step {
+    async fn carry_out(self, dialogue: Dialogue) -> Result<CheckedDrive, MeasureError> {
+        let mut effort = Effort::FIRST;
         loop {
-            let Some(measuring) = &mut self.measuring else { return Step::Ended };
-            match measuring.step() {
-                Step::Ended => {
-                    if let Some(measuring) = self.measuring.take() {
-                        self.ended = self.judge(measuring.finish()).transpose();
-                    }
-                }
-                step @ (Step::Ask(_) | Step::Wait) => return step,
+            let measured = self.measuring(effort)?.carry_out(dialogue.clone()).await?;
+            let current =
+                Measurement { unit_per_response: Some(self.drive.full_scale_a), ..measured.measurement };
+            let check = check_drive(&self.plate, &self.drive.circuit, &current)?;
+            if let DriveCheck::TooQuiet { louder_db } = check
+                && let Some(more) = effort.more(louder_db)
+            {
+                effort = more;
+            } else {
+                return Ok(CheckedDrive { check, current, level: effort.level });
             }
         }
     }
 
-    fn take(&mut self, outcome: &Outcome) {
-        if let Some(measuring) = &mut self.measuring {
-            measuring.take(outcome);
-        }
-    }
-
-    fn watch(&mut self, snapshot: &Snapshot) {
-        if let Some(measuring) = &mut self.measuring {
-            measuring.watch(snapshot);
-        }
-    }
-
-    fn cancel(&mut self) {
-        if let Some(measuring) = &mut self.measuring {
-            measuring.cancel();
-        }
-    }
-
-    fn progress(&self, now: u64) -> f64 {
-        self.measuring.as_ref().map_or(1.0, |measuring| measuring.progress(now))
-    }
-
-    fn finish(self) -> Result<CheckedDrive, MeasureError> {
-        self.ended.unwrap_or(Err(MeasureError::Cancelled))
+    fn found(checked: CheckedDrive) -> Result<CheckedDrive, MeasureError> {
+        Ok(checked)
     }
 }

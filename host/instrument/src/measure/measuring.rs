@@ -1,66 +1,42 @@
-//! The steps of a measurement, without a clock and without a port: it asks for requests and takes their outcomes.
+//! The steps of a measurement, without a clock and without a port.
 //!
 //! ```text
 //! stop -> comb, silent (-96 dB) -> window: the noise
 //!      -> stop -> comb -> settle -> window -> stop -> next comb ... -> stop
 //! ```
-//! A window that lost samples is measured again. Whatever goes wrong, the last request is a stop.
+//! A window that lost samples is measured again.
 
 use super::answers::{Measured, Sensor, Window};
+use super::dialogue::Dialogue;
 use super::error::MeasureError;
 use super::loudness::{self, Tone};
 use super::plan::{Comb, Plan};
-use super::procedure::{self, Procedure, Step};
+use super::procedure::Procedure;
+use super::setback::{Tries, is_late};
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{
-    CombRequest, CombToneRequest, DeviceTable, ListenRequest, Listened, Outcome, Refusal, Request, Snapshot,
-    WindowShape,
+    CombRequest, DeviceTable, HarmonicRequest, ListenRequest, Outcome, Request, Sounding, WindowShape,
 };
 use slipline_plate::Complex64;
 use std::sync::Arc;
 
 /// The master level of a comb that is not heard: its amplitude is far below a code, and its phases run.
 const SILENT_DB: f64 = -96.0;
-/// How often a comb is tried.
-const TRIES: u32 = 4;
-/// Where a measurement stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Stage {
-    /// Whatever sounds is stopped.
-    Silence,
-    /// A comb begins; the first one is silent.
-    Begin,
-    /// It is measured, from this sample on.
-    Listen {
-        from: u64,
-    },
-    /// The last stop.
-    Ending,
-    Ended,
-}
 
-/// A measurement under way.
+/// A measurement.
 pub struct Measuring {
     plan: Plan,
     table: Arc<DeviceTable>,
     sensor: Sensor,
     lag_s: f64,
-    stage: Stage,
-    is_asked: bool,
-    /// Whether the window's beginning had passed when it was asked for: a host that asks slowly measures from now on.
-    is_late: bool,
-    /// The tones of the comb under way.
-    tones: Vec<Tone>,
     /// What the travel leaves of the level.
     scale: f64,
-    tries: u32,
     quiet: Option<Window>,
     windows: Vec<Window>,
-    error: Option<MeasureError>,
 }
 
 impl Measuring {
-    /// A measurement that begins with the next step. The device must be armed and hold `table`; it has told `inputs`.
+    /// A measurement with a device that must be armed and hold `table`; it has told `inputs`.
     ///
     /// # Errors
     /// [`MeasureError::NoInputs`] if it has not as many inputs.
@@ -71,179 +47,96 @@ impl Measuring {
         inputs: &InputsReport,
     ) -> Result<Self, MeasureError> {
         let lag_s = sensor.lag_s(inputs, plan.rate_hz)?;
-        Ok(Self {
-            plan,
-            table,
-            sensor,
-            lag_s,
-            stage: Stage::Silence,
-            is_asked: false,
-            is_late: false,
-            tones: Vec::new(),
-            scale: 1.0,
-            tries: 0,
-            quiet: None,
-            windows: Vec::new(),
-            error: None,
-        })
+        Ok(Self { plan, table, sensor, lag_s, scale: 1.0, quiet: None, windows: Vec::new() })
     }
 
-    /// The comb under way; the silent one is the first.
-    fn comb(&self) -> Option<&Comb> {
-        self.plan.combs.get(self.windows.len())
-    }
-
-    /// Samples from the beginning of a comb to its window.
-    fn until_window(&self) -> u64 {
-        let Some(comb) = self.comb() else { return 0 };
-        let rise = self.plan.rise_samples(comb);
+    /// Measures with a comb: the noise first, with the first one, silent.
+    async fn window(&mut self, dialogue: &Dialogue, comb: &Comb) -> Result<Window, MeasureError> {
+        let combs = self.plan.combs.iter().take(self.windows.len());
+        let done: u64 = combs.map(|comb| self.plan.samples_of(comb)).sum();
+        let done = done + self.quiet.as_ref().map_or(0, |_| self.plan.quiet_samples());
         // Silence need not settle.
-        if self.quiet.is_none() { rise } else { rise + comb.settle_samples }
+        let settle = self.quiet.as_ref().map_or(0, |_| comb.settle_samples);
+        let until_window = self.plan.rise_samples(comb) + settle;
+        let mut tries = Tries::default();
+        loop {
+            dialogue.mark(done, self.plan.samples(), None);
+            dialogue.stop().await?;
+            let (tones, at) = loop {
+                let level = self.plan.level * self.scale;
+                let tones = loudness::tones(comb, &self.table, self.plan.rate_hz, level);
+                match dialogue.ask(self.sound(comb, &tones)).await {
+                    Outcome::Done { at } => break (tones, at),
+                    other => self.scale *= tries.quieter(&other)?,
+                }
+            };
+            let running = (at, until_window + comb.window_samples());
+            dialogue.mark(done, self.plan.samples(), Some(running));
+            let mut heard = dialogue.ask(self.listen(comb, Some(at + until_window))).await;
+            if is_late(&heard) {
+                // All tones had settled at that sample, so they have now.
+                heard = dialogue.ask(self.listen(comb, None)).await;
+            }
+            let Outcome::Listened(listened) = &heard else {
+                tries.lost(&heard)?;
+                continue;
+            };
+            let answers = listened.answers.iter().take(tones.len()).flatten();
+            let answers: Vec<Complex64> = answers.map(|&(re, im)| Complex64::new(re, im)).collect();
+            if answers.len() < tones.len() {
+                return Err(MeasureError::Stopped);
+            }
+            let span = (listened.lowest, listened.highest);
+            return Ok(Window { tones, answers, samples: comb.window_samples(), span });
+        }
     }
 
-    fn listened(&mut self, listened: &Listened) {
-        let Some(comb) = self.comb() else { return };
-        let answers: Vec<Complex64> = listened
-            .answers
-            .iter()
-            .take(self.tones.len())
-            .flatten()
-            .map(|&(re, im)| Complex64::new(re, im))
-            .collect();
-        if answers.len() < self.tones.len() {
-            self.fail(MeasureError::Stopped);
-            return;
-        }
-        let window = Window {
-            tones: self.tones.clone(),
-            answers,
-            samples: comb.window_samples(),
-            span: (listened.lowest, listened.highest),
-        };
-        match &self.quiet {
-            None => self.quiet = Some(window),
-            Some(_) => self.windows.push(window),
-        }
-        self.tries = 0;
-        self.stage = Stage::Silence;
+    fn sound(&self, comb: &Comb, tones: &[Tone]) -> Request {
+        let tones = comb.harmonics.iter().zip(tones).map(|(&harmonic, tone)| HarmonicRequest {
+            harmonic,
+            level: tone.level,
+            phase_turns: tone.phase_turns,
+        });
+        Request::Play(Sounding::Comb(CombRequest {
+            master_db: if self.quiet.is_none() { SILENT_DB } else { 0.0 },
+            glide_s: comb.rise_s,
+            ..CombRequest::of(comb.period_blocks, tones.collect())
+        }))
     }
 
-    fn fail(&mut self, error: MeasureError) {
-        self.error.get_or_insert(error);
-        self.stage = Stage::Ending;
-        self.is_asked = false;
+    /// A window from a sample on; without one from now on.
+    fn listen(&self, comb: &Comb, from: Option<u64>) -> Request {
+        Request::Listen(ListenRequest {
+            from,
+            blocks: comb.period_blocks,
+            shape: WindowShape::Rectangular,
+            // As many bits as tones, 16 at most.
+            slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
+            input: self.sensor.input,
+        })
     }
 }
 
 impl Procedure for Measuring {
+    type Heard = Measured;
     type Found = Measured;
 
-    fn step(&mut self) -> Step {
-        if self.stage == Stage::Ended {
-            return Step::Ended;
-        }
-        if std::mem::replace(&mut self.is_asked, true) {
-            return Step::Wait;
-        }
-        let Some(comb) = self.comb().cloned() else { return Step::Ask(Request::Stop) };
-        Step::Ask(match self.stage {
-            Stage::Silence | Stage::Ending | Stage::Ended => Request::Stop,
-            Stage::Begin => {
-                let level = self.plan.level * self.scale;
-                self.tones = loudness::tones(&comb, &self.table, self.plan.rate_hz, level);
-                let tones = comb.harmonics.iter().zip(&self.tones).map(|(&harmonic, tone)| CombToneRequest {
-                    harmonic,
-                    level: tone.level,
-                    phase_turns: tone.phase_turns,
-                });
-                Request::Comb(CombRequest {
-                    master_db: if self.quiet.is_none() { SILENT_DB } else { 0.0 },
-                    glide_s: comb.rise_s,
-                    ..CombRequest::of(comb.period_blocks, tones.collect())
-                })
+    async fn carry_out(mut self, dialogue: Dialogue) -> Result<Measured, MeasureError> {
+        while let Some(comb) = self.plan.combs.get(self.windows.len()).cloned() {
+            let window = self.window(&dialogue, &comb).await?;
+            match &self.quiet {
+                None => self.quiet = Some(window),
+                Some(_) => self.windows.push(window),
             }
-            Stage::Listen { from } => Request::Listen(ListenRequest {
-                from: (!self.is_late).then_some(from),
-                blocks: comb.period_blocks,
-                shape: WindowShape::Rectangular,
-                // As many bits as tones, 16 at most.
-                slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
-                input: self.sensor.input,
-            }),
-        })
-    }
-
-    fn take(&mut self, outcome: &Outcome) {
-        self.is_asked = false;
-        match (self.stage, outcome) {
-            (Stage::Ending | Stage::Ended, _) => self.stage = Stage::Ended,
-            (Stage::Silence, Outcome::Done { .. }) => {
-                let is_over = self.comb().is_none();
-                self.stage = if is_over { Stage::Ended } else { Stage::Begin };
-            }
-            (Stage::Begin, Outcome::Done { at }) => {
-                let from = at + self.until_window();
-                self.stage = Stage::Listen { from };
-                self.is_late = false;
-            }
-            (Stage::Listen { .. }, Outcome::Listened(listened)) => self.listened(listened),
-            (Stage::Begin, Outcome::Refused(_))
-                if procedure::quieter(outcome).is_some() && self.tries < TRIES =>
-            {
-                self.tries += 1;
-                self.scale *= procedure::quieter(outcome).unwrap_or(1.0);
-            }
-            (Stage::Listen { .. }, Outcome::Refused(Refusal::InputLost { .. })) => {
-                self.tries += 1;
-                if self.tries >= TRIES {
-                    self.fail(MeasureError::Overrun { tries: self.tries });
-                } else {
-                    self.stage = Stage::Silence;
-                }
-            }
-            // All tones had settled at that sample, so they have now.
-            (Stage::Listen { .. }, late) if procedure::is_late(late) && !self.is_late => self.is_late = true,
-            (_, other) => self.fail(procedure::ended_by(other)),
         }
-    }
-
-    fn watch(&mut self, snapshot: &Snapshot) {
-        let trouble = procedure::trouble(&mut self.error, snapshot);
-        if let Some(trouble) = trouble.filter(|_| !matches!(self.stage, Stage::Ending | Stage::Ended)) {
-            self.fail(trouble);
-        }
-    }
-
-    fn cancel(&mut self) {
-        if self.stage != Stage::Ended {
-            self.fail(MeasureError::Cancelled);
-        }
-    }
-
-    fn progress(&self, now: u64) -> f64 {
-        if self.stage == Stage::Ended {
-            return 1.0;
-        }
-        let combs = self.plan.combs.iter().take(self.windows.len());
-        let mut done: u64 = combs.map(|comb| self.plan.samples_of(comb)).sum();
-        if self.quiet.is_some() {
-            done += self.plan.quiet_samples();
-        }
-        if let (Stage::Listen { from }, Some(comb)) = (self.stage, self.comb()) {
-            let begin = from.saturating_sub(self.until_window());
-            done += now.saturating_sub(begin).min(self.until_window() + comb.window_samples());
-        }
-        (done as f64 / self.plan.samples().max(1) as f64).min(1.0)
-    }
-
-    fn finish(self) -> Result<Measured, MeasureError> {
-        if let Some(error) = self.error {
-            return Err(error);
-        }
-        let quiet = self.quiet.filter(|_| self.windows.len() == self.plan.combs.len());
-        let quiet = quiet.ok_or(MeasureError::Cancelled)?;
+        dialogue.stop().await?;
+        let quiet = self.quiet.ok_or(MeasureError::Cancelled)?;
         let measured = Measured::of(&self.sensor, self.plan.rate_hz, self.lag_s, &quiet, &self.windows);
         measured.measurement.check()?;
+        Ok(measured)
+    }
+
+    fn found(measured: Measured) -> Result<Measured, MeasureError> {
         Ok(measured)
     }
 }

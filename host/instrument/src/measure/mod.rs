@@ -8,28 +8,32 @@
 //!                --PlayedSweep-> two of them ---Playing--> a recorder's WAV file --HeardSweep--> responses
 //! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on --AfterCheck--> Measuring
 //! ```
-//! Each is a [`Procedure`]: it knows no clock and no port, so the command line, the app and the tests run the same steps.
+//! Each is a [`Procedure`]: it knows no clock and no port, so the command line, the app and the tests [`Run`] the same steps.
 
 mod after_check;
 mod answers;
 pub mod circuit;
+mod codes;
+mod dialogue;
 mod drive_checking;
 mod error;
 mod loudness;
 mod measuring;
 mod plan;
 mod procedure;
+mod setback;
 mod signal;
 mod sweep;
 
 pub use after_check::AfterCheck;
 pub use answers::{Measured, Sensor, Warning};
+pub use dialogue::Dialogue;
 pub use drive_checking::{CURRENT_INPUT, CheckedDrive, DriveChecking, KnownDrive, current_sensor};
 pub use error::MeasureError;
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
-pub(crate) use procedure::is_late;
-pub use procedure::{Procedure, Step};
+pub use procedure::{Procedure, Run, Step};
+pub(crate) use setback::is_late;
 pub use signal::Signal;
 pub use sweep::{
     Chirp, HeardError, HeardSweep, PLAYED_BYTES_MAX, PlayedFileError, PlayedSweep, Playing, QUIETER, SWEEP_S,

@@ -1,90 +1,205 @@
-//! What all procedures with a device share: they ask for requests, take their outcomes, and look at what the link knows.
+//! The one course of all procedures with a device: it asks for requests, takes their outcomes, looks at what the link knows, and
+//! leaves the device silent and with its own table.
 
+use super::dialogue::Dialogue;
 use super::error::MeasureError;
-use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
-use slipline_link::{LinkState, Outcome, Refusal, Request, Snapshot};
+use super::setback::ended_by;
+use slipline_link::{LinkState, Outcome, Request, Snapshot, Ticket};
+use std::pin::Pin;
+use std::task::{Context, Poll, Waker};
+
+/// What is done with a device, one request after the other, without a clock and without a port.
+pub trait Procedure: 'static {
+    /// What the device was heard to answer.
+    type Heard;
+    /// What it ends with.
+    type Found;
+
+    /// Asks for one thing after the other. An error is followed by a stop; otherwise the last request is one.
+    ///
+    /// # Errors
+    /// [`MeasureError`]: why it cannot go on.
+    fn carry_out(self, dialogue: Dialogue) -> impl Future<Output = Result<Self::Heard, MeasureError>>;
+
+    /// What the answers say. It may take seconds; the device is silent by then.
+    ///
+    /// # Errors
+    /// [`MeasureError`]: why they say nothing.
+    fn found(heard: Self::Heard) -> Result<Self::Found, MeasureError>;
+}
 
 /// What to do next.
 #[derive(Debug, Clone)]
 pub enum Step {
-    /// Send this request, and hand its outcome over by [`Procedure::take`].
+    /// Send this request, and hand its outcome over by [`Run::take`].
     Ask(Request),
     /// The outcome of the last request is awaited.
     Wait,
-    /// It is over: call [`Procedure::finish`].
+    /// It is over: call [`Run::finish`].
     Ended,
 }
 
-/// A procedure with a device, without a clock and without a port. Whatever goes wrong, what sounds is stopped before it ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    Running,
+    /// Something went wrong: whatever sounds is stopped.
+    Stopping,
+    /// The device gets its own table back, if it may hold another.
+    Restoring,
+    Ended,
+}
+
+/// A procedure under way. Whatever goes wrong, what sounds is stopped before it ends.
 ///
 /// ```text
 /// loop: watch(snapshot) -> step() -> Ask: send it | Wait: take(outcome), when it is there | Ended: finish()
 /// ```
-pub trait Procedure {
-    /// What it ends with.
-    type Found;
+pub struct Run<P: Procedure> {
+    dialogue: Dialogue,
+    course: Pin<Box<dyn Future<Output = Result<P::Heard, MeasureError>>>>,
+    stage: Stage,
+    is_asked: bool,
+    awaited: Option<Ticket>,
+    heard: Option<P::Heard>,
+    error: Option<MeasureError>,
+}
+
+impl<P: Procedure> Run<P> {
+    /// A procedure that begins with the next step.
+    pub fn of(procedure: P) -> Self {
+        let dialogue = Dialogue::default();
+        Self {
+            course: Box::pin(procedure.carry_out(dialogue.clone())),
+            dialogue,
+            stage: Stage::Running,
+            is_asked: false,
+            awaited: None,
+            heard: None,
+            error: None,
+        }
+    }
+
+    /// Hands over what the device has answered, and sends what comes next; whether it goes on.
+    pub fn turn(&mut self, snapshot: &Snapshot, mut send: impl FnMut(Request) -> Ticket) -> bool {
+        self.watch(snapshot);
+        loop {
+            if let Some(outcome) = self.awaited.and_then(|ticket| snapshot.outcome(ticket)) {
+                self.awaited = None;
+                self.take(outcome);
+            }
+            match self.step() {
+                Step::Ask(request) => self.awaited = Some(send(request)),
+                Step::Wait => return true,
+                Step::Ended => return false,
+            }
+        }
+    }
+
+    /// The request of the last turn whose outcome is awaited.
+    #[must_use]
+    pub const fn awaited(&self) -> Option<Ticket> {
+        self.awaited
+    }
 
     /// What to do next.
-    fn step(&mut self) -> Step;
+    pub fn step(&mut self) -> Step {
+        if self.is_asked {
+            return Step::Wait;
+        }
+        if self.stage == Stage::Running {
+            match self.course.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
+                Poll::Pending => {}
+                Poll::Ready(Ok(heard)) => {
+                    self.heard = Some(heard);
+                    self.stage = Stage::Restoring;
+                }
+                Poll::Ready(Err(error)) => {
+                    self.fail(error);
+                    if self.dialogue.is_silent() {
+                        self.stage = Stage::Restoring;
+                    }
+                }
+            }
+        }
+        let request = match self.stage {
+            Stage::Running => self.dialogue.asked(),
+            Stage::Stopping => Some(Request::Stop),
+            Stage::Restoring => self.dialogue.own_table().map(Request::Upload),
+            Stage::Ended => None,
+        };
+        let Some(request) = request else {
+            self.stage = Stage::Ended;
+            return Step::Ended;
+        };
+        self.is_asked = true;
+        Step::Ask(request)
+    }
 
     /// Takes the outcome of the last request.
-    fn take(&mut self, outcome: &Outcome);
+    pub fn take(&mut self, outcome: &Outcome) {
+        self.is_asked = false;
+        match self.stage {
+            Stage::Running => self.dialogue.answer(outcome.clone()),
+            Stage::Stopping => self.stage = Stage::Restoring,
+            Stage::Restoring => {
+                if !matches!(outcome, Outcome::Done { .. }) {
+                    self.error.get_or_insert(ended_by(outcome));
+                }
+                self.stage = Stage::Ended;
+            }
+            Stage::Ended => {}
+        }
+    }
 
     /// Looks at what the link knows: a fault or a lost device ends the procedure. Call it until the end: a fault explains why
     /// the tones were stopped.
-    fn watch(&mut self, snapshot: &Snapshot);
+    pub fn watch(&mut self, snapshot: &Snapshot) {
+        self.dialogue.follow(snapshot);
+        let faults = snapshot.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
+        let fault = faults.map(|faults| MeasureError::Fault(faults.to_string()));
+        if let (Some(MeasureError::Stopped), Some(fault)) = (&self.error, &fault) {
+            self.error = Some(fault.clone());
+        }
+        let trouble = if snapshot.link == LinkState::Connected { fault } else { Some(MeasureError::Lost) };
+        if let Some(trouble) = trouble.filter(|_| self.stage == Stage::Running) {
+            self.fail(trouble);
+        }
+    }
 
     /// Gives it up: the next step is a stop.
-    fn cancel(&mut self);
+    pub fn cancel(&mut self) {
+        if self.stage == Stage::Running {
+            self.fail(MeasureError::Cancelled);
+        }
+    }
+
+    fn fail(&mut self, error: MeasureError) {
+        self.error.get_or_insert(error);
+        self.stage = Stage::Stopping;
+        self.is_asked = false;
+    }
 
     /// The share that is done (0 to 1), when the device is at sample `now`.
-    fn progress(&self, now: u64) -> f64;
+    #[must_use]
+    pub fn progress(&self, now: u64) -> f64 {
+        let is_over = matches!(self.stage, Stage::Restoring | Stage::Ended);
+        if is_over { 1.0 } else { self.dialogue.progress(now) }
+    }
+
+    /// Whether the drive is being checked.
+    #[must_use]
+    pub fn is_checking(&self) -> bool {
+        self.dialogue.is_checking()
+    }
 
     /// What was found.
     ///
     /// # Errors
     /// [`MeasureError`]: why nothing was.
-    fn finish(self) -> Result<Self::Found, MeasureError>;
-}
-
-/// Lets the latched faults explain why tones were stopped, and tells why the procedure cannot go on.
-pub(super) fn trouble(error: &mut Option<MeasureError>, snapshot: &Snapshot) -> Option<MeasureError> {
-    let faults = snapshot.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
-    let fault = faults.map(|faults| MeasureError::Fault(faults.to_string()));
-    if let (Some(MeasureError::Stopped), Some(fault)) = (&error, &fault) {
-        *error = Some(fault.clone());
-    }
-    if snapshot.link == LinkState::Connected { fault } else { Some(MeasureError::Lost) }
-}
-
-/// Why an outcome that nobody can go on with ends a procedure.
-pub(super) fn ended_by(outcome: &Outcome) -> MeasureError {
-    match outcome {
-        Outcome::Refused(refusal) => MeasureError::Refused(refusal.clone()),
-        Outcome::DeviceTooOld => MeasureError::TooOld,
-        Outcome::NotConnected => MeasureError::Lost,
-        Outcome::Superseded => MeasureError::Stopped,
-        Outcome::Done { .. } | Outcome::Listened(_) | Outcome::Captured(_) | Outcome::Digest(_) => {
-            MeasureError::Refused(Refusal::UnexpectedReply)
+    pub fn finish(self) -> Result<P::Found, MeasureError> {
+        match self.error {
+            Some(error) => Err(error),
+            None => self.heard.map_or(Err(MeasureError::Cancelled), P::found),
         }
     }
-}
-
-/// Whether a request came after the index that it names.
-pub(crate) const fn is_late(outcome: &Outcome) -> bool {
-    matches!(
-        outcome,
-        Outcome::Refused(Refusal::Device(DeviceRefusal::OutOfRange { field: Field::ApplyAt, .. }))
-    )
-}
-
-/// What is left of the travel that a device allows: its numbers are rounded.
-const TRAVEL: f64 = 0.99;
-
-/// How much quieter the tones must be for the actuator's travel; nothing if that did not refuse them.
-pub(super) fn quieter(outcome: &Outcome) -> Option<f64> {
-    let Outcome::Refused(Refusal::Device(DeviceRefusal::Travel { allowed_per_mille, .. })) = outcome else {
-        return None;
-    };
-    (*allowed_per_mille > 0).then(|| TRAVEL * f64::from(*allowed_per_mille) / 1000.0)
 }

@@ -3,16 +3,14 @@
 
 use super::ClientError;
 use crate::hold::Holding;
-use crate::measure::{Procedure, Step};
+use crate::measure::{Procedure, Run};
 use crate::rig::PreparedRig;
 use slipline_link::native::{Handle, SystemOpener, Worker};
 use slipline_link::protocol::command::DigestWindow;
 use slipline_link::protocol::event::{Digest, Identity, State};
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
-use slipline_link::{
-    ChordRequest, DriveRequest, Outcome, Port, Request, SIGN_PERIOD, Snapshot, Ticket, upkeep,
-};
+use slipline_link::{Outcome, Port, Request, SIGN_PERIOD, Snapshot, Sounding, upkeep};
 use slipline_plate::Plate;
 use std::cell::Cell;
 use std::panic::resume_unwind;
@@ -174,20 +172,12 @@ impl Client {
         self.perform(Request::Upload(table)).map(drop)
     }
 
-    /// Plays these tones; the sample index at which they begin.
+    /// Has this sound; the sample index at which it begins.
     ///
     /// # Errors
     /// Any of a request.
-    pub fn play(&self, drive: DriveRequest) -> Result<u64, ClientError> {
-        self.perform_at(Request::Drive(drive))
-    }
-
-    /// Plays this chord; the sample index at which it begins.
-    ///
-    /// # Errors
-    /// Any of a request.
-    pub fn play_chord(&self, chord: ChordRequest) -> Result<u64, ClientError> {
-        self.perform_at(Request::Chord(chord))
+    pub fn play(&self, sounding: Sounding) -> Result<u64, ClientError> {
+        self.perform_at(Request::Play(sounding))
     }
 
     /// Ramps to silence; the sample index at which the ramp begins.
@@ -232,28 +222,23 @@ impl Client {
     /// [`ClientError::Procedure`] and any of a request.
     pub fn run<P: Procedure>(
         &self,
-        mut procedure: P,
+        procedure: P,
         mut watch: impl FnMut(f64),
     ) -> Result<P::Found, ClientError> {
         self.arm()?;
-        let mut ticket: Option<Ticket> = None;
+        let mut run = Run::of(procedure);
         loop {
             let snapshot = self.snapshot();
-            procedure.watch(&snapshot);
-            watch(procedure.progress(snapshot.status.map_or(0, |status| status.now)));
-            match procedure.step() {
-                Step::Ask(request) => ticket = Some(self.worker.send(request)),
-                Step::Wait => {
-                    let outcome = ticket.and_then(|ticket| self.worker.wait(ticket, GLANCE));
-                    if let Some(outcome) = outcome {
-                        procedure.take(&outcome);
-                    }
-                }
-                Step::Ended => break,
+            if !run.turn(&snapshot, |request| self.worker.send(request)) {
+                break;
+            }
+            watch(run.progress(snapshot.status.map_or(0, |status| status.now)));
+            if let Some(ticket) = run.awaited() {
+                let _ = self.worker.wait(ticket, GLANCE);
             }
         }
         self.check_attended()?;
-        let found = procedure.finish()?;
+        let found = run.finish()?;
         self.disarm()?;
         Ok(found)
     }

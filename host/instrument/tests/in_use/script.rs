@@ -71,7 +71,7 @@ impl Hands for Session {
 
     fn move_line(&mut self, mm: u32) {
         self.instrument.begin_gestures(1);
-        self.instrument.drag_line(0, f64::from(mm) * 1e-3);
+        self.instrument.drag_line(0, &[f64::from(mm) * 1e-3]);
         self.turn();
     }
 

@@ -70,7 +70,11 @@ impl Session {
         let sent = std::mem::take(&mut self.worker.borrow_mut().sent);
         let words = sent.iter().filter(|request| !matches!(request, Request::Note(..)));
         let mut kinds: Vec<String> = words
-            .map(|request| format!("{request:?}").split(['(', ' ']).next().unwrap_or_default().to_owned())
+            .map(|request| {
+                let shown = format!("{request:?}");
+                let kind = shown.strip_prefix("Play(").unwrap_or(&shown);
+                kind.split(['(', ' ']).next().unwrap_or_default().to_owned()
+            })
             .collect();
         kinds.dedup();
         kinds

@@ -6,15 +6,16 @@ use super::upload::{BUSY_PAUSE, BUSY_TRIES};
 use crate::error::LinkError;
 use crate::journal::Change;
 use crate::log::Severity;
+use crate::played::Played;
 use crate::recorder::Recorder;
 use crate::refusal::Refusal;
 use crate::request::Outcome;
+use crate::sounding::Sounding;
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Digest, State};
 use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::{Command, Event, refusal};
-use std::sync::Arc;
 use std::time::Duration;
 
 /// A drive that came before the device took up the last one is sent again after so long: three blocks of 128 codes
@@ -196,18 +197,9 @@ impl CommandQueue {
                     return Next::Close;
                 }
             }
-            Command::Drive(drive) => {
-                let apply = drive.apply;
-                self.sounds(&task, apply, at, Change::Drive(Arc::new(drive)), recorder);
-            }
-            Command::Chord(chord) => {
-                let apply = chord.apply;
-                self.sounds(&task, apply, at, Change::Chord(Arc::new(chord)), recorder);
-            }
-            Command::Comb(comb) => {
-                let apply = comb.apply;
-                self.sounds(&task, apply, at, Change::Comb(Arc::new(comb)), recorder);
-            }
+            Command::Drive(drive) => self.sounds(&task, drive.into(), at, recorder),
+            Command::Chord(chord) => self.sounds(&task, chord.into(), at, recorder),
+            Command::Comb(comb) => self.sounds(&task, comb.into(), at, recorder),
             Command::Listen(_) => {
                 self.listens(&task, at, recorder, now);
                 return Next::Continue;
@@ -263,24 +255,17 @@ impl CommandQueue {
         recorder.finish(task.ticket, Outcome::Done { at });
         // A drag changes the status little: the keep-alives tell it soon enough.
         let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
-        self.status_stale |= !(is_dragging && matches!(task.job, Job::Drive(_)));
+        self.status_stale |= !(is_dragging && matches!(task.job, Job::Play(Sounding::Drive(_))));
         Next::Continue
     }
 
     /// Notes a drive, a chord or a comb that the device has accepted.
-    fn sounds(
-        &mut self,
-        task: &Task,
-        apply: Apply,
-        at: SampleIndex,
-        change: Change,
-        recorder: &mut Recorder,
-    ) {
-        let waits = apply == Apply::AtTrigger;
+    fn sounds(&mut self, task: &Task, played: Played, at: SampleIndex, recorder: &mut Recorder) {
+        let waits = played.apply() == Apply::AtTrigger;
         if waits {
-            recorder.wait_for_trigger(at, change);
+            recorder.wait_for_trigger(at, Change::Play(played));
         } else {
-            recorder.acknowledge(at, change);
+            recorder.acknowledge(at, Change::Play(played));
         }
         if task.is_overtaken {
             recorder.stop_again(at);

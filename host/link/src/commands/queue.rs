@@ -130,17 +130,9 @@ impl CommandQueue {
             Request::Digest(window) => Job::Send(Command::DigestStart(window)),
             Request::Upload(table) => Job::BeginUpload(Upload::new(ticket, table)),
             Request::CancelUpload => Job::CancelUpload,
-            Request::Drive(drive) => {
+            Request::Play(sounding) => {
                 self.drop_tasks(recorder, Job::sounds);
-                Job::Drive(drive)
-            }
-            Request::Chord(chord) => {
-                self.drop_tasks(recorder, Job::sounds);
-                Job::Chord(chord)
-            }
-            Request::Comb(comb) => {
-                self.drop_tasks(recorder, Job::sounds);
-                Job::Comb(comb)
+                Job::Play(sounding)
             }
             Request::Listen(listen) => Job::Listen(listen),
             Request::Capture(capture) => Job::Capture(capture),
@@ -313,8 +305,8 @@ impl CommandQueue {
             Job::ListenRead(reading) => Command::ListenRead(reading.part()),
             Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
             Job::Hold(request) => {
-                let Some(identity) = recorder.view.identity.clone() else { return true };
-                match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
+                let Some(identity) = &recorder.view.identity else { return true };
+                match request.for_device(identity, recorder.view.travel_limit.as_ref()) {
                     Ok(setting) => Command::Hold(setting),
                     Err(error) => return refuse(&task, error, recorder),
                 }
@@ -327,28 +319,12 @@ impl CommandQueue {
                 Some(command) => command,
                 None => return true,
             },
-            Job::Drive(request) => {
-                let Some(identity) = recorder.view.identity.clone() else { return true };
-                match request.for_device(
-                    &identity,
-                    recorder.view.table.active.as_ref(),
-                    recorder.view.travel_limit.as_ref(),
-                ) {
-                    Ok(drive) => Command::Drive(drive),
-                    Err(error) => return refuse(&task, error, recorder),
-                }
-            }
-            Job::Chord(request) => {
-                let Some(identity) = recorder.view.identity.clone() else { return true };
-                match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
-                    Ok(chord) => Command::Chord(chord),
-                    Err(error) => return refuse(&task, error, recorder),
-                }
-            }
-            Job::Comb(request) => {
-                let Some(identity) = recorder.view.identity.clone() else { return true };
-                match request.for_device(&identity, recorder.view.travel_limit.as_ref()) {
-                    Ok(comb) => Command::Comb(comb),
+            Job::Play(sounding) => {
+                let view = &recorder.view;
+                let Some(identity) = &view.identity else { return true };
+                let (table, travel) = (view.table.active.as_ref(), view.travel_limit.as_ref());
+                match sounding.for_device(identity, table, travel) {
+                    Ok(command) => command,
                     Err(error) => return refuse(&task, error, recorder),
                 }
             }

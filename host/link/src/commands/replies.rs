@@ -14,6 +14,7 @@ use crate::request::Outcome;
 use crate::snapshot::LinkState;
 use slipline_app::Timing;
 use slipline_protocol::event::{Identity, State, Status};
+use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Event, refusal};
 use std::sync::Arc;
@@ -53,7 +54,7 @@ impl CommandQueue {
         if matches!(command, Command::Stop | Command::EmergencyStop) {
             self.stopped(&command, &event, recorder);
         } else if matches!(command, Command::KeepAlive(_) | Command::Status) {
-            self.reported(event, recorder);
+            self.reported(&event, recorder);
         } else {
             return self.numbered(command, event, recorder, now);
         }
@@ -124,28 +125,13 @@ impl CommandQueue {
 
     /// Takes the reply to a stop.
     fn stopped(&mut self, command: &Command, event: &Event, recorder: &mut Recorder) {
-        let outcome = match event {
-            Event::Accepted(accepted) => {
+        let outcome = match accepted_at(event) {
+            Ok(at) => {
                 let change = if *command == Command::Stop { Change::Stop } else { Change::EmergencyStop };
-                recorder.acknowledge(accepted.at, change);
-                Outcome::Done { at: accepted.at }
+                recorder.acknowledge(at, change);
+                Outcome::Done { at }
             }
-            Event::Refused(refusal) => Outcome::Refused(Refusal::Device(*refusal)),
-            Event::Hello(_)
-            | Event::Status(_)
-            | Event::Maintenance(_)
-            | Event::Unchanged(_)
-            | Event::TravelLimit(_)
-            | Event::Trigger(_)
-            | Event::Table(_)
-            | Event::Digest(_)
-            | Event::Inputs(_)
-            | Event::Listened(_)
-            | Event::Captured(_)
-            | Event::Held(_)
-            | Event::BootloaderToken(_) => Outcome::Refused(Refusal::UnexpectedReply),
-            #[cfg(slipline_next)]
-            Event::CoilMeasured(_) => Outcome::Refused(Refusal::UnexpectedReply),
+            Err(refusal) => Outcome::Refused(refusal),
         };
         for ticket in std::mem::take(&mut self.urgent) {
             recorder.finish(Some(ticket), outcome.clone());
@@ -153,31 +139,37 @@ impl CommandQueue {
         self.status_stale = true;
     }
 
-    /// Takes the reply to a keep-alive or a request for the status.
-    fn reported(&mut self, event: Event, recorder: &mut Recorder) {
-        match event {
-            Event::Status(status) => self.take_status(status, recorder),
-            Event::Refused(refusal) => {
-                for ticket in std::mem::take(&mut self.status_wanted) {
-                    recorder.finish(Some(ticket), Outcome::Refused(Refusal::Device(refusal)));
-                }
+    /// Takes the reply to a keep-alive or a request for the status. After any other, the next keep-alive asks again.
+    fn reported(&mut self, event: &Event, recorder: &mut Recorder) {
+        if let Event::Status(status) = event {
+            self.take_status(*status, recorder);
+        } else if let Err(refusal @ Refusal::Device(_)) = accepted_at(event) {
+            for ticket in std::mem::take(&mut self.status_wanted) {
+                recorder.finish(Some(ticket), Outcome::Refused(refusal.clone()));
             }
-            // The next keep-alive asks again.
-            Event::Hello(_)
-            | Event::Accepted(_)
-            | Event::Maintenance(_)
-            | Event::Unchanged(_)
-            | Event::TravelLimit(_)
-            | Event::Trigger(_)
-            | Event::Table(_)
-            | Event::Digest(_)
-            | Event::Inputs(_)
-            | Event::Listened(_)
-            | Event::Captured(_)
-            | Event::Held(_)
-            | Event::BootloaderToken(_) => {}
-            #[cfg(slipline_next)]
-            Event::CoilMeasured(_) => {}
         }
+    }
+}
+
+/// The index at which the device does what it was asked for, or why it does not.
+fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
+    match event {
+        Event::Accepted(accepted) => Ok(accepted.at),
+        Event::Refused(refusal) => Err(Refusal::Device(*refusal)),
+        Event::Hello(_)
+        | Event::Status(_)
+        | Event::Maintenance(_)
+        | Event::Unchanged(_)
+        | Event::TravelLimit(_)
+        | Event::Trigger(_)
+        | Event::Table(_)
+        | Event::Digest(_)
+        | Event::Inputs(_)
+        | Event::Listened(_)
+        | Event::Captured(_)
+        | Event::Held(_)
+        | Event::BootloaderToken(_) => Err(Refusal::UnexpectedReply),
+        #[cfg(slipline_next)]
+        Event::CoilMeasured(_) => Err(Refusal::UnexpectedReply),
     }
 }

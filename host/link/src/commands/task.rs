@@ -2,12 +2,10 @@
 
 use super::reading::{CaptureReading, ListenReading};
 use super::upload::Upload;
-use crate::chord::ChordRequest;
-use crate::comb::CombRequest;
-use crate::drive::DriveRequest;
 use crate::hold::HoldRequest;
 use crate::listen::{CaptureRequest, ListenRequest};
 use crate::request::Ticket;
+use crate::sounding::Sounding;
 use slipline_protocol::Command;
 use std::time::Duration;
 
@@ -18,9 +16,7 @@ pub(super) enum Job {
     Send(Command),
     /// Arm a device that may be armed without the user's request.
     ArmUnasked,
-    Drive(DriveRequest),
-    Chord(ChordRequest),
-    Comb(CombRequest),
+    Play(Sounding),
     Listen(ListenRequest),
     Capture(CaptureRequest),
     Hold(HoldRequest),
@@ -37,7 +33,7 @@ pub(super) enum Job {
 impl Job {
     /// Whether it makes the device sound: a newer such job takes its place.
     pub(super) const fn sounds(&self) -> bool {
-        matches!(self, Self::Drive(_) | Self::Chord(_) | Self::Comb(_))
+        matches!(self, Self::Play(_))
     }
 
     /// Whether it asks for a result that may not be there yet: others go before it.
@@ -49,7 +45,7 @@ impl Job {
     pub(super) const fn yields_to(&self, stop: &Command) -> bool {
         match self {
             Self::Send(command) => is_undone_by(command, stop),
-            Self::Drive(_) | Self::Chord(_) | Self::Comb(_) | Self::Hold(_) => true,
+            Self::Play(_) | Self::Hold(_) => true,
             Self::ArmUnasked => matches!(stop, Command::EmergencyStop),
             Self::Listen(_)
             | Self::Capture(_)

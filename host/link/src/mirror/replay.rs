@@ -39,7 +39,7 @@ const AHEAD: u64 = 8 * BLOCK as u64;
 /// ```
 /// use slipline_link::mirror::replay::{DeviceHistory, Replay};
 /// use slipline_link::simulator::loopback::Loopback;
-/// use slipline_link::{DeviceTable, DriveRequest, Request};
+/// use slipline_link::{DeviceTable, DriveRequest, Request, Sounding};
 /// use std::sync::Arc;
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -47,7 +47,7 @@ const AHEAD: u64 = 8 * BLOCK as u64;
 /// let knots = (0..=100).map(|i| (30e3 - 100.0 * f64::from(i), 1.0));
 /// let table = DeviceTable::from_knots((0.0, 0.1), 400e3, knots, 1e-6)?;
 /// loopback.perform(Request::Upload(Arc::new(table)), |_| ())?;
-/// let began = loopback.perform(Request::Drive(DriveRequest::at(&[(0.05, 0.5)])), |_| ())?;
+/// let began = loopback.perform(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.05, 0.5)]))), |_| ())?;
 /// loopback.pass(40_000, |_| ());
 /// loopback.perform(Request::Refresh, |_| ())?;
 ///
@@ -196,7 +196,7 @@ impl Replay {
     }
 
     fn take(&mut self, entry: &Acknowledged) {
-        let sounds = matches!(entry.change, Change::Drive(_) | Change::Chord(_) | Change::Comb(_));
+        let sounds = matches!(entry.change, Change::Play(_));
         let has_skipped = (sounds || matches!(entry.change, Change::Table(_))) && self.skip_silence(entry.at);
         let Some(mirror) = &mut self.mirror else { return };
         if sounds && self.silent_since.take().is_some_and(|_| has_skipped) {
@@ -214,9 +214,7 @@ impl Replay {
                 Ok(())
             }
             Change::Armed | Change::Hold => Ok(()),
-            Change::Drive(drive) => mirror.acknowledge_drive(drive, entry.at),
-            Change::Chord(chord) => mirror.acknowledge_chord(chord, entry.at),
-            Change::Comb(comb) => mirror.acknowledge_comb(comb, entry.at),
+            Change::Play(played) => mirror.acknowledge_play(played.clone(), entry.at),
             Change::Table(table) => mirror.acknowledge_table(table.knots().into(), entry.at),
             Change::Stop | Change::Disarmed => {
                 self.silent_since.get_or_insert(entry.at);

@@ -1,6 +1,6 @@
 //! The thread that owns the port.
 //!
-//! It sleeps until a request comes, bytes arrive or something is due. [`Worker::send`] and [`Worker::snapshot`] only
+//! It sleeps until a request comes, bytes arrive or something is due. [`Handle::send`] and [`Handle::snapshot`] only
 //! take a lock that is held for a copy. When the worker is dropped, it stops and disarms the device first. If the
 //! program panics, [`stop_on_panic`] sends a stop; if that fails, too, the device's dead-man ends the drive. If the
 //! program hangs, it gives no sign of life ([`Handle::sign_of_life`]), and this thread stops and disarms the device. If
@@ -19,6 +19,7 @@ use crate::simulator::realtime::Clock;
 use crate::snapshot::{LinkState, Snapshot};
 use crate::transport::{Opener, Waker};
 use std::io;
+use std::ops::Deref;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -34,7 +35,7 @@ const HANG_PATIENCE: Duration = Duration::from_millis(1000);
 const WAKE: mio::Token = mio::Token(0);
 const PORT: mio::Token = mio::Token(1);
 
-/// The thread that owns the port.
+/// The thread that owns the port; itself a [`Handle`] of it.
 pub struct Worker {
     handle: Handle,
     clock: Clock,
@@ -91,17 +92,6 @@ impl Worker {
         Ok(Self { handle: Handle::of(shared), clock, thread: Some(thread) })
     }
 
-    /// Hands a request over and returns at once.
-    pub fn send(&self, request: Request) -> Ticket {
-        self.handle.send(request)
-    }
-
-    /// The newest picture of link and device.
-    #[must_use]
-    pub fn snapshot(&self) -> Arc<Snapshot> {
-        self.handle.snapshot()
-    }
-
     /// Waits for a request's end; the caller controls the device and gives signs of life meanwhile. Not for a thread
     /// that paints.
     #[must_use]
@@ -135,6 +125,14 @@ impl Worker {
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
+    }
+}
+
+impl Deref for Worker {
+    type Target = Handle;
+
+    fn deref(&self) -> &Handle {
+        &self.handle
     }
 }
 

@@ -15,6 +15,7 @@ use crate::port::{Port, PortInfo};
 use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use crate::snapshot::Snapshot;
+use crate::sounding::Sounding;
 use crate::table::DeviceTable;
 use crate::transport::{Opener, Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
@@ -138,7 +139,7 @@ impl Loopback {
     /// # Errors
     /// [`LoopbackError`], as of every request.
     pub fn play(&mut self, drive: DriveRequest, sink: impl FnMut(&[u16])) -> Result<u64, LoopbackError> {
-        self.perform(Request::Drive(drive), sink)
+        self.perform(Request::Play(Sounding::Drive(drive)), sink)
     }
 
     /// Disarms the device, which does not write its flash else, and has it store its table there.

@@ -144,12 +144,12 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTabl
 }
 
 /// The setup with its lines at these places again, as far as they can be there: what the line holds stays where it is
-/// when a level changes. `places_m` gives the place of each tone's line by its slot.
+/// when a level changes. `places_m` has the places of tones' lines, by their slots.
 #[must_use]
-pub fn held(mut setup: Setup, places_m: impl Fn(u8) -> Option<f64>, table: Option<&DriveTable>) -> Setup {
+pub fn held(mut setup: Setup, places_m: &[(u8, f64)], table: Option<&DriveTable>) -> Setup {
     for i in 0..setup.tones.len() {
         let tone = setup.tones[i];
-        if let Some(place_m) = places_m(tone.slot) {
+        if let Some(&(_, place_m)) = places_m.iter().find(|(slot, _)| *slot == tone.slot) {
             setup.tones[i].position_m = turning_point_m(&setup, &tone, table, place_m);
         }
     }

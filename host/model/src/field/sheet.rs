@@ -14,8 +14,8 @@ pub use source::{Source, SourceChoice, source};
 use crate::field::line_at_rest::line_at_rest;
 use crate::field::time_domain::{self, TimeDomainJob};
 use crate::jobs::Task;
-use crate::played::Played;
 use slipline_link::BLOCK;
+use slipline_link::Played;
 use slipline_link::mirror::Mirror;
 use slipline_link::table::DeviceTable;
 use slipline_plate::sheet::EnvelopeScope;
@@ -173,7 +173,7 @@ impl Run {
             // It begins in silence.
             self.mirror.silence(now);
         }
-        job.played.acknowledge(&mut self.mirror, now + AHEAD).ok()?;
+        self.mirror.acknowledge_play(job.played.clone(), now + AHEAD).ok()?;
         self.number = Some(job.number);
         self.settling = true;
         Some(())
@@ -248,7 +248,7 @@ mod tests {
             number,
             plate: Arc::clone(plate),
             table: Arc::clone(table),
-            played: Played::Drive(Arc::new(drive)),
+            played: drive.into(),
             dac_bits: 12,
         };
         SheetJob { drive, time_s: 0.0 }

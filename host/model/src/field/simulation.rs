@@ -22,7 +22,7 @@ use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
 use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
-use slipline_link::{BLOCK, DriveError, DriveRequest, OutOfRange, Request};
+use slipline_link::{BLOCK, DriveError, DriveRequest, OutOfRange, Request, Sounding};
 use slipline_plate::{
     Complex64, DriveTable, Equation, Finger, LineError, Peak, Plate, Progress, RespondError, Response,
     SheetError, Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond_touched,
@@ -232,7 +232,7 @@ impl Simulation<'_> {
         let drive = DriveRequest::at(self.tones);
         // With a limit of the travel the link makes the glide longer.
         let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(drive.glide_s);
-        chain.perform(Request::Drive(drive), |codes| waves.push(codes))?;
+        chain.perform(Request::Play(Sounding::Drive(drive)), |codes| waves.push(codes))?;
 
         let settle_s = glide_s + waves.settle_time_s();
         let (settle_s, window_s) = match self.seconds {

@@ -7,8 +7,8 @@
 
 use crate::field::line_at_rest::line_at_rest;
 use crate::jobs::Task;
-use crate::played::Played;
 use slipline_link::BLOCK;
+use slipline_link::Played;
 use slipline_link::mirror::Mirror;
 use slipline_link::table::DeviceTable;
 use slipline_plate::Plate;
@@ -97,7 +97,7 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let mut line = line_at_rest(&job.plate, f64::from(rate), POINTS)?;
     let mut mirror = Mirror::new(rate, 0);
     mirror.acknowledge_table(job.table.knots().into(), 0).ok()?;
-    job.played.acknowledge(&mut mirror, AHEAD).ok()?;
+    mirror.acknowledge_play(job.played.clone(), AHEAD).ok()?;
     let samples = |seconds: f64| (seconds * f64::from(rate)) as u64;
     let glide_s = f64::from(job.played.glide()) / f64::from(rate);
     let settled = AHEAD + samples((glide_s + line.settle_time_s()).min(RUN_MAX_S));
@@ -169,13 +169,8 @@ pub(crate) mod tests {
             glide: 8000,
             apply: Apply::Next,
         };
-        let job = TimeDomainJob {
-            number: 1,
-            plate: Arc::clone(&plate),
-            table,
-            played: Played::Drive(Arc::new(drive)),
-            dac_bits: 12,
-        };
+        let job =
+            TimeDomainJob { number: 1, plate: Arc::clone(&plate), table, played: drive.into(), dac_bits: 12 };
         let measured = run(&job, &Task::default()).unwrap();
         let predicted = |x_m: f64| interpolate(&steady.rms_m, x_m / plate.length_m()) * 2.0_f64.sqrt();
         let highest_m = measured.points().map(|(_, metres)| metres).fold(0.0, f64::max);
@@ -199,7 +194,7 @@ pub(crate) mod tests {
                 number: 1,
                 plate: Arc::clone(&plate),
                 table: Arc::clone(&table),
-                played: Played::Drive(Arc::new(drive)),
+                played: drive.into(),
                 dac_bits: 12,
             };
             let measured = run(&job, &Task::default()).unwrap();

@@ -1,70 +1,142 @@
-//! Undo and redo: the earlier setups, and the ones that were undone.
+//! Undo and redo: what each gesture has changed, and what was undone.
 
 use crate::setup::Setup;
 use crate::setup::edit::Edit;
+use std::sync::Arc;
 
-/// The most setups that are kept for undo.
+/// The most steps that are kept for undo.
 const DEPTH: usize = 200;
 
-/// The earlier setups and the undone ones.
+/// Where changes come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The user's pointer and keys.
+    User,
+    /// A recorded drag that is played.
+    Recording,
+    /// A program, by its name.
+    Program(&'static str),
+}
+
+/// One gesture of a source. Its equal changes are one step of undo; of a source other than the user, all tones together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gesture {
+    /// Whose it is.
+    pub source: Source,
+    /// Its number among those of the source: that of the press of pointer or key, for example.
+    pub number: u64,
+}
+
+/// A gesture, and the name and the tone of its change.
+type Key = (Gesture, &'static str, Option<u8>);
+
+/// What a gesture has changed.
+#[derive(Clone, Debug)]
+struct Step {
+    /// The setup without it, and with it.
+    from: Setup,
+    to: Setup,
+    name: &'static str,
+    /// Until its source begins another one, or something is undone.
+    lasts: Option<Key>,
+}
+
+/// What can be undone, and what was.
 #[derive(Debug, Default)]
 pub struct History {
-    past: Vec<(Setup, &'static str)>,
-    future: Vec<(Setup, &'static str)>,
-    /// The gesture, name and tone of the latest change: equal changes in one gesture count as one step.
-    latest: Option<(u64, &'static str, Option<u8>)>,
+    past: Vec<Step>,
+    future: Vec<Step>,
 }
 
 impl History {
-    /// Notes the setup as it was before a change. `gesture` is the number of the press (of pointer or key) that the
-    /// change belongs to: a whole drag is one step.
-    pub fn note(&mut self, before: &Setup, edit: &Edit, gesture: u64) {
-        let key = (gesture, edit.name(), edit.slot());
+    /// Notes a change of the setup from `before` to `after`.
+    pub fn note(&mut self, before: &Setup, after: &Setup, edit: &Edit, gesture: Gesture) {
         self.future.clear();
-        if self.latest == Some(key) {
+        let slot = edit.slot().filter(|_| gesture.source == Source::User);
+        let key = Some((gesture, edit.name(), slot));
+        if let Some(step) = self.past.iter_mut().rev().find(|step| step.lasts == key) {
+            // Without the gesture, what other sources have changed since would have changed all the same.
+            step.from = with(before, &step.to, &step.from);
+            step.to = after.clone();
             return;
         }
-        self.latest = Some(key);
+        let is_of_source = |lasts: &Key| lasts.0.source == gesture.source;
+        self.past.iter_mut().for_each(|step| step.lasts = step.lasts.filter(|lasts| !is_of_source(lasts)));
         if self.past.len() == DEPTH {
             self.past.remove(0);
         }
-        self.past.push((before.clone(), edit.name()));
+        self.past.push(Step { from: before.clone(), to: after.clone(), name: edit.name(), lasts: key });
     }
 
-    /// Undoes the latest change: takes the present setup and returns the one before.
+    /// Undoes the latest gesture: takes the present setup and returns the one without it.
     pub fn undo(&mut self, present: &Setup) -> Option<Setup> {
-        let (setup, name) = self.past.pop()?;
-        self.future.push((present.clone(), name));
-        self.latest = None;
+        let step = self.past.pop()?;
+        self.past.iter_mut().for_each(|step| step.lasts = None);
+        let setup = with(present, &step.to, &step.from);
+        self.future.push(Step { from: setup.clone(), to: present.clone(), name: step.name, lasts: None });
         Some(setup)
     }
 
-    /// Redoes the latest undone change: takes the present setup and returns the one that was undone.
+    /// Redoes the latest undone gesture: takes the present setup and returns the one with it.
     pub fn redo(&mut self, present: &Setup) -> Option<Setup> {
-        let (setup, name) = self.future.pop()?;
-        self.past.push((present.clone(), name));
-        self.latest = None;
+        let step = self.future.pop()?;
+        let setup = step.to.clone();
+        self.past.push(Step { from: present.clone(), ..step });
         Some(setup)
     }
 
     /// The name of the change that undo would undo.
     #[must_use]
     pub fn undo_name(&self) -> Option<&'static str> {
-        self.past.last().map(|(_, name)| *name)
+        self.past.last().map(|step| step.name)
     }
 
     /// The name of the change that redo would redo.
     #[must_use]
     pub fn redo_name(&self) -> Option<&'static str> {
-        self.future.last().map(|(_, name)| *name)
+        self.future.last().map(|step| step.name)
     }
+}
+
+/// The present setup, with the values of `to` wherever they differ from those of `from`.
+fn with(present: &Setup, from: &Setup, to: &Setup) -> Setup {
+    fn take<T: Copy + PartialEq>(value: &mut T, from: T, to: T) {
+        if from != to {
+            *value = to;
+        }
+    }
+    if present == from {
+        return to.clone();
+    }
+    let mut next = present.clone();
+    take(&mut next.master_db, from.master_db, to.master_db);
+    take(&mut next.glide_s, from.glide_s, to.glide_s);
+    take(&mut next.boundary, from.boundary, to.boundary);
+    take(&mut next.feeling, from.feeling, to.feeling);
+    take(&mut next.chord_gain_db, from.chord_gain_db, to.chord_gain_db);
+    let slots = |setup: &Setup| setup.tones.iter().map(|tone| tone.slot).collect::<Vec<u8>>();
+    if !Arc::ptr_eq(&from.plate, &to.plate) || slots(from) != slots(to) {
+        (next.plate, next.tones) = (Arc::clone(&to.plate), to.tones.clone());
+        return next;
+    }
+    for tone in &mut next.tones {
+        if let (Some(from), Some(to)) = (from.tone(tone.slot), to.tone(tone.slot)) {
+            take(&mut tone.position_m, from.position_m, to.position_m);
+            take(&mut tone.level, from.level, to.level);
+            take(&mut tone.phase_turns, from.phase_turns, to.phase_turns);
+        }
+    }
+    next
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::setup::edit::apply;
-    use std::sync::Arc;
+
+    const fn user(number: u64) -> Gesture {
+        Gesture { source: Source::User, number }
+    }
 
     #[test]
     fn a_whole_drag_is_one_step_back_and_forth() {
@@ -73,8 +145,9 @@ mod tests {
         let mut present = first.clone();
         for mm in [110, 115, 120] {
             let edit = Edit::Move { slot: 0, position_m: f64::from(mm) * 1e-3 };
-            history.note(&present, &edit, 7);
-            present = apply(&present, &edit).unwrap();
+            let next = apply(&present, &edit).unwrap();
+            history.note(&present, &next, &edit, user(7));
+            present = next;
         }
         let moved = present.clone();
         let back = history.undo(&present).unwrap();
@@ -82,7 +155,32 @@ mod tests {
         assert_eq!(history.undo_name(), None);
         assert_eq!(history.redo(&back).unwrap(), moved);
         // Another press of the pointer is another step.
-        history.note(&moved, &Edit::Move { slot: 0, position_m: 0.13 }, 8);
+        let edit = Edit::Move { slot: 0, position_m: 0.13 };
+        history.note(&moved, &apply(&moved, &edit).unwrap(), &edit, user(8));
         assert!(history.redo_name().is_none() && history.undo(&moved).is_some());
+    }
+
+    #[test]
+    fn undo_takes_back_one_sources_gesture_and_leaves_what_another_changed_meanwhile() {
+        let first = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
+        let mut history = History::default();
+        let mut present = first.clone();
+        let score = Gesture { source: Source::Program("score"), number: 1 };
+        let moves = [110, 115, 120].map(|mm| Edit::Move { slot: 0, position_m: f64::from(mm) * 1e-3 });
+        let levels = [0.3, 0.2, 0.1].map(|level| Edit::Level { slot: 0, level });
+        for (edit, level) in moves.iter().zip(&levels) {
+            for (edit, gesture) in [(edit, score), (level, user(7))] {
+                let next = apply(&present, edit).unwrap();
+                history.note(&present, &next, edit, gesture);
+                present = next;
+            }
+        }
+        // The user's began later.
+        let back = history.undo(&present).unwrap();
+        assert_eq!((back.tones[0].position_m, back.tones[0].level), (0.12, first.tones[0].level));
+        let all = history.undo(&back).unwrap();
+        assert_eq!((&all, history.undo_name()), (&first, None));
+        let again = history.redo(&all).unwrap();
+        assert_eq!(history.redo(&again).unwrap(), present);
     }
 }

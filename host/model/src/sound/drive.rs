@@ -1,8 +1,8 @@
 //! The drive itself as sound: for a voice coil at the output of a sound card.
 
 use super::{Partial, Sound};
-use crate::played::PlayedTone;
 use crate::sounding::SoundingDrive;
+use slipline_link::PlayedTone;
 
 /// The highest frequency that is played, in Hz: sound cards, and the amplifiers behind them, are made for hearing;
 /// above it a boundary's level would depend on which one it is.
@@ -37,7 +37,6 @@ mod tests {
     use super::*;
     use crate::field::simulation::device_table;
     use crate::field::steady_field::SteadyTone;
-    use crate::played::Played;
     use slipline_link::protocol::command::{Apply, Drive, Tone};
     use slipline_link::protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
     use std::sync::Arc;
@@ -50,7 +49,7 @@ mod tests {
         let steady = SteadyTone { slot: 3, frequency_hz: table.frequency_hz(tone.position), peak_m: 1e-4 };
         let tones = [tone].into_iter().collect();
         let drive = Drive { tones, master: CentiDecibel(master), glide: 400, apply: Apply::Next };
-        let played = Played::Drive(Arc::new(drive));
+        let played = drive.into();
         SoundingDrive { number: 1, played, table, tones: vec![steady], reached: 0 }
     }
 

@@ -1,12 +1,30 @@
-//! A setup as a chord: its tones as multiples of one base frequency, as loud as their peak allows.
+//! How a setup sounds: as the sum of its tones, or as a chord, its tones as multiples of one base frequency, as loud as their
+//! peak allows.
 
-use crate::setup::Setup;
+use crate::setup::{Setup, edit};
 use slipline_link::protocol::command::Apply;
-use slipline_link::{ChordRequest, ChordToneRequest, DeviceTable};
+use slipline_link::{ChordRequest, DeviceTable, HarmonicRequest, Refusal, Snapshot, Sounding};
 use slipline_plate::texture::CHORD_PERIOD;
 
 /// How far a tone's frequency may lie from a multiple, as a share of the base frequency: what a place on the wire is rounded by.
 const OFF: f64 = 0.25;
+
+/// What plays a setup on the device of a snapshot, which holds this table, its plate's: the setup's chord if there is one that
+/// the device can play, otherwise its tones.
+///
+/// # Errors
+/// What the device would refuse of the chord whatever its master level.
+pub fn sounding(
+    setup: &Setup,
+    chord: Option<ChordRequest>,
+    table: &DeviceTable,
+    snapshot: &Snapshot,
+) -> Result<Sounding, Refusal> {
+    match (chord.filter(|_| snapshot.can_play_chords()), &snapshot.identity) {
+        (Some(chord), Some(identity)) => Ok(Sounding::Chord(chord.fitted(identity, table)?)),
+        _ => Ok(Sounding::Drive(edit::drive(setup))),
+    }
+}
 
 /// The chord of a setup on a device with this table. `None` if the setup is no chord, or if a tone of it is no multiple of the
 /// sample rate over [`CHORD_PERIOD`] there, because the device has another sample rate, for example.
@@ -21,7 +39,7 @@ pub fn chord_of(setup: &Setup, table: &DeviceTable) -> Option<ChordRequest> {
         .map(|tone| {
             let multiple = table.frequency_hz(table.position(tone.position_m)?) / base_hz;
             let harmonic = multiple.round();
-            ((multiple - harmonic).abs() <= OFF).then_some(ChordToneRequest {
+            ((multiple - harmonic).abs() <= OFF).then_some(HarmonicRequest {
                 harmonic: harmonic as u16,
                 level: (tone.level * louder).min(1.0),
                 phase_turns: tone.phase_turns,

@@ -127,7 +127,7 @@ mod tests {
     use slipline_plate::preset;
 
     fn drive() -> Change {
-        Change::Drive(Arc::new(one_tone(0, Position(20_000), 2000)))
+        Change::Play(one_tone(0, Position(20_000), 2000).into())
     }
 
     fn job(entries: &[(u64, u64, Change)], now: u64) -> WaveformJob {

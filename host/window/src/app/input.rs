@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::files::{FileJob, PROFILE_EXTENSIONS, has_extension, is_measurement};
-use crate::intent::{Dialog, Grab, Held, Intent, Intents};
+use crate::intent::{Dialog, Held, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
 use slipline_link::Snapshot;
@@ -105,7 +105,7 @@ impl App {
         }
     }
 
-    /// During a drag, each move of the pointer moves what it holds: a tone is sent before anything is painted.
+    /// During a drag, the pointer moves what it holds: a tone is sent before anything is painted.
     pub(super) fn follow_pointer(&mut self, ctx: &egui::Context) {
         let Some(grab) = self.grab else { return };
         let (moves, is_down) = ctx.input(|input| {
@@ -116,19 +116,19 @@ impl App {
                 .collect();
             (moves, input.pointer.primary_down())
         });
-        for to in moves {
-            self.drag_to(grab, to);
+        let places_m: Vec<f64> =
+            moves.iter().map(|to| grab.axis.place_from_screen(to.x - grab.offset)).collect();
+        match (grab.held, places_m.last()) {
+            (_, None) => {}
+            (Held::Finger, Some(&place_m)) => self.instrument.move_finger(place_m),
+            (Held::Tone(slot), Some(_)) => {
+                self.settings.has_dragged = true;
+                self.instrument.drag_line(slot, &places_m);
+            }
         }
         if !is_down {
             self.grab = None;
         }
-    }
-
-    fn drag_to(&mut self, grab: Grab, pointer: egui::Pos2) {
-        let shown_m = grab.axis.place_from_screen(pointer.x - grab.offset);
-        let Held::Tone(slot) = grab.held else { return self.instrument.move_finger(shown_m) };
-        self.settings.has_dragged = true;
-        self.instrument.drag_line(slot, shown_m);
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {

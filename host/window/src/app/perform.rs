@@ -30,7 +30,7 @@ impl App {
                 Intent::Edit(edit) => self.instrument.edit(&edit),
                 Intent::MoveLine { slot, place_m } => {
                     self.instrument.end_replay();
-                    self.instrument.drag_line(slot, place_m);
+                    self.instrument.drag_line(slot, &[place_m]);
                 }
                 Intent::Device(asked) => {
                     if let DeviceIntent::AutoReconnect(looks) = asked {
@@ -200,7 +200,7 @@ impl App {
                 let Some(full_peak_m) = self.instrument.full_peak_m() else { return self.fail_unknown() };
                 let subject = Subject {
                     setup: self.instrument.setup().clone(),
-                    predicted: self.instrument.predicted().clone(),
+                    predicted: self.instrument.shown().predicted.clone(),
                     sounding: self.instrument.sounding_on_screen().cloned(),
                     sheet: self.instrument.shown_sheet().cloned(),
                     measured: self.instrument.current_measured().cloned(),
@@ -224,7 +224,7 @@ impl App {
                 let measured = self.instrument.current_measured();
                 let text = csv_wav::envelope_csv(
                     self.instrument.setup(),
-                    self.instrument.predicted(),
+                    self.instrument.shown().predicted,
                     measured,
                     full_peak_m,
                 );

@@ -19,7 +19,11 @@ use slipline_model::waveform;
 use std::io;
 
 /// The app in a window of the system.
-struct Window(App);
+struct Window {
+    app: App,
+    /// It ends, and stops the device, with the window.
+    _worker: Worker,
+}
 
 /// The smallest size of the window, in points: a screen of 640 x 480 also shows bars of the system.
 const LEAST_SIZE: [f32; 2] = [640.0, 400.0];
@@ -29,16 +33,16 @@ const KEPT_SETUP: &str = "setup";
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        self.0.logic(ctx);
+        self.app.logic(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        self.0.show(ui);
+        self.app.show(ui);
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        storage.set_string(KEPT_SETTINGS, self.0.settings.write());
-        storage.set_string(KEPT_SETUP, setup_file::write(self.0.setup()));
+        storage.set_string(KEPT_SETTINGS, self.app.settings.write());
+        storage.set_string(KEPT_SETUP, setup_file::write(self.app.setup()));
     }
 
     fn persist_egui_memory(&self) -> bool {
@@ -150,14 +154,14 @@ fn open(
     let handle = worker.handle();
     stop_on_panic(handle.clone());
     opened(handle.clone(), closer(ctx));
-    let parts = Parts { bench, ..Parts::threaded(ctx, Box::new(worker))? };
+    let parts = Parts { bench, ..Parts::threaded(ctx, Box::new(handle.clone()))? };
     let kept = |key: &str| context.storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
     let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
         Some(Ok(Opened::Setup(setup))) => *setup,
         _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
     };
-    Ok((Window(App::new(ctx, parts, setup, settings)), handle))
+    Ok((Window { app: App::new(ctx, parts, setup, settings), _worker: worker }, handle))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::test_app::{TestApp, open_window};
 use eframe::egui::{self, Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::State;
-use slipline_link::{Change, Request};
+use slipline_link::{Change, Played, Request, Sounding};
 use slipline_model::field::steady_field::SteadyTone;
 use slipline_model::setup::Setup;
 use slipline_model::sounding;
@@ -39,8 +39,8 @@ fn sounds_as_chord(app: &TestApp) -> Option<bool> {
     let snapshot = app.snapshot();
     sounding::sounding(&snapshot)?;
     let is_chord = |change: &Change| match change {
-        Change::Chord(_) => Some(true),
-        Change::Drive(_) => Some(false),
+        Change::Play(Played::Chord(_)) => Some(true),
+        Change::Play(Played::Drive(_)) => Some(false),
         _ => None,
     };
     snapshot.journal.iter().rev().find_map(|entry| is_chord(&entry.change))
@@ -48,8 +48,12 @@ fn sounds_as_chord(app: &TestApp) -> Option<bool> {
 
 /// What was asked of the device's tones since the last call.
 fn played(app: &TestApp) -> Vec<Request> {
-    let is_of_tones =
-        |request: &Request| matches!(request, Request::Stop | Request::Chord(_) | Request::Drive(_));
+    let is_of_tones = |request: &Request| {
+        matches!(
+            request,
+            Request::Stop | Request::Play(Sounding::Chord(_)) | Request::Play(Sounding::Drive(_))
+        )
+    };
     app.take_sent().into_iter().filter(is_of_tones).collect()
 }
 
@@ -78,13 +82,13 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     assert_eq!(app.window.state().setup().chord_gain_db, None);
     assert_eq!(sounds_as_chord(&app), Some(false));
     assert!(app.is_driving() && app.window.state().notice().is_none());
-    assert!(matches!(played(&app)[..], [Request::Stop, Request::Drive(_)]));
+    assert!(matches!(played(&app)[..], [Request::Stop, Request::Play(Sounding::Drive(_))]));
     // What was undone sounds as it did.
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     app.wait(400);
     assert_eq!(sounds_as_chord(&app), Some(true));
     assert!(app.is_driving());
-    assert!(matches!(played(&app)[..], [Request::Stop, Request::Chord(_)]));
+    assert!(matches!(played(&app)[..], [Request::Stop, Request::Play(Sounding::Chord(_))]));
 }
 
 #[test]

@@ -6,9 +6,9 @@ use crate::real_device;
 use crate::test_app::{TestApp, open_window};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline_link::Request;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::limits::MAX_DRIVE_MS;
+use slipline_link::{Request, Sounding};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
@@ -62,7 +62,8 @@ fn a_real_device_and_every_other_fault_are_cleared_by_hand() {
         window.key_press_modifiers(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Enter);
         window.run_steps(5);
         let sent = link.sent.borrow();
-        let is_kept = |request: &Request| matches!(request, Request::ClearFaults | Request::Drive(_));
+        let is_kept =
+            |request: &Request| matches!(request, Request::ClearFaults | Request::Play(Sounding::Drive(_)));
         assert!(!sent.iter().any(is_kept), "{sent:?}");
     }
 }

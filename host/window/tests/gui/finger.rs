@@ -5,7 +5,7 @@ use crate::test_app::TestApp;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_link::Request;
+use slipline_link::{Request, Sounding};
 
 pub(crate) fn choose(app: &mut TestApp, name: &str) {
     app.window.get_by_role_and_label(Role::RadioButton, name).click_accesskit();
@@ -69,7 +69,7 @@ fn a_finger_is_dragged_along_the_plate_and_the_field_follows() {
     choose(&mut app, "None");
     assert_eq!(height(&app), untouched);
     assert_eq!(app.setup_text(), before, "the finger is no part of the setup");
-    assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Drive(_))));
+    assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Play(Sounding::Drive(_)))));
 }
 
 #[test]

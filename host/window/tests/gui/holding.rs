@@ -8,8 +8,8 @@ use crate::{line_rect, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
-use slipline_link::Request;
 use slipline_link::simulator::SimulatedInputs;
+use slipline_link::{Request, Sounding};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU16, Ordering};
 
@@ -199,7 +199,7 @@ fn a_measurement_ends_it_and_while_one_runs_it_is_refused() {
     let place = |is_it: fn(&Request) -> bool| sent.iter().position(is_it);
     let end = place(|request| matches!(request, Request::Hold(hold) if hold.tones.is_empty()));
     assert!(end.is_some_and(|end| {
-        place(|request| matches!(request, Request::Comb(_))).is_none_or(|comb| end < comb)
+        place(|request| matches!(request, Request::Play(Sounding::Comb(_)))).is_none_or(|comb| end < comb)
     }));
     assert!(notice(&app).contains("the sensor is needed to measure the plate"), "{}", notice(&app));
     app.wait(500);

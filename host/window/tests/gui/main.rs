@@ -62,7 +62,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use fake_files::FakeFiles;
 use fixed_link::FixedLink;
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkState, Request, Snapshot};
+use slipline_link::{LinkState, Request, Snapshot, Sounding};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 use test_app::{TestApp, open_window};
@@ -105,7 +105,7 @@ fn arrow_right(app: &mut TestApp) {
 
 fn drives(requests: &[Request]) -> Vec<f64> {
     let boundary = |request: &Request| match request {
-        Request::Drive(drive) => Some(drive.tones[0].boundary_m * 1e3),
+        Request::Play(Sounding::Drive(drive)) => Some(drive.tones[0].boundary_m * 1e3),
         _ => None,
     };
     requests.iter().filter_map(boundary).collect()
@@ -408,7 +408,10 @@ fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself()
     window.get_by_label("Arm").click();
     window.run_steps(5);
     assert!(asked(&link, |request| matches!(request, Request::Arm)));
-    assert!(!asked(&link, |request| matches!(request, Request::Drive(_) | Request::Upload(_))));
+    assert!(!asked(&link, |request| matches!(
+        request,
+        Request::Play(Sounding::Drive(_)) | Request::Upload(_)
+    )));
 }
 
 #[test]

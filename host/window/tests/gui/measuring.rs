@@ -7,8 +7,8 @@ use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
 use slipline_instrument::rig::secret;
-use slipline_link::Request;
 use slipline_link::simulator::SimulatedInputs;
+use slipline_link::{Request, Sounding};
 use slipline_plate::calibrate::departure;
 
 /// A sensor that shows half of the drive, with noise of about a code.
@@ -70,7 +70,7 @@ fn begun() -> TestApp {
 }
 
 fn combs(sent: &[Request]) -> usize {
-    sent.iter().filter(|request| matches!(request, Request::Comb(_))).count()
+    sent.iter().filter(|request| matches!(request, Request::Play(Sounding::Comb(_)))).count()
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn a_plate_is_measured_with_the_device_and_is_silent_afterwards() {
     wait_for_the_end(&mut app);
     let sent = app.take_sent();
     assert!(combs(&sent) >= 3 && matches!(sent.last(), Some(Request::Stop | Request::Note(..))), "{sent:?}");
-    assert!(!sent.iter().any(|request| matches!(request, Request::Drive(_))));
+    assert!(!sent.iter().any(|request| matches!(request, Request::Play(Sounding::Drive(_)))));
     app.wait(500);
     assert!(!app.is_driving());
     assert!(app.window.query_by_label("30.0 mm, run 1").is_some());

@@ -4,7 +4,7 @@ use crate::test_app::TestApp;
 use crate::{arrow_right, boundary_mm, drives, line_rect, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_link::Request;
+use slipline_link::{Request, Sounding};
 
 fn open_play(app: &mut TestApp) {
     app.window.get_by_role_and_label(Role::Button, "Play").click();
@@ -89,7 +89,7 @@ fn a_recorded_drag_is_played_through_the_way_of_a_drag() {
     assert!(seen.contains(&last) && seen.len() >= recorded.len() - 2, "{seen:?} {recorded:?}");
     let sent = app.take_sent();
     assert!(drives(&sent).len() >= recorded.len() - 2, "{sent:?}");
-    assert!(sent.iter().all(|request| matches!(request, Request::Drive(_))), "{sent:?}");
+    assert!(sent.iter().all(|request| matches!(request, Request::Play(Sounding::Drive(_)))), "{sent:?}");
     assert!(app.window.query_by_label("Play the recording").is_some(), "it has ended");
     // Undo takes the whole replay back.
     press(&mut app, Key::Z);

@@ -5,7 +5,7 @@ use crate::test_app::TestApp;
 use crate::{add_tone, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_link::Request;
+use slipline_link::{Request, Sounding};
 
 /// Level, master in dB and glide in seconds, as they are set.
 fn set(app: &TestApp) -> (f64, f64, f64) {
@@ -71,7 +71,7 @@ fn what_is_out_of_range_or_no_value_changes_nothing_and_is_told_with_the_range()
         assert_eq!(set(&app), before, "{field} {text:?}");
         let sent = app.take_sent();
         assert!(
-            !sent.iter().any(|request| matches!(request, Request::Drive(_))),
+            !sent.iter().any(|request| matches!(request, Request::Play(Sounding::Drive(_)))),
             "{field} {text:?}: {sent:?}"
         );
         let told = format!("{reason}{allowed}");

@@ -8,7 +8,9 @@ use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::version::Compatibility;
-use slipline_link::{LinkError, LinkState, Outcome, Port, Request, Snapshot, Ticket, UploadProgress};
+use slipline_link::{
+    LinkError, LinkState, Outcome, Port, Request, Snapshot, Sounding, Ticket, UploadProgress,
+};
 use slipline_window::app::App;
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
@@ -55,7 +57,7 @@ const fn connects(_: &Harness<'static, App>, sent: &[Request]) -> bool {
     matches!(sent, [Request::Connect(_)])
 }
 fn drives(_: &Harness<'static, App>, sent: &[Request]) -> bool {
-    sent.iter().any(|request| matches!(request, Request::Drive(_)))
+    sent.iter().any(|request| matches!(request, Request::Play(Sounding::Drive(_))))
 }
 const fn arms(_: &Harness<'static, App>, sent: &[Request]) -> bool {
     matches!(sent, [Request::Arm])

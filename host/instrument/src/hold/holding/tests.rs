@@ -3,7 +3,7 @@
 use super::*;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
-use slipline_link::{DeviceTable, DriveRequest, HoldLimit, HoldState, LinkState};
+use slipline_link::{DeviceTable, DriveRequest, HoldLimit, HoldState, LinkState, Sounding};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;
 use std::sync::LazyLock;
@@ -81,7 +81,7 @@ impl Bench {
 
     fn drive(&mut self, boundary_m: f64, level: f64) {
         let drive = DriveRequest { glide_s: 0.02, ..DriveRequest::at(&[(boundary_m, level)]) };
-        self.loopback.perform(Request::Drive(drive), |_| ()).unwrap();
+        self.loopback.perform(Request::Play(Sounding::Drive(drive)), |_| ()).unwrap();
     }
 
     fn switch_on(&mut self, max_rise_db: f64) {

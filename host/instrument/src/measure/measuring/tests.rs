@@ -1,11 +1,10 @@
 //! The procedure against a device that answers ideal numbers.
 
 use super::*;
-use crate::measure::Wanted;
-use crate::measure::Warning;
-use slipline_link::LinkState;
+use crate::measure::{Run, Step, Wanted, Warning};
 use slipline_link::protocol::event::{Fault, Faults, Status};
 use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
+use slipline_link::{LinkState, Listened, Refusal, Snapshot};
 use slipline_model::field::simulation;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::check::Colour;
@@ -67,7 +66,7 @@ impl Ideal {
             self.stops += 1;
             return Outcome::Done { at: self.now };
         }
-        let Request::Comb(comb) = request else { panic!("{request:?}") };
+        let Request::Play(Sounding::Comb(comb)) = request else { panic!("{request:?}") };
         assert!(self.sounds.is_none(), "a comb begins in silence");
         let sum = self.amplitudes(comb).iter().sum::<f64>();
         if sum > self.travel {
@@ -82,7 +81,7 @@ impl Ideal {
     /// Of each tone, by the table's gain or that of its nearer end.
     fn amplitudes(&self, comb: &CombRequest) -> Vec<f64> {
         let master = 10_f64.powf(comb.master_db / 20.0);
-        let amplitude = |tone: &CombToneRequest| {
+        let amplitude = |tone: &HarmonicRequest| {
             let turns = f64::from(tone.harmonic) / (128.0 * f64::from(comb.period_blocks));
             let knots = self.table.knots();
             let end = if turns * f64::from(RATE_HZ) < 150.0 { knots.first() } else { knots.last() };
@@ -133,7 +132,12 @@ fn heard(outcome: &mut Outcome) -> Option<&mut Listened> {
     if let Outcome::Listened(listened) = outcome { Some(Arc::make_mut(listened)) } else { None }
 }
 
-fn measuring(points: usize) -> (Measuring, Arc<DeviceTable>) {
+fn measuring(points: usize) -> (Run<Measuring>, Arc<DeviceTable>) {
+    let (measuring, table) = planned(points);
+    (Run::of(measuring), table)
+}
+
+fn planned(points: usize) -> (Measuring, Arc<DeviceTable>) {
     let plate = preset("membrane").unwrap();
     let (_, table) = simulation::table_for(&plate, RATE_HZ).unwrap();
     let wanted = Wanted { points, ..Wanted::of(&plate) };
@@ -144,7 +148,7 @@ fn measuring(points: usize) -> (Measuring, Arc<DeviceTable>) {
 
 /// Runs all steps; `change` may change an outcome.
 fn run(
-    measuring: &mut Measuring,
+    measuring: &mut Run<Measuring>,
     device: &mut Ideal,
     mut change: impl FnMut(&mut Outcome, &Request),
 ) -> Vec<Request> {
@@ -168,10 +172,11 @@ fn run(
 
 #[test]
 fn the_response_of_an_ideal_device_is_found_to_the_last_digits() {
-    let (mut measuring, table) = measuring(60);
+    let (measuring, table) = planned(60);
     let mut device = Ideal::new(&table);
     device.noise = 0.01;
     let combs = measuring.plan.combs.clone();
+    let mut measuring = Run::of(measuring);
     let asked = run(&mut measuring, &mut device, |_, _| ());
     assert!(matches!(asked.last(), Some(Request::Stop)) && device.sounds.is_none());
     assert_eq!(measuring.progress(0), 1.0);
@@ -194,21 +199,23 @@ fn the_response_of_an_ideal_device_is_found_to_the_last_digits() {
 
 #[test]
 fn the_noise_is_that_of_silence_and_of_the_windows_length() {
-    let (mut measuring, table) = measuring(60);
+    let (measuring, table) = planned(60);
     let mut device = Ideal::new(&table);
     // A code of noise over the first window: 2/N of its square is each part's.
-    let samples = measuring.plan.combs[0].window_samples() as f64;
-    device.noise = (2.0 / samples).sqrt();
+    let combs = measuring.plan.combs.clone();
+    device.noise = (2.0 / combs[0].window_samples() as f64).sqrt();
+    let tones = |comb: &Comb| loudness::tones(comb, &table, f64::from(RATE_HZ), measuring.plan.level);
+    let windows: Vec<_> = combs.iter().map(|comb| (tones(comb), comb.window_samples())).collect();
+    let mut measuring = Run::of(measuring);
     run(&mut measuring, &mut device, |_, _| ());
-    let windows = measuring.windows.clone();
     let measured = measuring.finish().unwrap();
     // The silent comb adds next to nothing.
     assert!((measured.noise_codes - 1.0).abs() < 0.02, "{}", measured.noise_codes);
     for point in &measured.measurement.points {
-        let at = |window: &&Window| window.tones.iter().any(|tone| tone.frequency_hz == point.frequency_hz);
-        let window = windows.iter().find(at).unwrap();
-        let tone = window.tones.iter().find(|tone| tone.frequency_hz == point.frequency_hz).unwrap();
-        let wanted = (2.0 / window.samples as f64).sqrt() / (2048.0 * tone.amplitude);
+        let mut tones =
+            windows.iter().flat_map(|(tones, samples)| tones.iter().map(move |tone| (tone, samples)));
+        let (tone, samples) = tones.find(|(tone, _)| tone.frequency_hz == point.frequency_hz).unwrap();
+        let wanted = (2.0 / *samples as f64).sqrt() / (2048.0 * tone.amplitude);
         assert!((point.noise / wanted - 1.0).abs() < 0.05, "{} {wanted}", point.noise);
     }
 }
@@ -318,7 +325,7 @@ fn a_refusal_a_fault_a_lost_link_and_a_cancel_end_with_a_stop_and_their_reason()
     };
     let of = |wanted: Outcome| {
         ended(&mut |outcome, request| {
-            if matches!(request, Request::Comb(_)) {
+            if matches!(request, Request::Play(Sounding::Comb(_))) {
                 *outcome = wanted.clone();
             }
         })
@@ -372,7 +379,7 @@ fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
 
 #[test]
 fn a_device_without_the_input_is_refused() {
-    let (measuring, table) = measuring(16);
+    let (measuring, table) = planned(16);
     let none = InputsReport { inputs: 0, ..INPUTS };
     let refused = Measuring::new(measuring.plan.clone(), table, measuring.sensor, &none).err();
     assert_eq!(refused, Some(MeasureError::NoInputs));

@@ -18,7 +18,6 @@
 //! ```
 
 mod chirp;
-mod codes;
 mod deconvolution;
 mod heard;
 mod plan;

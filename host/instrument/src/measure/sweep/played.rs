@@ -24,7 +24,7 @@ use slipline_link::mirror::Mirror;
 use slipline_link::protocol::command::{Apply, Drive, Tone};
 use slipline_link::protocol::limits::MIN_GLIDE_MS;
 use slipline_link::protocol::units::{CentiDecibel, Phase, Position};
-use slipline_link::{BLOCK, DeviceTable, DriveRequest, Request, ToneRequest};
+use slipline_link::{BLOCK, DeviceTable, DriveRequest, Request, Sounding, ToneRequest};
 use slipline_plate::Plate;
 use slipline_plate::quantity::{OutOfRange, Range};
 
@@ -178,7 +178,7 @@ impl PlayedSweep {
         let known = mirror.acknowledge_table(table.knots().into(), 0);
         let mut known = known.is_ok();
         for step in self.score() {
-            known &= mirror.acknowledge_drive(&step.drive(&table), begin + step.at).is_ok();
+            known &= mirror.acknowledge_play(step.drive(&table), begin + step.at).is_ok();
         }
         let mut codes = Vec::with_capacity(self.end() as usize);
         mirror.render(begin + self.end(), |first, block| {
@@ -220,7 +220,7 @@ impl Move {
         let tone =
             ToneRequest { slot: self.slot, boundary_m: self.to_m, level: self.level, phase_turns: 0.0 };
         let (glide_s, apply) = (self.glide as f64 / rate_hz, Apply::At(from + self.at));
-        Request::Drive(DriveRequest { glide_s, apply, ..DriveRequest::of(vec![tone]) })
+        Request::Play(Sounding::Drive(DriveRequest { glide_s, apply, ..DriveRequest::of(vec![tone]) }))
     }
 
     /// In the device's units.

@@ -1,7 +1,10 @@
 //! What a stop, an emergency stop and a disarm each drop of what is to be sent.
 
 use super::*;
+use crate::chord::ChordRequest;
+use crate::comb::CombRequest;
 use crate::commands::CommandQueue;
+use crate::drive::DriveRequest;
 use crate::listen::{Captured, Listened};
 use crate::recorder::Recorder;
 use crate::request::{Outcome, Request};
@@ -68,9 +71,9 @@ fn jobs() -> Vec<(Job, [Fate; 3])> {
         // Its commands have a table of their own.
         Job::Send(_) = Job::Send(Command::Trigger), Kept, Kept, Kept;
         Job::ArmUnasked = Job::ArmUnasked, Kept, Dropped, Kept;
-        Job::Drive(_) = Job::Drive(drive), Dropped, Dropped, Dropped;
-        Job::Chord(_) = Job::Chord(chord), Dropped, Dropped, Dropped;
-        Job::Comb(_) = Job::Comb(comb), Dropped, Dropped, Dropped;
+        Job::Play(Sounding::Drive(_)) = Job::Play(Sounding::Drive(drive)), Dropped, Dropped, Dropped;
+        Job::Play(Sounding::Chord(_)) = Job::Play(Sounding::Chord(chord)), Dropped, Dropped, Dropped;
+        Job::Play(Sounding::Comb(_)) = Job::Play(Sounding::Comb(comb)), Dropped, Dropped, Dropped;
         Job::Listen(_) = Job::Listen(listen), Kept, Kept, Kept;
         Job::Capture(_) = Job::Capture(capture), Kept, Kept, Kept;
         Job::Hold(_) = Job::Hold(HoldRequest::OFF), Dropped, Dropped, Dropped;

@@ -13,7 +13,7 @@ fn drive(position: u16) -> Change {
     let tone = Tone { slot: 0, position: Position(position), level: Level::FULL, phase: Phase(0) };
     let tones = [tone].into_iter().collect();
     let drive = Drive { tones, master: CentiDecibel(0), glide: 2000, apply: Apply::Next };
-    Change::Drive(Arc::new(drive))
+    Change::Play(drive.into())
 }
 
 fn table() -> Arc<DeviceTable> {
@@ -109,8 +109,8 @@ fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_dri
     let mut mirror = Mirror::new(RATE_HZ, 12_800);
     mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
     mirror.acknowledge_limit(551, 0).unwrap();
-    let Change::Drive(drive) = &entries[2].2 else { panic!() };
-    mirror.acknowledge_drive(drive, 144_128).unwrap();
+    let Change::Play(drive) = &entries[2].2 else { panic!() };
+    mirror.acknowledge_play(drive.clone(), 144_128).unwrap();
     let mut rendered = Vec::new();
     mirror.render(182_400, |_, codes| rendered.extend_from_slice(codes));
     let codes = replay.exact_codes(144_128, 38_272).expect("exact");
@@ -134,8 +134,8 @@ fn codes_over_a_skipped_silence_are_those_of_a_mirror_that_renders_all_of_it() {
     let mut mirror = Mirror::new(RATE_HZ, 12_800);
     mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
     for (_, at, change) in &entries {
-        if let Change::Drive(drive) = change {
-            mirror.acknowledge_drive(drive, *at).unwrap();
+        if let Change::Play(drive) = change {
+            mirror.acknowledge_play(drive.clone(), *at).unwrap();
         } else if matches!(change, Change::Stop) {
             mirror.acknowledge_stop(Stop::Normal, *at).unwrap();
         }
@@ -181,8 +181,8 @@ fn a_stop_that_began_in_the_last_block_is_replayed_exactly() {
     assert!(is_exact(&replay));
     let mut mirror = Mirror::new(RATE_HZ, 12_800);
     mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
-    let Change::Drive(drive) = &entries[1].2 else { panic!() };
-    mirror.acknowledge_drive(drive, 25_600).unwrap();
+    let Change::Play(drive) = &entries[1].2 else { panic!() };
+    mirror.acknowledge_play(drive.clone(), 25_600).unwrap();
     mirror.acknowledge_stop(Stop::Emergency, 76_801).unwrap();
     let mut whole = Vec::new();
     mirror.render(100_000, |_, codes| whole.extend_from_slice(codes));

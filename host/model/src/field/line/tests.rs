@@ -67,12 +67,12 @@ fn beyond_the_limits_the_line_stays_at_them() {
 fn what_the_line_holds_stays_when_the_level_changes_and_returns_when_it_can() {
     let (mut setup, table) = setup("al-bending", 0.8);
     let place_m = 0.25;
-    let at = |_| Some(place_m);
-    setup = held(setup, at, Some(&table));
+    let at = [(0, place_m)];
+    setup = held(setup, &at, Some(&table));
     let loud_m = setup.tones[0].position_m;
     for (master_db, is_felt) in [(-6.0, true), (-60.0, false), (0.0, true)] {
         setup.master_db = master_db;
-        setup = held(setup, at, Some(&table));
+        setup = held(setup, &at, Some(&table));
         let line = lines(&setup, Some(&field(&setup, &table)))[0];
         assert_eq!(line.holds == Holds::FeltEdge, is_felt, "{master_db} dB: {line:?}");
         assert!((line.place_m - place_m).abs() < 1e-5, "{master_db} dB: {line:?}");

@@ -1,15 +1,14 @@
 //! What the device plays, in its own units: a drive by places of its table, or a chord or a comb by multiples of a base
 //! frequency.
 
-use slipline_link::DeviceTable;
-use slipline_link::mirror::{Mirror, TooLate};
-use slipline_link::protocol::command::{Chord, Comb, Drive};
-use slipline_link::protocol::limits::COMB_BLOCK;
-use slipline_link::protocol::units::{CentiDecibel, FinePosition, Gain, Level};
+use crate::table::DeviceTable;
+use slipline_protocol::command::{Apply, Chord, Comb, Drive, Tone};
+use slipline_protocol::limits::COMB_BLOCK;
+use slipline_protocol::units::{CentiDecibel, FinePosition, Gain, Level};
 use std::sync::Arc;
 
 /// What the device plays.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Played {
     /// Tones of the table's places.
     Drive(Arc<Drive>),
@@ -30,6 +29,24 @@ pub struct PlayedTone {
     pub amplitude: f64,
     /// Its peak on the table's own plate, in metres.
     pub peak_m: f64,
+}
+
+impl From<Drive> for Played {
+    fn from(drive: Drive) -> Self {
+        Self::Drive(Arc::new(drive))
+    }
+}
+
+impl From<Chord> for Played {
+    fn from(chord: Chord) -> Self {
+        Self::Chord(Arc::new(chord))
+    }
+}
+
+impl From<Comb> for Played {
+    fn from(comb: Comb) -> Self {
+        Self::Comb(Arc::new(comb))
+    }
 }
 
 /// A level of the wire with a master level, 0..=1.
@@ -66,12 +83,11 @@ impl Played {
         };
         match self {
             Self::Drive(drive) => {
-                let tones = drive.tones.iter();
-                let played = |of: &slipline_link::protocol::command::Tone| {
+                let played = |of: &Tone| {
                     let (hertz, place) = (table.frequency_hz(of.position), of.position.fine());
                     tone(of.slot, hertz, place, share(of.level, drive.master))
                 };
-                tones.map(played).collect()
+                drive.tones.iter().map(played).collect()
             }
             Self::Chord(chord) => {
                 let period = 1_u32 << chord.period_log2;
@@ -96,6 +112,16 @@ impl Played {
         }
     }
 
+    /// When it begins.
+    #[must_use]
+    pub fn apply(&self) -> Apply {
+        match self {
+            Self::Drive(drive) => drive.apply,
+            Self::Chord(chord) => chord.apply,
+            Self::Comb(comb) => comb.apply,
+        }
+    }
+
     /// Number of its tones.
     #[must_use]
     pub fn count(&self) -> usize {
@@ -104,58 +130,5 @@ impl Played {
             Self::Chord(chord) => chord.tones.len(),
             Self::Comb(comb) => comb.tones.len(),
         }
-    }
-
-    /// Tells a mirror that the device plays it from `at` on.
-    ///
-    /// # Errors
-    /// [`TooLate`].
-    pub fn acknowledge(&self, mirror: &mut Mirror, at: u64) -> Result<(), TooLate> {
-        match self {
-            Self::Drive(drive) => mirror.acknowledge_drive(drive, at),
-            Self::Chord(chord) => mirror.acknowledge_chord(chord, at),
-            Self::Comb(comb) => mirror.acknowledge_comb(comb, at),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::field::simulation::device_table;
-    use slipline_link::ChordRequest;
-    use slipline_link::protocol::command::{Apply, ChordTone, Tone};
-    use slipline_link::protocol::units::{Phase, Position};
-    use slipline_plate::DriveTable;
-
-    #[test]
-    fn a_chord_sounds_as_a_drive_of_the_same_frequencies_does() {
-        let plate = slipline_plate::preset("al-bending").unwrap();
-        let table = device_table(&DriveTable::build(&plate, 400e3, 65).unwrap()).unwrap();
-        let position = Position(30_000);
-        // The longest period: 24.4 Hz.
-        let harmonic = (table.frequency_hz(position) / (400e3 / 16_384.0)).round() as u16;
-        let (level, phase, master) = (Level(20_000), Phase(0), CentiDecibel(-300));
-        let tone = Tone { slot: 0, position, level, phase };
-        let tones = [tone].into_iter().collect();
-        let drive = Played::Drive(Arc::new(Drive { tones, master, glide: 8000, apply: Apply::Next }));
-        let tones = [ChordTone { harmonic, level, phase }].into_iter().collect();
-        let chord = Chord { period_log2: 14, tones, master, glide: 8000, apply: Apply::Next };
-        let chord = Played::Chord(Arc::new(chord));
-        let ([by_place], [by_multiple]) = (&drive.tones(&table)[..], &chord.tones(&table)[..]) else {
-            panic!("one tone each")
-        };
-        assert!((by_place.frequency_hz - by_multiple.frequency_hz).abs() < 12.3);
-        let near = |one: f64, other: f64| (one / other - 1.0).abs() < 0.01;
-        assert!(near(by_place.amplitude, by_multiple.amplitude), "{by_place:?} {by_multiple:?}");
-        assert!(near(by_place.peak_m, by_multiple.peak_m), "{by_place:?} {by_multiple:?}");
-        assert!((by_multiple.frequency_hz / f64::from(harmonic) - 400e3 / 16_384.0).abs() < 1e-9);
-        // A multiple below the table's lowest frequency.
-        let low = ChordRequest::of(14, Vec::new());
-        let identity = slipline_link::simulator::loopback::Loopback::connect(400_000).unwrap();
-        let identity = identity.view().identity.clone().unwrap();
-        let mut low = low.for_device(&identity, None).unwrap();
-        low.tones.push(ChordTone { harmonic: 3, level, phase }).unwrap();
-        assert!(Played::Chord(Arc::new(low)).tones(&table).is_empty());
     }
 }

@@ -1,0 +1,73 @@
+//! What is new in a snapshot of link and device.
+
+use slipline_link::protocol::event::{Fault, Faults};
+use slipline_link::{Refusal, Snapshot, Ticket};
+
+/// What has changed since the last look. The default: nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// The device has refused this request.
+    pub refused: Option<(Ticket, Refusal)>,
+    /// The state of link or device is another.
+    pub state: bool,
+    /// The device has stopped at the end of its drive time, or that fault is gone.
+    pub drive_time_over: Option<bool>,
+    /// The link has ended the drive, because whoever drives did not respond.
+    pub stalled: bool,
+    /// The device's table is another.
+    pub table: bool,
+    /// The device has other faults.
+    pub faults: bool,
+}
+
+impl Changes {
+    /// What is new in `now` after `before`.
+    #[must_use]
+    pub fn between(before: &Snapshot, now: &Snapshot) -> Self {
+        let latest = |snapshot: &Snapshot| snapshot.last_refusal.as_ref().map(|(ticket, _)| *ticket);
+        let faults = |snapshot: &Snapshot| snapshot.status.map_or(Faults::NONE, |status| status.faults);
+        let is_over = |snapshot: &Snapshot| faults(snapshot).contains(Fault::DriveTime);
+        let state = |snapshot: &Snapshot| snapshot.status.map(|status| status.state);
+        let table = |snapshot: &Snapshot| snapshot.table.active.map(|header| header.crc);
+        Self {
+            refused: now.last_refusal.clone().filter(|_| latest(before) != latest(now)),
+            state: before.link != now.link || state(before) != state(now),
+            drive_time_over: (is_over(before) != is_over(now)).then(|| is_over(now)),
+            stalled: before.driver_stalls != now.driver_stalls,
+            table: table(before) != table(now),
+            faults: faults(before) != faults(now),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_link::LinkState;
+    use slipline_link::protocol::event::{State, Status};
+
+    #[test]
+    fn what_is_new_is_reported_once() {
+        let before = Snapshot { link: LinkState::Connected, ..Snapshot::default() };
+        let status =
+            Status { state: State::Fault, faults: Faults::NONE.with(Fault::DriveTime), ..Status::default() };
+        let refused = Some((Ticket(3), Refusal::UnexpectedReply));
+        let now = Snapshot {
+            status: Some(status),
+            last_refusal: refused.clone(),
+            driver_stalls: 1,
+            ..before.clone()
+        };
+        let first = Changes {
+            refused,
+            state: true,
+            drive_time_over: Some(true),
+            stalled: true,
+            table: false,
+            faults: true,
+        };
+        assert_eq!(Changes::between(&before, &now), first);
+        assert_eq!(Changes::between(&now, &now), Changes::default());
+        assert_eq!(Changes::between(&now, &before).drive_time_over, Some(false));
+    }
+}

@@ -1,0 +1,107 @@
+//! What the setup would do on its plate. It is computed when it is looked at, and once for all changes before that.
+
+use super::Instrument;
+#[cfg(test)]
+use super::tests;
+use slipline_link::ChordRequest;
+use slipline_model::field::felt::Felt;
+use slipline_model::field::line::{self, Holds, Line};
+use slipline_model::field::steady_field::{SteadyField, steady_tones};
+use slipline_model::texture::chord_of;
+use slipline_plate::DriveTable;
+use std::cell::{Cell, OnceCell};
+
+/// What is known of the setup's tones. The default is that nothing has been looked at.
+#[derive(Default)]
+pub(crate) struct Prediction {
+    field: OnceCell<Predicted>,
+    chord: OnceCell<Option<ChordRequest>>,
+    /// The places that the line of a tone can have, in metres.
+    limits_m: Cell<Option<(u8, (f64, f64))>>,
+}
+
+/// The field and what is read from it.
+pub(crate) struct Predicted {
+    /// The plate under the tones, with the finger if there is one.
+    pub(crate) field: SteadyField,
+    /// What is felt without a finger; `None` while its height is not known.
+    pub(crate) felt: Option<Felt>,
+    /// The boundary line of each tone, in their order.
+    pub(crate) lines: Vec<Line>,
+}
+
+impl Instrument {
+    /// The setup, its table or the finger is another one.
+    pub(crate) fn forget_prediction(&mut self) {
+        self.prediction = Prediction::default();
+    }
+
+    /// What is predicted of the setup.
+    pub(crate) fn predicted(&self) -> &Predicted {
+        self.prediction.field.get_or_init(|| {
+            #[cfg(test)]
+            tests::count(&tests::FIELDS);
+            let (plate, table) = (&self.setup.plate, self.drive_table());
+            let tones = match self.chord() {
+                Some(_) => steady_tones(&self.setup, table),
+                None => steady_tones(&self.setup.without_chord(), table),
+            };
+            let alone = SteadyField::solve(plate, &tones);
+            let known = table.map(|_| &alone);
+            Predicted {
+                lines: line::lines(&self.setup, known),
+                felt: known.map(|known| Felt::of(plate, &self.setup.feeling, known)),
+                field: match self.finger() {
+                    None => alone,
+                    Some(finger) => SteadyField::solve_touched(plate, &tones, Some(&finger)),
+                },
+            }
+        })
+    }
+
+    /// The setup's tones as a chord, if they are one that the device can play with its plate's table.
+    pub(crate) fn chord(&self) -> Option<&ChordRequest> {
+        let chord = self.prediction.chord.get_or_init(|| {
+            #[cfg(test)]
+            tests::count(&tests::CHORDS);
+            let made = self.screen_table().filter(|_| self.snapshot.can_play_chords())?;
+            chord_of(&self.setup, &made.device_table)
+        });
+        chord.as_ref()
+    }
+
+    /// The line of the tone in a slot.
+    pub fn line(&self, slot: u8) -> Option<&Line> {
+        self.predicted().lines.iter().find(|line| line.slot == slot)
+    }
+
+    /// Where the felt edge of the tone in a slot stays while levels change: where the user has put it, in metres.
+    pub(crate) fn edge_m(&self, slot: u8) -> Option<f64> {
+        let kept = self.edges_m.iter().find(|(of, _)| *of == slot).map(|(_, place_m)| *place_m);
+        let line = || self.line(slot).filter(|line| line.holds == Holds::FeltEdge);
+        kept.or_else(|| line().map(|line| line.place_m))
+    }
+
+    /// The places that the line of the selected tone can have, in metres.
+    pub(crate) fn limits_m(&self) -> (f64, f64) {
+        if let Some((slot, limits_m)) = self.prediction.limits_m.get()
+            && slot == self.selected
+        {
+            return limits_m;
+        }
+        let Some(tone) = self.setup.tone(self.selected) else { return self.setup.plate.span_m() };
+        let limits_m = line::limits_m(&self.setup, tone, self.drive_table());
+        self.prediction.limits_m.set(Some((self.selected, limits_m)));
+        limits_m
+    }
+
+    /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
+    pub fn full_peak_m(&self) -> Option<f64> {
+        self.drive_table().map(|table| table.peak_at_full_scale_m)
+    }
+
+    /// The table of the setup's plate, once it is finished.
+    pub(crate) fn drive_table(&self) -> Option<&DriveTable> {
+        self.screen_table().map(|made| &made.drive_table)
+    }
+}

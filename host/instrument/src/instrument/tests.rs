@@ -1,0 +1,135 @@
+//! An instrument on a simulated device in virtual time: what one frame costs, and whose word counts.
+
+use super::*;
+use slipline_link::simulator::loopback::Loopback;
+use slipline_link::{Port, Sounding};
+use slipline_model::setup::edit::Edit;
+use slipline_model::setup::undo::{Gesture, Source};
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+use std::thread::LocalKey;
+
+thread_local! {
+    /// Times that a chord was looked for.
+    pub(super) static CHORDS: Cell<u32> = const { Cell::new(0) };
+    /// Times that the field was solved.
+    pub(super) static FIELDS: Cell<u32> = const { Cell::new(0) };
+}
+
+pub(super) fn count(counter: &'static LocalKey<Cell<u32>>) {
+    counter.set(counter.get() + 1);
+}
+
+struct Wire {
+    loopback: RefCell<Loopback>,
+    sent: RefCell<Vec<Request>>,
+}
+
+struct Wired(Rc<Wire>);
+
+impl Link for Wired {
+    fn send(&self, request: Request) -> Ticket {
+        self.0.sent.borrow_mut().push(request.clone());
+        self.0.loopback.borrow_mut().hand_over(request)
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        Arc::new(self.0.loopback.borrow().view().clone())
+    }
+}
+
+impl Wire {
+    /// Lets the device go on for some milliseconds, and the instrument after it.
+    fn turn(&self, instrument: &mut Instrument) {
+        self.loopback.borrow_mut().pass(20, |_| ());
+        instrument.take_reports();
+        instrument.turn();
+    }
+
+    /// What was sent of drives, stops and arming since the last call.
+    fn sent(&self) -> Vec<Request> {
+        let mut sent = self.sent.take();
+        sent.retain(|request| {
+            matches!(request, Request::Play(_) | Request::Stop | Request::Arm | Request::Disarm)
+        });
+        sent
+    }
+}
+
+/// A membrane that is driven.
+fn driven() -> (Instrument, Rc<Wire>) {
+    let loopback = RefCell::new(Loopback::connect(400_000).unwrap());
+    let wire = Rc::new(Wire { loopback, sent: RefCell::default() });
+    let setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
+    let link = Box::new(Wired(Rc::clone(&wire)));
+    let mut instrument = Instrument::new(link, Jobs::inline(), Bench::default(), setup);
+    instrument.connect(Port::Simulated);
+    while !instrument.is_sounding() {
+        wire.turn(&mut instrument);
+    }
+    wire.sent();
+    (instrument, wire)
+}
+
+#[test]
+fn moves_of_one_frame_are_recorded_predicted_once_and_looked_at_once_for_a_chord() {
+    let (mut instrument, _wire) = driven();
+    instrument.record(true);
+    let (start_m, end_m) = instrument.limits_m();
+    CHORDS.set(0);
+    FIELDS.set(0);
+    let at = |share: f64| start_m + share * (end_m - start_m);
+    instrument.drag_line(0, &[at(0.3), at(2.0), at(0.5)]);
+    instrument.turn();
+    for _ in 0..2 {
+        let _ = instrument.shown();
+    }
+    assert_eq!((CHORDS.get(), FIELDS.get()), (1, 1));
+    let moves = instrument.recorder().recording().moves().iter();
+    let places_m: Vec<f64> = moves.map(|step| step.place_m).collect();
+    let is_at = |(place_m, share): (&f64, f64)| (place_m - at(share)).abs() < 1e-5;
+    assert!(places_m.len() == 3 && places_m.iter().zip([0.3, 1.0, 0.5]).all(is_at), "{places_m:?}");
+}
+
+#[test]
+fn the_newest_change_counts_a_stop_ends_every_source_and_the_user_alone_drives_again() {
+    let (mut instrument, wire) = driven();
+    let (start_m, end_m) = instrument.setup().plate.span_m();
+    let move_to = |share: f64| Edit::Move { slot: 0, position_m: start_m + share * (end_m - start_m) };
+    let program = Gesture { source: Source::Program("score"), number: 1 };
+    let share = |request: &Request| {
+        let Request::Play(Sounding::Drive(drive)) = request else { panic!("{request:?}") };
+        ((drive.tones[0].boundary_m - start_m) / (end_m - start_m) * 100.0).round()
+    };
+    instrument.edit_by(program, &move_to(0.2));
+    instrument.edit(&move_to(0.6));
+    instrument.edit_by(program, &move_to(0.4));
+    assert_eq!(wire.sent().iter().map(share).collect::<Vec<f64>>(), [20.0, 60.0, 40.0]);
+    wire.turn(&mut instrument);
+    assert!(wire.sent().is_empty());
+
+    instrument.record(true);
+    instrument.drag_line(0, &[start_m, end_m]);
+    instrument.record(false);
+    instrument.play(true);
+    wire.sent();
+    instrument.stop();
+    assert!(instrument.recorder().played_s().is_none());
+    for number in 0..50 {
+        instrument.edit_by(Gesture { number, ..program }, &move_to(0.01 * number as f64));
+        wire.turn(&mut instrument);
+    }
+    assert!(matches!(wire.sent()[..], [Request::Stop]));
+    instrument.disarm();
+    wire.turn(&mut instrument);
+    instrument.edit_by(program, &move_to(0.7));
+    wire.turn(&mut instrument);
+    assert!(matches!(wire.sent()[..], [Request::Stop, Request::Disarm]));
+    instrument.start();
+    for _ in 0..50 {
+        wire.turn(&mut instrument);
+    }
+    let sent = wire.sent();
+    assert!(matches!(sent[..], [Request::Arm, Request::Play(_)]), "{sent:?}");
+    assert_eq!(share(&sent[1]), 70.0);
+}

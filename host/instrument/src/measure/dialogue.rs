@@ -1,0 +1,167 @@
+//! The dialogue of a procedure with a device: one request, and its outcome before the next one.
+
+use super::codes::Codes;
+use super::error::MeasureError;
+use super::setback::ended_by;
+use slipline_link::{DeviceTable, Outcome, Request, Snapshot};
+use std::cell::RefCell;
+use std::future::poll_fn;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::task::Poll;
+
+/// How often the device is asked how far it is until the codes are known that it has played by then.
+const LOOKS: u32 = 400;
+
+/// One procedure's dialogue with a device. All clones are the same one.
+#[derive(Clone, Default)]
+pub struct Dialogue(Rc<RefCell<State>>);
+
+#[derive(Default)]
+struct State {
+    asked: Option<Request>,
+    outcome: Option<Outcome>,
+    /// The device's sample index, by its last status.
+    now: u64,
+    codes: Option<Codes>,
+    /// The plate's own table, while the device may hold another.
+    own_table: Option<Arc<DeviceTable>>,
+    progress: Progress,
+    is_checking: bool,
+    /// Whether the last request was a stop, and was done.
+    is_silent: bool,
+}
+
+/// How far a procedure is, in samples.
+#[derive(Clone, Copy)]
+struct Progress {
+    done: u64,
+    all: u64,
+    /// What is under way: from which sample on, and how many.
+    running: Option<(u64, u64)>,
+    /// The part of the whole, each 0 to 1.
+    part: (f64, f64),
+}
+
+impl Default for Progress {
+    fn default() -> Self {
+        Self { done: 0, all: 1, running: None, part: (0.0, 1.0) }
+    }
+}
+
+impl Dialogue {
+    /// Asks for this, and waits for its outcome.
+    pub(super) async fn ask(&self, request: Request) -> Outcome {
+        {
+            let mut state = self.0.borrow_mut();
+            (state.asked, state.is_silent) = (Some(request), false);
+        }
+        poll_fn(|_| self.0.borrow_mut().outcome.take().map_or(Poll::Pending, Poll::Ready)).await
+    }
+
+    /// Asks for this; the sample index at which it was done.
+    pub(super) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
+        match self.ask(request).await {
+            Outcome::Done { at } => Ok(at),
+            other => Err(ended_by(&other)),
+        }
+    }
+
+    /// Stops whatever sounds.
+    pub(super) async fn stop(&self) -> Result<(), MeasureError> {
+        self.done(Request::Stop).await?;
+        self.0.borrow_mut().is_silent = true;
+        Ok(())
+    }
+
+    /// Has the device hold a table that is not its own, which it gets back at the end; the sample index from which it does.
+    pub(super) async fn lend(
+        &self,
+        table: &Arc<DeviceTable>,
+        own: &Arc<DeviceTable>,
+    ) -> Result<u64, MeasureError> {
+        self.0.borrow_mut().own_table = Some(Arc::clone(own));
+        self.done(Request::Upload(Arc::clone(table))).await
+    }
+
+    /// Waits until the device is past a sample.
+    pub(super) async fn past(&self, sample: u64) -> Result<(), MeasureError> {
+        while self.now() <= sample {
+            self.done(Request::Refresh).await?;
+        }
+        Ok(())
+    }
+
+    /// The codes that the device plays from a sample on, once they are known.
+    pub(super) async fn codes(&self, from: u64, count: u64) -> Result<Vec<u16>, MeasureError> {
+        let mut looks = 0;
+        loop {
+            if let Some(codes) = self.0.borrow().codes.as_ref().and_then(|codes| codes.played(from, count)) {
+                return Ok(codes);
+            }
+            looks += u32::from(self.now() > from + count);
+            if looks > LOOKS {
+                return Err(MeasureError::Unknown);
+            }
+            self.done(Request::Refresh).await?;
+        }
+    }
+
+    /// The device's sample index, by its last status.
+    pub(super) fn now(&self) -> u64 {
+        self.0.borrow().now
+    }
+
+    /// Replays what the device plays from now on, so many samples at most.
+    pub(super) fn replay(&self, samples: u64) {
+        self.0.borrow_mut().codes = Some(Codes::new(samples));
+    }
+
+    /// So many samples of `all` are done; of what is under way, the first sample and the number.
+    pub(super) fn mark(&self, done: u64, all: u64, running: Option<(u64, u64)>) {
+        let progress = &mut self.0.borrow_mut().progress;
+        *progress = Progress { done, all, running, ..*progress };
+    }
+
+    /// What comes now is this part of the whole, from share to share; whether it checks the drive.
+    pub(super) fn part(&self, from: f64, to: f64, is_checking: bool) {
+        let mut state = self.0.borrow_mut();
+        state.progress = Progress { part: (from, to), ..Progress::default() };
+        state.is_checking = is_checking;
+    }
+
+    pub(super) fn asked(&self) -> Option<Request> {
+        self.0.borrow_mut().asked.take()
+    }
+
+    pub(super) fn answer(&self, outcome: Outcome) {
+        self.0.borrow_mut().outcome = Some(outcome);
+    }
+
+    pub(super) fn own_table(&self) -> Option<Arc<DeviceTable>> {
+        self.0.borrow_mut().own_table.take()
+    }
+
+    pub(super) fn follow(&self, snapshot: &Snapshot) {
+        let mut state = self.0.borrow_mut();
+        if let Some(codes) = &mut state.codes {
+            codes.follow(snapshot);
+        }
+        state.now = snapshot.status.map_or(state.now, |status| status.now);
+    }
+
+    pub(super) fn is_silent(&self) -> bool {
+        self.0.borrow().is_silent
+    }
+
+    pub(super) fn is_checking(&self) -> bool {
+        self.0.borrow().is_checking
+    }
+
+    /// The share that is done, 0 to 1, when the device is at sample `now`.
+    pub(super) fn progress(&self, now: u64) -> f64 {
+        let Progress { done, all, running, part: (from, to) } = self.0.borrow().progress;
+        let running = running.map_or(0, |(begin, count)| now.saturating_sub(begin).min(count));
+        from + (to - from) * ((done + running) as f64 / all.max(1) as f64).min(1.0)
+    }
+}

@@ -1,0 +1,45 @@
+//! What is to sound, in metres, shares and seconds: tones by their places, or by their multiples of a base frequency.
+
+use crate::chord::ChordRequest;
+use crate::comb::CombRequest;
+use crate::drive::{DriveError, DriveRequest};
+use slipline_protocol::Command;
+use slipline_protocol::command::{Apply, TableHeader, TravelLimit};
+use slipline_protocol::event::Identity;
+
+/// What is to sound; the newest takes the place of the one before.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sounding {
+    /// Tones at places.
+    Drive(DriveRequest),
+    /// Multiples of one base frequency, from silence on.
+    Chord(ChordRequest),
+    /// Multiples of one low base frequency, from silence on.
+    Comb(CombRequest),
+}
+
+impl Sounding {
+    /// The same, beginning at another time.
+    #[must_use]
+    pub fn beginning(self, apply: Apply) -> Self {
+        match self {
+            Self::Drive(drive) => Self::Drive(DriveRequest { apply, ..drive }),
+            Self::Chord(chord) => Self::Chord(ChordRequest { apply, ..chord }),
+            Self::Comb(comb) => Self::Comb(CombRequest { apply, ..comb }),
+        }
+    }
+
+    /// The command to a device, in its own units.
+    pub(crate) fn for_device(
+        &self,
+        identity: &Identity,
+        table: Option<&TableHeader>,
+        travel: Option<&TravelLimit>,
+    ) -> Result<Command, DriveError> {
+        Ok(match self {
+            Self::Drive(drive) => Command::Drive(drive.for_device(identity, table, travel)?),
+            Self::Chord(chord) => Command::Chord(chord.for_device(identity, travel)?),
+            Self::Comb(comb) => Command::Comb(comb.for_device(identity, travel)?),
+        })
+    }
+}
