@@ -208,16 +208,16 @@ impl Instrument {
             self.background.shown.plane = Some(checked);
         }
         if let Some(done) = self.jobs.calibrations.take() {
-            self.calibrating.take(done);
+            self.calibrating.latest = Some(done);
         }
         if let Some(compared) = self.jobs.comparisons.take() {
-            self.measures.take(compared);
+            self.measures.latest = Some(compared);
         }
         if let Some(recorded) = self.jobs.recordings.take() {
             self.take_recorded(recorded);
         }
         if let Some(textured) = self.jobs.textures.take() {
-            self.textures.take(textured);
+            self.textures.latest = Some(textured);
         }
         if let Some(designed) = self.jobs.designs.take()
             && designed.draft == self.background.shown.draft

@@ -14,14 +14,10 @@ pub(crate) struct Calibrating {
     /// The calibration under way; it stays while its pages are closed, and until it is given up or used.
     calibration: Option<Calibration>,
     asked: Option<CalibrateJob>,
-    latest: Option<CalibrateDone>,
+    pub(crate) latest: Option<CalibrateDone>,
 }
 
 impl Calibrating {
-    pub(crate) fn take(&mut self, done: CalibrateDone) {
-        self.latest = Some(done);
-    }
-
     /// The result of what was asked last.
     fn current(&self) -> Option<&CalibrateDone> {
         self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref())
@@ -63,7 +59,7 @@ impl Instrument {
                 calibration.step = step;
                 // The sensor is where the pages want it.
                 if let Some(sensor) = step.sensor() {
-                    self.live.put_at(calibration.places_m()[sensor]);
+                    self.live.draft.place_m = calibration.places_m()[sensor];
                 }
             }
             CalibrateIntent::Calipers(calipers) => {

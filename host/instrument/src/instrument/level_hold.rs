@@ -3,8 +3,8 @@
 
 use super::Instrument;
 use super::shown::HoldScene;
-use crate::hold::{HoldEnd, Holding, Standing, USUAL_RISE_DB};
-use slipline_link::{Severity, Snapshot, Ticket};
+use crate::hold::{HoldEnd, Holding, USUAL_RISE_DB};
+use slipline_link::Severity;
 use std::time::Duration;
 
 /// Time between two looks at how it goes.
@@ -12,37 +12,15 @@ const LOOK: Duration = Duration::from_millis(50);
 
 /// The state of the level hold.
 pub(crate) struct LevelHold {
-    holding: Holding,
+    pub(crate) holding: Holding,
     max_rise_db: f64,
     /// It begins once the simulated device has its sensor.
-    awaits_rig: bool,
+    pub(crate) awaits_rig: bool,
 }
 
 impl Default for LevelHold {
     fn default() -> Self {
         Self { holding: Holding::default(), max_rise_db: USUAL_RISE_DB, awaits_rig: false }
-    }
-}
-
-impl LevelHold {
-    /// Whether it is switched on.
-    pub(crate) const fn is_on(&self) -> bool {
-        self.holding.is_on()
-    }
-
-    /// How it stands.
-    pub(crate) fn standing<'a>(&'a self, snapshot: &'a Snapshot) -> Standing<'a> {
-        self.holding.standing(snapshot)
-    }
-
-    /// Whether the hold deals with this request's outcome.
-    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
-        self.holding.awaits(ticket)
-    }
-
-    /// The simulated device gets no sensor.
-    pub(crate) const fn give_up_rig(&mut self) {
-        self.awaits_rig = false;
     }
 }
 
@@ -55,7 +33,7 @@ impl Instrument {
             has_rig: self.is_at_bench(),
             is_put_up: *awaits_rig,
             max_rise_db: *max_rise_db,
-            place_m: self.live.place_m(),
+            place_m: self.live.draft.place_m,
         }
     }
 
@@ -70,7 +48,7 @@ impl Instrument {
         }
         if self.is_at_bench() && !self.is_rig_standing() {
             self.level.awaits_rig = true;
-            self.live.rig.forget_refusal();
+            self.live.rig.refused = None;
             return self.put_rig_up();
         }
         self.begin_hold();

@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub(crate) struct Measures {
     shelf: Shelf,
     asked: Option<CompareJob>,
-    latest: Option<Compared>,
+    pub(crate) latest: Option<Compared>,
     /// A file by another program that waits for what it does not tell.
     foreign: Option<Asked>,
     /// The description of the sweep that was opened last, for the recordings to come.
@@ -38,10 +38,6 @@ impl Measures {
     /// The measurement of this number.
     pub(crate) fn entry(&self, number: u64) -> Option<&Entry> {
         self.shelf.entry(number)
-    }
-
-    pub(crate) fn take(&mut self, compared: Compared) {
-        self.latest = Some(compared);
     }
 
     /// Adds a measurement to the list; its number.
@@ -77,7 +73,7 @@ impl Instrument {
             MeasureIntent::Choose(number) => shelf.choose(number),
             MeasureIntent::Show(number, is_shown) => shelf.show(number, is_shown),
             MeasureIntent::Remove(number) => shelf.remove(number),
-            MeasureIntent::Draft(draft) => self.live.draft(draft),
+            MeasureIntent::Draft(draft) => self.live.draft = draft,
             MeasureIntent::Begin(answers) => self.begin_measuring(answers),
             MeasureIntent::Secret(is_secret) => self.choose_truth(is_secret),
             MeasureIntent::Cancel => self.cancel_measuring(),
@@ -134,7 +130,7 @@ impl Instrument {
 
     /// Where a sensor is taken to have stood: in the calibration it is where its pages have it put.
     fn asked_place_m(&self) -> f64 {
-        self.calibrating.place_m().unwrap_or(self.live.place_m())
+        self.calibrating.place_m().unwrap_or(self.live.draft.place_m)
     }
 
     fn ask(&mut self, name: &str, content: AskedContent, told: Told) {

@@ -55,22 +55,9 @@ impl Live {
             is_checking: self.run.as_ref().is_some_and(|run| run.measuring.is_checking()),
             is_drive_known,
             failed: self.failed.as_deref(),
-            signal: self.looks.latest(),
+            signal: self.looks.latest,
             is_secret: self.rig.is_secret(),
         }
-    }
-
-    pub(crate) fn draft(&mut self, draft: MeasureDraft) {
-        self.draft = draft;
-    }
-
-    /// Where the sensor stands, metres.
-    pub(crate) const fn place_m(&self) -> f64 {
-        self.draft.place_m
-    }
-
-    pub(crate) fn put_at(&mut self, place_m: f64) {
-        self.draft.place_m = place_m;
     }
 
     /// Whether the measurement under way deals with this request's outcome.
@@ -164,7 +151,7 @@ impl Instrument {
 
     /// Gives the measurement under way up.
     pub(crate) fn cancel_measuring(&mut self) {
-        self.live.rig.give_up();
+        self.live.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();
         }

@@ -20,11 +20,11 @@ pub(crate) struct Rig {
     /// The one that stands at the bench.
     standing: Option<Stands>,
     /// The measurement that begins once the rig is put together.
-    awaited_for: Option<Option<usize>>,
+    pub(crate) awaited_for: Option<Option<usize>>,
     /// The one that is being put together for a look at its sensor, or for another finger.
     looked_for: Option<RigJob>,
     /// One that cannot be put together: it is not asked for again unless the user does.
-    refused: Option<RigJob>,
+    pub(crate) refused: Option<RigJob>,
 }
 
 /// A rig at the bench.
@@ -42,16 +42,6 @@ impl Rig {
     /// Whether it is put together for a measurement.
     pub(crate) const fn is_awaited(&self) -> bool {
         self.awaited_for.is_some()
-    }
-
-    /// The measurement does not wait for it any more.
-    pub(crate) const fn give_up(&mut self) {
-        self.awaited_for = None;
-    }
-
-    /// What could not be put together may be tried again.
-    pub(crate) fn forget_refusal(&mut self) {
-        self.refused = None;
     }
 
     /// Whether it stands on a plate that nobody knows.
@@ -109,7 +99,7 @@ impl Instrument {
 
     pub(crate) fn put_rig_together(&mut self, answers: Option<usize>) {
         self.live.rig.awaited_for = Some(answers);
-        self.live.rig.forget_refusal();
+        self.live.rig.refused = None;
         self.jobs.rigs.ask(self.rig_job());
     }
 
@@ -141,7 +131,7 @@ impl Instrument {
         if self.bench.is_passing_over() {
             return false;
         }
-        let is_held = matches!(self.level.standing(&self.snapshot), Standing::Holding(_));
+        let is_held = matches!(self.level.holding.standing(&self.snapshot), Standing::Holding(_));
         let wanted = self.finger().filter(|_| is_held);
         let rig = &self.live.rig;
         let Some(standing) = rig.standing.as_ref().filter(|_| rig.finger() != wanted) else { return true };
@@ -162,7 +152,7 @@ impl Instrument {
         }
         match result {
             Ok(rig) => {
-                if self.level.is_on() {
+                if self.level.holding.is_on() {
                     self.bench.pass_over_to(&rig, job.sample_rate_hz);
                 } else {
                     self.bench.put(&rig);
@@ -175,7 +165,7 @@ impl Instrument {
             }
             Err(reason) => {
                 self.live.rig.refused = Some(job);
-                self.level.give_up_rig();
+                self.level.awaits_rig = false;
                 self.fail(format!("The simulated plate cannot be measured: {reason}"));
             }
         }

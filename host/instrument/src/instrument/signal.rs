@@ -12,15 +12,11 @@ pub(crate) const SENSOR_INPUT: u8 = 0;
 #[derive(Default)]
 pub(crate) struct Looks {
     awaited: Option<Ticket>,
-    latest: Option<Signal>,
+    /// What the latest look has shown.
+    pub(crate) latest: Option<Signal>,
 }
 
 impl Looks {
-    /// What the latest look has shown.
-    pub(crate) const fn latest(&self) -> Option<Signal> {
-        self.latest
-    }
-
     /// Whether this request is a look.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.awaited == Some(ticket)

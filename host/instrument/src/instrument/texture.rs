@@ -20,7 +20,7 @@ pub(crate) struct Textures {
     plate: Arc<Plate>,
     /// The latest wish that a job was asked for, and whether the rest of it was, too.
     asked: Option<(TextureWish, bool)>,
-    latest: Option<Textured>,
+    pub(crate) latest: Option<Textured>,
     is_given_up: bool,
 }
 
@@ -33,10 +33,6 @@ impl Textures {
     pub(crate) fn draft(&mut self, draft: WishDraft) {
         self.draft = draft;
         self.is_given_up = false;
-    }
-
-    pub(crate) fn take(&mut self, textured: Textured) {
-        self.latest = Some(textured);
     }
 
     /// The user does not wait for the draft any more.

@@ -16,7 +16,7 @@ impl App {
     pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
         let ports = self.ports.iter().map(|port| port.label.as_str());
         let names =
-            ports.chain([self.instrument.setup().plate.name(), &self.instrument.background().draft.name]);
+            ports.chain([self.instrument.setup().plate.name(), &self.instrument.shown().background.draft.name]);
         if names.clone().flat_map(str::chars).eq(self.glyphs.looked_at.chars()) {
             return;
         }

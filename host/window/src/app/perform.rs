@@ -179,12 +179,12 @@ impl App {
 
     /// The plate that was designed from the present draft.
     fn designed(&self) -> Option<Arc<Design>> {
-        let DesignState::Ready(designed) = &self.instrument.background().design else { return None };
+        let DesignState::Ready(designed) = &self.instrument.shown().background.design else { return None };
         designed.result.as_ref().ok().cloned()
     }
 
     fn diagnostics(&self) -> String {
-        report::text(self.instrument.snapshot(), self.instrument.setup(), self.instrument.table())
+        report::text(self.instrument.snapshot(), self.instrument.setup(), self.instrument.shown().table)
     }
 
     fn export(&mut self, ctx: &egui::Context, what: Export) {
@@ -206,7 +206,7 @@ impl App {
                     measured: self.instrument.current_measured().cloned(),
                     full_peak_m,
                     is_largest: self.settings.show_amplitude,
-                    wave_time_s: self.instrument.wave_time_s(),
+                    wave_time_s: self.instrument.shown().wave_time_s,
                 };
                 self.desk.figures.ask(FigureJob { subject, format });
             }
@@ -233,11 +233,11 @@ impl App {
             Export::Waveform | Export::Sound if self.instrument.is_waveform_unknown() => {
                 self.instrument.fail(UNKNOWN_CODES.to_owned());
             }
-            Export::Waveform => match csv_wav::waveform_csv(self.instrument.waveform()) {
+            Export::Waveform => match csv_wav::waveform_csv(self.instrument.shown().waveform) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
                 None => self.instrument.fail("Nothing is driven, so there is no waveform to save".to_owned()),
             },
-            Export::Sound => match csv_wav::wav(self.instrument.waveform()) {
+            Export::Sound => match csv_wav::wav(self.instrument.shown().waveform) {
                 Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
                 Ok(None) => {
                     self.instrument.fail("Nothing is driven, so there is no drive to save".to_owned());
