@@ -73,7 +73,8 @@ impl Instrument {
 
     /// Tells the user what the device has refused, unless something here deals with that.
     fn report_refusal(&mut self, ticket: Ticket, refusal: &Refusal) {
-        if self.goes_by_rest(ticket, refusal) || self.live.awaits(ticket) || self.level.holding.awaits(ticket) {
+        if self.goes_by_rest(ticket, refusal) || self.live.awaits(ticket) || self.level.holding.awaits(ticket)
+        {
             return;
         }
         if self.connect_sent == Some(ticket) {

@@ -61,10 +61,10 @@ impl Instrument {
 
     /// The setup's tones as a chord, if they are one that the device can play with its plate's table.
     pub(crate) fn chord(&self) -> Option<&ChordRequest> {
+        let made = self.screen_table().filter(|_| self.snapshot.can_play_chords())?;
         let chord = self.prediction.chord.get_or_init(|| {
             #[cfg(test)]
             tests::count(&tests::CHORDS);
-            let made = self.screen_table().filter(|_| self.snapshot.can_play_chords())?;
             chord_of(&self.setup, &made.device_table)
         });
         chord.as_ref()

@@ -1,8 +1,8 @@
 //! An instrument on a simulated device in virtual time: what one frame costs, and whose word counts.
 
 use super::*;
+use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{Port, Sounding};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::undo::{Gesture, Source};
 use std::cell::{Cell, RefCell};
@@ -34,14 +34,16 @@ impl Link for Wired {
     }
 
     fn snapshot(&self) -> Arc<Snapshot> {
-        Arc::new(self.0.loopback.borrow().view().clone())
+        let loopback = self.0.loopback.borrow();
+        // The loopback counts none.
+        Arc::new(Snapshot { revision: loopback.samples(), ..loopback.view().clone() })
     }
 }
 
 impl Wire {
-    /// Lets the device go on for some milliseconds, and the instrument after it.
+    /// Lets the device go on for 10 ms, and the instrument after it.
     fn turn(&self, instrument: &mut Instrument) {
-        self.loopback.borrow_mut().pass(20, |_| ());
+        self.loopback.borrow_mut().pass(4_000, |_| ());
         instrument.take_reports();
         instrument.turn();
     }
@@ -63,10 +65,16 @@ fn driven() -> (Instrument, Rc<Wire>) {
     let setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
     let link = Box::new(Wired(Rc::clone(&wire)));
     let mut instrument = Instrument::new(link, Jobs::inline(), Bench::default(), setup);
-    instrument.connect(Port::Simulated);
-    while !instrument.is_sounding() {
+    for _ in 0..1000 {
         wire.turn(&mut instrument);
+        if instrument.is_sounding() {
+            break;
+        }
+        if !instrument.shown().drive_wanted {
+            instrument.start();
+        }
     }
+    assert!(instrument.is_sounding());
     wire.sent();
     (instrument, wire)
 }
