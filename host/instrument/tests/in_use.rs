@@ -1,6 +1,9 @@
 //! An instrument in use, without a window: a scripted session with the simulated device in virtual time, from the first
 //! connection to a calibrated plate, a held level, a replay, and a cable that was pulled.
 
+#[cfg(feature = "native")]
+#[path = "in_use/client.rs"]
+mod client;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;

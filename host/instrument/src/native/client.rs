@@ -2,6 +2,7 @@
 //! the signs of life that the link wants while the device is armed.
 
 use super::ClientError;
+use crate::Link;
 use crate::hold::Holding;
 use crate::measure::{Procedure, Run};
 use crate::rig::PreparedRig;
@@ -10,7 +11,7 @@ use slipline_link::protocol::command::DigestWindow;
 use slipline_link::protocol::event::{Digest, Identity, State};
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Outcome, Port, Request, SIGN_PERIOD, Snapshot, Sounding, upkeep};
+use slipline_link::{Outcome, Port, Request, SIGN_PERIOD, Snapshot, Sounding, Ticket, upkeep};
 use slipline_plate::Plate;
 use std::cell::Cell;
 use std::panic::resume_unwind;
@@ -29,9 +30,43 @@ const GLANCE: Duration = Duration::from_millis(50);
 /// Looks until what sounds must have faded.
 const FADING: usize = 100;
 
-/// A device in use. When it is dropped, the device is stopped and disarmed.
-pub struct Client {
-    worker: Worker,
+/// A link that a program waits for: the link's thread, or in tests a link in virtual time.
+pub trait BlockingLink: Link {
+    /// Waits up to `patience` for a request's end; gives signs of life meanwhile.
+    fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome>;
+    /// Sleeps; gives signs of life meanwhile.
+    fn pause(&self, time: Duration);
+    /// Says that this program is alive.
+    fn sign_of_life(&self);
+}
+
+impl Link for Worker {
+    fn send(&self, request: Request) -> Ticket {
+        Handle::send(self, request)
+    }
+
+    fn snapshot(&self) -> Arc<Snapshot> {
+        Handle::snapshot(self)
+    }
+}
+
+impl BlockingLink for Worker {
+    fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
+        Self::wait(self, ticket, patience)
+    }
+
+    fn pause(&self, time: Duration) {
+        Self::pause(self, time);
+    }
+
+    fn sign_of_life(&self) {
+        Handle::sign_of_life(self);
+    }
+}
+
+/// A device in use. When it is dropped with the link's thread, the device is stopped and disarmed.
+pub struct Client<W = Worker> {
+    link: W,
     /// How often this program had been held up when the device was armed.
     stalls_before: Cell<u32>,
 }
@@ -46,7 +81,28 @@ impl Client {
             .cloned()
             .map_or_else(SystemOpener::default, |rig| SystemOpener::with_inputs(move || rig.inputs()));
         let worker = Worker::spawn_with(opener, || ())?;
-        Ok(Self { worker, stalls_before: Cell::new(0) })
+        Ok(Self::over(worker))
+    }
+
+    /// A handle of the link, for another thread.
+    #[must_use]
+    pub fn handle(&self) -> Handle {
+        self.link.handle()
+    }
+
+    /// What stops the drive from another thread.
+    pub fn stopper(&self) -> impl Fn() + Send + 'static {
+        let handle = self.link.handle();
+        move || {
+            handle.send(Request::Stop);
+        }
+    }
+}
+
+impl<W: BlockingLink> Client<W> {
+    /// A client of this link.
+    pub const fn over(link: W) -> Self {
+        Self { link, stalls_before: Cell::new(0) }
     }
 
     /// Connects to a device. A lost link is not reconnected.
@@ -54,9 +110,9 @@ impl Client {
     /// # Errors
     /// [`ClientError::Refused`] and [`ClientError::NoAnswer`].
     pub fn connect(&self, port: &Port) -> Result<(), ClientError> {
-        self.worker.send(Request::AutoReconnect(false));
-        let ticket = self.worker.send(Request::Connect(port.clone()));
-        match self.worker.wait(ticket, CONNECTING) {
+        self.link.send(Request::AutoReconnect(false));
+        let ticket = self.link.send(Request::Connect(port.clone()));
+        match self.link.wait(ticket, CONNECTING) {
             Some(Outcome::Done { .. }) => Ok(()),
             Some(Outcome::Refused(refusal)) => Err(refusal.into()),
             _ => Err(ClientError::NoAnswer(port.clone())),
@@ -66,31 +122,17 @@ impl Client {
     /// The latest state of link and device.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {
-        self.worker.snapshot()
-    }
-
-    /// A handle of the link, for another thread.
-    #[must_use]
-    pub fn handle(&self) -> Handle {
-        self.worker.handle()
-    }
-
-    /// What stops the drive from another thread.
-    pub fn stopper(&self) -> impl Fn() + Send + 'static {
-        let handle = self.worker.handle();
-        move || {
-            handle.send(Request::Stop);
-        }
+        self.link.snapshot()
     }
 
     /// Says that this program is alive: for a loop of its own.
     pub fn sign_of_life(&self) {
-        self.worker.handle().sign_of_life();
+        self.link.sign_of_life();
     }
 
     /// Sleeps.
     pub fn pause(&self, time: Duration) {
-        self.worker.pause(time);
+        self.link.pause(time);
     }
 
     /// Computes something on a thread of its own, while this one gives signs of life.
@@ -207,9 +249,9 @@ impl Client {
         patience: Duration,
         act: impl FnOnce() -> Result<(), E>,
     ) -> Result<Digest, E> {
-        let ticket = self.worker.send(Request::Digest(window));
+        let ticket = self.link.send(Request::Digest(window));
         act()?;
-        match self.worker.wait(ticket, patience) {
+        match self.link.wait(ticket, patience) {
             Some(Outcome::Digest(digest)) => Ok(digest),
             Some(Outcome::Refused(refusal)) => Err(ClientError::Refused(refusal).into()),
             _ => Err(ClientError::NoDigest.into()),
@@ -229,12 +271,12 @@ impl Client {
         let mut run = Run::of(procedure);
         loop {
             let snapshot = self.snapshot();
-            if !run.turn(&snapshot, |request| self.worker.send(request)) {
+            if !run.turn(&snapshot, |request| self.link.send(request)) {
                 break;
             }
             watch(run.progress(snapshot.status.map_or(0, |status| status.now)));
             if let Some(ticket) = run.awaited() {
-                let _ = self.worker.wait(ticket, GLANCE);
+                let _ = self.link.wait(ticket, GLANCE);
             }
         }
         self.check_attended()?;
@@ -246,7 +288,7 @@ impl Client {
     /// Sends what a level hold asks for now, while nobody moves its tones.
     pub fn turn_hold(&self, holding: &mut Holding, plate: &Arc<Plate>) {
         while let Some(request) = holding.turn(&self.snapshot(), plate, true) {
-            holding.sent(self.worker.send(request));
+            holding.sent(self.link.send(request));
         }
     }
 
@@ -261,8 +303,8 @@ impl Client {
 
     /// Sends a request and waits for its result.
     fn perform(&self, request: Request) -> Result<Outcome, ClientError> {
-        let ticket = self.worker.send(request);
-        match self.worker.wait(ticket, PATIENCE) {
+        let ticket = self.link.send(request);
+        match self.link.wait(ticket, PATIENCE) {
             Some(Outcome::Refused(refusal)) => {
                 // A device that was disarmed refuses to be driven; this is why.
                 self.check_attended()?;

@@ -3,5 +3,5 @@
 mod client;
 mod error;
 
-pub use client::Client;
+pub use client::{BlockingLink, Client};
 pub use error::ClientError;

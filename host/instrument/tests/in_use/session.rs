@@ -21,11 +21,16 @@ pub(crate) struct Session {
     pub(crate) saved: Vec<String>,
 }
 
+/// A membrane whose line holds the turning point, as the window's tests begin.
+pub(crate) fn setup() -> Setup {
+    let plate = slipline_plate::preset("membrane").unwrap();
+    Setup { boundary: BoundaryMode::TurningPoint, ..Setup::new(plate.into()) }
+}
+
 impl Session {
-    /// On a membrane whose line holds the turning point, as the window's tests begin.
+    /// With [`setup`], connected.
     pub(crate) fn new() -> Self {
-        let plate = slipline_plate::preset("membrane").unwrap();
-        let setup = Setup { boundary: BoundaryMode::TurningPoint, ..Setup::new(plate.into()) };
+        let setup = setup();
         let bench = Bench::default();
         let worker = Rc::new(RefCell::new(SteppedWorker::new(true, Some(bench.inputs()))));
         let link = Box::new(SteppedLink(Rc::clone(&worker)));
