@@ -1,7 +1,8 @@
 //! A user's script that a window and an instrument without one carry out alike: the same requests, the same codes.
 
 use super::session::Session;
-use slipline_instrument::MeasureIntent;
+use slipline_instrument::calibration::Step;
+use slipline_instrument::{CalibrateIntent, MeasureIntent};
 use slipline_link::Request;
 
 /// What a user does.
@@ -18,41 +19,84 @@ pub(crate) trait Hands {
     fn drive(&mut self);
     /// Presses STOP.
     fn stop(&mut self);
+    /// Opens the page of textures, which takes 300 ms, plays the one that it shows, and closes the page.
+    fn play_a_texture(&mut self);
+    /// Has the level held; to find the switch takes 400 ms.
+    fn hold(&mut self);
+    /// Begins to record what lines do, or ends it.
+    fn record(&mut self, records: bool);
+    /// Plays what was recorded.
+    fn replay(&mut self);
+    /// Opens the calibration, which takes 900 ms, and measures at both its places; each page takes 600 ms, each measurement
+    /// 9000. Uses the plate of its result, which takes 600 ms.
+    fn calibrate(&mut self);
     /// Opens the page of measurements, which takes 300 ms, has the simulated device stand on a plate that nobody knows, and
     /// begins to measure it.
     fn measure_a_secret(&mut self);
     /// Puts the cable in, or pulls it.
     fn plug(&mut self, is_plugged: bool);
+    /// A digest of all codes that the device has sent.
+    fn digest(&self) -> u64;
     /// What was sent since the last call.
     fn take_sent(&mut self) -> Vec<Request>;
 }
 
-/// Carries the script out; what was sent, in words.
+/// Carries the script out; what was sent, in words, and the digest of all codes after each wait.
 pub(crate) fn play(hands: &mut impl Hands) -> Vec<String> {
-    hands.pass(2000);
+    let mut seen = Vec::new();
+    let mut pass = |hands: &mut _, ms| pass(hands, ms, &mut seen);
+    pass(hands, 2000);
     for mm in [150, 175, 200] {
         hands.move_line(mm);
-        hands.pass(100);
+        pass(hands, 100);
     }
     hands.undo();
-    hands.pass(300);
+    pass(hands, 300);
     hands.redo();
-    hands.pass(300);
+    pass(hands, 300);
+    hands.play_a_texture();
+    pass(hands, 500);
+    hands.undo();
+    pass(hands, 300);
     hands.stop();
-    hands.pass(1500);
+    pass(hands, 1500);
     hands.drive();
-    hands.pass(500);
+    pass(hands, 500);
     hands.measure_a_secret();
-    hands.pass(9000);
+    pass(hands, 9000);
+    hands.calibrate();
+    pass(hands, 1500);
     hands.drive();
-    hands.pass(500);
+    pass(hands, 500);
+    hands.hold();
+    pass(hands, 3000);
+    hands.stop();
+    pass(hands, 500);
+    hands.drive();
+    pass(hands, 500);
     hands.plug(false);
-    hands.pass(1000);
+    pass(hands, 1000);
     hands.plug(true);
-    hands.pass(3000);
+    pass(hands, 3000);
     hands.drive();
-    hands.pass(1500);
-    hands.take_sent().iter().map(in_words).collect()
+    pass(hands, 1500);
+    hands.record(true);
+    for mm in [160, 170, 180] {
+        hands.move_line(mm);
+        pass(hands, 100);
+    }
+    hands.record(false);
+    hands.replay();
+    hands.pass(1000);
+    // A window's frames take time of their own, which the recording has: the same moves, not at the same samples.
+    seen.extend(hands.take_sent().iter().map(in_words));
+    seen
+}
+
+fn pass(hands: &mut impl Hands, ms: u64, seen: &mut Vec<String>) {
+    hands.pass(ms);
+    seen.extend(hands.take_sent().iter().map(in_words));
+    seen.push(format!("codes {:016x}", hands.digest()));
 }
 
 /// A request in words; of a table its check sum.
@@ -95,6 +139,50 @@ impl Hands for Session {
         self.turn();
     }
 
+    fn play_a_texture(&mut self) {
+        self.attention.is_texture_open = true;
+        self.pass(300);
+        self.instrument.play_texture();
+        self.turn();
+        self.attention.is_texture_open = false;
+    }
+
+    fn hold(&mut self) {
+        self.pass(400);
+        self.instrument.switch_hold(true);
+        self.turn();
+    }
+
+    fn record(&mut self, records: bool) {
+        self.instrument.record(records);
+        self.turn();
+    }
+
+    fn replay(&mut self) {
+        self.instrument.play(true);
+        self.turn();
+    }
+
+    fn calibrate(&mut self) {
+        self.pass(900);
+        self.instrument.perform_calibrate(CalibrateIntent::Open);
+        self.turn();
+        for page in [Step::FirstPlace, Step::FirstAnswer, Step::SecondPlace, Step::Result] {
+            self.pass(600);
+            self.instrument.perform_calibrate(CalibrateIntent::Page(page));
+            self.turn();
+            if let Some(sensor) = page.sensor() {
+                self.pass(600);
+                self.instrument.perform_measure(MeasureIntent::Begin(Some(sensor)));
+                self.turn();
+                self.pass(9000);
+            }
+        }
+        self.pass(600);
+        self.instrument.perform_calibrate(CalibrateIntent::Use);
+        self.turn();
+    }
+
     fn measure_a_secret(&mut self) {
         // The window opens its page first.
         self.pass(300);
@@ -105,6 +193,10 @@ impl Hands for Session {
 
     fn plug(&mut self, is_plugged: bool) {
         self.worker.borrow().plug(is_plugged);
+    }
+
+    fn digest(&self) -> u64 {
+        self.worker.borrow().digest()
     }
 
     fn take_sent(&mut self) -> Vec<Request> {
