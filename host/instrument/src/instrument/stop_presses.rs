@@ -32,7 +32,7 @@ impl Instrument {
         self.stop();
     }
 
-    /// Stops the drive, whoever asks for it, and disarms a real device: only the user's Drive goes on.
+    /// Stops the drive for any source, and disarms a real device: the user alone drives again.
     pub fn stop(&mut self) {
         self.end_drive(Request::Stop);
         // The simulated device stays armed: nothing real moves, and it is armed again without being asked. A device of

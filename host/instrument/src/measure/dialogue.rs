@@ -50,7 +50,7 @@ impl Default for Progress {
 }
 
 impl Dialogue {
-    /// Asks for this, and waits for its outcome.
+    /// Sends a request; its outcome.
     pub(super) async fn ask(&self, request: Request) -> Outcome {
         {
             let mut state = self.0.borrow_mut();
@@ -59,7 +59,7 @@ impl Dialogue {
         poll_fn(|_| self.0.borrow_mut().outcome.take().map_or(Poll::Pending, Poll::Ready)).await
     }
 
-    /// Asks for this; the sample index at which it was done.
+    /// Sends a request; the sample index from which it shows. Any outcome but done is an error.
     pub(super) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
         match self.ask(request).await {
             Outcome::Done { at } => Ok(at),
@@ -112,12 +112,12 @@ impl Dialogue {
         self.0.borrow().now
     }
 
-    /// Replays what the device plays from now on, so many samples at most.
+    /// Replays what the device plays from now on; the latest `samples` codes are kept.
     pub(super) fn replay(&self, samples: u64) {
         self.0.borrow_mut().codes = Some(Codes::new(samples));
     }
 
-    /// So many samples of `all` are done; of what is under way, the first sample and the number.
+    /// `done` samples of `all` are over; `running` has the first sample and the number of samples of what is under way.
     pub(super) fn mark(&self, done: u64, all: u64, running: Option<(u64, u64)>) {
         let progress = &mut self.0.borrow_mut().progress;
         *progress = Progress { done, all, running, ..*progress };

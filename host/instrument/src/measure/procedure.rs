@@ -10,12 +10,12 @@ use std::task::{Context, Poll, Waker};
 
 /// What is done with a device, one request after the other, without a clock and without a port.
 pub trait Procedure: 'static {
-    /// What the device was heard to answer.
+    /// The answers of the device.
     type Heard;
     /// What it ends with.
     type Found;
 
-    /// Asks for one thing after the other. An error is followed by a stop; otherwise the last request is one.
+    /// Sends one request after the other; the last one is a stop. After an error [`Run`] sends it.
     ///
     /// # Errors
     /// [`MeasureError`]: why it cannot go on.
@@ -135,9 +135,11 @@ impl<P: Procedure> Run<P> {
         Step::Ask(request)
     }
 
-    /// Takes the outcome of the last request.
+    /// Takes the outcome of the last request. That of one before a cancellation or a fault does not count any more.
     pub fn take(&mut self, outcome: &Outcome) {
-        self.is_asked = false;
+        if !std::mem::take(&mut self.is_asked) {
+            return;
+        }
         match self.stage {
             Stage::Running => self.dialogue.answer(outcome.clone()),
             Stage::Stopping => self.stage = Stage::Restoring,

@@ -55,7 +55,7 @@ impl History {
         let slot = edit.slot().filter(|_| gesture.source == Source::User);
         let key = Some((gesture, edit.name(), slot));
         if let Some(step) = self.past.iter_mut().rev().find(|step| step.lasts == key) {
-            // Without the gesture, what other sources have changed since would have changed all the same.
+            // Without the gesture, the changes of other sources since then remain.
             step.from = with(before, &step.to, &step.from);
             step.to = after.clone();
             return;

@@ -359,6 +359,22 @@ fn a_refusal_a_fault_a_lost_link_and_a_cancel_end_with_a_stop_and_their_reason()
 }
 
 #[test]
+fn an_outcome_that_comes_after_the_cancellation_does_not_stand_for_that_of_the_stop() {
+    let (mut measuring, _) = measuring(32);
+    for _ in 0..2 {
+        assert!(matches!(measuring.step(), Step::Ask(_)));
+        measuring.take(&Outcome::Done { at: 0 });
+    }
+    assert!(matches!(measuring.step(), Step::Ask(Request::Listen(_))));
+    measuring.cancel();
+    measuring.take(&Outcome::Superseded);
+    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    measuring.take(&Outcome::Done { at: 0 });
+    assert!(matches!(measuring.step(), Step::Ended));
+    assert_eq!(measuring.finish(), Err(MeasureError::Cancelled));
+}
+
+#[test]
 fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
     let status = Status { faults: Faults::NONE.with(Fault::EmergencyStop), ..Status::default() };
     let faulty = Snapshot { link: LinkState::Connected, status: Some(status), ..Snapshot::default() };

@@ -109,7 +109,7 @@ impl Sweeping {
         Ok(())
     }
 
-    /// So much of the whole is done, beside a capture that begins at a sample.
+    /// Reports what is done, and the capture under way by its first sample.
     fn mark(&self, dialogue: &Dialogue, capture_from: Option<u64>) {
         let each = self.plan.capture_samples();
         let captures = u64::from(self.captures);
