@@ -51,7 +51,7 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
     let sound = |rig: &mut Rig, mirror: &mut Mirror, level| {
         let drive = drive(&[(0, 1.0, level)], 4000);
         let at = rig.accepted(&Command::Drive(drive.clone()));
-        mirror.acknowledge_play(drive.clone(), at).unwrap();
+        mirror.acknowledge_play(drive, at).unwrap();
     };
     let mut limits = Vec::new();
     // Softly while it cools, then as loud as it goes until it is folded back again.

@@ -43,7 +43,7 @@ fn armed(emulator: &Emulator) -> (Host, Mirror) {
 fn drive_ahead(host: &mut Host, mirror: &mut Mirror, mut drive: Drive) -> SampleIndex {
     drive.apply = Apply::At(host.status().now + AHEAD);
     let at = host.accepted(&Command::Drive(drive.clone()));
-    mirror.acknowledge_play(drive.clone(), at).expect("the mirror has not been played so far");
+    mirror.acknowledge_play(drive, at).expect("the mirror has not been played so far");
     at
 }
 

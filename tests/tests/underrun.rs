@@ -82,7 +82,7 @@ fn after_a_late_block_the_device_plays_what_the_mirror_plays_at_the_same_indices
     rig.arm();
     let again = drive(&[(0, 0.3, 0.4), (1, 0.9, 0.6)], 2700);
     let at = rig.accepted(&Command::Drive(again.clone()));
-    mirror.acknowledge_play(again.clone(), at).unwrap();
+    mirror.acknowledge_play(again, at).unwrap();
     rig.live_ms(30);
     let mut replayed = Vec::new();
     mirror.render(rig.device.now(), |_, codes| replayed.extend_from_slice(codes));

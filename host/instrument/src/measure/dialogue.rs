@@ -61,10 +61,8 @@ impl Dialogue {
 
     /// Sends a request; the sample index from which it shows. Any outcome but done is an error.
     pub(super) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
-        match self.ask(request).await {
-            Outcome::Done { at } => Ok(at),
-            other => Err(ended_by(&other)),
-        }
+        let outcome = self.ask(request).await;
+        if let Outcome::Done { at } = outcome { Ok(at) } else { Err(ended_by(&outcome)) }
     }
 
     /// Stops whatever sounds.

@@ -65,10 +65,11 @@ impl Measuring {
             let (tones, at) = loop {
                 let level = self.plan.level * self.scale;
                 let tones = loudness::tones(comb, &self.table, self.plan.rate_hz, level);
-                match dialogue.ask(self.sound(comb, &tones)).await {
-                    Outcome::Done { at } => break (tones, at),
-                    other => self.scale *= tries.quieter(&other)?,
+                let begun = dialogue.ask(self.sound(comb, &tones)).await;
+                if let Outcome::Done { at } = begun {
+                    break (tones, at);
                 }
+                self.scale *= tries.quieter(&begun)?;
             };
             let running = (at, until_window + comb.window_samples());
             dialogue.mark(done, self.plan.samples(), Some(running));

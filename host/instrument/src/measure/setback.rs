@@ -22,11 +22,10 @@ impl Tries {
 
     /// The same because of samples that the inputs have lost; anything else ends the procedure.
     pub(super) fn lost(&mut self, outcome: &Outcome) -> Result<(), MeasureError> {
-        match outcome {
-            Outcome::Refused(Refusal::InputLost { .. }) => {
-                self.again(MeasureError::Overrun { tries: self.0 + 1 })
-            }
-            other => Err(ended_by(other)),
+        if matches!(outcome, Outcome::Refused(Refusal::InputLost { .. })) {
+            self.again(MeasureError::Overrun { tries: self.0 + 1 })
+        } else {
+            Err(ended_by(outcome))
         }
     }
 
