@@ -11,7 +11,7 @@ use slipline_plate::calibrate::{
     from_ratio, predicted,
 };
 use slipline_plate::truth::{Random, near};
-use slipline_plate::{Complex64, Plate, preset};
+use slipline_plate::{Complex64, Model, Plate, PlateSpec, preset};
 
 /// A ratio of root mean squares.
 const SNR: f64 = 100.0;
@@ -21,6 +21,24 @@ const CODES: f64 = 2048.0;
 const DITHER_LSB: f64 = 0.5;
 /// The input's range over the largest peak of a tone of the table on the true plate: 12 dB.
 const ROOM: f64 = 4.0;
+
+/// The name of `al-bending` between clamped edges; its span ends beyond the farther sensor.
+pub const CLAMPED: &str = "al-bending-clamped";
+
+/// The plate that the user believes in: a preset, or [`CLAMPED`].
+///
+/// # Panics
+/// If there is no such plate.
+#[must_use]
+pub fn nominal(name: &str) -> Plate {
+    if name != CLAMPED {
+        return preset(name).expect("a preset");
+    }
+    let spec = preset("al-bending").expect("a preset").spec().clone();
+    let model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
+    let (span_start_m, span_end_m) = (0.13, 0.21);
+    Plate::new(PlateSpec { name: name.to_owned(), model, span_start_m, span_end_m, ..spec }).expect("a plate")
+}
 
 /// Where the noise is 40 dB below the signal, by root mean squares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -80,9 +98,13 @@ struct Drawn {
 
 impl Drawn {
     fn new(name: &str, seed: u64, noise: Noise) -> Self {
-        let nominal = preset(name).expect("a preset");
+        let nominal = nominal(name);
         let mut random = Random::new(seed);
         let truth = near(&nominal, &mut random).expect("a plate");
+        Self::on(nominal, truth, random, noise)
+    }
+
+    fn on(nominal: Plate, truth: Plate, mut random: Random, noise: Noise) -> Self {
         let (_, table) = table_for(&truth, RATE_HZ as u32).expect("a table");
         let options = RigOptions {
             full_scale: Some(ROOM * table.peak_at_full_scale_m() * random.factor(1.0, 4.0)),
@@ -142,7 +164,21 @@ impl Drawn {
 /// # Panics
 /// If there is no such preset, or something goes wrong in the measurement.
 pub fn calibrate(name: &str, seed: u64, noise: Noise) -> Result<Judged, CalibrateError> {
-    let drawn = Drawn::new(name, seed, noise);
+    judge(&Drawn::new(name, seed, noise), seed)
+}
+
+/// As [`calibrate`], where the true plate is the one that the user believes in.
+///
+/// # Errors
+/// Why the calibration was refused.
+///
+/// # Panics
+/// As [`calibrate`].
+pub fn calibrate_itself(name: &str, noise: Noise) -> Result<Judged, CalibrateError> {
+    judge(&Drawn::on(nominal(name), nominal(name), Random::new(0), noise), 0)
+}
+
+fn judge(drawn: &Drawn, seed: u64) -> Result<Judged, CalibrateError> {
     let [(near, first), (far, second)] = PLACES.map(|share| drawn.measured(share * drawn.nominal.length_m()));
     let found = from_ratio(&drawn.nominal, [&near, &far], &Priors::default())?;
     let judged = |plate: &Plate| departure(plate, &drawn.truth, RATE_HZ).expect("a table");

@@ -159,7 +159,7 @@ fn any_model() -> impl Strategy<Value = (Model, f64)> {
     prop_oneof![
         (4.0..40.0, 0.03..0.08)
             .prop_map(|(speed, w)| (Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: None }, w)),
-        // Between clamped edges the line has a law of its own, see `TimeDomainLine::new`.
+        // Clamped plates in time have a test of their own, `tests/clamped_time.rs` of the plate.
         (5e-4..3e-3, 0.015..0.03).prop_map(|(thickness_m, w)| {
             let sheet = Bending {
                 youngs_modulus_pa: 70e9,

@@ -56,7 +56,23 @@ fn secret_plates_are_calibrated_from_two_places() {
     calibrates([("al-bending", 0..2), ("membrane", 0..2)]);
 }
 
-fn calibrates(presets: [(&str, std::ops::Range<u64>); 2]) {
+/// Between clamped edges the simulated device has a fit of the answers that the calibration computes.
+#[test]
+#[ignore = "statistics: .ci/run long_tests"]
+fn seven_secret_clamped_plates_are_calibrated_from_two_places() {
+    calibrates([(truths::CLAMPED, 0..7)]);
+}
+
+#[test]
+#[ignore = "a rig on a clamped plate takes seconds to put together: .ci/run long_tests"]
+fn a_clamped_plate_is_not_refused_by_its_own_simulation() {
+    let judged = truths::calibrate_itself(truths::CLAMPED, Noise::Input).expect("accepted");
+    println!("{}", judged.line());
+    assert!(judged.found.chi2_per_n < 4.0, "{}", judged.line());
+    assert!(judged.after.boundary_m < 5e-4 && judged.after.level_db < 1.0, "{}", judged.line());
+}
+
+fn calibrates<const N: usize>(presets: [(&str, std::ops::Range<u64>); N]) {
     for (name, seeds) in presets {
         for seed in seeds {
             let judged = truths::calibrate(name, seed, Noise::Input)

@@ -8,6 +8,7 @@ mod calibration;
 mod clamped_end;
 mod clamped_law;
 mod clamped_sheet;
+mod clamped_time;
 mod drive_curve;
 mod drive_end;
 mod even_level;

@@ -82,11 +82,7 @@ impl Grid {
     }
 
     /// As [`Grid::new`] with `Equation::Corrected`, but between clamped edges with the tangent of the strip's law at the
-    /// cut-off.
-    ///
-    /// The exact law of one mode has a branch point in its tail, and whatever real function takes its place there has
-    /// singularities at complex frequencies of both signs. A sum of decaying resonances has them on one side only: a fit of
-    /// the exact law's field is off by 2 to 13 %. That of the tangent is such a sum.
+    /// cut-off, to which a figure compares that law.
     pub(crate) fn tangent(plate: &Plate, mode: u32, points: usize, refinement: usize) -> Self {
         Self::with_law(plate, mode, Equation::Corrected, points, refinement, None)
     }

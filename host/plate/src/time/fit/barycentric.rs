@@ -24,7 +24,7 @@ impl Barycentric {
         let other: Vec<&Sample> = all().filter(|(_, is)| !**is).map(|(sample, _)| sample).collect();
         let matrix = DMatrix::from_fn(other.len() * SUMS, support.len(), |row, k| {
             let (sample, support) = (other[row / SUMS], support[k]);
-            (sample.sum[row % SUMS] - support.sum[row % SUMS]) / (sample.s - support.s)
+            (sample.sum[row % SUMS] - support.sum[row % SUMS]) / (sample.s - support.s) * sample.weight
         });
         Self {
             s: support.iter().map(|it| it.s).collect(),
@@ -33,7 +33,7 @@ impl Barycentric {
         }
     }
 
-    /// Largest error at a sample that is not a support point, relative to its largest sum.
+    /// Largest error at a sample that is not a support point, relative to its largest sum, times its weight.
     pub(super) fn error(&self, sample: &Sample) -> f64 {
         let mut above = [Complex64::ZERO; SUMS];
         let mut below = Complex64::ZERO;
@@ -45,7 +45,7 @@ impl Barycentric {
             }
         }
         let left: [Complex64; SUMS] = std::array::from_fn(|j| above[j] / below - sample.sum[j]);
-        let error = largest(&left) / largest(&sample.sum);
+        let error = largest(&left) / largest(&sample.sum) * sample.weight;
         // The denominator may vanish at a sample.
         if left.iter().all(|it| it.is_finite()) { error } else { f64::INFINITY }
     }

@@ -14,7 +14,9 @@ mod plate;
 mod residues;
 mod samples;
 
-pub(super) use plate::{response, touched_response};
+pub(super) use plate::of_plate;
+#[cfg(test)]
+pub(super) use plate::response;
 
 use super::band_plan::BandPlan;
 use super::modal::{Input, ModalBank, QuasiStatic};
@@ -25,16 +27,56 @@ use residues::{PartialFractions, QUASI_STATIC};
 use samples::{Sample, Samples};
 use std::f64::consts::TAU;
 
-/// Largest error of the sums of positions with which the search for poles ends.
-const POLE_TOLERANCE: f64 = 1e-4;
-/// Largest error of the field, relative to the largest amplitude at the same frequency.
-pub(super) const TOLERANCE: f64 = 2e-4;
+/// How near to its field a fit has to come. Errors are relative to the largest amplitude at the same frequency.
+#[derive(Debug, Clone, Copy)]
+struct Accuracy {
+    /// Frequencies at which an error counts, Hz, and the share of it that counts beyond them.
+    counts_hz: (f64, f64),
+    beyond: f64,
+    /// Least decay of a resonance over its frequency: a sharper one is none of the plate's.
+    decay: f64,
+    /// Largest error of the sums of positions with which the search for poles ends.
+    poles: f64,
+    /// Largest error of the field with which the fit ends.
+    field: f64,
+    /// Most fits that may miss that.
+    fits: usize,
+    /// How much larger than the best fit's an error may become where fewer poles have it; 0: all are kept.
+    spare: f64,
+    /// Largest error of a field that can be used.
+    most: f64,
+}
+
+impl Accuracy {
+    /// Of a field that is a sum of decaying resonances. One or two fits are usual; one that grows, or has noise, has none.
+    const EXACT: Self = Self {
+        counts_hz: (0.0, f64::INFINITY),
+        beyond: 1.0,
+        decay: 0.0,
+        poles: 1e-4,
+        field: 2e-4,
+        fits: 12,
+        spare: 0.0,
+        most: 5e-3,
+    };
+
+    /// Of a field between clamped edges, from a lowest to a highest frequency. What the strip's law has in the tail is real at
+    /// every frequency, and no decaying resonance is. So it is fitted where it is needed, and later than it is.
+    const fn of_strip(counts_hz: (f64, f64), decay: f64) -> Self {
+        Self { counts_hz, beyond: 0.01, decay, poles: 2e-3, field: 2e-3, fits: 3, spare: 1.1, most: 3e-2 }
+    }
+
+    /// The share of an error at a frequency that counts.
+    fn weight(&self, frequency_hz: f64) -> f64 {
+        let (low_hz, high_hz) = self.counts_hz;
+        if (low_hz..=high_hz).contains(&frequency_hz) { 1.0 } else { self.beyond }
+    }
+}
+
 /// Samples at the beginning; every eighth is a support point.
 const FIRST_SAMPLES: usize = 40;
 /// Most support points. A plate of 60 wavelengths, the most that is allowed, has about 200 poles.
 const SUPPORTS_MAX: usize = 320;
-/// Most fits that may miss the tolerance. One or two are usual; a field that grows, or with noise, has no fit.
-const FITS_MAX: usize = 12;
 /// Poles farther from the middle of the band than this many half bands are left to the quasi-static terms.
 const REACH: f64 = 3.5;
 /// A sharp resonance is sampled this near to its pole, in half bands, and not nearer: an error of the pole's frequency
@@ -45,36 +87,56 @@ const NEAREST: f64 = 1e-5;
 pub(super) struct Fit {
     pub(super) bank: ModalBank,
     pub(super) quasi_static: QuasiStatic,
-    /// Largest error at the samples, relative to the largest amplitude at the same frequency. It is at most
-    /// [`TOLERANCE`], unless the field has no poles that a fit can find, as with noise.
+    /// How much later than its drive's the fitted field is, seconds.
+    pub(super) delay_s: f64,
+    /// Largest error at the samples, relative to the largest amplitude at the same frequency. It is small, unless the
+    /// field has no poles that a fit can find, as with noise.
     pub(super) error: f64,
+    /// The largest such error that can be used.
+    pub(super) most: f64,
 }
 
 /// Fits the field that `response` computes for each of many frequencies (Hz), one value per place, relative to the
 /// drive, over the band of the filter's `plan`.
 ///
 /// `response` must be smooth: the same grid at all frequencies. Every pole of the bank decays.
-pub(super) fn bank(
+fn bank(
     mut response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
     plan: &BandPlan,
     places: usize,
+    accuracy: Accuracy,
 ) -> Fit {
     let (low_hz, high_hz) = plan.stop_hz();
     let scaled = |frequency_hz: f64| (frequency_hz - plan.centre_hz) / plan.half_band_hz;
+    let hertz = |s: f64| plan.centre_hz + s * plan.half_band_hz;
+    let stable = |poles: &[Complex64]| stable(poles, |s| accuracy.decay * hertz(s).abs() / plan.half_band_hz);
     let mut samples = Samples::new(
-        |s: &[f64]| response(&s.iter().map(|s| plan.centre_hz + s * plan.half_band_hz).collect::<Vec<f64>>()),
+        |s: &[f64]| response(&s.iter().map(|s| hertz(*s)).collect::<Vec<f64>>()),
+        |s| accuracy.weight(hertz(s)),
         places,
     );
-    let fit = partial_fractions(&mut samples, places, scaled(low_hz), scaled(high_hz));
-    unscaled(&fit, plan)
+    let fit = partial_fractions(&mut samples, places, scaled(low_hz), scaled(high_hz), accuracy, stable);
+    unscaled(&fit, plan, accuracy.most)
+}
+
+/// [`bank`] for a field that is a sum of decaying resonances.
+#[cfg(test)]
+pub(super) fn exact(
+    response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
+    plan: &BandPlan,
+    places: usize,
+) -> Fit {
+    bank(response, plan, places, Accuracy::EXACT)
 }
 
 /// The fit between `low` and `high`, in its own scale.
-fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>>(
-    samples: &mut Samples<R>,
+fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>(
+    samples: &mut Samples<R, W>,
     places: usize,
     low: f64,
     high: f64,
+    accuracy: Accuracy,
+    stable: impl Fn(&[Complex64]) -> Vec<Complex64>,
 ) -> PartialFractions {
     let step = (high - low) / (FIRST_SAMPLES - 1) as f64;
     samples.take(&(0..FIRST_SAMPLES).map(|i| low + step * i as f64).collect::<Vec<f64>>());
@@ -93,21 +155,22 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>>(
             .map(|(sample, is_support)| if is_support { 0.0 } else { rational.error(sample) })
             .collect();
         let is_full = support.len() >= SUPPORTS_MAX;
-        if is_full || error.iter().all(|error| *error < POLE_TOLERANCE) {
+        if is_full || error.iter().all(|error| *error < accuracy.poles) {
             let pole = stable(&rational.poles());
             let known = samples.all().len();
             samples.take(&beside_resonances(&pole, low, high));
             let fit = PartialFractions::new(samples.all(), pole, places);
-            if fit.worst() < TOLERANCE {
-                return fewest_poles(samples.all(), fit);
+            if fit.worst() < accuracy.field {
+                return fewest_poles(samples.all(), fit, accuracy.field);
             }
             error.clone_from(&fit.error);
             if best.as_ref().is_none_or(|best| fit.worst() < best.worst()) {
                 best = Some(fit);
             }
             fits += 1;
-            if let Some(best) = best.take_if(|_| is_full || fits == FITS_MAX) {
-                return best;
+            if let Some(best) = best.take_if(|_| is_full || fits == accuracy.fits) {
+                let tolerance = accuracy.spare * best.worst();
+                return fewest_poles(samples.all(), best, tolerance);
             }
             // First the weights must fit the new samples. Only if that is not enough are more poles needed.
             if samples.all().len() > known && !is_checked {
@@ -116,7 +179,7 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>>(
             }
         }
         is_checked = false;
-        let fresh = refine(samples.all(), &error, &mut support);
+        let fresh = refine(samples.all(), &error, &mut support, accuracy.poles);
         if fresh.is_empty() {
             // All samples are support points or without error: nothing can be added.
             return PartialFractions::new(samples.all(), stable(&rational.poles()), places);
@@ -125,9 +188,10 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>>(
     }
 }
 
-/// The poles near the band. A growing one is replaced by its mirror image, which decays.
-fn stable(poles: &[Complex64]) -> Vec<Complex64> {
-    poles.iter().filter(|p| p.norm() < REACH).map(|p| Complex64::new(p.re, -p.im.abs())).collect()
+/// The poles near the band. A growing one is replaced by its mirror image, which decays; each at least by `decay`.
+fn stable(poles: &[Complex64], decay: impl Fn(f64) -> f64) -> Vec<Complex64> {
+    let near = poles.iter().filter(|p| p.norm() < REACH);
+    near.map(|p| Complex64::new(p.re, -p.im.abs().max(decay(p.re)))).collect()
 }
 
 /// Places on both sides of the poles of the band.
@@ -140,16 +204,16 @@ fn beside_resonances(pole: &[Complex64], low: f64, high: f64) -> Vec<f64> {
 }
 
 /// Makes the worst samples support points and returns the places of new samples on both sides of each.
-fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>) -> Vec<f64> {
+fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>, tolerance: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..samples.len()).filter(|&i| !support.contains(&samples[i].s)).collect();
     order.sort_by(|&a, &b| error[b].total_cmp(&error[a]));
     // Several at a time, because each time costs a decomposition; fewer near the end, for few poles.
-    let is_far = order.first().is_some_and(|&i| error[i] > 300.0 * POLE_TOLERANCE);
+    let is_far = order.first().is_some_and(|&i| error[i] > 300.0 * tolerance);
     let most = (support.len() / if is_far { 4 } else { 12 }).max(1);
     let mut chosen: Vec<usize> = Vec::new();
     for i in order {
         let is_apart = chosen.iter().all(|&other| i.abs_diff(other) > 2);
-        if chosen.len() < most && is_apart && error[i] > POLE_TOLERANCE {
+        if chosen.len() < most && is_apart && error[i] > tolerance {
             chosen.push(i);
         }
     }
@@ -163,7 +227,7 @@ fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>) -> Vec<f64>
 }
 
 /// Removes the poles with the least effect, as many as the tolerance allows: each costs time in every step.
-fn fewest_poles(samples: &[Sample], all: PartialFractions) -> PartialFractions {
+fn fewest_poles(samples: &[Sample], all: PartialFractions, tolerance: f64) -> PartialFractions {
     let effect = all.effect(samples);
     let mut order: Vec<usize> = (0..all.pole.len()).collect();
     order.sort_by(|&a, &b| effect[b].total_cmp(&effect[a]));
@@ -174,7 +238,7 @@ fn fewest_poles(samples: &[Sample], all: PartialFractions) -> PartialFractions {
         let count = usize::midpoint(few, fit.pole.len());
         let tried =
             PartialFractions::new(samples, order[..count].iter().map(|&i| every[i]).collect(), places);
-        if tried.worst() < TOLERANCE {
+        if tried.worst() < tolerance {
             fit = tried;
         } else {
             few = count;
@@ -184,7 +248,7 @@ fn fewest_poles(samples: &[Sample], all: PartialFractions) -> PartialFractions {
 }
 
 /// The bank of a fit, in rad/s.
-fn unscaled(fit: &PartialFractions, plan: &BandPlan) -> Fit {
+fn unscaled(fit: &PartialFractions, plan: &BandPlan, most: f64) -> Fit {
     let half = TAU * plan.half_band_hz;
     let places = fit.term.ncols();
     let quasi_static =
@@ -195,7 +259,7 @@ fn unscaled(fit: &PartialFractions, plan: &BandPlan) -> Fit {
         shape: fit.term.rows_range(QUASI_STATIC..).transpose() * Complex64::from(half),
         direct: DVector::zeros(places),
     };
-    Fit { bank, quasi_static: QuasiStatic { shape: quasi_static }, error: fit.worst() }
+    Fit { bank, quasi_static: QuasiStatic { shape: quasi_static }, delay_s: 0.0, error: fit.worst(), most }
 }
 
 #[cfg(test)]

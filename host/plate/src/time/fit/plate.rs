@@ -1,17 +1,74 @@
 //! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator's resonance.
 
+use super::{Accuracy, Fit, bank};
 use crate::definition::actuator::Actuator;
 use crate::definition::plate::Plate;
+use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
+use crate::time::band_plan::BandPlan;
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 
 /// Error of the field, well below that of the fit.
 const ERROR: f64 = 1e-6;
 
+/// A clamped plate's field is later than its drive by this many periods of the lowest frequency.
+const DELAY_PERIODS: f64 = 4.0;
+/// No resonance of a clamped plate decays more slowly than by this share of its material's rate, or of its actuator's.
+const LEAST_DECAY: f64 = 0.4;
+
+/// Fits the field of width mode `mode`, that of `respond` with the actuator's resonance, over the band of the filter's
+/// `plan`. A finger rests on the first width mode alone.
+///
+/// Between clamped edges the fit is near the field from `exact_hz.0` to `exact_hz.1`, and late: see [`Fit::delay_s`].
+pub(crate) fn of_plate(
+    plate: &Plate,
+    mode: u32,
+    finger: Option<&Finger>,
+    plan: &BandPlan,
+    places: usize,
+    exact_hz: (f64, f64),
+) -> Fit {
+    let top_hz = plan.stop_hz().1;
+    let (accuracy, delay_s) = match plate.width_mode(mode).strip {
+        None => (Accuracy::EXACT, 0.0),
+        Some(_) => (Accuracy::of_strip(exact_hz, least_decay(plate)), DELAY_PERIODS / exact_hz.0),
+    };
+    let fit = match finger {
+        None => bank(late(response(plate, mode, places, top_hz), delay_s), plan, places, accuracy),
+        Some(finger) => {
+            bank(late(touched_response(plate, finger, places, top_hz), delay_s), plan, places, accuracy)
+        }
+    };
+    Fit { delay_s, ..fit }
+}
+
+/// The least decay of a resonance of a clamped plate, over its frequency.
+fn least_decay(plate: &Plate) -> f64 {
+    let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
+    let of_actuator = resonator.map_or(f64::INFINITY, |it| 0.5 / it.quality);
+    // K^2 goes with the frequency, or with a power of it up to two.
+    LEAST_DECAY * plate.wave_loss().min(of_actuator)
+}
+
+/// A field that is later by `delay_s`.
+fn late(
+    mut response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
+    delay_s: f64,
+) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
+    move |frequencies_hz| {
+        let mut rows = response(frequencies_hz);
+        for (row, hz) in rows.iter_mut().zip(frequencies_hz).filter(|_| delay_s > 0.0) {
+            let turn = Complex64::cis(TAU * hz * delay_s);
+            row.iter_mut().for_each(|value| *value *= turn);
+        }
+        rows
+    }
+}
+
 /// Computes the field of width mode `mode` at `points` uniform positions from 0 to the plate's end, relative to the
-/// actuator's input, for each of many frequencies up to `top_hz`. Between clamped edges the plate has the tangent of the
-/// strip's law, see [`Grid::tangent`].
+/// actuator's input, for each of many frequencies up to `top_hz`.
 pub(crate) fn response(
     plate: &Plate,
     mode: u32,
@@ -29,7 +86,7 @@ pub(crate) fn response(
 }
 
 /// As [`response`], of the first width mode with a finger on the plate.
-pub(crate) fn touched_response(
+fn touched_response(
     plate: &Plate,
     finger: &Finger,
     points: usize,
@@ -46,7 +103,7 @@ pub(crate) fn touched_response(
 fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
     let step = plate.length_m() / (points - 1) as f64;
     let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
-    (Grid::tangent(plate, mode, points, refinement), refinement)
+    (Grid::new(plate, mode, Equation::Corrected, points, refinement), refinement)
 }
 
 /// The field at the positions, relative to the resonator's input; curves of the drive are left to its filter.

@@ -10,8 +10,10 @@ pub(super) struct Sample {
     pub(super) s: f64,
     /// Field at the positions, relative to the drive.
     pub(super) field: Vec<Complex64>,
-    /// Largest |field|; errors at this frequency are relative to it.
+    /// Largest |field| over the weight of an error at this frequency: errors are relative to it.
     pub(super) top: f64,
+    /// That weight, 1 or less.
+    pub(super) weight: f64,
     /// Sums over all positions with different signs.
     pub(super) sum: [Complex64; SUMS],
 }
@@ -22,9 +24,11 @@ pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a Complex64>) -> f6
 }
 
 /// Samples by rising frequency.
-pub(super) struct Samples<R> {
+pub(super) struct Samples<R, W> {
     /// The field at each of many s.
     response: R,
+    /// The weight of an error at s.
+    weight: W,
     /// Sign of each position in each sum, without pattern, so that no mode is missed by all sums.
     sign: Vec<[f64; SUMS]>,
     sample: Vec<Sample>,
@@ -33,8 +37,8 @@ pub(super) struct Samples<R> {
 /// Least distance of two samples.
 const CLOSEST: f64 = 1e-6;
 
-impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>> Samples<R> {
-    pub(super) fn new(response: R, places: usize) -> Self {
+impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64> Samples<R, W> {
+    pub(super) fn new(response: R, weight: W, places: usize) -> Self {
         // A linear congruential generator (Knuth's constants for MMIX): the same signs on every machine.
         let mut state = 1_u64;
         let mut next_sign = || {
@@ -42,7 +46,7 @@ impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>> Samples<R> {
             if state >> 63 == 0 { 1.0 } else { -1.0 }
         };
         let sign = (0..places).map(|_| std::array::from_fn(|_| next_sign())).collect();
-        Self { response, sign, sample: Vec::new() }
+        Self { response, weight, sign, sample: Vec::new() }
     }
 
     pub(super) fn all(&self) -> &[Sample] {
@@ -59,7 +63,8 @@ impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>> Samples<R> {
             }
         }
         for (&s, field) in fresh.iter().zip((self.response)(&fresh)) {
-            let top = largest(&field);
+            let weight = (self.weight)(s);
+            let top = largest(&field) / weight;
             let mut sum = [Complex64::ZERO; SUMS];
             for (value, signs) in field.iter().zip(&self.sign) {
                 for (sum, sign) in sum.iter_mut().zip(signs) {
@@ -67,7 +72,7 @@ impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>> Samples<R> {
                 }
             }
             if field.len() == self.sign.len() && top > 0.0 && top.is_finite() && largest(&sum) > 0.0 {
-                self.sample.push(Sample { s, field, top, sum });
+                self.sample.push(Sample { s, field, top, weight, sum });
             }
         }
         self.sample.sort_by(|a, b| a.s.total_cmp(&b.s));

@@ -6,9 +6,6 @@ use crate::quantity::OutOfRange;
 use crate::time::drive_filter::DriveCurveError;
 use thiserror::Error;
 
-/// Largest error of a rational fit of the field, relative to the largest amplitude at the same frequency.
-pub(super) const FIT_ERROR_MAX: f64 = 5e-3;
-
 /// Why a line could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LineError {
@@ -18,14 +15,6 @@ pub enum LineError {
     /// No filter has the measured curve of the plate's drive: its actuator's or its calibration's.
     #[error(transparent)]
     Drive(#[from] DriveCurveError),
-    /// The end of a clamped plate has a near field. It belongs to the exact law of the strip, which a line does not have.
-    #[error(
-        "{plate}: a clamped plate in the time domain cannot have a source or a slope at its driven end: give end = \"displacement\", \"force\" or \"resistance\" without a slope"
-    )]
-    ClampedEnd {
-        /// Name of the plate.
-        plate: String,
-    },
     /// The number of positions or the width mode is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
@@ -33,9 +22,11 @@ pub enum LineError {
     #[error(transparent)]
     Finger(RespondError),
     /// The field over the band is no sum of decaying resonances.
-    #[error("the plate cannot be simulated in time: the best sum of decaying resonances is off by {:.1} % of its amplitude, at most {:.1} % is allowed", .error * 100.0, FIT_ERROR_MAX * 100.0)]
+    #[error("the plate cannot be simulated in time: the best sum of decaying resonances is off by {:.1} % of its amplitude, at most {:.1} % is allowed", .error * 100.0, .most * 100.0)]
     Unfit {
         /// Largest error, relative to the largest amplitude at the same frequency.
         error: f64,
+        /// The largest that is allowed.
+        most: f64,
     },
 }

@@ -179,8 +179,9 @@ fn a_field_that_grows_is_refused() {
         let field = |f: &f64| vec![1e3 / (Complex64::new(1.8e5, 1e3) - TAU * f); 65];
         frequencies.iter().map(field).collect::<Vec<_>>()
     };
-    let refused = TimeDomainLine::of_response(&plate, plan, 65, growing).err().expect("refused");
-    assert!(matches!(refused, LineError::Unfit { error } if error > 0.1), "{refused}");
+    let fit = fit::exact(growing, &plan, 65);
+    let refused = TimeDomainLine::of_fit(&plate, plan, 65, &fit).err().expect("refused");
+    assert!(matches!(refused, LineError::Unfit { error, .. } if error > 0.1), "{refused}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use crate::calibrate::{SensorKind, seen};
 use crate::definition::plate::Plate;
+use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
 use num_complex::Complex64;
@@ -69,7 +70,7 @@ impl Fields {
         let stations = stations.clamp(STATIONS.0, STATIONS.1);
         let step_m = plate.length_m() / (stations - 1) as f64;
         let refinement = numerov::refinement_for(plate, stop_hz.1, step_m, ERROR);
-        let grid = Grid::tangent(plate, 1, stations, refinement);
+        let grid = Grid::new(plate, 1, Equation::Corrected, stations, refinement);
         let mut frequency_hz = frequencies(pole, stop_hz);
         // Above the band the plate is only followed roughly, so that an output need not fall off steeply.
         let octaves = (ROUGHLY.1.min(0.45 * sample_rate_hz / stop_hz.1)).log2().max(0.0);

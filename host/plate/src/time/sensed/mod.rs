@@ -31,7 +31,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 pub use error::SenseError;
-use error::{CURVE_ERROR_MAX, ERROR_MAX};
+use error::{CLAMPED_ERROR_MAX, CURVE_ERROR_MAX, ERROR_MAX};
 use output::Held;
 pub use output::Output;
 pub use resonators::Resonators;
@@ -83,7 +83,8 @@ impl SensedPlate {
     /// Prepares a plate, perhaps with a finger that rests on it, for codes at one of [`crate::sample_rates`].
     ///
     /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest to 1.05
-    /// of the highest) the answer is that of the frequency domain; above it falls off. A measured actuator and the
+    /// of the highest) the answer is that of the frequency domain, between clamped edges within a hundredth or two; above it
+    /// falls off. A measured actuator and the
     /// correction of a calibration belong to it, with the least phase of their gain; noise from one of their points to the
     /// next is smoothed, see [`Output::error`].
     ///
@@ -99,12 +100,9 @@ impl SensedPlate {
         let top_hz = (beyond.1 * high_hz).min(TOP_TO_RATE * sample_rate_hz).max(high_hz);
         let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);
         let stop_hz = plan.stop_hz();
-        let fit = match finger {
-            None => fit::bank(fit::response(plate, 1, PLACES, stop_hz.1), &plan, PLACES),
-            Some(finger) => fit::bank(fit::touched_response(plate, finger, PLACES, stop_hz.1), &plan, PLACES),
-        };
-        check_fit(&fit)?;
         let exact_hz = (beyond.0 * low_hz, top_hz);
+        let fit = fit::of_plate(plate, 1, finger, &plan, PLACES, exact_hz);
+        check_fit(&fit)?;
         let decay = |pole: &[Complex64]| -> Vec<Complex64> {
             let decays = pole.iter().map(|p| (Complex64::new(0.0, -1.0) * p / sample_rate_hz).exp());
             decays.chain(SHORT).collect()
@@ -269,7 +267,11 @@ impl SensedPlate {
         };
         let goals = held.into_iter().chain(steady).map(goal).collect();
         let output = Output::fit(goals, self.exact_hz(), where_held, &self.advance, self.sample_rate_hz);
-        let most = if DriveCurve::of(&self.plate).is_some() { CURVE_ERROR_MAX } else { ERROR_MAX };
+        let most = match (self.plate.width_mode(1).strip, DriveCurve::of(&self.plate)) {
+            (Some(_), _) => CLAMPED_ERROR_MAX,
+            (None, Some(_)) => CURVE_ERROR_MAX,
+            (None, None) => ERROR_MAX,
+        };
         let error = output.error();
         if error.is_nan() || error > most { Err(SenseError::Unfit { error, most }) } else { Ok(output) }
     }
