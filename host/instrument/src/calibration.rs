@@ -8,13 +8,13 @@ pub use remedy::Remedy;
 pub use step::Step;
 
 use crate::jobs::calibrate::CalibrateJob;
-use slipline_plate::calibrate::{Calipers, Measurement};
+use crate::measure::Wanted;
+use slipline_plate::calibrate::{Calipers, Measurement, Placing, Priors, SensorPlaces};
 use slipline_plate::{Plate, PlateError};
 use std::sync::Arc;
 
-/// Shares of the length at which the sensor stands: beyond the near field of the driven end, and where most of the span's
-/// waves still are.
-pub const PLACES: [f64; 2] = [0.1, 0.55];
+/// Shares of the length at which the sensor stands on a plate for which no places can be proposed.
+const PLACES: [f64; 2] = [0.3, 0.6];
 /// Standard deviation of a half-width by calipers, metres: a tenth of a millimetre of the whole width.
 pub const CALIPERS_TOLERANCE_M: f64 = 5e-5;
 
@@ -34,6 +34,7 @@ pub struct Calibration {
     /// The page that is open.
     pub step: Step,
     calipers: Option<Calipers>,
+    places_m: [f64; 2],
     answers: [Option<Answer>; 2],
 }
 
@@ -41,7 +42,8 @@ impl Calibration {
     /// A calibration of the plate of this file.
     #[must_use]
     pub fn of(plate: &Arc<Plate>) -> Self {
-        Self { plate: Arc::clone(plate), step: Step::Plate, calipers: None, answers: [None, None] }
+        let places_m = proposed_m(plate, Priors::default());
+        Self { plate: Arc::clone(plate), step: Step::Plate, calipers: None, places_m, answers: [None, None] }
     }
 
     /// The plate as its file tells it.
@@ -73,18 +75,21 @@ impl Calibration {
     /// # Errors
     /// Which length is out of its range, or makes a plate that is none. What was known before stays.
     pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), PlateError> {
-        if let Some(calipers) = calipers {
-            calipers.applied_to(&self.plate)?;
-        }
+        self.places_m = match calipers {
+            Some(calipers) => {
+                let (plate, priors) = calipers.applied_to(&self.plate)?;
+                proposed_m(&plate, priors)
+            }
+            None => proposed_m(&self.plate, Priors::default()),
+        };
         self.calipers = calipers;
         Ok(())
     }
 
-    /// Where the sensor is to stand, metres from the driven end.
+    /// Where the sensor is to stand, metres from the driven end: as [`SensorPlaces`] proposes for the plate.
     #[must_use]
     pub fn places_m(&self) -> [f64; 2] {
-        let length_m = self.calipers.map_or(self.plate.length_m(), |calipers| calipers.length_m);
-        PLACES.map(|share| share * length_m)
+        self.places_m
     }
 
     /// The answer of the sensor at the first (0) or second (1) place.
@@ -140,3 +145,12 @@ impl Calibration {
 
 #[cfg(test)]
 mod tests;
+
+/// The proposed places of a displacement sensor on a plate, metres.
+fn proposed_m(plate: &Plate, priors: Priors) -> [f64; 2] {
+    let placing = Placing { points: Wanted::of(plate).points, priors, ..Placing::default() };
+    match SensorPlaces::of(plate, &placing) {
+        Ok(places) => places.best.places_m,
+        Err(_) => PLACES.map(|share| share * plate.length_m()),
+    }
+}

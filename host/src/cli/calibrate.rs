@@ -4,14 +4,16 @@ use super::calibrated::{Found, Way, finish};
 use super::destination::Destination;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{SensorArgument, current_of, measurements};
-use super::measuring::{BandArgument, ByDevice, at_places, current};
-use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, progress};
+use super::measuring::{BandArgument, ByDevice, at_places, current, place_on};
+use super::{
+    ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, progress, sensor_places,
+};
 use argument::TouchArgument;
 use clap::{ArgGroup, Args, ValueEnum};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Priors, Touch, TouchedDrive, Transducer, from_one_sensor,
-    from_ratio, from_shunt, from_touches,
+    CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, Touch, TouchedDrive, Transducer,
+    from_one_sensor, from_ratio, from_shunt, from_touches,
 };
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::{Measure, Range, must_be};
@@ -27,10 +29,17 @@ const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 
 /// `calibrate`.
 #[derive(Debug, Args)]
-#[command(group = ArgGroup::new("measured").args(["port", "data", "touches"]).required(true))]
+#[command(group = ArgGroup::new("measured").args(["port", "data", "touches", "plan"]).required(true))]
 pub struct CalibrateArguments {
     #[command(flatten)]
     plate: PlateArgument,
+    /// Print where the sensor should stand at its two places, and what pairs of places would reach, before anything is
+    /// measured; with --sensor twice, what these places would reach and why one of them would not serve.
+    #[arg(long, conflicts_with_all = ["out", "current"])]
+    plan: bool,
+    /// With --plan: the drive acts beside the centre line, so that it excites the second width mode, too.
+    #[arg(long, requires = "plan")]
+    off_centre: bool,
     /// Measure now, with this device.
     #[command(flatten)]
     port: Option<PortArgument>,
@@ -136,6 +145,16 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     let file = argument::plate(&arguments.plate.plate)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let (nominal, priors) = arguments.calipers.applied_to(file.clone())?;
+    if arguments.plan {
+        let placing = Placing {
+            sensor: arguments.sensor.kind.unwrap_or(SensorKind::Displacement),
+            points: arguments.band.wanted(&nominal, None).points,
+            off_centre: arguments.off_centre,
+            priors,
+        };
+        let asked = asked_places(&nominal, &arguments.sensor)?;
+        return sensor_places::print(&nominal, &placing, asked, as_json);
+    }
     let found = match &arguments.measured.touches[..] {
         [] => match (&measured(&nominal, arguments)?[..], arguments.measured.current) {
             ([one], Some(drive)) => {
@@ -159,6 +178,18 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         touches => touched(&nominal, touches, arguments, &priors)?,
     };
     finish(&file, found, out.as_ref(), as_json)
+}
+
+/// The two places that a plan is asked about.
+fn asked_places(nominal: &Plate, sensor: &SensorArgument) -> Result<Option<[f64; 2]>, Failure> {
+    match &sensor.places[..] {
+        [] => Ok(None),
+        [near, far] => Ok(Some([place_on(nominal, near)?, place_on(nominal, far)?])),
+        places => {
+            let given = format_args!("{} --sensor with --plan", places.len());
+            Err(Failure::Usage(must_be(given, "none or 2: both places of the sensor")))
+        }
+    }
 }
 
 /// What was measured with the same sensor, at one place or at two: by a device or in files.
@@ -228,6 +259,7 @@ fn touched(
         plate: found.plate,
         parameters: found.parameters,
         chi2_per_n: found.chi2_per_n,
+        misfit: None,
         boundary: None,
         caution: None,
         level_tolerance_db: None,

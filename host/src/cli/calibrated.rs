@@ -59,6 +59,8 @@ pub(super) struct Found {
     pub(super) plate: Plate,
     pub(super) parameters: Vec<Parameter>,
     pub(super) chi2_per_n: f64,
+    /// The model error with which that would be 1, and what to do about it; nothing of felt edges.
+    pub(super) misfit: Option<(f64, String)>,
     /// Half of the 95 % interval of the boundary, metres, and the boundary's shift per metre of misplacement of each sensor.
     pub(super) boundary: Option<(f64, Vec<f64>)>,
     /// Half of the 95 % interval of the felt edge, metres; only of a calibration by felt edges.
@@ -74,6 +76,7 @@ impl Found {
     pub(super) fn by(way: Way, found: Calibrated) -> Self {
         Self {
             caution: found.caution(),
+            misfit: Some((found.misfit, found.misfit_note())),
             way,
             plate: found.plate,
             parameters: found.parameters,
@@ -140,6 +143,7 @@ fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
             "high": it.high,
         })).collect::<Vec<_>>(),
         "chi2_per_n": found.chi2_per_n,
+        "misfit": found.misfit.as_ref().map(|it| it.0),
         "boundary_tolerance_m": found.boundary.as_ref().map(|it| it.0),
         "boundary_per_place": found.boundary.as_ref().map(|it| &it.1),
         "edge_tolerance_m": found.edge_tolerance_m,
@@ -165,6 +169,7 @@ fn lines<'a>(
         lines.push((it.name, interval));
     }
     lines.push(("chi^2 per answer", with_decimals(found.chi2_per_n, 2)));
+    lines.extend(found.misfit.iter().map(|(_, note)| ("Model", note.clone())));
     let decibel = |db: f64| format!("{} dB", with_decimals(db, 1));
     let level = found.level_tolerance_db;
     let was = level

@@ -39,6 +39,12 @@ pub(super) struct BandArgument {
     sweep: bool,
 }
 
+impl BandArgument {
+    pub(super) fn wanted(&self, plate: &Plate, level: Option<f64>) -> Wanted {
+        self.frequencies.wanted(plate, level)
+    }
+}
+
 impl FrequenciesArgument {
     pub(super) fn wanted(&self, plate: &Plate, level: Option<f64>) -> Wanted {
         let of_plate = Wanted::of(plate);
@@ -82,7 +88,7 @@ impl<'a> Measurer<'a> {
             MeasureError::NoInputs => Failure::failed(error),
             error => Failure::usage(error),
         };
-        let wanted = band.frequencies.wanted(plate, level);
+        let wanted = band.wanted(plate, level);
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
         // What cannot be measured is said before the device gets a table.

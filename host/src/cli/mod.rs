@@ -30,6 +30,7 @@ mod progress;
 mod record;
 mod respond;
 mod rig;
+mod sensor_places;
 mod serve;
 mod simulate;
 mod sweep;

@@ -55,7 +55,7 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
     let arguments = calibrate(&[&near, &far], &["--out", out.to_str().unwrap()]);
     let value = json(&arguments);
     assert_eq!(value["accepted"], true);
-    assert!(number(&value, "chi2_per_n") < 2.0, "{value}");
+    assert!(number(&value, "chi2_per_n") < 2.0 && number(&value, "misfit") < 0.03, "{value}");
     let parameter = |name: &str| {
         let all = value["parameters"].as_array().unwrap();
         all.iter().find(|it| it["name"] == name).unwrap_or_else(|| panic!("no {name}: {value}"))
@@ -103,6 +103,39 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
 }
 
 #[test]
+fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
+    let planned = |more: &[&str]| json(&[&["calibrate", "--plan", "--plate", "membrane"][..], more].concat());
+    let value = planned(&[]);
+    let best = &value["best"];
+    let place_mm = |i: usize| 1e3 * best["places_m"][i].as_f64().unwrap();
+    assert!(place_mm(0) >= 1e3 * number(&value, "nearest_m") && place_mm(1) > place_mm(0) + 20.0, "{value}");
+    assert!((place_mm(0) - place_mm(0).round()).abs() < 1e-6, "whole millimetres: {value}");
+    assert_eq!((&value["nearest_by"], &value["asked"]), (&Value::from("width mode 3"), &Value::Null));
+    assert!(value["pairs"].as_array().unwrap().len() > 50, "{value}");
+
+    let asked = planned(&["--sensor", "32mm", "--sensor", "310mm"])["asked"].clone();
+    let warnings = asked["warnings"].as_array().unwrap();
+    assert!(warnings[0].as_str().unwrap().contains("width mode 3"), "{asked}");
+    assert!(warnings[1].as_str().unwrap().contains("cannot see"), "{asked}");
+    let level_db = |value: &Value| number(value, "level_tolerance_db");
+    assert!(level_db(&asked["reach"]) > level_db(best), "{asked} {best}");
+    let off_centre = planned(&["--off-centre"]);
+    assert_eq!(off_centre["nearest_by"], "width mode 2");
+
+    let text =
+        slipline(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm", "--sensor", "176mm"]);
+    let text = String::from_utf8(text.stdout).unwrap();
+    for wanted in ["Sensor at", "Would reach", "Nearest place", "Places asked for", "Warning", "Second place"]
+    {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+    let message = failure(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm"], 2);
+    assert!(message.contains("1 --sensor with --plan"), "{message}");
+    let message = failure(&["calibrate", "--plan", "--plate", "membrane", "--kind", "strain"], 2);
+    assert!(message.contains("strain"), "{message}");
+}
+
+#[test]
 fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
     let plate = actual();
     let (near, far) = (measured(&plate, 0.032), measured(&plate, 0.176));
@@ -121,7 +154,13 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         assert!((half_widths(&value) / half_widths(&own) - 1.0).abs() < 1e-3, "{value} {own}");
         let noisy = json(&calibrate(&files.map(|it| it.as_path()), &[more, &["--snr", "30dB"]].concat()));
         let level_db = |value: &Value| number(value, "level_tolerance_db");
-        assert!(level_db(&noisy) > 2.0 * level_db(&value), "{noisy} {value}");
+        // What the model may miss is in both, and is most of the level's interval here.
+        assert!(level_db(&noisy) > level_db(&value), "{noisy} {value}");
+        let loss = |value: &Value| {
+            let loss = &value["parameters"][1];
+            number(loss, "high") - number(loss, "low")
+        };
+        assert!(loss(&noisy) > 1.5 * loss(&value), "{noisy} {value}");
     }
     for (files, more, expected) in [
         (

@@ -12,13 +12,14 @@
 //! a calibrated plate and a Measurement at one place -> speed_trim: its wave speed now -> phases of a few tones -> later
 //! ```
 //!
-//! `measurement/` holds the data, `fit/` the plates that suit them, `felt/` those that suit felt edges. Nothing here plays
+//! `placement/` proposes where the sensor stands, `measurement/` holds the data, `fit/` the plates that suit them, `felt/` those that suit felt edges. Nothing here plays
 //! or records a tone: a [`Measurement`] comes from a device, a file or a solver.
 
 mod error;
 mod felt;
 mod fit;
 mod measurement;
+mod placement;
 
 pub use error::CalibrateError;
 pub use felt::touch::{Touch, TouchedDrive};
@@ -44,3 +45,4 @@ pub use measurement::sensor::{
     MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind,
 };
 pub use measurement::table::LineError;
+pub use placement::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};

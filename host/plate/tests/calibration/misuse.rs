@@ -15,7 +15,9 @@ use super::{PLACES, calibrated, count, measured};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement};
 use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
 
-const NAMES: [&str; 2] = ["membrane", "al-bending"];
+/// What `cargo test` shows, and the second pass of the long tests.
+const FIRST: &str = "membrane";
+const SECOND: &str = "al-bending";
 
 fn rig(name: &str, seed: u64) -> (Rig, Random) {
     let mut random = Random::new(seed);
@@ -61,40 +63,44 @@ pub(crate) fn good_or_refused(
 
 #[test]
 fn a_finger_on_the_plate_is_noticed_where_it_matters() {
-    for name in NAMES {
-        let (mut rig, mut random) = rig(name, 30);
-        let mut firm_seen = 0;
-        for place_m in [0.12, 0.2] {
-            let firm = Finger { resistance_n_s_per_m: 1.0, mass_kg: 1e-4, ..Finger::light(place_m) };
-            for finger in [Finger::light(place_m), firm] {
-                rig.finger = Some(finger);
-                let places = PLACES.map(|share| share * rig.nominal.length_m());
-                let sensors = rig.measure(places, 60, &mut random);
-                let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {finger:?}"));
-                let is_seen = matches!(error, Some(CalibrateError::Unlike { .. } | CalibrateError::NoFit));
-                // The wave impedance of the aluminium is 1500 times that of a light touch.
-                assert!(is_seen || name == "al-bending", "{name} {finger:?}: {error:?}");
-                firm_seen += usize::from(is_seen && finger == firm);
-            }
+    finger(FIRST);
+}
+
+fn finger(name: &str) {
+    let (mut rig, mut random) = rig(name, 30);
+    let mut firm_seen = 0;
+    for place_m in [0.12, 0.2] {
+        let firm = Finger { resistance_n_s_per_m: 1.0, mass_kg: 1e-4, ..Finger::light(place_m) };
+        for finger in [Finger::light(place_m), firm] {
+            rig.finger = Some(finger);
+            let places = PLACES.map(|share| share * rig.nominal.length_m());
+            let sensors = rig.measure(places, 60, &mut random);
+            let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {finger:?}"));
+            let is_seen = matches!(error, Some(CalibrateError::Unlike { .. } | CalibrateError::NoFit));
+            // The wave impedance of the aluminium is 1500 times that of a light touch.
+            assert!(is_seen || name == "al-bending", "{name} {finger:?}: {error:?}");
+            firm_seen += usize::from(is_seen && finger == firm);
         }
-        assert!(firm_seen >= 2, "{name}: {firm_seen}");
     }
+    assert!(firm_seen >= 2, "{name}: {firm_seen}");
 }
 
 #[test]
 fn a_sensor_at_another_place_than_told_is_noticed_where_it_matters() {
-    for name in NAMES {
-        for (a_mm, b_mm) in [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (10.0, 0.0), (0.0, 10.0), (0.0, -10.0)] {
-            let (rig, mut random) = rig(name, 31);
-            let told = PLACES.map(|share| share * rig.nominal.length_m());
-            let places = [told[0] + 1e-3 * a_mm, told[1] + 1e-3 * b_mm];
-            let mut sensors = rig.measure(places, count(name), &mut random);
-            (sensors[0].place_m, sensors[1].place_m) = (told[0], told[1]);
-            let moved_m = [1e-3 * a_mm, 1e-3 * b_mm];
-            let error = refused_or_good(&rig, &sensors, moved_m, &format!("{name} {a_mm} {b_mm} mm"));
-            let is_far = f64::abs(a_mm) + f64::abs(b_mm) > 5.0;
-            assert_eq!(error.is_some(), is_far, "{name} {a_mm} {b_mm} mm: {error:?}");
-        }
+    another_place(FIRST);
+}
+
+fn another_place(name: &str) {
+    for (a_mm, b_mm) in [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (10.0, 0.0), (0.0, 10.0), (0.0, -10.0)] {
+        let (rig, mut random) = rig(name, 31);
+        let told = PLACES.map(|share| share * rig.nominal.length_m());
+        let places = [told[0] + 1e-3 * a_mm, told[1] + 1e-3 * b_mm];
+        let mut sensors = rig.measure(places, count(name), &mut random);
+        (sensors[0].place_m, sensors[1].place_m) = (told[0], told[1]);
+        let moved_m = [1e-3 * a_mm, 1e-3 * b_mm];
+        let error = refused_or_good(&rig, &sensors, moved_m, &format!("{name} {a_mm} {b_mm} mm"));
+        let is_far = f64::abs(a_mm) + f64::abs(b_mm) > 5.0;
+        assert_eq!(error.is_some(), is_far, "{name} {a_mm} {b_mm} mm: {error:?}");
     }
 }
 
@@ -112,15 +118,17 @@ fn how_far_a_misplaced_sensor_takes_the_boundary_is_told_in_a_sentence() {
 
 #[test]
 fn a_sensor_where_nothing_is_to_be_seen_is_noticed() {
-    for name in NAMES {
-        for (shares, is_refused) in [([0.1, 0.9], false), ([0.93, 0.98], true), ([0.1, 1.0], false)] {
-            let (rig, mut random) = rig(name, 32);
-            let places = shares.map(|share| share * rig.nominal.length_m());
-            let sensors = rig.measure(places, count(name), &mut random);
-            let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {shares:?}"));
-            let not_carried = matches!(error, Some(CalibrateError::NotCarried { .. }));
-            assert_eq!(not_carried, is_refused, "{name} {shares:?}: {error:?}");
-        }
+    nothing_to_be_seen(FIRST);
+}
+
+fn nothing_to_be_seen(name: &str) {
+    for (shares, is_refused) in [([0.1, 0.9], false), ([0.93, 0.98], true), ([0.1, 1.0], false)] {
+        let (rig, mut random) = rig(name, 32);
+        let places = shares.map(|share| share * rig.nominal.length_m());
+        let sensors = rig.measure(places, count(name), &mut random);
+        let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {shares:?}"));
+        let not_carried = matches!(error, Some(CalibrateError::NotCarried { .. }));
+        assert_eq!(not_carried, is_refused, "{name} {shares:?}: {error:?}");
     }
 }
 
@@ -137,113 +145,133 @@ fn nodes_m(rig: &Rig, frequency_hz: f64) -> Vec<f64> {
 
 #[test]
 fn a_sensor_at_a_node_is_refused_or_the_other_frequencies_carry_it() {
-    for name in NAMES {
-        let (rig, mut random) = rig(name, 35);
-        let (low_hz, high_hz) = rig.nominal.band_hz();
-        let mut refused = 0;
-        for frequency_hz in [0.7, 0.9].map(|share| low_hz + share * (high_hz - low_hz)) {
-            let nodes = nodes_m(&rig, frequency_hz);
-            let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
-            assert!(last - first > 0.02, "{name}: {nodes:?}");
-            let far_m = PLACES[1] * rig.nominal.length_m();
-            for places in [[first, last], [first, far_m], [PLACES[0] * rig.nominal.length_m(), last]] {
-                let sensors = rig.measure(places, count(name), &mut random);
-                let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {places:?} m"));
-                let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
-                assert!(is_told, "{name} {places:?}: {error:?}");
-                refused += usize::from(error.is_some());
-            }
+    node(FIRST);
+}
+
+fn node(name: &str) {
+    let (rig, mut random) = rig(name, 35);
+    let (low_hz, high_hz) = rig.nominal.band_hz();
+    let mut refused = 0;
+    for frequency_hz in [0.7, 0.9].map(|share| low_hz + share * (high_hz - low_hz)) {
+        let nodes = nodes_m(&rig, frequency_hz);
+        let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+        assert!(last - first > 0.02, "{name}: {nodes:?}");
+        let far_m = PLACES[1] * rig.nominal.length_m();
+        for places in [[first, last], [first, far_m], [PLACES[0] * rig.nominal.length_m(), last]] {
+            let sensors = rig.measure(places, count(name), &mut random);
+            let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {places:?} m"));
+            let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
+            assert!(is_told, "{name} {places:?}: {error:?}");
+            refused += usize::from(error.is_some());
         }
-        println!("{name}: {refused} of 6 with a sensor at a node are refused");
-        assert!(refused < 6, "{name}: a node at one frequency is none at the others");
     }
+    println!("{name}: {refused} of 6 with a sensor at a node are refused");
+    assert!(refused < 6, "{name}: a node at one frequency is none at the others");
 }
 
 #[test]
 fn an_unplugged_a_clipped_and_an_exchanged_sensor_are_refused_by_name() {
-    for name in NAMES {
-        let (rig, mut random) = rig(name, 33);
-        let sensors = measured(name, &rig, &mut random);
+    signals(FIRST);
+}
 
-        let mut unplugged = sensors.clone();
-        for point in &mut unplugged[1].points {
-            point.response = Complex64::new(random.normal(), random.normal()) * point.noise;
-        }
-        let error = calibrated(&rig, &unplugged).expect_err("unplugged");
-        assert!(matches!(error, CalibrateError::NoSignal { .. }), "{error}");
+fn signals(name: &str) {
+    let (rig, mut random) = rig(name, 33);
+    let sensors = measured(name, &rig, &mut random);
 
-        let mut clipped = sensors.clone();
-        let largest = clipped[0].points.iter().map(|point| point.response.norm()).fold(0.0, f64::max);
-        for point in &mut clipped[0].points {
-            let over = point.response.norm() / (0.4 * largest);
-            point.response /= over.max(1.0);
-            point.headroom_db = point.headroom_db.map(|_| -20.0 * over.log10());
-        }
-        let error = calibrated(&rig, &clipped).expect_err("clipped");
-        assert!(matches!(error, CalibrateError::Clipped { .. }), "{error}");
-        // Who imports a file knows no headroom.
-        clipped[0].points.iter_mut().for_each(|point| point.headroom_db = None);
-        let error = calibrated(&rig, &clipped).expect_err("clipped");
-        assert!(matches!(error, CalibrateError::Unlike { .. }), "{error}");
-
-        let [mut a, mut b] = sensors;
-        std::mem::swap(&mut a.place_m, &mut b.place_m);
-        let error = calibrated(&rig, &[a, b]).expect_err("exchanged");
-        assert!(matches!(error, CalibrateError::Swapped { .. }), "{error}");
+    let mut unplugged = sensors.clone();
+    for point in &mut unplugged[1].points {
+        point.response = Complex64::new(random.normal(), random.normal()) * point.noise;
     }
+    let error = calibrated(&rig, &unplugged).expect_err("unplugged");
+    assert!(matches!(error, CalibrateError::NoSignal { .. }), "{error}");
+
+    let mut clipped = sensors.clone();
+    let largest = clipped[0].points.iter().map(|point| point.response.norm()).fold(0.0, f64::max);
+    for point in &mut clipped[0].points {
+        let over = point.response.norm() / (0.4 * largest);
+        point.response /= over.max(1.0);
+        point.headroom_db = point.headroom_db.map(|_| -20.0 * over.log10());
+    }
+    let error = calibrated(&rig, &clipped).expect_err("clipped");
+    assert!(matches!(error, CalibrateError::Clipped { .. }), "{error}");
+    // Who imports a file knows no headroom.
+    clipped[0].points.iter_mut().for_each(|point| point.headroom_db = None);
+    let error = calibrated(&rig, &clipped).expect_err("clipped");
+    assert!(matches!(error, CalibrateError::Unlike { .. }), "{error}");
+
+    let [mut a, mut b] = sensors;
+    std::mem::swap(&mut a.place_m, &mut b.place_m);
+    let error = calibrated(&rig, &[a, b]).expect_err("exchanged");
+    assert!(matches!(error, CalibrateError::Swapped { .. }), "{error}");
 }
 
 #[test]
 fn the_file_of_another_plate_is_refused() {
-    for name in NAMES {
-        let other = |change: &dyn Fn(&mut PlateSpec)| {
-            let (mut rig, mut random) = rig(name, 34);
-            let sensors = measured(name, &rig, &mut random);
-            let mut spec = rig.nominal.spec().clone();
-            change(&mut spec);
-            rig.nominal = Plate::new(spec).expect("valid");
-            calibrated(&rig, &sensors).expect_err("another plate")
-        };
-        for factor in [0.8, 1.2] {
-            let wider = other(&|spec| {
-                if let Taper::Exponential { half_width_m, .. } = &mut spec.taper {
-                    *half_width_m *= factor;
-                }
-            });
-            let steeper = other(&|spec| {
-                if let Taper::Exponential { rate_per_m, .. } = &mut spec.taper {
-                    *rate_per_m *= factor;
-                }
-            });
-            let faster = other(&|spec| {
-                let plate = Plate::new(spec.clone()).expect("valid");
-                *spec = plate.with_wave_speed(factor).expect("valid").spec().clone();
-            });
-            for error in [wider, steeper] {
-                let is_seen = matches!(error, CalibrateError::Unlike { .. } | CalibrateError::NoFit);
-                assert!(is_seen, "{name} {factor}: {error}");
+    another_file(FIRST);
+}
+
+fn another_file(name: &str) {
+    let other = |change: &dyn Fn(&mut PlateSpec)| {
+        let (mut rig, mut random) = rig(name, 34);
+        let sensors = measured(name, &rig, &mut random);
+        let mut spec = rig.nominal.spec().clone();
+        change(&mut spec);
+        rig.nominal = Plate::new(spec).expect("valid");
+        calibrated(&rig, &sensors).expect_err("another plate")
+    };
+    for factor in [0.8, 1.2] {
+        let wider = other(&|spec| {
+            if let Taper::Exponential { half_width_m, .. } = &mut spec.taper {
+                *half_width_m *= factor;
             }
-            let CalibrateError::AnotherPlate { what: "wave speed", share } = faster else {
-                panic!("{name} {factor}: {faster}")
-            };
-            assert!((share * factor - 1.0).abs() < 0.06, "{name} {factor}: {share}");
+        });
+        let steeper = other(&|spec| {
+            if let Taper::Exponential { rate_per_m, .. } = &mut spec.taper {
+                *rate_per_m *= factor;
+            }
+        });
+        let faster = other(&|spec| {
+            let plate = Plate::new(spec.clone()).expect("valid");
+            *spec = plate.with_wave_speed(factor).expect("valid").spec().clone();
+        });
+        for error in [wider, steeper] {
+            let is_seen = matches!(error, CalibrateError::Unlike { .. } | CalibrateError::NoFit);
+            assert!(is_seen, "{name} {factor}: {error}");
         }
+        let CalibrateError::AnotherPlate { what: "wave speed", share } = faster else {
+            panic!("{name} {factor}: {faster}")
+        };
+        assert!((share * factor - 1.0).abs() < 0.06, "{name} {factor}: {share}");
     }
 }
 
 #[test]
 fn at_twenty_decibels_over_the_noise_the_told_interval_is_wider_and_holds() {
-    for name in NAMES {
-        let mut accepted = 0;
-        for seed in 40..44 {
-            let (mut rig, mut random) = rig(name, seed);
-            rig.snr_db = 20.0;
-            let sensors = measured(name, &rig, &mut random);
-            let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {seed} 20 dB"));
-            let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
-            assert!(is_told, "{name} {seed}: {error:?}");
-            accepted += usize::from(error.is_none());
-        }
-        assert!(accepted > 0, "{name}: all refused");
+    twenty_decibels(FIRST);
+}
+
+fn twenty_decibels(name: &str) {
+    let mut accepted = 0;
+    for seed in 40..44 {
+        let (mut rig, mut random) = rig(name, seed);
+        rig.snr_db = 20.0;
+        let sensors = measured(name, &rig, &mut random);
+        let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {seed} 20 dB"));
+        let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
+        assert!(is_told, "{name} {seed}: {error:?}");
+        accepted += usize::from(error.is_none());
     }
+    assert!(accepted > 0, "{name}: all refused");
+}
+
+#[test]
+#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+fn what_goes_wrong_with_two_places_is_refused_or_told_on_aluminium_too() {
+    finger(SECOND);
+    another_place(SECOND);
+    nothing_to_be_seen(SECOND);
+    node(SECOND);
+    signals(SECOND);
+    another_file(SECOND);
+    twenty_decibels(SECOND);
 }

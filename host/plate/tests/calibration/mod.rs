@@ -1,7 +1,9 @@
 //! A plate whose numbers are wrong by some per cent is measured and calibrated; the table of the calibrated plate
 //! file drives the true plate.
 
+mod bar;
 mod drive_check;
+mod levels;
 mod misuse;
 mod one_sensor;
 mod rig;

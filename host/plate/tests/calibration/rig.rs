@@ -1,6 +1,7 @@
 //! An unknown plate, drawn at random near a nominal one, and what a sensor on it measures: by the one-mode
 //! equation or in two dimensions, with noise and 12 bits.
 
+use super::bar;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};
 pub(crate) use slipline_plate::truth::Random;
 use slipline_plate::truth::near;
@@ -21,10 +22,12 @@ const CODES: f64 = 2048.0;
 const POINTS: usize = 1601;
 
 /// What a plate is solved with.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Solver {
     OneMode,
     TwoDimensions,
+    /// A membrane in two dimensions whose end a bar moves.
+    Bar,
 }
 
 /// A nominal plate and the true one.
@@ -43,7 +46,11 @@ pub(crate) struct Rig {
 impl Rig {
     /// A truth near the preset with a delay and a gain.
     pub(crate) fn new(name: &str, solver: Solver, random: &mut Random) -> Self {
-        let nominal = preset(name).expect("a preset");
+        Self::of(preset(name).expect("a preset"), solver, random)
+    }
+
+    /// The same near this plate.
+    pub(crate) fn of(nominal: Plate, solver: Solver, random: &mut Random) -> Self {
         let truth = near(&nominal, random).expect("a valid plate");
         Self {
             truth,
@@ -82,6 +89,7 @@ impl Rig {
                 let touched = respond_touched(&self.truth, Some(finger), hz, POINTS, Equation::Corrected);
                 touched.expect("in the band").amplitude
             }),
+            (Solver::Bar, _) => each(&|hz| bar::field(&self.truth, hz, POINTS)),
             (Solver::TwoDimensions, _) => {
                 let setup = plane::Setup { finger: self.finger, ..plane::Setup::of(&self.truth) };
                 each(&|hz| plane::respond(&self.truth, hz, POINTS, &setup).expect("in the band").amplitude)
@@ -137,7 +145,7 @@ impl Rig {
                 frequency_hz,
                 response: Complex64::new(coded(noisy.re), coded(noisy.im)),
                 noise: noise.hypot(code / 12_f64.sqrt()),
-                headroom_db: Some(20.0 * (2.0 * largest / answer.norm()).log10()),
+                headroom_db: Some((20.0 * (2.0 * largest / answer.norm()).log10()).min(300.0)),
             }
         });
         let points = points.collect();
@@ -158,6 +166,33 @@ impl Rig {
 
     /// Drives the true plate with a table made for `plate`.
     pub(crate) fn judge(&self, plate: &Plate) -> Judgement {
+        let (boundary_m, levels) = self.driven(plate);
+        // The sensor is not calibrated: one factor for the whole span is free.
+        let middle =
+            levels.iter().copied().fold(f64::MIN, f64::max) + levels.iter().copied().fold(f64::MAX, f64::min);
+        let level_db = levels.iter().map(|level| (level - 0.5 * middle).abs()).fold(0.0, f64::max);
+        Judgement { boundary_m, level_db }
+    }
+
+    /// The same: the largest error of the boundary, metres, and how far each level is from their mean, dB.
+    pub(crate) fn errors(&self, plate: &Plate) -> (f64, Vec<f64>) {
+        let (mut boundary_m, levels) = self.driven(plate);
+        if self.solver == Solver::OneMode {
+            // Of the plate itself: a table of few knots moves them onto resonances.
+            let (start, end) = self.nominal.span_m();
+            let off = |i: usize| {
+                let place_m = start + (end - start) * i as f64 / (BOUNDARIES - 1) as f64;
+                let frequency_hz = plate.frequency_for_boundary_hz(place_m);
+                (self.truth.turning_point_m(frequency_hz).expect("enters") - place_m).abs()
+            };
+            boundary_m = (0..BOUNDARIES).map(off).fold(0.0, f64::max);
+        }
+        let mean = levels.iter().sum::<f64>() / levels.len() as f64;
+        (boundary_m, levels.iter().map(|level| (level - mean).abs()).collect())
+    }
+
+    /// The largest error of the boundary, metres, and the level at each place, dB.
+    fn driven(&self, plate: &Plate) -> (f64, Vec<f64>) {
         let table = self.table(plate);
         let (start, end) = self.nominal.span_m();
         let places: Vec<f64> =
@@ -171,8 +206,10 @@ impl Rig {
             boundary_m = boundary_m.max(match (self.solver, peak) {
                 (Solver::OneMode, _) => (turning_m - x).abs(),
                 // In two dimensions the peak has a place, a turning point is a notion of one mode.
-                (Solver::TwoDimensions, Some(peak)) => (peak.position_m - told_peak_m(plate, hz)).abs(),
-                (Solver::TwoDimensions, None) => 0.0,
+                (Solver::TwoDimensions | Solver::Bar, Some(peak)) => {
+                    (peak.position_m - told_peak_m(plate, hz)).abs()
+                }
+                (Solver::TwoDimensions | Solver::Bar, None) => 0.0,
             });
             let amplitude = peak.map_or_else(
                 || {
@@ -184,11 +221,7 @@ impl Rig {
             );
             levels.push(20.0 * (amplitude * self.drive(hz).norm() * table.gain(x)).log10());
         }
-        // The sensor is not calibrated: one factor for the whole span is free.
-        let middle =
-            levels.iter().copied().fold(f64::MIN, f64::max) + levels.iter().copied().fold(f64::MAX, f64::min);
-        let level_db = levels.iter().map(|level| (level - 0.5 * middle).abs()).fold(0.0, f64::max);
-        Judgement { boundary_m, level_db }
+        (boundary_m, levels)
     }
 }
 

@@ -5,11 +5,13 @@ use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_plate::calibrate::Measurement;
+use slipline_instrument::calibration::Calibration;
+use slipline_plate::calibrate::{Calipers, Measurement};
+use slipline_plate::quantity::show_place;
 use slipline_plate::{Model, Plate};
 use std::path::PathBuf;
 
-/// Where the pages have the sensor put on the membrane.
+/// Where the sensor of the answers stood, whatever the pages propose.
 const PLACES_M: [f64; 2] = [0.032, 0.176];
 
 fn has(app: &TestApp, part: &str) -> bool {
@@ -99,16 +101,18 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
 fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     let mut app = TestApp::driving();
     let both = answers(1.02);
+    let proposed = Calibration::of(&app.window.state().setup().plate).places_m().map(show_place);
     open_calibration(&mut app);
     assert!(page(&app) == Some(1) && !is_enabled(&app, "Back") && is_enabled(&app, "Next"));
     press(&mut app, "Next");
-    assert!(has(&app, "The sensor's place: 32.0 mm from the driven end, on the centre line"));
+    let first = format!("The sensor's place: {} from the driven end, on the centre line", proposed[0]);
+    assert!(has(&app, &first));
     press(&mut app, "Next");
     assert!(page(&app) == Some(3) && !is_enabled(&app, "Next"));
     open_answer(&mut app, "near.csv", &both[0]);
     assert!(is_enabled(&app, "Next") && has(&app, "Headroom: 12.0 dB left"));
     press(&mut app, "Next");
-    assert!(has(&app, "The sensor's place: 176.0 mm") && !is_enabled(&app, "Next"));
+    assert!(has(&app, &format!("The sensor's place: {}", proposed[1])) && !is_enabled(&app, "Next"));
     // A file of something else is no answer, and says so.
     *app.files.contents.borrow_mut() = vec![(PathBuf::from("bad.csv"), Ok("# place_m = 1\n".to_owned()))];
     press(&mut app, "Open file…");
@@ -162,6 +166,12 @@ fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_
 #[test]
 fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
     let mut app = TestApp::driving();
+    let mut calibration = Calibration::of(&app.window.state().setup().plate);
+    let of_file_m = calibration.places_m();
+    let shorter = Calipers { length_m: 0.3, ..calibration.calipers_of_file() };
+    calibration.take_calipers(Some(shorter)).unwrap();
+    let [place_m, _] = calibration.places_m();
+    assert_ne!(place_m, of_file_m[0]);
     open_calibration(&mut app);
     app.window.get_by_label("Its widths and length are measured by calipers").click();
     app.wait(200);
@@ -172,7 +182,7 @@ fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
     type_into(&mut app, "Widths known to", "5 m");
     assert!(app.window.query_all_by_label_contains("must be").count() >= 2);
     press(&mut app, "Next");
-    assert!(has(&app, "The sensor's place: 30.0 mm"));
+    assert!(has(&app, &format!("The sensor's place: {}", show_place(place_m))));
 }
 
 #[test]

@@ -6,10 +6,12 @@ use crate::type_into;
 use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
+use slipline_instrument::calibration::Calibration;
 use slipline_instrument::rig::secret;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_link::{Request, Sounding};
 use slipline_plate::calibrate::departure;
+use slipline_plate::quantity::show_place;
 
 /// A sensor that shows half of the drive, with noise of about a code.
 pub(crate) struct Half(pub(crate) u64);
@@ -179,12 +181,14 @@ fn the_calibrations_pages_measure_too() {
     press(&mut app, "Next");
     press(&mut app, "Next");
     let place = app.window.get_by_role_and_label(Role::TextInput, "Sensor at").value();
-    assert_eq!(place.as_deref(), Some("32.0 mm"));
+    let place = place.unwrap();
+    let [proposed_m, _] = Calibration::of(&app.window.state().setup().plate).places_m();
+    assert_eq!(place, show_place(proposed_m));
     press(&mut app, "Measure now");
     assert!(app.window.get_by_role_and_label(Role::Button, "Next").accesskit_node().is_disabled());
     wait_for_the_end(&mut app);
     assert!(!app.window.get_by_role_and_label(Role::Button, "Next").accesskit_node().is_disabled());
-    assert!(has(&app, "32.0 mm, run 1 at 32.0 mm"));
+    assert!(has(&app, &format!("{place}, run 1 at {place}")));
 }
 
 /// The whole way of somebody new, on a plate that nobody knows.

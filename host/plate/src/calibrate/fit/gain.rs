@@ -1,18 +1,26 @@
-//! The measured gain, carried from the sensors to the peak by the fitted wave.
+//! The measured gain, carried from the sensors to the peak by the fitted wave, as the correction of a plate file's drive.
 //!
 //! At each frequency the fit leaves the source's amplitude s, and the wave's peak is s p_peak. Over what the fitted
 //! plate file says of its drive this is the correction that the file carries: with it a table inverts what was measured.
+//! Every answer counts with its variance, and the correction is a smooth curve through them: a Gaussian process over ln f.
 
+use super::gaussian_process::{Places, Process};
+use super::least_squares::Fit;
+use super::pairs::MODEL_ERROR;
 use super::response::prediction::per_metre;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Plate, ResponseCurve};
 use crate::progress::Progress;
 use crate::table::level::{DriveToPeak, Level};
+use nalgebra::{DMatrix, DVector};
 
-/// Points whose amplitude is known worse than this, relative to the best half of them, are left out: the curve goes
-/// straight over a frequency at which both sensors stand near a node.
-const BLURRED: f64 = 4.0;
+/// Answers with a larger relative standard deviation have no logarithm to begin with.
+const CLEAR: f64 = 0.3;
+/// Times that the logarithm is taken anew about the curve.
+const TURNS: usize = 2;
+/// Places over the span at which the level is judged, beside the answers.
+const JUDGED: usize = 33;
 /// dB per relative change.
 pub(crate) const DECIBELS: f64 = 20.0 / std::f64::consts::LN_10;
 /// The rate that stands for a source without a zero-order hold: its droop is below 1e-6 up to 50 kHz.
@@ -22,56 +30,138 @@ const NO_HOLD_HZ: f64 = 1e8;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried {
     pub(crate) frequency_hz: f64,
-    /// From the code to the peak of the fitted wave, in units of the sensor's signal; above 0.
+    /// From the code to the peak of the fitted wave, in units of the sensor's signal; an answer of noise may be below 0.
     pub(crate) peak: f64,
-    /// Its relative standard deviation by noise.
+    /// Its standard deviation by noise and by what the model misses, in the same unit.
     pub(crate) error: f64,
 }
 
-/// The correction of `plate`'s drive with which it has these gains. Beside it, the standard deviation of nine tenths of its
-/// points, dB, by noise.
-///
-/// An uncalibrated sensor measures the shape alone: the mean level stays that of `plate`, or that of `nominal`, whose
-/// drive may be another one.
-pub(crate) fn correction(
-    plate: &Plate,
-    nominal: Option<&Plate>,
-    sensor: &Measurement,
-    carried: &[Carried],
-) -> Result<(ResponseCurve, f64), CalibrateError> {
-    let rate_hz = sensor.sample_rate_hz.unwrap_or(NO_HOLD_HZ);
-    let levels_db = |plate: &Plate, points: &[Carried]| -> Result<Vec<f64>, CalibrateError> {
-        let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
-        let levels = DriveToPeak::unchecked(plate, rate_hz)
-            .levels(&frequencies_hz, &mut Progress::new(&mut |_| true))?;
-        let in_metres = |level: &Level| 20.0 * (level.amplitude * plate.spec().full_scale_m).log10();
-        Ok(levels.iter().map(in_metres).collect())
-    };
-    let mut errors: Vec<f64> = carried.iter().map(|point| point.error).collect();
-    errors.sort_by(f64::total_cmp);
-    let usual = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
-    errors.retain(|error| *error <= BLURRED * usual);
-    let clear: Vec<Carried> =
-        carried.iter().copied().filter(|point| point.error <= BLURRED * usual).collect();
-    let noise_db = errors.get(errors.len() * 9 / 10).map_or(f64::INFINITY, |error| DECIBELS * error);
-    let predicted_db = levels_db(plate, &clear)?;
-    let mut points: Vec<[f64; 3]> = Vec::with_capacity(clear.len());
-    for (point, predicted_db) in clear.iter().zip(&predicted_db) {
-        let per_metre = per_metre(plate, sensor, point.frequency_hz).norm();
-        let measured_m = point.peak * (sensor.unit_per_response.unwrap_or(1.0) / per_metre);
-        points.push([point.frequency_hz, 20.0 * measured_m.log10() - predicted_db, 0.0]);
+/// What the levels of a fit are known by.
+pub(crate) struct Levels<'a> {
+    /// The fitted plate without a correction.
+    pub(crate) plate: &'a Plate,
+    /// Whose mean level an uncalibrated sensor leaves; `None` for that of `plate`.
+    pub(crate) nominal: Option<&'a Plate>,
+    pub(crate) sensor: &'a Measurement,
+    pub(crate) carried: &'a [Carried],
+    /// Derivatives of the gains by each coordinate of the fit.
+    pub(crate) slopes: &'a [Vec<f64>],
+    pub(crate) fit: &'a Fit,
+    /// By how much all standard deviations are larger than noise and model error make them.
+    pub(crate) scale: f64,
+}
+
+impl Levels<'_> {
+    /// The correction of the plate's drive, and the largest standard deviation of the level of the peak over the span, dB.
+    ///
+    /// An uncalibrated sensor measures the shape alone: the mean level stays that of the plate, or that of the nominal
+    /// one, whose drive may be another one.
+    pub(crate) fn correction(&self) -> Result<(ResponseCurve, f64), CalibrateError> {
+        let predicted = self.predicted(self.plate)?;
+        let relative: Vec<(f64, f64)> = self
+            .carried
+            .iter()
+            .zip(&predicted)
+            .map(|(it, predicted)| (it.peak / predicted, self.scale * it.error / predicted))
+            .collect();
+        let logs = |at: &[f64]| -> Vec<f64> { at.iter().map(|hz| hz.ln()).collect() };
+        let measured_hz: Vec<f64> = self.carried.iter().map(|it| it.frequency_hz).collect();
+        // The first curve is that of the clear answers; then all answers are taken about the curve before.
+        let mut places = Places { at: logs(&measured_hz), variances: Vec::new() };
+        let mut values: Vec<f64> = Vec::new();
+        for (share, error) in &relative {
+            let is_clear = *share > 0.0 && error / share < CLEAR;
+            values.push(if is_clear { share.ln() } else { 0.0 });
+            places.variances.push(if is_clear { (error / share).powi(2) } else { f64::INFINITY });
+        }
+        let mut process = Process::likeliest(&places, &values).ok_or(CalibrateError::NoFit)?;
+        let mut curve = process.posterior(&places, &[&values]).ok_or(CalibrateError::NoFit)?.means.remove(0);
+        for _ in 0..TURNS {
+            for (i, ((share, error), at)) in relative.iter().zip(&curve).enumerate() {
+                values[i] = at + share / at.exp() - 1.0;
+                places.variances[i] = (error / at.exp()).powi(2);
+            }
+            process = Process::likeliest(&places, &values).ok_or(CalibrateError::NoFit)?;
+            curve = process.posterior(&places, &[&values]).ok_or(CalibrateError::NoFit)?.means.remove(0);
+        }
+        let slopes = self.slopes.iter().map(|column| {
+            let over = column.iter().zip(&predicted).zip(&curve);
+            over.map(|((slope, predicted), at)| slope / (predicted * at.exp())).collect()
+        });
+        let slopes: Vec<Vec<f64>> = slopes.collect();
+        let covariance = &self.fit.covariance * self.scale.powi(2);
+        let is_shape = self.sensor.unit_per_response.is_none();
+        let deviation_db =
+            process.deviation_db(&places, &slopes, &covariance, self.plate.band_hz(), is_shape);
+        let deviation_db = deviation_db.ok_or(CalibrateError::NoFit)?;
+        let mut points: Vec<[f64; 3]> =
+            measured_hz.iter().zip(&curve).map(|(hz, at)| [*hz, DECIBELS * at, 0.0]).collect();
+        if is_shape {
+            let decibels = |values: &[f64]| values.iter().map(|it| DECIBELS * it.ln()).collect::<Vec<f64>>();
+            let wanted_db = match self.nominal {
+                None => 0.0,
+                Some(nominal) => mean(&decibels(&self.predicted(nominal)?)) - mean(&decibels(&predicted)),
+            };
+            let level_db = mean(&points.iter().map(|point| point[1]).collect::<Vec<f64>>()) - wanted_db;
+            points.iter_mut().for_each(|point| point[1] -= level_db);
+        }
+        Ok((ResponseCurve { points }, deviation_db))
     }
-    let level_db = if sensor.unit_per_response.is_some() {
-        0.0
-    } else {
-        let wanted_db = match nominal {
-            None => 0.0,
-            Some(nominal) => mean(&levels_db(nominal, &clear)?) - mean(&predicted_db),
+
+    /// The gains that a plate's file predicts at the answers' frequencies, in units of the sensor's signal.
+    fn predicted(&self, plate: &Plate) -> Result<Vec<f64>, CalibrateError> {
+        let frequencies_hz: Vec<f64> = self.carried.iter().map(|it| it.frequency_hz).collect();
+        let levels = DriveToPeak::unchecked(plate, self.sensor.sample_rate_hz.unwrap_or(NO_HOLD_HZ))
+            .levels(&frequencies_hz, &mut Progress::new(&mut |_| true))?;
+        let in_signal = |(level, &hz): (&Level, &f64)| {
+            let metres = level.amplitude * plate.spec().full_scale_m;
+            metres * per_metre(plate, self.sensor, hz).norm() / self.sensor.unit_per_response.unwrap_or(1.0)
         };
-        mean(&points.iter().map(|point| point[1]).collect::<Vec<f64>>()) - wanted_db
-    };
-    points.iter_mut().for_each(|point| point[1] -= level_db);
-    Ok((ResponseCurve { points }, noise_db))
+        Ok(levels.iter().zip(&frequencies_hz).map(in_signal).collect())
+    }
+}
+
+impl Process {
+    /// The largest standard deviation over a band, dB, of a curve by answers at `places`, the logarithms of their frequencies:
+    /// of the curve itself, and by coordinates of this covariance. `slopes` are the derivatives of the answers' logarithms by
+    /// each of these; the curve has them with the same weights as the answers. Of a shape alone, one factor for all
+    /// levels counts for nothing. What the model misses on the way from the sensors to the peak is alike at neighbouring
+    /// frequencies, so no number of answers averages it: [`MODEL_ERROR`] stays.
+    pub(crate) fn deviation_db(
+        &self,
+        places: &Places,
+        slopes: &[Vec<f64>],
+        covariance: &DMatrix<f64>,
+        band_hz: (f64, f64),
+        is_shape: bool,
+    ) -> Option<f64> {
+        let (low, high) = (band_hz.0.ln(), band_hz.1.ln());
+        let judged = (0..JUDGED).map(|i| (low + (high - low) * i as f64 / (JUDGED - 1) as f64, None));
+        let mut all: Vec<(f64, Option<usize>)> =
+            judged.chain(places.at.iter().enumerate().map(|(i, at)| (*at, Some(i)))).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let places = Places {
+            at: all.iter().map(|(at, _)| *at).collect(),
+            variances: all.iter().map(|(_, i)| i.map_or(f64::INFINITY, |i| places.variances[i])).collect(),
+        };
+        let at_all = |column: &Vec<f64>| all.iter().map(|(_, i)| i.map_or(0.0, |i| column[i])).collect();
+        let columns: Vec<Vec<f64>> = slopes.iter().map(at_all).collect();
+        let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+        let mut found = self.posterior(&places, &columns)?;
+        let within: Vec<usize> = (0..all.len()).filter(|&i| (low..=high).contains(&all[i].0)).collect();
+        if is_shape {
+            for column in &mut found.means {
+                let mean = mean(&within.iter().map(|&i| column[i]).collect::<Vec<f64>>());
+                column.iter_mut().for_each(|slope| *slope -= mean);
+            }
+        }
+        let square = |&i: &usize| {
+            let slopes = DVector::from_iterator(columns.len(), found.means.iter().map(|column| column[i]));
+            found.variances[i] + (slopes.transpose() * covariance * &slopes)[(0, 0)].max(0.0)
+        };
+        let largest = within.iter().map(square).fold(0.0, f64::max);
+        Some(DECIBELS * (largest + MODEL_ERROR.powi(2)).sqrt())
+    }
 }
 
 fn mean(values: &[f64]) -> f64 {

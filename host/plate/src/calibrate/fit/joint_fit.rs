@@ -6,6 +6,7 @@
 
 use super::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
 use super::least_squares::Fit;
+use super::misfit::misfit;
 use super::pairs::MODEL_ERROR;
 use super::response::plate_response::{PlateResponse, Units, answers};
 use super::response::wave::{COARSE, FINE, points};
@@ -116,6 +117,16 @@ impl<'a, S: SourceModel> Joint<'a, S> {
             fit = self.refined(&fit)?;
         }
         Some((fit, bottoms))
+    }
+
+    /// Relative model error with which chi^2 of these coordinates would be 1 per answer.
+    pub(crate) fn misfit(&self, coordinates: &[f64]) -> Option<f64> {
+        let places_m = self.places_at(coordinates)?;
+        let answers = self.answers(coordinates, &places_m, &self.frequencies_hz, FINE, false)?;
+        let chi2 = |model_error: f64| {
+            self.residuals_of(coordinates, &answers, 0, model_error).iter().map(|it| it * it).sum()
+        };
+        Some(misfit(chi2, (self.residual_count() - coordinates.len()) as f64))
     }
 
     /// The resistance, mass and stiffness of the source in units, none below zero.

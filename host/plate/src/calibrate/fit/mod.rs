@@ -2,7 +2,7 @@
 //! follow. What a finger feels is in [`super::felt`].
 //!
 //! ```text
-//! two_places -> ratio ------+-> search -> acceptance -> gain, spread -> result
+//! two_places -> ratio ------+-> search -> acceptance -> spread -> gain (gaussian_process) -> result
 //! one_sensor -> joint_fit --+
 //! shunt ------> joint_fit --+
 //! speed_trim: one_sensor at first, then phases
@@ -13,9 +13,11 @@ pub(crate) mod calipers;
 pub(crate) mod comparison;
 pub(crate) mod departure;
 pub(crate) mod gain;
+pub(crate) mod gaussian_process;
 pub(crate) mod joint_fit;
 pub(crate) mod least_squares;
 pub(crate) mod linear_least_squares;
+pub(crate) mod misfit;
 pub(crate) mod one_sensor;
 pub(crate) mod pairs;
 pub(crate) mod parameter;

@@ -3,12 +3,12 @@
 use super::gain::Carried;
 use super::joint_fit::Joint;
 use super::least_squares::Fit;
+use super::pairs::{MODEL_ERROR, unbiased_magnitude};
 use super::response::plate_response::{PlateResponse, Units, takes_a_source};
 use super::result::{AcceptedFit, Calibrated};
-use super::source::data::{Datum, entering, of_deflection};
+use super::source::data::{entering, of_deflection};
 use super::source::sensor_signal::{CURVE, DELAY, RISE, SensorSignal};
 use super::source::source_file::FittedSource;
-use super::source::source_model::SourceModel;
 use super::unknowns::Priors;
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
@@ -67,18 +67,19 @@ pub(crate) fn fitted(
         delay: Some((of_source[DELAY], DELAY)),
     };
     let carried = |at: &[f64]| {
-        let each = |((answer, point), datum): ((&PlateResponse, &MeasuredPoint), &Datum)| {
-            let peak = point.response.norm() / answer.seen[0].norm() * answer.peak;
-            // Beside a node of the wave the model's answer is small, whatever the noise is.
-            let model = joint.source.response(answer, 0, &at[first..]).norm();
-            Carried { frequency_hz: answer.frequency_hz, peak, error: datum.variance.sqrt() / model }
+        let each = |(answer, point): (&PlateResponse, &MeasuredPoint)| {
+            let to_peak = answer.peak / answer.seen[0].norm();
+            let magnitude = unbiased_magnitude(point);
+            let error = point.noise.hypot(MODEL_ERROR * magnitude) * to_peak;
+            Carried { frequency_hz: answer.frequency_hz, peak: magnitude * to_peak, error }
         };
-        Some(joint.answers_with_peak(at)?.iter().zip(&points).zip(&joint.data).map(each).collect())
+        Some(joint.answers_with_peak(at)?.iter().zip(&points).map(each).collect())
     };
     let accepted = AcceptedFit {
         nominal: plate,
         fit: &fit,
         chi2_per_n,
+        misfit: joint.misfit(&fit.parameters).ok_or(CalibrateError::NoFit)?,
         deviations: &joint.deviations,
         sensors: &[sensor],
         levels: sensor,

@@ -26,31 +26,39 @@ pub(crate) struct Pair {
 impl Pair {
     fn of(here: &MeasuredPoint, there: &MeasuredPoint) -> Self {
         let both = [here, there];
-        let unbiased = |point: &MeasuredPoint| {
-            let square = point.response.norm_sqr() - NOISE_MEDIAN * point.noise * point.noise;
-            square.abs().sqrt().copysign(square)
-        };
         Self {
             frequency_hz: here.frequency_hz,
-            magnitude: both.map(unbiased),
+            magnitude: both.map(unbiased_magnitude),
             variance: both.map(|point| point.noise * point.noise),
             headroom_db: both.iter().filter_map(|point| point.headroom_db).reduce(f64::min),
         }
     }
 
     /// The source's amplitude that suits both magnitudes best where the wave has the magnitudes `p`, and its variance.
-    pub(crate) fn source(&self, p: &[f64]) -> (f64, f64) {
-        let weight: f64 = (0..2).map(|i| p[i] * p[i] / self.variance[i]).sum();
-        let sum: f64 = (0..2).map(|i| p[i] * self.magnitude[i] / self.variance[i]).sum();
+    pub(crate) fn source(&self, p: &[f64], model_error: f64) -> (f64, f64) {
+        let weights = [0, 1].map(|i| p[i] / self.variance_with(i, model_error));
+        let weight: f64 = weights.iter().zip(p).map(|(weight, p)| weight * p).sum();
+        let sum: f64 = weights.iter().zip(self.magnitude).map(|(weight, magnitude)| weight * magnitude).sum();
         (sum / weight, weight.recip())
+    }
+
+    /// The variance of a magnitude by noise and by what the model misses of it.
+    fn variance_with(&self, i: usize, model_error: f64) -> f64 {
+        self.variance[i] + (model_error * self.magnitude[i]).powi(2)
     }
 
     /// The residual of the ratio where the wave has the magnitudes `p`: see [`super::ratio`].
     pub(crate) fn residual(&self, p: &[f64], model_error: f64) -> f64 {
-        let variance = |i: usize| self.variance[i] + (model_error * self.magnitude[i]).powi(2);
-        let spread = variance(0) * p[1] * p[1] + variance(1) * p[0] * p[0];
+        let variance = [0, 1].map(|i| self.variance_with(i, model_error));
+        let spread = variance[0] * p[1] * p[1] + variance[1] * p[0] * p[0];
         (self.magnitude[0] * p[1] - self.magnitude[1] * p[0]) / spread.sqrt()
     }
+}
+
+/// The root of |H|^2 less what noise alone would have, with the sign of that difference.
+pub(crate) fn unbiased_magnitude(point: &MeasuredPoint) -> f64 {
+    let square = point.response.norm_sqr() - NOISE_MEDIAN * point.noise * point.noise;
+    square.abs().sqrt().copysign(square)
 }
 
 /// The frequencies in `allowed` at which both sensors measured.
@@ -103,7 +111,7 @@ mod tests {
             let left = |source: f64| -> f64 {
                 (0..2).map(|i| (pair.magnitude[i] - source * p[i]).powi(2) / pair.variance[i]).sum()
             };
-            let (source, variance) = pair.source(&p);
+            let (source, variance) = pair.source(&p, 0.0);
             assert!((pair.residual(&p, 0.0).powi(2) - left(source)).abs() < 1e-12);
             // The parabola of the least squares rises by 1 within one standard deviation.
             let rise = left(source + variance.sqrt()) - left(source);

@@ -11,6 +11,7 @@
 
 use super::gain::Carried;
 use super::least_squares::{self, Fit};
+use super::misfit::misfit;
 use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
@@ -65,6 +66,17 @@ impl<'a> Ratio<'a> {
         self.refined(&best)
     }
 
+    /// Relative model error with which chi^2 of these coordinates would be 1 per answer.
+    pub(crate) fn misfit(&self, coordinates: &[f64]) -> Option<f64> {
+        let places_m = self.places_at(coordinates)?;
+        let rows = self.wave(coordinates, FINE)?.at(self.sensor, &places_m, &self.frequencies_hz);
+        let chi2 = |model_error: f64| {
+            let p = rows.iter().map(|p| [&p[0], &p[1]]);
+            self.residuals_of(coordinates, p, model_error).iter().map(|it| it * it).sum()
+        };
+        Some(misfit(chi2, self.pairs.len() as f64))
+    }
+
     /// Magnitudes at the two sensors, moved by these ways, and the peak, at each frequency.
     pub(crate) fn with_peak(&self, coordinates: &[f64]) -> Option<Vec<(Vec<f64>, f64)>> {
         let wave = self.wave(coordinates, FINE)?;
@@ -74,9 +86,8 @@ impl<'a> Ratio<'a> {
     /// The measured gains, carried to the peak by the wave of [`Ratio::with_peak`].
     pub(crate) fn carried(&self, peaks: &[(Vec<f64>, f64)]) -> impl Iterator<Item = Carried> {
         self.pairs.iter().zip(peaks).map(|(pair, (p, peak))| {
-            let (source, variance) = pair.source(p);
-            let error = variance.sqrt() / source;
-            Carried { frequency_hz: pair.frequency_hz, peak: source * peak, error }
+            let (source, variance) = pair.source(p, MODEL_ERROR);
+            Carried { frequency_hz: pair.frequency_hz, peak: source * peak, error: variance.sqrt() * peak }
         })
     }
 

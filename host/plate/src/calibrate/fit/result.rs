@@ -1,7 +1,7 @@
 //! An accepted fit as a plate file, with intervals and parameters.
 
 use super::acceptance;
-use super::gain::{self, Carried};
+use super::gain::{Carried, Levels};
 use super::least_squares::Fit;
 use super::parameter::{INTERVAL, Parameter, parameters_of_plate};
 use super::source::source_file::FittedSource;
@@ -10,7 +10,13 @@ use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, TAPER, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Calibration, Plate, limits};
+use crate::quantity::number_format::significant;
 use crate::quantity::show_length;
+
+/// The most that the model misses of a plate in two dimensions where nothing is wrong, and the most chi^2 per answer that noise
+/// alone makes.
+const MISFIT_USUAL: f64 = 0.03;
+const CHI2_USUAL: f64 = 1.5;
 
 /// The result of a calibration.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,17 +27,36 @@ pub struct Calibrated {
     pub parameters: Vec<Parameter>,
     /// Sum of the squared residuals over their number; about 1 where the model fits to the noise.
     pub chi2_per_n: f64,
+    /// What the model misses of the sensors' signals beyond their noise: the relative model error with which `chi2_per_n`
+    /// would be 1, 0 where the noise explains all. 0.015 is assumed; plates in two dimensions show 0.01 to 0.03.
+    pub misfit: f64,
     /// Half of the 95 % interval of the boundary, metres: the largest over the span.
     pub boundary_tolerance_m: f64,
     /// Largest boundary shift over the span per metre of sensor misplacement, one number for each sensor. The measurement itself
     /// does not distinguish a small misplacement from a plate of another width.
     pub boundary_per_place: Vec<f64>,
-    /// Half of the 95 % interval of the level of the peak, dB, for nine tenths of the frequencies: by noise in the
-    /// measured gain, and by the fit on the way to the peak. Infinite where no levels were measured.
+    /// Half of the 95 % interval of the level of the peak, dB, the largest over the span: by noise and model error in the
+    /// measured gain, and by the fit on the way to the peak. Of an uncalibrated sensor it is that of the level over its mean
+    /// over the span.
     pub level_tolerance_db: f64,
 }
 
 impl Calibrated {
+    /// A sentence for a person on what the model misses, and what to do about it.
+    #[must_use]
+    pub fn misfit_note(&self) -> String {
+        let percent = significant(100.0 * self.misfit, 2);
+        if self.misfit == 0.0 {
+            return "The noise explains all that the model misses: a higher level or a longer measurement gives narrower intervals.".to_owned();
+        }
+        if self.misfit <= MISFIT_USUAL || self.chi2_per_n <= CHI2_USUAL {
+            return format!("The model misses {percent} % of the signals: no more than of other plates.");
+        }
+        format!(
+            "The model misses {percent} % of the signals, more than of other plates: does anything touch the plate, does an edge give way, or does a sensor stand so near to the driven end that it sees other waves?"
+        )
+    }
+
     /// A sentence for a person on what no measurement shows: the boundary shift by a misplaced sensor.
     /// `None` without a sensor.
     #[must_use]
@@ -49,6 +74,7 @@ pub(crate) struct AcceptedFit<'a> {
     pub(crate) nominal: &'a Plate,
     pub(crate) fit: &'a Fit,
     pub(crate) chi2_per_n: f64,
+    pub(crate) misfit: f64,
     /// Standard deviations of all coordinates beforehand.
     pub(crate) deviations: &'a [f64],
     /// The sensors on the plate, whose places follow the plate's coordinates; none for a current.
@@ -73,17 +99,6 @@ impl AcceptedFit<'_> {
         INTERVAL * (self.scale() * self.fit.covariance[(i, i)].sqrt())
     }
 
-    /// Logarithms of the gains; without a sensor their mean is not measured, and adds nothing to the spread.
-    fn levels(&self, coordinates: &[f64]) -> Option<Vec<f64>> {
-        let carried = (self.carried)(coordinates)?;
-        let mut levels: Vec<f64> = carried.iter().map(|carried| carried.peak.ln()).collect();
-        if self.sensors.is_empty() {
-            let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-            levels.iter_mut().for_each(|level| *level -= mean);
-        }
-        Some(levels)
-    }
-
     /// The plate file, its intervals and the parameters, if the data carry them.
     pub(crate) fn finish(self) -> Result<Calibrated, CalibrateError> {
         let Self { nominal, fit, sensors, .. } = self;
@@ -94,15 +109,20 @@ impl AcceptedFit<'_> {
             Some(source) => source.on(spec)?,
             None => Plate::new(spec)?,
         };
-        let levels = |at: &[f64]| self.levels(at);
-        let spread = Spread::of(&fitted, fit, self.deviations, sensors.len(), &levels);
+        let carried = (self.carried)(&fit.parameters).ok_or(CalibrateError::NoFit)?;
+        let spread = Spread::of(&fitted, fit, self.deviations, sensors.len(), self.carried, &carried);
         let spread = spread.ok_or(CalibrateError::NoFit)?;
-        let mut carried = (self.carried)(&fit.parameters).ok_or(CalibrateError::NoFit)?;
-        carried.retain(|carried| carried.peak > 0.0);
-        let levels_of = self.source.as_ref().map(|_| nominal);
-        let (correction, noise_db) = gain::correction(&fitted, levels_of, self.levels, &carried)?;
+        let levels = Levels {
+            plate: &fitted,
+            nominal: self.source.as_ref().map(|_| nominal),
+            sensor: self.levels,
+            carried: &carried,
+            slopes: &spread.slopes,
+            fit,
+            scale: self.scale(),
+        };
+        let (correction, level_db) = levels.correction()?;
         let boundary_m = self.scale() * spread.boundary_m;
-        let level_db = (self.scale() * spread.level_db).hypot(noise_db);
         acceptance::check_carried(nominal, sensors, (boundary_m, level_db))?;
         acceptance::check_band(&fitted, self.frequencies_hz)?;
 
@@ -130,6 +150,7 @@ impl AcceptedFit<'_> {
             plate: Plate::new(spec)?,
             parameters,
             chi2_per_n: self.chi2_per_n,
+            misfit: self.misfit,
             boundary_tolerance_m: INTERVAL * boundary_m,
             boundary_per_place: spread.boundary_per_place,
             level_tolerance_db: INTERVAL * level_db,

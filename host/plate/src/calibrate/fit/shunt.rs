@@ -71,6 +71,7 @@ pub fn from_shunt(
         nominal: plate,
         fit: &fit,
         chi2_per_n,
+        misfit: joint.misfit(&fit.parameters).ok_or(CalibrateError::NoFit)?,
         deviations: &joint.deviations,
         sensors: &[],
         levels: current,

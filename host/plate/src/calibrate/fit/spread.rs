@@ -1,92 +1,109 @@
-//! Standard deviations of boundary and level that a fit leaves, by propagation of its covariance.
+//! Standard deviations of the boundary that a covariance of coordinates leaves, by propagation.
 
-use super::gain;
+use super::gain::Carried;
 use super::least_squares::Fit;
 use super::unknowns::{OF_PLATE, STEPS, TAPER, spec_at};
 use crate::definition::Plate;
+use nalgebra::DMatrix;
 
 /// Boundaries over the span.
 const PLACES: usize = 9;
 
-/// Standard deviations of boundary and level; the largest over the span.
+/// The logarithms of the frequencies that turn at places over the span, as they go with the plate's coordinates.
+pub(crate) struct Turning {
+    /// Derivatives by the coordinates, at each place.
+    rows: Vec<[f64; OF_PLATE]>,
+    /// Derivatives by the place, 1/m.
+    per_metre: Vec<f64>,
+}
+
+impl Turning {
+    /// At coordinates of `plate` itself.
+    pub(crate) fn of(plate: &Plate) -> Option<Self> {
+        let (start, end) = plate.span_m();
+        let places: Vec<f64> =
+            (0..PLACES).map(|i| start + (end - start) * i as f64 / (PLACES - 1) as f64).collect();
+        let turning = |plate: &Plate, place_m: f64| plate.frequency_for_boundary_hz(place_m).ln();
+        let mut rows = vec![[0.0; OF_PLATE]; PLACES];
+        for (i, step) in STEPS.into_iter().enumerate() {
+            let mut beside = [0.0; OF_PLATE];
+            beside[i] = step;
+            let other = Plate::new(spec_at(plate.spec(), &beside)).ok()?;
+            for (row, &place_m) in rows.iter_mut().zip(&places) {
+                row[i] = (turning(&other, place_m) - turning(plate, place_m)) / step;
+            }
+        }
+        let per_metre = |&place_m: &f64| {
+            (turning(plate, place_m * (1.0 + 1e-6)) - turning(plate, place_m)) / (place_m * 1e-6)
+        };
+        let per_metre = places.iter().map(per_metre).collect();
+        Some(Self { rows, per_metre })
+    }
+
+    /// The largest standard deviation of the boundary at a given frequency, metres, and of the logarithm of the frequency.
+    pub(crate) fn deviations(&self, covariance: &DMatrix<f64>) -> (f64, f64) {
+        let (mut of_boundary, mut of_frequency) = (0.0_f64, 0.0_f64);
+        for (row, per_metre) in self.rows.iter().zip(&self.per_metre) {
+            let product = |i: usize, j: usize| row[i] * covariance[(i, j)] * row[j];
+            let square: f64 = (0..OF_PLATE).flat_map(|i| (0..OF_PLATE).map(move |j| product(i, j))).sum();
+            let deviation = square.max(0.0).sqrt();
+            of_boundary = of_boundary.max(deviation / per_metre);
+            of_frequency = of_frequency.max(deviation);
+        }
+        (of_boundary, of_frequency)
+    }
+
+    /// Largest shift of the boundary, metres, where the coordinates move by these ways.
+    fn shift_m(&self, ways: [f64; OF_PLATE]) -> f64 {
+        let shift = |(row, per_metre): (&[f64; OF_PLATE], &f64)| {
+            (row.iter().zip(ways).map(|(slope, way)| slope * way).sum::<f64>() / per_metre).abs()
+        };
+        self.rows.iter().zip(&self.per_metre).map(shift).fold(0.0, f64::max)
+    }
+}
+
+/// Standard deviations of the boundary, the largest over the span, and what those of the levels need.
 pub(crate) struct Spread {
     /// Of the boundary at a given frequency, metres.
     pub(crate) boundary_m: f64,
-    /// Of the peak over what the sensors show, dB.
-    pub(crate) level_db: f64,
     /// The relative error of the wave speed that would move the boundary by as much.
     pub(crate) speed: f64,
     /// Boundary shift per metre of misplacement, for each sensor.
     pub(crate) boundary_per_place: Vec<f64>,
+    /// Derivatives of the gains by each coordinate, over the frequencies.
+    pub(crate) slopes: Vec<Vec<f64>>,
 }
 
 impl Spread {
     /// `deviations` are what was known of the coordinates beforehand; of these, `places_of_sensors` are of sensors'
-    /// places. `carried` is the logarithm of the gain to the peak at each frequency, in any scale, for given coordinates.
+    /// places. `carried` is the gain to the peak at each frequency for given coordinates, and `here` for those of the fit.
     pub(crate) fn of(
         fitted: &Plate,
         fit: &Fit,
         deviations: &[f64],
         places_of_sensors: usize,
-        carried: &dyn Fn(&[f64]) -> Option<Vec<f64>>,
+        carried: &dyn Fn(&[f64]) -> Option<Vec<Carried>>,
+        here: &[Carried],
     ) -> Option<Self> {
-        // Logarithm of the frequency that turns at each place, and of the peak over the source at each frequency.
-        let (start, end) = fitted.span_m();
-        let places: Vec<f64> =
-            (0..PLACES).map(|i| start + (end - start) * i as f64 / (PLACES - 1) as f64).collect();
-        let turning = |plate: &Plate| -> Vec<f64> {
-            places.iter().map(|&x| plate.frequency_for_boundary_hz(x).ln()).collect()
-        };
-        let (turning_here, carried_here) = (turning(fitted), carried(&fit.parameters)?);
-        let mut of_turning = vec![vec![0.0; fit.parameters.len()]; turning_here.len()];
-        let mut of_carried = vec![vec![0.0; fit.parameters.len()]; carried_here.len()];
-        for i in 0..fit.parameters.len() {
+        let mut turning = Turning::of(fitted)?;
+        // The taper's coordinate is over the file's, that of the fitted plate over its own.
+        turning.rows.iter_mut().for_each(|row| row[TAPER] /= 1.0 + fit.parameters[TAPER]);
+        let (boundary_m, of_frequency) = turning.deviations(&fit.covariance);
+        let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
+        let slopes = (0..fit.parameters.len()).map(|i| {
             let step = STEPS.get(i).copied().unwrap_or(1e-6);
             let mut beside = fit.parameters.clone();
             beside[i] += step;
-            let plate = Plate::new(spec_at(fitted.spec(), &difference(&beside, &fit.parameters))).ok()?;
-            for (row, (there, here)) in of_turning.iter_mut().zip(turning(&plate).iter().zip(&turning_here)) {
-                row[i] = (there - here) / step;
-            }
             let there = carried(&beside)?;
-            for (row, (there, here)) in of_carried.iter_mut().zip(there.iter().zip(&carried_here)) {
-                row[i] = (there - here) / step;
-            }
-        }
-        let deviation = |row: &Vec<f64>| {
-            let row = nalgebra::DVector::from_column_slice(row);
-            (row.transpose() * &fit.covariance * &row)[(0, 0)].max(0.0).sqrt()
-        };
-        let per_metre = |i: usize| {
-            let beside = fitted.frequency_for_boundary_hz(places[i] * (1.0 + 1e-6)).ln();
-            (beside - turning_here[i]) / (places[i] * 1e-6)
-        };
-        let of_frequency: Vec<f64> = of_turning.iter().map(deviation).collect();
-        let boundary_m = of_frequency.iter().enumerate().map(|(i, d)| d / per_metre(i)).fold(0.0, f64::max);
-        let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
-        let speed = of_frequency.iter().copied().fold(0.0, f64::max) / exponent;
-        // Nine tenths: near a node of both sensors the level is not measured at all.
-        let mut of_level: Vec<f64> = of_carried.iter().map(deviation).collect();
-        of_level.sort_by(f64::total_cmp);
-        let level = of_level.get(of_level.len() * 9 / 10).copied()?;
+            Some(there.iter().zip(here).map(|(there, here)| (there.peak - here.peak) / step).collect())
+        });
+        let slopes = slopes.collect::<Option<_>>()?;
         // A mistake m of the place's prior moves the coordinates by C e m/s^2, with the prior's standard deviation s.
         let per_place = |i: usize| {
-            let moved = |row: &Vec<f64>| -> f64 {
-                row.iter().enumerate().map(|(j, slope)| slope * fit.covariance[(j, OF_PLATE + i)]).sum()
-            };
             let of_prior = deviations[OF_PLATE + i].powi(2);
-            let of_each =
-                of_turning.iter().enumerate().map(|(k, row)| (moved(row) / per_metre(k) / of_prior).abs());
-            of_each.fold(0.0, f64::max)
+            turning.shift_m(std::array::from_fn(|j| fit.covariance[(j, OF_PLATE + i)] / of_prior))
         };
         let boundary_per_place = (0..places_of_sensors).map(per_place).collect();
-        Some(Self { boundary_m, level_db: gain::DECIBELS * level, speed, boundary_per_place })
+        Some(Self { boundary_m, speed: of_frequency / exponent, boundary_per_place, slopes })
     }
-}
-
-/// Coordinates over those of a fit, as coordinates of the fitted plate.
-fn difference(there: &[f64], here: &[f64]) -> Vec<f64> {
-    let mut difference: Vec<f64> = there.iter().zip(here).map(|(there, here)| there - here).collect();
-    difference[TAPER] /= 1.0 + here[TAPER];
-    difference
 }

@@ -52,6 +52,7 @@ pub fn from_ratio(
         nominal: plate,
         fit: &fit,
         chi2_per_n,
+        misfit: ratio.misfit(&fit.parameters).ok_or(CalibrateError::NoFit)?,
         deviations: &ratio.deviations,
         sensors: &sensors,
         levels: sensors[0],

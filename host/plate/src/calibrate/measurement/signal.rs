@@ -14,7 +14,12 @@ pub(crate) fn check_place(plate: &Plate, sensor: &Measurement) -> Result<(), Cal
     if place_m > plate.length_m() {
         return Err(CalibrateError::BeyondPlate { place_m, length_m: plate.length_m() });
     }
-    if sensor.sensor == SensorKind::Strain && plate.spec().model.bending().is_none() {
+    check_kind(plate, sensor.sensor)
+}
+
+/// Refuses a strain that the plate does not have.
+pub(crate) fn check_kind(plate: &Plate, kind: SensorKind) -> Result<(), CalibrateError> {
+    if kind == SensorKind::Strain && plate.spec().model.bending().is_none() {
         return Err(CalibrateError::NoStrain);
     }
     Ok(())

@@ -1,0 +1,172 @@
+//! Fisher's information of two sensors on the nominal plate: what a calibration by the ratio of their places would reach.
+
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::fit::gaussian_process::{Places, Process};
+use crate::calibrate::fit::pairs::MODEL_ERROR;
+use crate::calibrate::fit::parameter::INTERVAL;
+use crate::calibrate::fit::response::prediction::per_metre;
+use crate::calibrate::fit::response::wave::{FINE, Wave, points};
+use crate::calibrate::fit::search::PLACE_STEP_M;
+use crate::calibrate::fit::spread::Turning;
+use crate::calibrate::fit::unknowns::{OF_PLATE, STEPS, spec_at};
+use crate::calibrate::measurement::sensor::{Measurement, PLACE_TOLERANCE_M, SensorKind};
+use crate::definition::Plate;
+use crate::progress::Progress;
+use crate::table::level::DriveToPeak;
+use nalgebra::{DMatrix, DVector};
+use std::f64::consts::PI;
+
+/// Coordinates: the plate's and both places.
+const COUNT: usize = OF_PLATE + 2;
+/// Standard deviation of the drive over what a plate file says of it, in the logarithm (1.7 dB), and its correlation
+/// length over the ripple's period: a source that does not match leaves a ripple of the resonances.
+const DRIVE: f64 = 0.2;
+const OF_RIPPLE: f64 = 0.5;
+/// Rate without a zero-order hold, Hz: only the shape over the band counts.
+const NO_HOLD_HZ: f64 = 1e8;
+
+/// What sensors of one kind see at places of the nominal plate.
+pub(crate) struct Information {
+    frequencies_hz: Vec<f64>,
+    /// At each frequency: the wave at each place, and its derivatives.
+    rows: Vec<Vec<Seen>>,
+    /// Derivatives of the logarithm of the peak over the wave's own scale.
+    of_peak: Vec<[f64; OF_PLATE]>,
+    turning: Turning,
+    drive: Process,
+    deviations: [f64; OF_PLATE],
+    band_hz: (f64, f64),
+}
+
+/// A sensor's signal at one place, as its nominal drive makes it.
+#[derive(Clone, Copy)]
+struct Seen {
+    signal: f64,
+    of_plate: [f64; OF_PLATE],
+    per_metre: f64,
+}
+
+/// Halves of the 95 % intervals that a pair would reach.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Reached {
+    pub(crate) boundary_m: f64,
+    pub(crate) level_db: f64,
+}
+
+impl Information {
+    pub(crate) fn new(
+        plate: &Plate,
+        kind: SensorKind,
+        deviations: [f64; OF_PLATE],
+        places_m: &[f64],
+        frequencies_hz: &[f64],
+    ) -> Result<Self, CalibrateError> {
+        let highest_hz = *frequencies_hz.last().ok_or(CalibrateError::NoFit)?;
+        let count = points(plate.spec(), highest_hz, FINE);
+        let on_plate = |at: f64| at.clamp(0.0, plate.length_m());
+        let all: Vec<f64> = places_m
+            .iter()
+            .flat_map(|&at| [at, on_plate(at + PLACE_STEP_M), on_plate(at - PLACE_STEP_M)])
+            .collect();
+        let wave = |coordinates: &[f64]| -> Result<_, CalibrateError> {
+            let wave = Wave::new(spec_at(plate.spec(), coordinates), count)?;
+            Ok(wave.with_peak(kind, &all, frequencies_hz))
+        };
+        let here = wave(&[0.0; OF_PLATE])?;
+        let beside = (0..OF_PLATE).map(|i| {
+            let mut beside = [0.0; OF_PLATE];
+            beside[i] = STEPS[i];
+            wave(&beside)
+        });
+        let beside = beside.collect::<Result<Vec<_>, _>>()?;
+        let levels = DriveToPeak::unchecked(plate, NO_HOLD_HZ)
+            .levels(frequencies_hz, &mut Progress::new(&mut |_| true))?;
+        let sensor = Measurement::at(0.0, kind, Vec::new());
+        let slope = |there: f64, here: f64, i: usize| (there - here) / STEPS[i];
+        let row = |i: usize| {
+            let (p, peak) = &here[i];
+            let rise = per_metre(plate, &sensor, frequencies_hz[i]).norm();
+            let source = levels[i].amplitude * plate.spec().full_scale_m * rise / peak;
+            let seen = |at: usize| Seen {
+                signal: source * p[3 * at],
+                of_plate: std::array::from_fn(|k| source * slope(beside[k][i].0[3 * at], p[3 * at], k)),
+                per_metre: source * (p[3 * at + 1] - p[3 * at + 2]) / (all[3 * at + 1] - all[3 * at + 2]),
+            };
+            (0..places_m.len()).map(seen).collect()
+        };
+        let of_peak = |i: usize| std::array::from_fn(|k| slope(beside[k][i].1, here[i].1, k) / here[i].1);
+        Ok(Self {
+            rows: (0..here.len()).map(row).collect(),
+            of_peak: (0..here.len()).map(of_peak).collect(),
+            turning: Turning::of(plate).ok_or(CalibrateError::NoFit)?,
+            drive: drive(plate, frequencies_hz[0], highest_hz),
+            frequencies_hz: frequencies_hz.to_vec(),
+            deviations,
+            band_hz: plate.band_hz(),
+        })
+    }
+
+    /// Root of the mean square of the signals over all frequencies and places.
+    pub(crate) fn usual(&self) -> f64 {
+        let squares = self.rows.iter().flatten().map(|seen| seen.signal * seen.signal);
+        let count = self.rows.iter().map(Vec::len).sum::<usize>();
+        (squares.sum::<f64>() / count as f64).sqrt()
+    }
+
+    /// Share of the frequencies at which the sensor at a place shows less than `least`.
+    pub(crate) fn silent_share(&self, at: usize, least: f64) -> f64 {
+        let silent = self.rows.iter().filter(|row| row[at].signal < least).count();
+        silent as f64 / self.rows.len() as f64
+    }
+
+    /// What the pair of two places would reach under this noise; `None` where it tells too little for any.
+    pub(crate) fn reached(&self, [a, b]: [usize; 2], noise: f64) -> Option<Reached> {
+        let known = self.deviations.into_iter().chain([PLACE_TOLERANCE_M; 2]).map(|it| it.powi(-2));
+        let mut information = DMatrix::from_diagonal(&DVector::from_iterator(COUNT, known));
+        let mut slopes: Vec<Vec<f64>> = vec![Vec::new(); COUNT];
+        let mut variances = Vec::with_capacity(self.rows.len());
+        for (row, of_peak) in self.rows.iter().zip(&self.of_peak) {
+            let (a, b) = (row[a], row[b]);
+            let variance = |seen: Seen| noise.powi(2) + (MODEL_ERROR * seen.signal).powi(2);
+            let (of_a, of_b) = (variance(a), variance(b));
+            let spread = (of_a * b.signal.powi(2) + of_b * a.signal.powi(2)).sqrt();
+            // The weights of both in the source's amplitude.
+            let weight = a.signal.powi(2) / of_a + b.signal.powi(2) / of_b;
+            let along = |of_a_by: f64, of_b_by: f64| {
+                let ratio = (a.signal * of_b_by - b.signal * of_a_by) / spread;
+                let source = (a.signal * of_a_by / of_a + b.signal * of_b_by / of_b) / weight;
+                (ratio, source)
+            };
+            let mut of_ratio = [0.0; COUNT];
+            for i in 0..COUNT {
+                let (ratio, source) = match i.checked_sub(OF_PLATE) {
+                    None => along(a.of_plate[i], b.of_plate[i]),
+                    Some(0) => along(a.per_metre, 0.0),
+                    Some(_) => along(0.0, b.per_metre),
+                };
+                of_ratio[i] = ratio;
+                slopes[i].push(of_peak.get(i).copied().unwrap_or(0.0) - source);
+            }
+            for i in 0..COUNT {
+                for j in 0..COUNT {
+                    information[(i, j)] += of_ratio[i] * of_ratio[j];
+                }
+            }
+            variances.push(weight.recip());
+        }
+        let covariance = information.cholesky()?.inverse();
+        let places = Places { at: self.frequencies_hz.iter().map(|hz| hz.ln()).collect(), variances };
+        let level_db = self.drive.deviation_db(&places, &slopes, &covariance, self.band_hz, true)?;
+        let (boundary_m, _) = self.turning.deviations(&covariance);
+        let is_number = boundary_m.is_finite() && level_db.is_finite();
+        is_number.then_some(Reached { boundary_m: INTERVAL * boundary_m, level_db: INTERVAL * level_db })
+    }
+}
+
+/// What is known of the drive's correction over the logarithm of the frequency. A ripple's period is one more half wave on the
+/// plate.
+fn drive(plate: &Plate, low_hz: f64, high_hz: f64) -> Process {
+    let phase = |hz: f64| plate.width_mode(1).phase_to(plate.length_m(), hz);
+    let ripples = ((phase(high_hz) - phase(low_hz)) / PI).max(1.0);
+    Process { size: DRIVE, length: OF_RIPPLE * (high_hz / low_hz).ln() / ripples }
+}

@@ -1,0 +1,241 @@
+//! The proposed pair of places, and what a sensor at another place would miss.
+
+use super::information::{Information, Reached};
+use super::near_limit::NearLimit;
+use crate::calibrate::error::CalibrateError;
+use crate::calibrate::fit::unknowns::Priors;
+use crate::calibrate::measurement::band::band_hz;
+use crate::calibrate::measurement::sensor::{POINTS, SensorKind};
+use crate::calibrate::measurement::signal;
+use crate::definition::Plate;
+use crate::quantity::{OutOfRange, Range, WrongCount, show_place};
+use std::fmt;
+
+/// Noise of an answer over the root mean square of the signals over the plate and the band: 40 dB below it.
+const NOISE: f64 = 0.01;
+/// Places that are tried from the nearest on, and then between the best and its neighbours.
+const TRIED: usize = 14;
+const BETWEEN: usize = 5;
+/// Places over which the usual signal is taken.
+const USUAL: usize = 24;
+/// An answer of fewer times its noise shows nothing, and a sensor with a larger share of such answers cannot see. The farther
+/// of a good pair sees the upper half of the band alone.
+const SEEN: f64 = 3.0;
+const SILENT_MAX: f64 = 0.75;
+/// Share of the last boundary beyond which the first place is not moved.
+const FIRST_MAX: f64 = 0.75;
+/// Places are proposed to a whole millimetre, of a small plate to a three-hundredth of its length.
+const STEP_M: f64 = 1e-3;
+const STEPS_OF_LENGTH: f64 = 300.0;
+
+/// What is known of a measurement before the sensor is put on the plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placing {
+    /// What the sensor measures.
+    pub sensor: SensorKind,
+    /// How many frequencies are measured (8 to 10 000).
+    pub points: usize,
+    /// Whether the drive acts beside the centre line: it excites the second width mode, too.
+    pub off_centre: bool,
+    /// How well the plate's numbers are known.
+    pub priors: Priors,
+}
+
+impl Default for Placing {
+    /// A displacement sensor at 60 frequencies, the drive on the centre line.
+    fn default() -> Self {
+        Self { sensor: SensorKind::Displacement, points: 60, off_centre: false, priors: Priors::default() }
+    }
+}
+
+/// What the ratio of two places would reach on the nominal plate, where the answers' noise is 40 dB below the root mean
+/// square of the signals over plate and band.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairReach {
+    /// Both places, metres from the driven end; the nearer one first.
+    pub places_m: [f64; 2],
+    /// Half of the 95 % interval of the boundary, metres: the largest over the span.
+    pub boundary_tolerance_m: f64,
+    /// Half of the 95 % interval of the level of the peak over its mean, dB: the largest over the span.
+    pub level_tolerance_db: f64,
+}
+
+/// Why a sensor at a place does not serve a calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlaceWarning {
+    /// More than one wave is there.
+    TooNear {
+        /// The place, metres.
+        place_m: f64,
+        /// What else is there.
+        limit: NearLimit,
+        /// The nearest place where one wave is nearly alone, metres.
+        nearest_m: f64,
+    },
+    /// At many frequencies the plate does not move there.
+    Silent {
+        /// The place, metres.
+        place_m: f64,
+        /// Share of the frequencies at which the sensor shows nothing but noise (0 to 1).
+        share: f64,
+    },
+}
+
+impl fmt::Display for PlaceWarning {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::TooNear { place_m, limit, nearest_m } => {
+                let what = match limit {
+                    NearLimit::NearField => "the near field of the driven end".to_owned(),
+                    NearLimit::WidthMode(mode) => format!("width mode {mode}"),
+                };
+                let (place, nearest) = (show_place(place_m), show_place(nearest_m));
+                write!(
+                    formatter,
+                    "a sensor at {place} sees {what} beside the wave: put it at {nearest} or beyond"
+                )
+            }
+            Self::Silent { place_m, share } => {
+                let (place, percent) = (show_place(place_m), (100.0 * share).round());
+                write!(
+                    formatter,
+                    "a sensor at {place} cannot see: at {percent} % of the frequencies the plate does not move there"
+                )
+            }
+        }
+    }
+}
+
+/// Places of the two sensors of a calibration, proposed from the nominal plate.
+///
+/// ```
+/// use slipline_plate::calibrate::{Placing, SensorPlaces};
+///
+/// let plate = slipline_plate::preset("membrane").unwrap();
+/// let places = SensorPlaces::of(&plate, &Placing::default()).unwrap();
+/// let best = places.best;
+/// assert!(best.places_m[0] >= places.nearest_m && best.places_m[1] > best.places_m[0]);
+/// // A tenth of the length is within reach of the third width mode.
+/// let reach = places.reach([0.032, 0.176]).unwrap();
+/// assert!(places.warning(0.032).unwrap().is_some() && places.warning(best.places_m[1]).unwrap().is_none());
+/// assert!(best.level_tolerance_db < reach.level_tolerance_db);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorPlaces {
+    plate: Plate,
+    placing: Placing,
+    frequencies_hz: Vec<f64>,
+    /// One standard deviation of an answer, in the sensor's unit.
+    noise: f64,
+    /// The nearest place where the wave that is calibrated is nearly alone, metres.
+    pub nearest_m: f64,
+    /// What sets it.
+    pub limit: NearLimit,
+    /// The pair whose larger of boundary and level, each over the least of all pairs, is least.
+    pub best: PairReach,
+    /// Pairs over the plate, with what each would reach: in rising places.
+    pub pairs: Vec<PairReach>,
+}
+
+impl SensorPlaces {
+    /// Proposes the places. Takes some hundredths of a second.
+    ///
+    /// # Errors
+    /// [`CalibrateError`]: a number of `placing` that is out of its range, a strain sensor on a plate without bending, or a
+    /// plate on which no pair serves.
+    pub fn of(plate: &Plate, placing: &Placing) -> Result<Self, CalibrateError> {
+        placing.priors.check()?;
+        WrongCount::check("points", placing.points, POINTS)?;
+        signal::check_kind(plate, placing.sensor)?;
+        let (low_hz, high_hz) = band_hz(plate);
+        let last = (placing.points - 1) as f64;
+        let frequencies_hz: Vec<f64> =
+            (0..placing.points).map(|i| low_hz * (high_hz / low_hz).powf(i as f64 / last)).collect();
+        let (nearest_m, limit) = NearLimit::of(plate, (low_hz, high_hz), placing.off_centre);
+        let step_m = STEP_M.min(plate.length_m() / STEPS_OF_LENGTH);
+        let farthest_m = plate.span_m().1;
+        // Where other waves go as far as the boundaries, the last quarter is the best that there is.
+        let first_m = ((nearest_m / step_m).ceil() * step_m).min(FIRST_MAX * farthest_m);
+        let over = |from_m: f64, to_m: f64, count: usize| -> Vec<f64> {
+            let at = |i: usize| from_m + (to_m - from_m) * i as f64 / (count - 1) as f64;
+            (0..count).map(|i| ((at(i) / step_m).round() * step_m).min(farthest_m)).collect()
+        };
+        let information = |places_m: &[f64]| {
+            let deviations = placing.priors.deviations();
+            Information::new(plate, placing.sensor, deviations, places_m, &frequencies_hz)
+        };
+        let noise = NOISE * information(&over(0.0, farthest_m, USUAL))?.usual();
+        let pairs_of = |sets: [&[f64]; 2]| -> Result<Vec<PairReach>, CalibrateError> {
+            let all = sets.concat();
+            let known = information(&all)?;
+            let mut pairs = Vec::new();
+            for (a, &near_m) in sets[0].iter().enumerate() {
+                for (b, &far_m) in sets[1].iter().enumerate().filter(|(_, far_m)| **far_m > near_m + step_m) {
+                    let reached = known.reached([a, sets[0].len() + b], noise);
+                    pairs.extend(reached.map(|reached| PairReach::new([near_m, far_m], reached)));
+                }
+            }
+            Ok(pairs)
+        };
+        let grid = over(first_m, farthest_m, TRIED);
+        let pairs = pairs_of([&grid, &grid])?;
+        let coarse = best_of(&pairs, &pairs).ok_or(CalibrateError::NoFit)?;
+        let apart_m = grid[1] - grid[0];
+        let about = |at_m: f64| -> Vec<f64> {
+            let (from_m, to_m) = ((at_m - apart_m).max(first_m), (at_m + apart_m).min(farthest_m));
+            over(from_m, to_m, BETWEEN)
+        };
+        let near = coarse.places_m.map(about);
+        let finer = pairs_of([&near[0], &near[1]])?;
+        let all = [&pairs[..], &finer].concat();
+        let best = best_of(&all, &all).unwrap_or(coarse);
+        let (plate, placing) = (plate.clone(), *placing);
+        Ok(Self { plate, placing, frequencies_hz, noise, nearest_m, limit, best, pairs })
+    }
+
+    /// Of the pairs with the same first place, the best; in rising places.
+    pub fn best_of_each_first(&self) -> impl Iterator<Item = PairReach> {
+        let pairs = self.pairs.chunk_by(|a, b| a.places_m[0] == b.places_m[0]);
+        pairs.filter_map(|pairs| best_of(pairs, &self.pairs))
+    }
+
+    /// What a pair of other places would reach; `None` if it tells too little.
+    pub fn reach(&self, places_m: [f64; 2]) -> Option<PairReach> {
+        let information = self.information(&places_m).ok()?;
+        information.reached([0, 1], self.noise).map(|reached| PairReach::new(places_m, reached))
+    }
+
+    /// Why a sensor at a place would not serve; `None` if it would.
+    ///
+    /// # Errors
+    /// [`CalibrateError`]: a place beyond the plate.
+    pub fn warning(&self, place_m: f64) -> Result<Option<PlaceWarning>, CalibrateError> {
+        OutOfRange::check("place_m", place_m, Range::new(0.0, self.plate.length_m(), "m"))?;
+        let Self { nearest_m, limit, .. } = *self;
+        if place_m < nearest_m {
+            return Ok(Some(PlaceWarning::TooNear { place_m, limit, nearest_m }));
+        }
+        let share = self.information(&[place_m])?.silent_share(0, SEEN * self.noise);
+        Ok((share > SILENT_MAX).then_some(PlaceWarning::Silent { place_m, share }))
+    }
+
+    fn information(&self, places_m: &[f64]) -> Result<Information, CalibrateError> {
+        let deviations = self.placing.priors.deviations();
+        Information::new(&self.plate, self.placing.sensor, deviations, places_m, &self.frequencies_hz)
+    }
+}
+
+impl PairReach {
+    fn new(places_m: [f64; 2], Reached { boundary_m, level_db }: Reached) -> Self {
+        Self { places_m, boundary_tolerance_m: boundary_m, level_tolerance_db: level_db }
+    }
+}
+
+/// Of `some` of `all` pairs, the one whose larger of boundary and level, each over the least of all, is least.
+fn best_of(some: &[PairReach], all: &[PairReach]) -> Option<PairReach> {
+    let least = |of: fn(&PairReach) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
+    let (boundary_m, level_db) = (least(|it| it.boundary_tolerance_m), least(|it| it.level_tolerance_db));
+    let larger =
+        |it: &PairReach| (it.boundary_tolerance_m / boundary_m).max(it.level_tolerance_db / level_db);
+    some.iter().copied().min_by(|a, b| larger(a).total_cmp(&larger(b)))
+}

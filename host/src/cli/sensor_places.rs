@@ -1,0 +1,110 @@
+//! `slipline calibrate --plan`: where the sensor should stand, before anything is measured.
+
+use super::{Failure, output};
+use serde_json::{Value, json};
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};
+use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{show_length, show_place};
+
+/// Prints the proposed places, what the pairs of places would reach, and what the pair `asked` for would.
+pub(super) fn print(
+    plate: &Plate,
+    placing: &Placing,
+    asked: Option<[f64; 2]>,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let places = SensorPlaces::of(plate, placing).map_err(Failure::usage)?;
+    let asked = asked.map(|places_m| Asked::of(&places, places_m)).transpose()?;
+    output::print(as_json, &value(plate, &places, asked.as_ref()), |writer| {
+        output::lines(writer, &lines(plate, &places, asked.as_ref()))?;
+        writeln!(writer)?;
+        output::table(writer, &table(&places))
+    })
+}
+
+/// A pair of places that was asked for.
+struct Asked {
+    reach: Option<PairReach>,
+    warnings: Vec<PlaceWarning>,
+}
+
+impl Asked {
+    fn of(places: &SensorPlaces, places_m: [f64; 2]) -> Result<Self, Failure> {
+        let mut warnings = Vec::new();
+        for place_m in places_m {
+            warnings.extend(places.warning(place_m).map_err(Failure::usage)?);
+        }
+        Ok(Self { reach: places.reach(places_m), warnings })
+    }
+}
+
+fn of_pair(pair: &PairReach) -> Value {
+    json!({
+        "places_m": pair.places_m,
+        "boundary_tolerance_m": pair.boundary_tolerance_m,
+        "level_tolerance_db": pair.level_tolerance_db,
+    })
+}
+
+fn value(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Value {
+    json!({
+        "plate": plate.name(),
+        "nearest_m": places.nearest_m,
+        "nearest_by": limit(places.limit),
+        "best": of_pair(&places.best),
+        "pairs": places.pairs.iter().map(of_pair).collect::<Vec<_>>(),
+        "asked": asked.map(|asked| json!({
+            "reach": asked.reach.as_ref().map(of_pair),
+            "warnings": asked.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        })),
+    })
+}
+
+fn limit(limit: NearLimit) -> String {
+    match limit {
+        NearLimit::NearField => "the near field".to_owned(),
+        NearLimit::WidthMode(mode) => format!("width mode {mode}"),
+    }
+}
+
+fn lines<'a>(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Vec<(&'a str, String)> {
+    let [near, far] = places.best.places_m.map(show_place);
+    let nearest = format!(
+        "{} from the driven end; nearer, a sensor sees {} beside the wave",
+        show_place(places.nearest_m),
+        limit(places.limit)
+    );
+    let mut lines = vec![
+        ("Plate", plate.name().to_owned()),
+        ("Sensor at", format!("{near} and {far}")),
+        ("Would reach", reach(&places.best)),
+        ("Nearest place", nearest),
+    ];
+    if let Some(asked) = asked {
+        let there = asked.reach.as_ref();
+        let reaches = there.map_or_else(|| "nothing: the two places say too little".to_owned(), reach);
+        lines.push(("Places asked for", reaches));
+        lines.extend(asked.warnings.iter().map(|warning| ("Warning", warning.to_string())));
+    }
+    lines
+}
+
+fn reach(pair: &PairReach) -> String {
+    format!(
+        "the boundary to {}, the level to {} dB (95 %, noise 40 dB below the signals)",
+        show_length(pair.boundary_tolerance_m),
+        with_decimals(pair.level_tolerance_db, 2)
+    )
+}
+
+/// Of each first place the best second one.
+fn table(places: &SensorPlaces) -> Vec<Vec<String>> {
+    let mut rows = vec![["First place", "Second place", "Boundary", "Level"].map(str::to_owned).to_vec()];
+    rows.extend(places.best_of_each_first().map(|pair| {
+        let [near, far] = pair.places_m.map(show_place);
+        let level = format!("{} dB", with_decimals(pair.level_tolerance_db, 2));
+        vec![near, far, show_length(pair.boundary_tolerance_m), level]
+    }));
+    rows
+}
