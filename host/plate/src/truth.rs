@@ -1,6 +1,8 @@
 //! An unknown plate, drawn at random near a nominal one: for tests and for a simulated rig.
 
-use crate::definition::{Actuator, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel};
+use crate::definition::{
+    Actuator, Air, AirMounting, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel,
+};
 use std::f64::consts::TAU;
 
 /// Random numbers that are the same on every machine: SplitMix64 (Steele, Lea and Flood 2014).
@@ -47,7 +49,7 @@ impl Random {
 
 /// A true plate near `nominal`, as a workshop makes it: wave speed within 5 % of the nominal one, loss x0.5 to 2.5,
 /// ln(W0/W) within 0.4 %, W0 within 0.3 %, a source with 0.4 to 2.5 times the resistance that matches and with mass and
-/// spring, and an actuator with a resonance.
+/// spring, an actuator with a resonance, and a coefficient of its air within 10 %, where it has any.
 ///
 /// A plate whose file does not state its wave impedance keeps its driven end. The next numbers of `random` are not used: a
 /// rig draws its delay and gain from them.
@@ -83,6 +85,10 @@ pub fn near(nominal: &Plate, random: &mut Random) -> Result<Plate, PlateError> {
     }
     let (resonance, quality) = (random.factor(RESONANCE.0, RESONANCE.1), random.factor(QUALITY.0, QUALITY.1));
     spec.actuator = Some(drive.actuator(resonance, quality));
+    if let Some(Air::Around { mounting, .. }) = &mut spec.air {
+        let (alpha, faces) = mounting.coefficient();
+        *mounting = AirMounting::Coefficient { alpha: alpha * random.factor(0.9, 1.0 / 0.9), faces };
+    }
     Plate::new(spec)
 }
 
@@ -220,5 +226,20 @@ mod tests {
         let each = 1.0 / f64::from(count);
         assert!((0.5 * mean * each).abs() < 0.02 && (0.5 * square * each - 1.0).abs() < 0.02);
         assert!((product * each).abs() < 0.02);
+    }
+
+    #[test]
+    fn the_air_of_a_true_plate_is_another_and_a_plate_without_it_keeps_none() {
+        let still = presets::preset("membrane").expect("a preset");
+        assert_eq!(near(&still, &mut Random::new(7)).expect("a plate").spec().air, None);
+        let spec = crate::PlateSpec { air: Some(Air::ROOM), ..still.spec().clone() };
+        let nominal = Plate::new(spec).expect("a plate");
+        let alpha = |seed: u64| {
+            let truth = near(&nominal, &mut Random::new(seed)).expect("a plate");
+            truth.spec().air.and_then(|air| air.mounting()).expect("air").coefficient().0
+        };
+        let ratios = [1, 2, 3].map(|seed| alpha(seed) / 1.3);
+        assert!(ratios.iter().all(|ratio| (0.9..1.0 / 0.9).contains(ratio)), "{ratios:?}");
+        assert!(ratios[0] != ratios[1] && ratios[1] != ratios[2], "{ratios:?}");
     }
 }

@@ -32,6 +32,7 @@ fn plate(model: Model, half_width_m: f64, length_m: f64, span: (f64, f64)) -> Pl
         turning_width: TurningWidth::Plain,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
+        air: None,
         calibration: None,
         drive_end: DriveEnd::Displacement,
         actuator: None,

@@ -2,6 +2,7 @@
 //!
 //! `cargo test -p slipline-plate --test physics merit` runs one file's tests.
 
+mod air;
 mod bending_end;
 mod bending_truth;
 mod calibration;

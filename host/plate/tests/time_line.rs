@@ -281,6 +281,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 turning_width: TurningWidth::Arc,
                 wave_speed_tolerance: 0.0,
                 loss_tolerance: None,
+                air: None,
                 calibration: None,
                 drive_end: DriveEnd::Displacement,
                 actuator: None,

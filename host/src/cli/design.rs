@@ -13,6 +13,7 @@ use slipline_plate::design::{
 use slipline_plate::limits;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, Range, show_frequency, show_si};
+use slipline_plate::{Air, AirMounting, Faces, Gas};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -45,6 +46,10 @@ pub struct DesignArguments {
     /// The shear-horizontal wave of the paper.
     #[arg(long)]
     shear: bool,
+    /// The air around the plate: on both faces and round the edges of a bare frame (the default), behind a wide rigid wall, or
+    /// none.
+    #[arg(long, conflicts_with = "shear")]
+    air: Option<AirArgument>,
     /// Leave out shear and rotary inertia of a bending plate.
     #[arg(long)]
     thin: bool,
@@ -71,6 +76,27 @@ pub struct DesignArguments {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArgument,
+}
+
+/// How the plate stands in the air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum AirArgument {
+    BareFrame,
+    Baffle,
+    Vacuum,
+}
+
+impl AirArgument {
+    /// The air of a room.
+    const fn air(self) -> Air {
+        match self {
+            Self::BareFrame => Air::ROOM,
+            Self::Baffle => {
+                Air::Around { gas: Gas::ROOM, mounting: AirMounting::Baffle { faces: Faces::Two } }
+            }
+            Self::Vacuum => Air::Vacuum,
+        }
+    }
 }
 
 /// How the edges of a bending plate are held.
@@ -113,6 +139,9 @@ impl DesignArguments {
         request.start_margin_m = within("--start-margin", &self.start_margin, nearest, Measure::Length)?;
         request.end_margin_m = within("--end-margin", &self.end_margin, farthest, Measure::Length)?;
         request.rim_m = self.rim;
+        if let Some(air) = self.air {
+            request.air = Some(air.air());
+        }
         if let Some(full_scale_m) = self.full_scale {
             request.full_scale_m = full_scale_m;
         }

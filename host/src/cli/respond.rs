@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
     if arguments.paper_mode {
         // The allowed frequencies are the paper's, too.
-        plate = plate.with_turning_width(TurningWidth::Plain);
+        plate = plate.in_vacuum().with_turning_width(TurningWidth::Plain);
     }
     let on_plate = format!(" on the plate {:?}", plate.name());
     let frequency_hz =

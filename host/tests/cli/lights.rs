@@ -5,8 +5,8 @@ use super::{failure, json, slipline};
 #[test]
 fn red_lights_end_a_check_with_3_and_are_counted() {
     for (arguments, code, last) in [
-        (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 17 lights are red\n"),
-        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 3 of 17 lights are red\n"),
+        (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 18 lights are red\n"),
+        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 3 of 18 lights are red\n"),
         (&["check", "--plate", "membrane"], 0, ""),
         (&["check", "--plate", "membrane", "--boundary", "120mm"], 0, ""),
     ] {

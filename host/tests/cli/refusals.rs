@@ -235,7 +235,7 @@ fn what_a_design_is_asked_for_is_refused_by_its_option_and_in_its_unit() {
 
 #[test]
 fn small_values_of_a_design_keep_their_digits() {
-    let thin = "design --material latex --thickness 1um --band 80Hz..220Hz --length 30cm --tension 0.02N/m";
+    let thin = "design --material latex --thickness 1um --band 80Hz..220Hz --length 30cm --tension 0.02N/m --air vacuum";
     let output = slipline(&thin.split(' ').collect::<Vec<_>>());
     let text = String::from_utf8(output.stdout).unwrap();
     for wanted in
@@ -243,6 +243,29 @@ fn small_values_of_a_design_keep_their_digits() {
     {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
+}
+
+#[test]
+fn a_design_writes_the_air_of_its_frame_and_a_shear_wave_has_none() {
+    let film = "design --material silicone-rubber --thickness 250um --band 88Hz..219Hz --length 320mm";
+    let text = |more: &[&str]| {
+        let output = slipline(&film.split(' ').chain(more.iter().copied()).collect::<Vec<_>>());
+        (
+            output.status.code(),
+            String::from_utf8(output.stdout).unwrap() + &String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    let (code, bare) = text(&["--tension", "40N/m"]);
+    assert_eq!(code, Some(0), "{bare}");
+    assert!(bare.contains("[air]\nmounting = \"bare-frame\"\ntemperature_c = 20.0\n"), "{bare}");
+    assert!(bare.contains("mm, which is counted, and"), "{bare}");
+    let (_, vacuum) = text(&["--tension", "40N/m", "--air", "vacuum"]);
+    assert!(
+        vacuum.contains("[air]\nmounting = \"vacuum\"\n") && !vacuum.contains("temperature_c"),
+        "{vacuum}"
+    );
+    let (code, shear) = text(&["--shear", "--air", "baffle"]);
+    assert!(code == Some(2) && shear.contains("--air"), "{shear}");
 }
 
 #[test]

@@ -75,8 +75,8 @@ impl Wanted {
     #[must_use]
     pub fn of(plate: &Plate) -> Self {
         let (low_hz, high_hz) = band_hz(plate);
-        let model = &plate.spec().model;
-        let wavenumber = (model.width_slope(1) * model.wavenumber_squared(TAU * high_hz)).sqrt();
+        let slope = plate.spec().model.width_slope(1);
+        let wavenumber = (slope * plate.wavenumber_squared(high_hz)).sqrt();
         let points = 10.0 * (POINTS_PER_WAVE * plate.length_m() * wavenumber / TAU / 10.0).round();
         Self { low_hz, high_hz, points: points.clamp(60.0, 400.0) as usize, level: 0.5 }
     }

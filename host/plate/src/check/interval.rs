@@ -78,7 +78,9 @@ fn corners() -> impl Iterator<Item = [f64; 3]> {
 /// The plate with its taper stretched and with the wave speed at which a wave of `frequency_hz` turns at `place_m`.
 fn turning_at(plate: &Plate, (scale, power): (f64, f64), place_m: f64, frequency_hz: f64) -> Option<Plate> {
     let plate = plate.with_taper(plate.spec().taper.stretched(scale, power)).ok()?;
-    let wavenumber = plate.spec().model.wavenumber_squared(TAU * frequency_hz).sqrt();
     let turning = plate.width_mode(1).number / plate.turning_half_width_m(place_m);
+    // The wave that the plate has in vacuum where it has the turning one with its air.
+    let vacuum = plate.free_wave().vacuum_of(TAU * frequency_hz, turning);
+    let wavenumber = plate.spec().model.wavenumber_squared(vacuum).sqrt();
     plate.with_wave_speed(wavenumber / turning).ok()
 }

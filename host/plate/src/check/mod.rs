@@ -11,6 +11,7 @@
 //!   lights/sensitivity.rs  sensitivity
 //!   lights/actuator.rs  actuator band, excursion, DAC resolution
 //!   lights/sound.rs  sound level, beat
+//!   lights/air.rs    air
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.
 

@@ -66,6 +66,16 @@ pub const LEAD_IN_LENGTH: Range = Range::new(1e-3, 10.0, "m");
 pub const LEAD_IN_LOSS: Range = Range::new(0.0, 2.0, "");
 /// Side of the contact of a finger.
 pub const CONTACT: Range = Range::new(5e-4, 0.1, "m");
+/// Density of the air around a plate.
+pub const AIR_DENSITY: Range = Range::new(0.05, 20.0, "kg/m^3");
+/// Speed of sound in it.
+pub const SOUND_SPEED: Range = Range::new(100.0, 2000.0, "m/s");
+/// Its temperature, degrees Celsius.
+pub const AIR_TEMPERATURE: Range = Range::new(-60.0, 100.0, "°C");
+/// Its height above the sea.
+pub const AIR_HEIGHT: Range = Range::new(-500.0, 9000.0, "m");
+/// Coefficient alpha of the air's mass on each face.
+pub const AIR_COEFFICIENT: Range = Range::new(0.0, 10.0, "");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 

@@ -2,11 +2,13 @@
 //! ranges, and the laws of the width that follow from these numbers alone. Nothing here computes a response.
 
 pub(crate) mod actuator;
+pub(crate) mod air;
 pub(crate) mod calibration;
 pub(crate) mod clamped_strip;
 pub(crate) mod drive;
 pub(crate) mod error;
 mod file;
+pub(crate) mod free_wave;
 pub(crate) mod impedance;
 pub mod limits;
 pub(crate) mod model;
@@ -23,6 +25,7 @@ pub(crate) mod turning_width;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};
+pub use air::{Air, AirMounting, BAFFLE, BARE_FRAME, Faces, Gas};
 pub use calibration::Calibration;
 pub use drive::DriveEnd;
 pub use error::{Consequence, Origin, PlateError, PlateFileError};

@@ -5,6 +5,7 @@
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};
 use crate::definition::actuator::Actuator;
+use crate::definition::air::{Air, AirLoad};
 use crate::definition::calibration::Calibration;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
@@ -32,6 +33,8 @@ pub struct PlateSpec {
     pub length_m: f64,
     /// Material, edge and wave.
     pub model: Model,
+    /// The air that swings with the plate; `None` as in a vacuum, or if the plate's own numbers hold it.
+    pub air: Option<Air>,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
     pub loss_factor: f64,
     /// Relative uncertainty of the wave speed (0 to 0.05). The drive table is levelled for all wave speeds within
@@ -70,7 +73,10 @@ pub struct Plate {
     pub(crate) turning: TurningLaw,
     /// b of the term b W''/(2 W) in k^2.
     bend_weight: f64,
-    /// The law of the first width mode between clamped edges, with the plate's loss; `None` for other edges.
+    /// What the air adds to its inertia, where it carries any.
+    pub(super) air_load: Option<AirLoad>,
+    /// The law of the first width mode between clamped edges, with the plate's loss in the middle of its span; `None` for
+    /// other edges.
     strip: Option<Arc<StripTable>>,
 }
 
@@ -103,6 +109,9 @@ impl Plate {
         limits::LENGTH.check("length_m", spec.length_m)?;
         spec.taper.validate(spec.length_m)?;
         spec.model.validate()?;
+        if let Some(air) = &spec.air {
+            air.validate(&spec.model)?;
+        }
         limits::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
         limits::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
         if let Some(tolerance) = spec.loss_tolerance {
@@ -123,11 +132,31 @@ impl Plate {
         let width = WidthLaw::new(&spec.taper, spec.length_m);
         let turning = TurningLaw::new(&spec.taper, &width, spec.length_m, spec.turning_width);
         let bend_weight = spec.turning_width.bend_weight(&spec.model);
-        let mut plate = Self { spec, width, turning, bend_weight, strip: None };
-        if let Model::BendingClamped(_) = plate.spec.model {
-            plate.strip = strip.or_else(|| Some(Arc::new(StripTable::new(plate.wave_loss()))));
-        }
+        let air_load = AirLoad::of(spec.air.as_ref(), &spec.model);
+        let mut plate = Self { spec, width, turning, bend_weight, air_load, strip: None };
+        plate.set_strip(strip);
         Ok(plate)
+    }
+
+    /// Gives a plate between clamped edges their law; `strip` if that has the plate's loss.
+    fn set_strip(&mut self, strip: Option<Arc<StripTable>>) {
+        let Model::BendingClamped(_) = self.spec.model else { return };
+        let (low_hz, high_hz) = self.band_hz();
+        let loss = self.wave_loss_at((low_hz * high_hz).sqrt());
+        let strip = strip.filter(|strip| strip.loss() == loss);
+        self.strip = Some(strip.unwrap_or_else(|| Arc::new(StripTable::new(loss))));
+    }
+
+    /// The same plate without air around it.
+    #[must_use]
+    pub fn in_vacuum(&self) -> Self {
+        let mut plate = self.clone();
+        plate.spec.air = None;
+        if plate.air_load.take().is_some() {
+            let strip = plate.strip.take();
+            plate.set_strip(strip);
+        }
+        plate
     }
 
     pub(super) fn set_turning_width(&mut self, turning_width: TurningWidth) {
@@ -135,6 +164,10 @@ impl Plate {
         spec.turning_width = turning_width;
         self.turning = TurningLaw::new(&spec.taper, &self.width, spec.length_m, turning_width);
         self.bend_weight = turning_width.bend_weight(&spec.model);
+        if self.air_load.is_some() {
+            let strip = self.strip.take();
+            self.set_strip(strip);
+        }
     }
 
     fn validate_band(&self) -> Result<(), PlateError> {
@@ -238,7 +271,8 @@ impl Plate {
         )
     }
 
-    /// The same plate with a phase speed `factor` times as high (0.5 to 2) at equal frequency.
+    /// The same plate with a phase speed `factor` times as high (0.5 to 2) at equal frequency; of the wave without air, where
+    /// the plate has any.
     ///
     /// It scales the membrane's wave speed by `factor`, its tension and the shear modulus by its square, and Young's modulus by its
     /// fourth power. The last is exact for a thin plate and approximate where `thick_plate` is set.
@@ -323,7 +357,7 @@ pub(crate) struct WidthMode<'a> {
 impl WidthMode<'_> {
     /// a K^2 without loss, 1/m^2.
     pub(crate) fn axial_squared(&self, frequency_hz: f64) -> f64 {
-        self.slope * self.plate.spec.model.wavenumber_squared(TAU * frequency_hz)
+        self.slope * self.plate.wavenumber_squared(frequency_hz)
     }
 
     /// a (q/s)^2, 1/m^2: the part of k^2 that the width takes away.
@@ -346,7 +380,7 @@ impl WidthMode<'_> {
             let (log_t, log_square) = self.strip_place(x, frequency_hz);
             return strip.wavenumber_squared(log_t) * (-log_square).exp();
         }
-        self.axial_squared(frequency_hz) * Complex64::new(1.0, self.plate.wave_loss()) - self.width_term(x)
+        self.axial_squared(frequency_hz) * self.plate.lossy(frequency_hz) - self.width_term(x)
     }
 
     /// Integral over the width at `x` of the square of the mode that is 1 on the centre line, in half-widths: Omega ds/dt
@@ -372,7 +406,7 @@ impl WidthMode<'_> {
     /// ln (s K)^2 and ln s^2, in metres, at `x`.
     fn strip_place(&self, x: f64, frequency_hz: f64) -> (f64, f64) {
         let log_square = self.log_square(x);
-        (log_square + self.plate.spec.model.wavenumber_squared(TAU * frequency_hz).ln(), log_square)
+        (log_square + self.plate.wavenumber_squared(frequency_hz).ln(), log_square)
     }
 
     /// ln s^2 at `x`, s in metres.
@@ -383,12 +417,12 @@ impl WidthMode<'_> {
     /// Frequency whose wave turns at `x`, Hz.
     pub(crate) fn cut_off_hz(&self, x: f64) -> f64 {
         let turning = (self.number * self.plate.turning.reciprocal_at(x)).powi(2);
-        self.plate.spec.model.angular_frequency(turning) / TAU
+        self.plate.free_wave().angular_frequency(turning) / TAU
     }
 
     /// The turning point of the continued taper, metres; negative when the wave cannot enter.
     pub(crate) fn turning_point_m(&self, frequency_hz: f64) -> f64 {
-        let wavenumber = self.plate.spec.model.wavenumber_squared(TAU * frequency_hz).sqrt();
+        let wavenumber = self.plate.wavenumber_squared(frequency_hz).sqrt();
         self.plate.turning.place_of((self.number / wavenumber).ln())
     }
 

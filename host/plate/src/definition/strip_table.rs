@@ -91,6 +91,11 @@ impl StripTable {
         Self { loss, bottom: join - CELLS_BELOW as f64 * CELL, cells }
     }
 
+    /// eta of t (1 + j eta).
+    pub(crate) fn loss(&self) -> f64 {
+        self.loss
+    }
+
     /// The cell of `log_t` and the place in it, 0 to 1; `None` above the table. Below it, its bottom.
     #[inline(always)]
     fn find(&self, log_t: f64) -> Option<(&Cell, f64)> {

@@ -6,7 +6,7 @@
 //! ```
 //! The taper is exponential, W = W0 e^(-d x). Both ends of the band turn where half the arc between the edges is q/K,
 //! that is where W = tan(d q/K)/d, so d = ln(tan(d q/K1)/tan(d q/K2))/(x2 - x1) and W0 = W1 e^(d x1). K is that of the
-//! plate's model, also for thick plates.
+//! plate's model with its air, also for thick plates.
 
 mod damper;
 mod drawing;
@@ -18,8 +18,10 @@ mod request;
 mod svg;
 
 use crate::check::{loss_integral, thresholds, wavelengths};
+use crate::definition::air::AirLoad;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
+use crate::definition::free_wave::FreeWave;
 use crate::definition::limits;
 use crate::definition::model::Model;
 use crate::definition::plate::{Plate, PlateSpec};
@@ -126,6 +128,9 @@ fn design_in_steps<E: From<PlateError>>(
     limits::RIM.check("rim_m", request.rim_m)?;
     let model = request.model();
     model.validate()?;
+    if let Some(air) = &request.air {
+        air.validate(&model)?;
+    }
     let taper = taper_for(request, &model)?;
     step(0.1)?;
     let mut spec = PlateSpec {
@@ -143,6 +148,7 @@ fn design_in_steps<E: From<PlateError>>(
         full_scale_m: request.full_scale_m,
         span_start_m: taper.near_m,
         span_end_m: taper.far_m,
+        air: request.air,
         calibration: None,
     };
     let undamped = Plate::new(spec.clone())?;
@@ -243,7 +249,8 @@ pub fn end_margin_range(length_m: f64) -> Range {
 }
 
 fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError> {
-    let wavenumber = |frequency_hz: f64| model.wavenumber_squared(TAU * frequency_hz).sqrt();
+    let wave = FreeWave { model, load: AirLoad::of(request.air.as_ref(), model) };
+    let wavenumber = |frequency_hz: f64| wave.wavenumber_squared(TAU * frequency_hz).sqrt();
     let (near_k, far_k) = (wavenumber(request.band_hz.0), wavenumber(request.band_hz.1));
     let (number, slope) = (model.width_number(1), model.width_slope(1));
     let length = request.length_m;

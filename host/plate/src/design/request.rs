@@ -1,6 +1,7 @@
 //! The request to the designer: sheet, wave, band and length.
 
 use super::material::Material;
+use crate::definition::air::Air;
 use crate::definition::model::{Bending, Model};
 use crate::quantity::number_format::rounded;
 use serde::Serialize;
@@ -25,6 +26,15 @@ pub enum Wave {
 }
 
 impl Wave {
+    /// Whether the wave moves the air beside it: all but the shear wave, which moves in its own plane.
+    #[must_use]
+    pub const fn carries_air(self) -> bool {
+        match self {
+            Self::Bending { .. } | Self::Membrane { .. } => true,
+            Self::ShearHorizontal => false,
+        }
+    }
+
     /// A membrane of this material and thickness (m) under `tension_n_per_m`: speed = sqrt(tension/(density
     /// thickness)).
     #[must_use]
@@ -69,11 +79,14 @@ pub struct Request {
     pub full_scale_m: f64,
     /// Width of the frame's rim, metres (0.01 to 0.5: the bolts need room).
     pub rim_m: f64,
+    /// The air around the plate; `None` for a plate whose numbers know of none. A shear wave carries none.
+    pub air: Option<Air>,
 }
 
 impl Request {
-    /// A request with defaults for the other fields: margins as needed, a rim of 20 mm, and a full-scale displacement
-    /// of 1 um if the band starts at 1 kHz or above, else 100 um.
+    /// A request with defaults for the other fields: margins as needed, a rim of 20 mm, a full-scale displacement of 1 um
+    /// if the band starts at 1 kHz or above, else 100 um, and the air of a room on both faces and round the edges of a
+    /// plate whose wave carries any.
     pub fn new(
         name: &str,
         material: Material,
@@ -93,6 +106,7 @@ impl Request {
             end_margin_m: None,
             full_scale_m: if band_hz.0 >= 1e3 { 1e-6 } else { 1e-4 },
             rim_m: 0.02,
+            air: wave.carries_air().then_some(Air::ROOM),
         }
     }
 

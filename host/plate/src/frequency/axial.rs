@@ -3,7 +3,7 @@
 use crate::definition::plate::WidthMode;
 use num_complex::Complex64;
 
-/// a K^2 (1 + j eta) with eta = [`crate::Plate::wave_loss`], 1/m^2.
+/// a K^2 (1 + j eta) with eta = [`crate::Plate::wave_loss_at`], 1/m^2.
 pub(crate) fn lossy_axial_squared(width_mode: &WidthMode<'_>, frequency_hz: f64) -> Complex64 {
-    width_mode.axial_squared(frequency_hz) * Complex64::new(1.0, width_mode.plate.wave_loss())
+    width_mode.axial_squared(frequency_hz) * width_mode.plate.lossy(frequency_hz)
 }

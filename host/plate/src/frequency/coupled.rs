@@ -17,7 +17,7 @@ use crate::frequency::respond::{POINTS_MIN, check_frequency};
 use crate::quantity::OutOfRange;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Most modes that are coupled.
 pub const COUPLED_MODES_MAX: usize = 8;
@@ -67,8 +67,7 @@ pub fn respond_coupled(
 fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> CoupledResponse {
     let step = plate.length_m() / (points - 1) as f64;
     let (a, d) = coupling(modes);
-    let axial =
-        plate.spec().model.wavenumber_squared(TAU * frequency_hz) * Complex64::new(1.0, plate.wave_loss());
+    let axial = plate.wavenumber_squared(frequency_hz) * plate.lossy(frequency_hz);
     let number: Vec<f64> = (0..modes).map(|n| PI * (n as f64 + 0.5)).collect();
     let complex = |matrix: &DMatrix<f64>, scale: f64| matrix.map(|value| Complex64::from(value * scale));
     // Rows of g[i-1] low + g[i] middle + g[i+1] high = 0 at one place.

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 
 impl Plate {
     /// Wave impedance Z of the driven end at `frequency_hz`, N s/m: a wave of amplitude A on the centre line carries the
-    /// power (1/2) Z omega^2 A^2.
+    /// power (1/2) Z omega^2 A^2 in the plate. (The air beside it carries more, by the share 1 - d of the whole, with
+    /// [`Plate::wave_loss_at`] = d [`Plate::wave_loss`].)
     ///
     /// Z = sigma v_g (integral of the width mode's square over z) with the mass per area sigma, the group speed
     /// v_g = d omega/d k at x = 0 and the width mode that is 1 on the centre line. It is T W k0/omega for a membrane of
@@ -17,6 +18,8 @@ impl Plate {
         let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
         // d(k^2)/d omega: the part of K in it, and that of the strip's law.
         let law = width_mode.wavenumber_rise(0.0, frequency_hz) / width_mode.axial_squared(frequency_hz);
+        // A wave of this wavenumber is as strong in the air as in vacuum, where it has another frequency.
+        let surface_density = surface_density * (self.vacuum_frequency_hz(frequency_hz) / frequency_hz);
         let group_speed = 2.0 * k0 / (self.axial_rise(frequency_hz) * law);
         Some(
             surface_density
@@ -26,12 +29,15 @@ impl Plate {
         )
     }
 
-    /// d(a K^2)/d omega, s/m^2, by central difference: K^2 is smooth in omega in every model.
+    /// d(a K^2)/d omega of the plate in vacuum, s/m^2, at the wavenumber that it has at `frequency_hz`; by central
+    /// difference: K^2 is smooth in omega in every model.
     pub(crate) fn axial_rise(&self, frequency_hz: f64) -> f64 {
-        let width_mode = self.width_mode(1);
+        let frequency_hz = self.vacuum_frequency_hz(frequency_hz);
+        let model = &self.spec().model;
+        let axial_squared =
+            |frequency_hz: f64| model.width_slope(1) * model.wavenumber_squared(TAU * frequency_hz);
         let step = 1e-4;
-        let rise = width_mode.axial_squared(frequency_hz * (1.0 + step))
-            - width_mode.axial_squared(frequency_hz * (1.0 - step));
+        let rise = axial_squared(frequency_hz * (1.0 + step)) - axial_squared(frequency_hz * (1.0 - step));
         rise / (2.0 * step * TAU * frequency_hz)
     }
 }

@@ -24,7 +24,6 @@ use crate::frequency::strip_grid::StripGrid;
 use crate::frequency::sweep::{LANES, Medium, Separable, Strip, Sweep};
 use num_complex::Complex64;
 use pulp::Arch;
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 pub(crate) use two_solutions::{TwoSolutions, solve_with_both};
@@ -144,7 +143,7 @@ impl Grid {
 
     fn at(&self, plate: &Plate, frequency_hz: f64) -> At<'_> {
         match &self.strip {
-            Some(strip) => At::Strip(strip, plate.spec().model.wavenumber_squared(TAU * frequency_hz).ln()),
+            Some(strip) => At::Strip(strip, plate.wavenumber_squared(frequency_hz).ln()),
             None => At::Separable(lossy_axial_squared(&plate.width_mode(self.mode), frequency_hz)),
         }
     }
@@ -345,7 +344,7 @@ pub(crate) fn solve_each_apart(
                 arch.dispatch(tail.sweep(medium, rows))
             }
             Some((strip, scaled)) => {
-                let squared = |frequency_hz: f64| plate.spec().model.wavenumber_squared(TAU * frequency_hz);
+                let squared = |frequency_hz: f64| plate.wavenumber_squared(frequency_hz);
                 let medium = Strip {
                     law: &strip.law,
                     log_square: &strip.log_square,

@@ -45,6 +45,9 @@ impl Layout {
         let Some(speed_m_per_s) = plate.spec().model.wave_speed_m_per_s() else {
             return Err(SheetError::Bends { plate: plate.name().to_owned() });
         };
+        if plate.carries_air() {
+            return Err(SheetError::Air { plate: plate.name().to_owned() });
+        }
         let condition = DriveCondition::of(plate)?;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator).copied();
         grid.validate(sample_rate_hz)?;

@@ -127,6 +127,14 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
+    /// Air swings with the plate: its mass depends on the wavelength, and the sheet has one mass everywhere.
+    #[error(
+        "{plate} carries air: a sheet has one wave speed at all frequencies, and this plate's rises with the frequency: use a time line for it, or leave [air] out of the plate file"
+    )]
+    Air {
+        /// Name of the plate.
+        plate: String,
+    },
     /// The driven end is one that the sheet does not carry.
     #[error(
         "{plate} is driven by a source with a mass and a spring: a sheet carries \"displacement\", \"force\" and \"resistance\""

@@ -95,7 +95,7 @@ impl Sheet {
     /// that the grid needs).
     ///
     /// # Errors
-    /// [`SheetError::Bends`] for a plate in bending, [`SheetError::OutOfRange`] for a field of `grid` or the sample
+    /// [`SheetError::Bends`] for a plate in bending, [`SheetError::Air`] for one that carries air, [`SheetError::OutOfRange`] for a field of `grid` or the sample
     /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells. With a measured actuator or a calibrated drive,
     /// [`SheetError::SampleRate`] for a rate that does not carry the plate's band and [`SheetError::Drive`] for a curve
     /// that changes too fast with the frequency; such a sheet is driven within the plate's band alone, as a

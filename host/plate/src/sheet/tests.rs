@@ -21,6 +21,7 @@ fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: D
         turning_width: TurningWidth::Arc,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
+        air: None,
         calibration: None,
         drive_end: end,
         actuator: None,

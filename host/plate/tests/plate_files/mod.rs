@@ -1,5 +1,6 @@
 //! Plate files: what is read back is what was written, and nothing hostile gets through or panics.
 
+mod air;
 mod drive;
 
 use proptest::prelude::*;

@@ -132,7 +132,7 @@ impl Searched for Ratio<'_> {
         let some: Vec<Pair> = self.pairs.iter().copied().step_by(every).collect();
         let frequencies_hz: Vec<f64> = some.iter().map(|pair| pair.frequency_hz).collect();
         let Some(&highest_hz) = frequencies_hz.last() else { return Vec::new() };
-        let shortest = self.nominal.model.wavenumber_squared(TAU * highest_hz).sqrt();
+        let shortest = self.nominal.free_wave().wavenumber_squared(TAU * highest_hz).sqrt();
         let turns = shortest * self.places_m[0].max(self.places_m[1]);
         let (minima, _) = scan(speeds, turns, SCAN_RADIANS, |coordinates| {
             let rows = self.wave(&coordinates, COARSE)?.at(self.sensor, &self.places_m, &frequencies_hz);

@@ -1,6 +1,7 @@
 //! The lights, one file per subject.
 
 pub(super) mod actuator;
+pub(super) mod air;
 pub(super) mod drive;
 pub(super) mod sensitivity;
 pub(super) mod shape;

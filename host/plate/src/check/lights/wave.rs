@@ -27,7 +27,7 @@ pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
             2.0 * u * width_mode.wavenumber_rise(place, frequency_hz) / wavenumber
         })
         .sum();
-    0.5 * plate.wave_loss() * total * boundary_m / f64::from(steps)
+    0.5 * plate.wave_loss_at(frequency_hz) * total * boundary_m / f64::from(steps)
 }
 
 /// From [`LOSS_SMALL`] on the light takes its colour from the computed peak, so that the two never contradict each other.

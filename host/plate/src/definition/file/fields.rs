@@ -60,12 +60,17 @@ pub(super) struct Section {
     pub(super) kind_field: &'static str,
     /// Each kind with the names of its fields.
     pub(super) kinds: &'static [(&'static str, &'static [&'static str])],
+    /// A kind that one may look for here, and why it is not there; both empty if there is none.
+    pub(super) not_a_kind: (&'static str, &'static str),
     pub(super) fields: &'static [FieldSpec],
 }
 
 const fn field(name: &'static str, field_type: FieldType, meaning: &'static str) -> FieldSpec {
     FieldSpec { name, field_type, meaning }
 }
+
+/// No kind that one may look for in vain.
+const NONE: (&str, &str) = ("", "");
 
 const TURNING_WIDTHS: &[&str] = &[TurningWidth::ALL[0].word(), TurningWidth::ALL[1].word()];
 
@@ -74,6 +79,7 @@ pub(super) const PLATE: Section = Section {
     meaning: "",
     kind_field: "",
     kinds: &[],
+    not_a_kind: NONE,
     fields: &[
         field("name", FieldType::Text(limits::NAME), "the plate's short name"),
         field("description", FieldType::Text(limits::DESCRIPTION), "one line that says what the plate is"),
@@ -131,6 +137,7 @@ pub(super) const TAPER: Section = Section {
         ("linear", &["half_width_m", "end_half_width_m"]),
         ("sampled", &["points"]),
     ],
+    not_a_kind: NONE,
     fields: &[
         field("kind", FieldType::Kind, "the law of the half-width"),
         field("half_width_m", FieldType::Number(limits::HALF_WIDTH), "half-width at the driven end"),
@@ -157,6 +164,7 @@ pub(super) const MODEL: Section = Section {
         ("bending-supported", BENDING),
         ("bending-clamped", BENDING),
     ],
+    not_a_kind: NONE,
     fields: &[
         field("kind", FieldType::Kind, "the wave and the edge"),
         field("wave_speed_m_per_s", FieldType::Number(limits::WAVE_SPEED), "wave speed of the membrane"),
@@ -182,6 +190,7 @@ pub(super) const DRIVE: Section = Section {
         ("resistance", &["ratio", "at_frequency_hz"]),
         ("source", &["at_frequency_hz", "resistance_n_s_per_m", "mass_kg", "stiffness_n_per_m", "slope"]),
     ],
+    not_a_kind: NONE,
     fields: &[
         field("end", FieldType::Kind, "what is held at the driven end"),
         field("slope", FieldType::OneOf(&["free", "held"]), "what holds the slope of an end in bending"),
@@ -207,6 +216,7 @@ pub(super) const LEAD_IN: Section = Section {
     meaning: "a strip with loss behind the drive of a plate in bending",
     kind_field: "",
     kinds: &[],
+    not_a_kind: NONE,
     fields: &[
         field("length_m", FieldType::Number(limits::LEAD_IN_LENGTH), "length of the lead-in"),
         field(
@@ -222,11 +232,51 @@ pub(super) const LEAD_IN: Section = Section {
     ],
 };
 
+pub(super) const AIR: Section = Section {
+    name: "air",
+    meaning: "the air that swings with the plate",
+    kind_field: "mounting",
+    kinds: &[
+        ("baffle", &["faces", "density_kg_per_m3", "sound_speed_m_per_s", "temperature_c", "height_m"]),
+        ("bare-frame", &["density_kg_per_m3", "sound_speed_m_per_s", "temperature_c", "height_m"]),
+        (
+            "coefficient",
+            &[
+                "coefficient",
+                "faces",
+                "density_kg_per_m3",
+                "sound_speed_m_per_s",
+                "temperature_c",
+                "height_m",
+            ],
+        ),
+        ("vacuum", &[]),
+    ],
+    not_a_kind: (
+        "closed-box",
+        "a closed box is a spring against the volume that the plate moves, which no law here has: open its back",
+    ),
+    fields: &[
+        field("mounting", FieldType::Kind, "how the plate stands in the air"),
+        field(
+            "coefficient",
+            FieldType::Number(limits::AIR_COEFFICIENT),
+            "the air's mass on each face over that of an endless plane wave",
+        ),
+        field("faces", FieldType::NumberThat("1 or 2"), "how many faces have air"),
+        field("density_kg_per_m3", FieldType::Number(limits::AIR_DENSITY), "density of the air"),
+        field("sound_speed_m_per_s", FieldType::Number(limits::SOUND_SPEED), "speed of sound"),
+        field("temperature_c", FieldType::Number(limits::AIR_TEMPERATURE), "temperature of the air"),
+        field("height_m", FieldType::Number(limits::AIR_HEIGHT), "height above the sea"),
+    ],
+};
+
 pub(super) const ACTUATOR: Section = Section {
     name: "actuator",
     meaning: "what lies between the DAC and the driven end",
     kind_field: "",
     kinds: &[],
+    not_a_kind: NONE,
     fields: &[
         field("resonance_hz", FieldType::Number(limits::RESONANCE), "resonance of the actuator"),
         field("quality", FieldType::Number(limits::QUALITY), "quality factor of the resonance"),
@@ -249,6 +299,7 @@ pub(super) const CALIBRATION: Section = Section {
     meaning: "how well the plate was measured, and what its drive does over what the file says",
     kind_field: "",
     kinds: &[],
+    not_a_kind: NONE,
     fields: &[
         field("chi2_per_n", FieldType::Number(limits::CHI2_PER_N), "how well the measurement fits"),
         field(
@@ -282,8 +333,8 @@ pub(super) const CALIBRATION: Section = Section {
 };
 
 /// All sections; the plate's own fields come first.
-pub(super) const SECTIONS: [&Section; 7] =
-    [&PLATE, &TAPER, &MODEL, &DRIVE, &LEAD_IN, &ACTUATOR, &CALIBRATION];
+pub(super) const SECTIONS: [&Section; 8] =
+    [&PLATE, &TAPER, &MODEL, &DRIVE, &LEAD_IN, &AIR, &ACTUATOR, &CALIBRATION];
 
 impl Section {
     /// The field of that name.

@@ -5,6 +5,7 @@ mod text;
 mod writer;
 
 use crate::definition::actuator::{Actuator, Resonator};
+use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::calibration::{Calibration, SOURCE_TOLERANCE};
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Origin, PlateError, PlateFileError};
@@ -17,6 +18,7 @@ use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::definition::taper::Taper;
 use crate::definition::travel::Travel;
 use crate::definition::turning_width::TurningWidth;
+use crate::quantity::number_format::typed;
 use crate::quantity::{Count, Counted, Range, WrongCount};
 use text::{Given, Text};
 
@@ -45,7 +47,8 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
     // Unknown fields are reported before missing ones: a mistyped name is both, and "did you mean" helps more.
     let given = text.section(&fields::PLATE)?;
     let [_, others @ ..] = fields::SECTIONS;
-    let [taper, model, drive, lead_in, actuator, calibration] = others.map(|schema| text.section(schema));
+    let [taper, model, drive, lead_in, air, actuator, calibration] =
+        others.map(|schema| text.section(schema));
     let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
         return Err(first_missing(text));
     };
@@ -65,6 +68,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         loss_factor: plate.required("loss_factor")?,
         wave_speed_tolerance: plate.number("wave_speed_tolerance")?.unwrap_or(0.0),
         loss_tolerance: plate.number("loss_tolerance")?,
+        air: air?.as_ref().map(air_of).transpose()?,
         actuator: actuator?.as_ref().map(actuator_of).transpose()?,
         full_scale_m: plate.number("full_scale_m")?.unwrap_or(1e-6),
         span_start_m: 0.0,
@@ -237,6 +241,49 @@ fn lead_in_of(given: &Given<'_>) -> Result<LeadIn, PlateError> {
         loss_factor: given.required("loss_factor")?,
         end_resistance_n_s_per_m: given.number("end_resistance_n_s_per_m")?.unwrap_or(0.0),
     })
+}
+
+fn air_of(given: &Given<'_>) -> Result<Air, PlateError> {
+    let mounting = match given.kind {
+        "baffle" => AirMounting::Baffle { faces: faces_of(given)? },
+        "bare-frame" => AirMounting::BareFrame,
+        "coefficient" => {
+            AirMounting::Coefficient { alpha: given.required("coefficient")?, faces: faces_of(given)? }
+        }
+        _ => return Ok(Air::Vacuum),
+    };
+    let numbers = ["density_kg_per_m3", "sound_speed_m_per_s"].iter().any(|name| given.has(name));
+    if let Some(name) = ["temperature_c", "height_m"].into_iter().find(|name| numbers && given.has(name)) {
+        return Err(PlateError::Unexpected {
+            field: format!("air.{name}"),
+            reason: "the air is given by density_kg_per_m3 and sound_speed_m_per_s already".to_owned(),
+        });
+    }
+    let gas = if numbers {
+        Gas::Given {
+            density_kg_per_m3: given.required("density_kg_per_m3")?,
+            sound_speed_m_per_s: given.required("sound_speed_m_per_s")?,
+        }
+    } else {
+        Gas::Atmosphere {
+            temperature_c: given.number("temperature_c")?.unwrap_or(20.0),
+            height_m: given.number("height_m")?.unwrap_or(0.0),
+        }
+    };
+    Ok(Air::Around { gas, mounting })
+}
+
+fn faces_of(given: &Given<'_>) -> Result<Faces, PlateError> {
+    match given.number("faces")? {
+        None => Ok(Faces::default()),
+        Some(1.0) => Ok(Faces::One),
+        Some(2.0) => Ok(Faces::Two),
+        Some(count) => Err(PlateError::UnknownKind {
+            field: "air.faces".to_owned(),
+            value: typed(count),
+            allowed: "1 or 2".to_owned(),
+        }),
+    }
 }
 
 fn actuator_of(given: &Given<'_>) -> Result<Actuator, PlateError> {

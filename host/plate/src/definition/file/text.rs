@@ -128,7 +128,7 @@ impl<'a> Given<'a> {
         if value.get_ref().is_table() {
             let sections = || SECTIONS.iter().map(|section| section.name).filter(|name| !name.is_empty());
             let reason = nearest(&name, sections()).map_or_else(
-                || "the sections of a plate are [taper], [model], [drive] and [actuator]".to_owned(),
+                || "the sections of a plate are [taper], [model], [drive], [air] and [actuator]".to_owned(),
                 |near| format!("did you mean [{near}]?"),
             );
             return Err(PlateError::Unexpected { field: format!("[{}]", self.schema.path(&name)), reason });
@@ -164,6 +164,8 @@ impl<'a> Given<'a> {
             Some(found) => Ok(Some(found)),
             None => {
                 let meant = hint(word, schema.kinds.iter().map(|(kind, _)| *kind));
+                let (not_a_kind, reason) = schema.not_a_kind;
+                let meant = if word == not_a_kind { format!("; {reason}") } else { meant };
                 let allowed = format!("{}{meant}", schema.one_of());
                 Err(wrong_type(&field, quoted(self.text, value.span()), allowed))
             }

@@ -1,6 +1,7 @@
 //! Writes a plate as TOML text.
 
 use crate::definition::actuator::Actuator;
+use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::calibration::Calibration;
 use crate::definition::drive::DriveEnd;
 use crate::definition::model::{Bending, Model};
@@ -25,6 +26,8 @@ struct PlateText {
     taper: TaperText,
     model: ModelText,
     drive: DriveText,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    air: Option<AirText>,
     #[serde(skip_serializing_if = "Option::is_none")]
     actuator: Option<ActuatorText>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -92,6 +95,23 @@ struct LeadInText {
 }
 
 #[derive(Serialize, Default)]
+struct AirText {
+    mounting: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coefficient: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    faces: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    density_kg_per_m3: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sound_speed_m_per_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    temperature_c: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    height_m: Option<f64>,
+}
+
+#[derive(Serialize, Default)]
 struct ActuatorText {
     #[serde(skip_serializing_if = "Option::is_none")]
     resonance_hz: Option<f64>,
@@ -140,6 +160,7 @@ impl Plate {
             taper: taper_text(&spec.taper),
             model: model_text(&spec.model),
             drive: drive_text(spec.drive_end),
+            air: spec.air.map(air_text),
             actuator: spec.actuator.as_ref().map(actuator_text),
             calibration: spec.calibration.as_ref().map(calibration_text),
         };
@@ -231,6 +252,34 @@ fn source_text(source: Source, slope: Option<&'static str>, text: DriveText) -> 
             end_resistance_n_s_per_m: lead_in.end_resistance_n_s_per_m,
         }),
         ..text
+    }
+}
+
+fn air_text(air: Air) -> AirText {
+    let Air::Around { gas, mounting } = air else {
+        return AirText { mounting: "vacuum", ..AirText::default() };
+    };
+    let number = |faces: Faces| {
+        Some(match faces {
+            Faces::One => 1,
+            Faces::Two => 2,
+        })
+    };
+    let (mounting, coefficient, faces) = match mounting {
+        AirMounting::Baffle { faces } => ("baffle", None, number(faces)),
+        AirMounting::BareFrame => ("bare-frame", None, None),
+        AirMounting::Coefficient { alpha, faces } => ("coefficient", Some(alpha), number(faces)),
+    };
+    let text = AirText { mounting, coefficient, faces, ..AirText::default() };
+    match gas {
+        Gas::Given { density_kg_per_m3, sound_speed_m_per_s } => AirText {
+            density_kg_per_m3: Some(density_kg_per_m3),
+            sound_speed_m_per_s: Some(sound_speed_m_per_s),
+            ..text
+        },
+        Gas::Atmosphere { temperature_c, height_m } => {
+            AirText { temperature_c: Some(temperature_c), height_m: Some(height_m), ..text }
+        }
     }
 }
 

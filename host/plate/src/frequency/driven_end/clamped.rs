@@ -39,6 +39,8 @@ struct Strip {
     lossless: f64,
     /// K^2 with loss, 1/m^2.
     axial: Complex64,
+    /// 1 + j eta of the plate's own stiffness.
+    compliance: Complex64,
     /// D without loss, N m. Where shear and rotary inertia are included, what makes the power of the wave right.
     rigidity: f64,
     poisson: f64,
@@ -56,7 +58,8 @@ impl Strip {
     fn new(plate: &Plate, frequency_hz: f64) -> Self {
         let omega = TAU * frequency_hz;
         let model = &plate.spec().model;
-        let lossless = model.wavenumber_squared(omega);
+        let lossless = plate.wavenumber_squared(frequency_hz);
+        let vacuum = TAU * plate.vacuum_frequency_hz(frequency_hz);
         // The width mode's a K^2 has the factor a.
         let rise = plate.axial_rise(frequency_hz) / plate.width_mode(1).slope;
         let surface_density = model.surface_density("a source").unwrap_or(f64::NAN);
@@ -66,16 +69,22 @@ impl Strip {
             // As for the wave on the plate, so that the waves of the end and of the plate are the same.
             half_width: plate.turning_half_width_m(0.0),
             lossless,
-            axial: lossless * Complex64::new(1.0, plate.wave_loss()),
-            rigidity: surface_density * omega / (lossless * rise),
+            axial: lossless * plate.lossy(frequency_hz),
+            compliance: plate.lossy_compliance(),
+            rigidity: surface_density * vacuum / (lossless * rise),
             poisson: model.bending().map_or(f64::NAN, |bending| bending.poisson_ratio),
         }
     }
 
-    /// D for a wavenumber K^2 = `axial` with loss: K^4 D is real.
+    /// D for a wavenumber K^2 = `axial` with loss in vacuum: K^4 D is real.
     fn lossy_rigidity(&self, axial: Complex64) -> Complex64 {
         let ratio = self.lossless / axial;
         self.rigidity * ratio * ratio
+    }
+
+    /// D of the plate.
+    fn own_rigidity(&self) -> Complex64 {
+        self.lossy_rigidity(self.lossless * self.compliance)
     }
 
     /// The waves for K^2 = `axial`; `propagating` is k^2 of the first, 1/m^2.
@@ -119,7 +128,7 @@ struct Beside {
 /// `wave` beside the propagating one, and what it asks of the end. `number` is that of the width mode if it runs and
 /// returns.
 fn beside(strip: &Strip, plate: &Plate, wave: &Wave, number: Option<u32>) -> (Beside, End) {
-    let rigidity = strip.lossy_rigidity(strip.axial);
+    let rigidity = strip.own_rigidity();
     let square = wave.wavenumber * wave.wavenumber;
     let Some(number) = number else {
         // k^2 = s/W^2 with s linear in t = (W K)^2. Where two waves meet, their slopes are infinite; beside that
@@ -155,7 +164,7 @@ impl Columns {
     /// `narrowing_per_m` is W'/W at x = 0; 0 for the straight strip of the end's width, from which no wave returns.
     fn new(strip: &Strip, plate: &Plate, narrowing_per_m: f64, propagating: Complex64) -> Self {
         let mut waves = strip.waves(strip.axial, propagating);
-        let rigidity = strip.lossy_rigidity(strip.axial);
+        let rigidity = strip.own_rigidity();
         let near = waves.split_off(1);
         let shape = waves.first().map_or_else(|| DVector::zeros(ORDERS), |wave| &wave.shape / wave.centre);
         // With p'' = -k^2 p.

@@ -4,7 +4,6 @@ use super::DrivenEnd;
 use crate::definition::drive::DriveEnd;
 use crate::definition::plate::Plate;
 use crate::definition::source::Source;
-use crate::frequency::axial::lossy_axial_squared;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -28,13 +27,14 @@ pub(super) fn driven(plate: &Plate, frequency_hz: f64) -> DrivenEnd {
 }
 
 /// A source on a membrane or a shear wave: F - Z_s v + T W f'(0) = 0 with v = -j omega f, where the line tension
-/// T W = omega^2 sigma W/K^2 is complex with loss.
+/// T W = omega^2 sigma W/K^2, of the plate in vacuum, is complex with loss.
 pub(super) fn sourced(plate: &Plate, frequency_hz: f64, source: &Source) -> DrivenEnd {
     let omega = TAU * frequency_hz;
-    let width_mode = plate.width_mode(1);
+    let vacuum = TAU * plate.vacuum_frequency_hz(frequency_hz);
+    let axial = plate.width_mode(1).axial_squared(frequency_hz) * plate.lossy_compliance();
     // A validated plate with a source has its tension or thickness.
     let surface_density = plate.spec().model.surface_density("a source").unwrap_or(f64::NAN);
-    let stiffness = omega * omega * surface_density / lossy_axial_squared(&width_mode, frequency_hz);
+    let stiffness = vacuum * vacuum * surface_density / axial;
     let line = stiffness * plate.half_width_m(0.0);
     DrivenEnd::simple(
         -source.impedance.dynamic_stiffness(omega) / line,

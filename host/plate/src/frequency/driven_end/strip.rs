@@ -12,6 +12,8 @@ pub(super) struct Strip {
     pub(super) axial: Complex64,
     /// K^2 without loss, 1/m^2.
     pub(super) lossless_axial: f64,
+    /// 1 + j eta of the plate's own stiffness.
+    pub(super) compliance: Complex64,
     /// q^2 = (pi/2W)^2, 1/m^2.
     pub(super) across: f64,
     /// D W without loss, N m^2.
@@ -29,11 +31,13 @@ impl Strip {
         let model = &plate.spec().model;
         let lossless_axial = width_mode.axial_squared(frequency_hz);
         let surface_density = model.surface_density("a source").unwrap_or(f64::NAN);
-        let rigidity = surface_density * omega / (lossless_axial * plate.axial_rise(frequency_hz));
+        let vacuum = TAU * plate.vacuum_frequency_hz(frequency_hz);
+        let rigidity = surface_density * vacuum / (lossless_axial * plate.axial_rise(frequency_hz));
         Self {
             omega,
             axial: lossy_axial_squared(&width_mode, frequency_hz),
             lossless_axial,
+            compliance: plate.lossy_compliance(),
             across: width_mode.width_term(0.0),
             stiffness: rigidity * plate.half_width_m(0.0),
             lateral: 1.0 - model.bending().map_or(f64::NAN, |bending| bending.poisson_ratio),

@@ -21,9 +21,9 @@ use crate::definition::source::{EndSlope, Source};
 use num_complex::Complex64;
 
 impl Strip {
-    /// D W with loss: K^4 D is real.
+    /// D W with loss: K^4 D is real in vacuum.
     fn lossy_stiffness(&self) -> Complex64 {
-        let ratio = self.lossless_axial / self.axial;
+        let ratio = self.lossless_axial / (self.lossless_axial * self.compliance);
         self.stiffness * ratio * ratio
     }
 

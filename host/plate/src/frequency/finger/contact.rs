@@ -17,7 +17,7 @@
 use super::Finger;
 use crate::definition::plate::Plate;
 use num_complex::Complex64;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Columns of cells along the contact.
 pub(super) const COLUMNS: usize = 6;
@@ -49,8 +49,8 @@ impl Contact {
         let (begins_m, ends_m) = finger.reach(plate);
         let half_width = strip_half_width(plate, finger.place_m);
         let half_contact = finger.half_across(plate, finger.place_m);
-        let loss = Complex64::new(1.0, plate.wave_loss().max(1e-9));
-        let axial = plate.spec().model.wavenumber_squared(TAU * frequency_hz) * loss;
+        let loss = Complex64::new(1.0, plate.wave_loss_at(frequency_hz).max(1e-9));
+        let axial = plate.wavenumber_squared(frequency_hz) * loss;
         let bends = plate.spec().model.bending().is_some();
         let mut waves = Vec::new();
         for mode in (1..=MODE_MAX).step_by(2) {

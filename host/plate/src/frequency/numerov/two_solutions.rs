@@ -47,10 +47,14 @@ pub(crate) fn solve_with_both(
     let last = (to_m / grid.step_m).ceil() as usize + 4;
     let left = weighed(&forward(grid, &swept.q, at, value, slope, last.min(grid.on_plate - 1)));
 
-    // S k = omega Z, and S goes with 1/K^2 where there is loss.
+    // S k = omega Z, and S goes with 1/K^2 where there is loss. A force on the plate also moves its air: S holds the air's
+    // share of the wave's power.
     let wavenumber = plate.width_mode(grid.mode).wavenumber_squared(0.0, frequency_hz).sqrt();
     let impedance = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
-    let stiffness_n = TAU * frequency_hz * impedance / wavenumber / Complex64::new(1.0, plate.wave_loss());
+    let stiffness_n = TAU * frequency_hz * impedance
+        / wavenumber
+        / plate.dilution(frequency_hz)
+        / plate.lossy(frequency_hz);
     let wronskian = value * swept.slope - slope * swept.g[1];
     (field, TwoSolutions { step_m: grid.step_m, left, right, wronskian, weight, stiffness_n })
 }

@@ -64,8 +64,7 @@ impl Fields {
         stop_hz: (f64, f64),
         sample_rate_hz: f64,
     ) -> Self {
-        let model = &plate.spec().model;
-        let shortest = (model.width_slope(1) * model.wavenumber_squared(TAU * stop_hz.1)).sqrt();
+        let shortest = plate.width_mode(1).axial_squared(stop_hz.1).sqrt();
         let stations = (plate.length_m() * shortest / RADIANS_PER_STATION).ceil() as usize + 1;
         let stations = stations.clamp(STATIONS.0, STATIONS.1);
         let step_m = plate.length_m() / (stations - 1) as f64;

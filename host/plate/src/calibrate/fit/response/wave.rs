@@ -133,8 +133,8 @@ pub(crate) struct Row {
 /// Positions on a plate for frequencies up to `highest_hz`. A fit keeps their number while it moves the plate's numbers:
 /// another number has another error, and a derivative would take that for a change of the wave.
 pub(crate) fn points(nominal: &PlateSpec, highest_hz: f64, radians_per_step: f64) -> usize {
-    let model = &nominal.model;
-    let shortest = (model.width_slope(1) * model.wavenumber_squared(TAU * highest_hz)).sqrt();
+    let squared = nominal.free_wave().wavenumber_squared(TAU * highest_hz);
+    let shortest = (nominal.model.width_slope(1) * squared).sqrt();
     let points = (nominal.length_m * shortest / radians_per_step).ceil();
     (points as usize).clamp(POINTS_MIN, POINTS_MAX)
 }

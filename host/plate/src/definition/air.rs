@@ -1,0 +1,275 @@
+//! The air around a plate: what it is, how the plate stands in it, and the inertia that it adds to a wave.
+//!
+//! A wave of the in-plane number K moves the air beside a face as far as about 1/K from it. Where it is slower than sound the
+//! air follows as a mass per area, and both faces carry
+//!
+//! ```text
+//! mu(K) = faces alpha g rho/K,    g = 1/(1 + (V(K)/(0.65 c_s))^3)
+//! ```
+//! with the density rho, the speed of sound c_s and the wave's speed V in vacuum. alpha is 1 for an endless plane wave. A
+//! plate of finite width moves a net volume and carries more in a baffle ([`BAFFLE`]); without one the air goes round its
+//! edges ([`BARE_FRAME`]). g falls to 0 where the wave is faster than sound: it radiates there and carries no mass. It is
+//! that of the half-wave strip in a baffle at its cut-off, within 0.08.
+
+use crate::definition::error::PlateError;
+use crate::definition::limits;
+use crate::definition::model::Model;
+
+/// alpha of each face in a rigid baffle: what the peaks of membranes in two dimensions with the air's own matrix ask for,
+/// 1.8 to 2.05 from one plate to another.
+pub const BAFFLE: f64 = 1.95;
+/// alpha of each face of a plate whose air goes round its edges. The half-wave strip without a baffle has 1.342; membranes in
+/// two dimensions ask for 1.25 to 1.27.
+pub const BARE_FRAME: f64 = 1.3;
+/// Wave speed in vacuum over that of sound at which half of the mass is left.
+const HALF_MASS: f64 = 0.65;
+
+/// Pressure of the standard atmosphere at sea level, Pa.
+const PRESSURE_PA: f64 = 101_325.0;
+/// Temperature of the standard atmosphere at sea level, K, and how it falls with height, K/m.
+const STANDARD_K: (f64, f64) = (288.15, 0.0065);
+/// g/(R times the fall of the temperature): the exponent of the pressure.
+const EXPONENT: f64 = 5.255_88;
+/// R of dry air, J/(kg K), and its ratio of specific heats.
+const GAS: (f64, f64) = (287.052_87, 1.4);
+/// 0 degrees Celsius, K.
+const ZERO_K: f64 = 273.15;
+
+/// The air around a plate, `[air]` of a plate file.
+///
+/// ```
+/// use slipline_plate::{Air, AirMounting, Gas};
+///
+/// let room = Gas::Atmosphere { temperature_c: 20.0, height_m: 0.0 };
+/// assert!((room.density_kg_per_m3() - 1.204).abs() < 1e-3);
+/// assert!((room.sound_speed_m_per_s() - 343.2).abs() < 0.1);
+/// let air = Air::Around { gas: room, mounting: AirMounting::BareFrame };
+/// assert!(air.mounting().is_some() && Air::Vacuum.mounting().is_none());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Air {
+    /// None. The plate's numbers are those of a file without `[air]`.
+    Vacuum,
+    /// Air that swings with the plate.
+    Around {
+        /// What it is.
+        gas: Gas,
+        /// How the plate stands in it.
+        mounting: AirMounting,
+    },
+}
+
+/// Density and speed of sound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Gas {
+    /// As numbers.
+    Given {
+        /// Density rho, kg/m^3 (0.05 to 20).
+        density_kg_per_m3: f64,
+        /// Speed of sound c_s, m/s (100 to 2000).
+        sound_speed_m_per_s: f64,
+    },
+    /// Dry air of this temperature under the pressure of the standard atmosphere (ISO 2533) at this height.
+    Atmosphere {
+        /// Temperature, degrees Celsius (-60 to 100).
+        temperature_c: f64,
+        /// Height above the sea, metres (-500 to 9000).
+        height_m: f64,
+    },
+}
+
+/// How a plate stands in the air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum AirMounting {
+    /// In a wide rigid wall, so that no air goes from one face to the other.
+    Baffle {
+        /// The faces that have air.
+        faces: Faces,
+    },
+    /// In a narrow frame, air on both faces and round the edges.
+    BareFrame,
+    /// As the coefficient says.
+    Coefficient {
+        /// alpha of each face (0 to 10).
+        alpha: f64,
+        /// The faces that have air.
+        faces: Faces,
+    },
+}
+
+/// The faces of a plate that have air.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Faces {
+    /// One of them; the other has a vacuum or a light foam that holds no air.
+    One,
+    /// Both.
+    #[default]
+    Two,
+}
+
+impl AirMounting {
+    /// alpha of each face that has air, and these faces.
+    #[must_use]
+    pub const fn coefficient(self) -> (f64, Faces) {
+        match self {
+            Self::Baffle { faces } => (BAFFLE, faces),
+            Self::BareFrame => (BARE_FRAME, Faces::Two),
+            Self::Coefficient { alpha, faces } => (alpha, faces),
+        }
+    }
+}
+
+impl Faces {
+    /// How many they are.
+    #[must_use]
+    pub const fn count(self) -> f64 {
+        match self {
+            Self::One => 1.0,
+            Self::Two => 2.0,
+        }
+    }
+}
+
+impl Gas {
+    /// Air of 20 degrees Celsius at the height of the sea.
+    pub const ROOM: Self = Self::Atmosphere { temperature_c: 20.0, height_m: 0.0 };
+
+    /// Density, kg/m^3: p/(R T) with p = 101 325 Pa (1 - 0.0065 height/288.15)^5.25588.
+    #[must_use]
+    pub fn density_kg_per_m3(self) -> f64 {
+        match self {
+            Self::Given { density_kg_per_m3, .. } => density_kg_per_m3,
+            Self::Atmosphere { temperature_c, height_m } => {
+                let (sea_level, fall) = STANDARD_K;
+                let pressure = PRESSURE_PA * (1.0 - fall * height_m / sea_level).powf(EXPONENT);
+                pressure / (GAS.0 * (temperature_c + ZERO_K))
+            }
+        }
+    }
+
+    /// Speed of sound, m/s: sqrt(1.4 R T).
+    #[must_use]
+    pub fn sound_speed_m_per_s(self) -> f64 {
+        match self {
+            Self::Given { sound_speed_m_per_s, .. } => sound_speed_m_per_s,
+            Self::Atmosphere { temperature_c, .. } => (GAS.1 * GAS.0 * (temperature_c + ZERO_K)).sqrt(),
+        }
+    }
+
+    fn validate(self) -> Result<(), PlateError> {
+        match self {
+            Self::Given { density_kg_per_m3, sound_speed_m_per_s } => {
+                limits::AIR_DENSITY.check("air.density_kg_per_m3", density_kg_per_m3)?;
+                limits::SOUND_SPEED.check("air.sound_speed_m_per_s", sound_speed_m_per_s)
+            }
+            Self::Atmosphere { temperature_c, height_m } => {
+                limits::AIR_TEMPERATURE.check("air.temperature_c", temperature_c)?;
+                limits::AIR_HEIGHT.check("air.height_m", height_m)
+            }
+        }
+    }
+}
+
+impl Air {
+    /// Air of a room around a plate in a bare frame, which is what a frame on a table is nearest to.
+    pub const ROOM: Self = Self::Around { gas: Gas::ROOM, mounting: AirMounting::BareFrame };
+
+    /// How the plate stands in the air; `None` in a vacuum.
+    #[must_use]
+    pub fn mounting(&self) -> Option<AirMounting> {
+        match self {
+            Self::Vacuum => None,
+            Self::Around { mounting, .. } => Some(*mounting),
+        }
+    }
+
+    pub(crate) fn validate(&self, model: &Model) -> Result<(), PlateError> {
+        let Self::Around { gas, mounting } = self else { return Ok(()) };
+        gas.validate()?;
+        if let AirMounting::Coefficient { alpha, .. } = mounting {
+            limits::AIR_COEFFICIENT.check("air.coefficient", *alpha)?;
+        }
+        if let Model::ShearHorizontal { .. } = model {
+            return Err(PlateError::Unexpected {
+                field: "air".to_owned(),
+                reason: "a shear-horizontal wave moves in its own plane and carries no air".to_owned(),
+            });
+        }
+        model.surface_density("[air]").map(drop)
+    }
+}
+
+/// What the air adds to the inertia of a plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct AirLoad {
+    /// faces alpha rho, kg/m^3.
+    density: f64,
+    sound_speed: f64,
+    /// Mass per area of the plate, kg/m^2.
+    surface_density: f64,
+}
+
+impl AirLoad {
+    /// The load of a valid [`Air`]; `None` where nothing is added.
+    pub(crate) fn of(air: Option<&Air>, model: &Model) -> Option<Self> {
+        let Some(Air::Around { gas, mounting }) = air else { return None };
+        let (alpha, faces) = mounting.coefficient();
+        Some(Self {
+            density: faces.count() * alpha * gas.density_kg_per_m3(),
+            sound_speed: gas.sound_speed_m_per_s(),
+            surface_density: model.surface_density("[air]").ok()?,
+        })
+    }
+
+    /// mu over the plate's own mass per area, for K = `wavenumber` and the angular frequency `vacuum` that it has in vacuum;
+    /// and d ln mu/d ln K where the latter goes with K^`power`.
+    pub(crate) fn share(&self, wavenumber: f64, vacuum: f64, power: f64) -> (f64, f64) {
+        let faster = (vacuum / (wavenumber * self.sound_speed * HALF_MASS)).powi(3);
+        let share = self.density / (wavenumber * self.surface_density * (1.0 + faster));
+        (share, -1.0 - 3.0 * (power - 1.0) * faster / (1.0 + faster))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::special::gauss::gauss;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn the_standard_atmosphere_is_that_of_its_tables() {
+        // ISO 2533: height, temperature, density, speed of sound.
+        for (height_m, kelvin, density, speed) in [
+            (0.0, 288.15, 1.2250, 340.29),
+            (1000.0, 281.65, 1.1117, 336.43),
+            (5000.0, 255.65, 0.7361, 320.53),
+        ] {
+            let gas = Gas::Atmosphere { temperature_c: kelvin - ZERO_K, height_m };
+            assert!((gas.density_kg_per_m3() - density).abs() < 2e-3, "{}", gas.density_kg_per_m3());
+            assert!((gas.sound_speed_m_per_s() - speed).abs() < 0.02, "{}", gas.sound_speed_m_per_s());
+        }
+    }
+
+    #[test]
+    fn the_bare_frame_is_near_the_half_wave_strip_in_the_open() {
+        // z = W cos t: the potential on the strip is the sum of a_n sin(n t) with n a_n = (2/pi) times the integral of
+        // W cos(pi z/2W) sin t sin(n t), and both faces carry pi rho times the sum of n a_n^2 over the integral W of the
+        // shape's square. That is 2 alpha rho/K with K = pi/2W.
+        let total: f64 = (1..60)
+            .map(|n| {
+                let n = f64::from(n);
+                let moved: f64 = gauss(200)
+                    .into_iter()
+                    .map(|(share, weight)| {
+                        let t = PI * share;
+                        PI * weight * (FRAC_PI_2 * t.cos()).cos() * t.sin() * (n * t).sin()
+                    })
+                    .sum();
+                (2.0 / PI * moved).powi(2) / n
+            })
+            .sum();
+        let alpha = PI * PI * total / 4.0;
+        assert!((alpha - 1.342_45).abs() < 1e-5, "{alpha}");
+        assert!((BARE_FRAME / alpha - 1.0).abs() < 0.05);
+    }
+}

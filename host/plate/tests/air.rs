@@ -1,0 +1,241 @@
+//! The air that swings with a plate: against plates in two dimensions, and what stays as it was without it.
+
+use slipline_plate::check::{Checker, Colour, Conditions};
+use slipline_plate::design::{Edge, Material, Request, Wave, design};
+use slipline_plate::{
+    Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Sheet,
+    SheetError, SheetGrid, TimeDomainLine, preset, presets, reflection, respond, respond_range,
+};
+use std::f64::consts::TAU;
+
+fn around(mounting: AirMounting) -> Air {
+    let gas = Gas::Given { density_kg_per_m3: 1.204, sound_speed_m_per_s: 343.2 };
+    Air::Around { gas, mounting }
+}
+
+fn baffle() -> Air {
+    around(AirMounting::Baffle { faces: Faces::Two })
+}
+
+fn with_air(plate: &Plate, air: Air) -> Plate {
+    Plate::new(PlateSpec { air: Some(air), ..plate.spec().clone() }).expect("a valid plate")
+}
+
+/// How far `air` moves the peak of the frequency that turns at `boundary_m` in a vacuum, mm.
+fn moved_mm(name: &str, air: Air, boundary_m: f64) -> f64 {
+    let still = preset(name).expect("a preset");
+    let frequency_hz = still.frequency_for_boundary_hz(boundary_m);
+    let place = |plate: &Plate| {
+        let response = respond(plate, frequency_hz, 1601, Equation::Corrected).expect("enters");
+        response.peak.expect("a peak").position_m
+    };
+    1e3 * (place(&with_air(&still, air)) - place(&still))
+}
+
+const PLACES_M: [f64; 4] = [0.1, 0.16, 0.22, 0.27];
+
+#[test]
+fn the_peaks_of_membranes_are_where_two_dimensions_with_air_have_them() {
+    // A Galerkin method in two dimensions with the air's own matrix (Rayleigh's integral in the baffle, the jump of the
+    // potential without one): shifts of the peak, mm; allowed are 1.5 mm on the light membrane, 0.5 mm on the heavy one.
+    let bare = around(AirMounting::BareFrame);
+    for (name, air, shifts, allowed) in [
+        ("membrane", baffle(), [30.1, 25.0, 19.7, 15.3], 1.5),
+        ("membrane", bare, [21.7, 16.8, 13.1, 10.5], 1.5),
+        ("membrane-heavy", baffle(), [4.0, 3.0, 2.3, 1.8], 0.5),
+        ("membrane-heavy", bare, [2.6, 1.9, 1.5, 1.2], 0.5),
+        // By another program.
+        ("membrane", baffle(), [30.0, 25.0, 20.0, 15.0], 1.5),
+        ("membrane-heavy", baffle(), [3.7, 2.7, 2.2, 1.6], 0.5),
+    ] {
+        for (boundary_m, wanted) in PLACES_M.into_iter().zip(shifts) {
+            let found = moved_mm(name, air, boundary_m);
+            assert!((found - wanted).abs() < allowed, "{name} {air:?} {boundary_m}: {found} for {wanted}");
+        }
+        let row = PLACES_M.map(|boundary_m| format!("{:.1}", moved_mm(name, air, boundary_m))).join(" | ");
+        assert!(include_str!("../PHYSICS.md").contains(&format!("| the law | {row} |")), "{name}: {row}");
+    }
+    // Faster than sound, the plate of the ultrasonic preset carries hardly any.
+    for boundary_m in [0.2, 0.24, 0.278] {
+        let found = moved_mm("al-bending", baffle(), boundary_m);
+        assert!((found - 0.01).abs() < 0.02, "{boundary_m}: {found}");
+    }
+}
+
+#[test]
+fn a_vacuum_and_no_air_at_all_are_the_same_to_the_last_bit() {
+    for preset in presets() {
+        let absent = preset.plate().expect("a preset");
+        let vacuum = with_air(&absent, Air::Vacuum);
+        let none = with_air_of_no_mass(&absent);
+        assert!(!vacuum.carries_air() && vacuum.in_vacuum() == absent, "{}", preset.name);
+        let (low, high) = absent.band_hz();
+        assert_eq!(vacuum.band_hz(), (low, high));
+        for frequency_hz in [low, (low * high).sqrt(), high] {
+            let of = |plate: &Plate, equation| respond(plate, frequency_hz, 257, equation).expect("in band");
+            for equation in [Equation::Corrected, Equation::Paper] {
+                assert_eq!(of(&vacuum, equation), of(&absent, equation), "{} {frequency_hz}", preset.name);
+            }
+            let same = |a: Option<f64>, b: Option<f64>| a.map(f64::to_bits) == b.map(f64::to_bits);
+            let impedance = |plate: &Plate| plate.wave_impedance_n_s_per_m(frequency_hz);
+            assert!(same(impedance(&vacuum), impedance(&absent)), "{}", preset.name);
+            assert_eq!(reflection(&vacuum, frequency_hz), reflection(&absent, frequency_hz));
+            // Air without mass goes all the way through the law.
+            let Some(none) = &none else { continue };
+            let (found, wanted) = (of(none, Equation::Corrected), of(&absent, Equation::Corrected));
+            for (a, b) in found.amplitude.iter().zip(&wanted.amplitude) {
+                assert!((a - b).norm() < 1e-9 * b.norm().max(1.0), "{} {frequency_hz}", preset.name);
+            }
+            assert_eq!(of(none, Equation::Paper), of(&absent, Equation::Paper));
+        }
+        let table = |plate: &Plate| DriveTable::build(plate, 400e3, 33).expect("a table");
+        assert_eq!(table(&vacuum), table(&absent), "{}", preset.name);
+    }
+}
+
+/// `None` for a plate that cannot carry air.
+fn with_air_of_no_mass(plate: &Plate) -> Option<Plate> {
+    let air = around(AirMounting::Coefficient { alpha: 0.0, faces: Faces::Two });
+    Plate::new(PlateSpec { air: Some(air), ..plate.spec().clone() }).ok()
+}
+
+#[test]
+fn air_dilutes_the_loss_as_it_slows_the_rise_of_the_wavenumber_with_the_frequency() {
+    // A free vibration at one K dies out as without air, by eta per cycle, and the group carries it d times as far.
+    let plate = with_air(&preset("membrane").expect("a preset"), baffle());
+    for frequency_hz in [90.0, 150.0, 200.0] {
+        let ratio = plate.wave_loss_at(frequency_hz) / plate.wave_loss();
+        let still = plate.in_vacuum();
+        assert!(ratio < 0.96 && ratio > 0.85, "{frequency_hz}: {ratio}");
+        assert_eq!(still.wave_loss_at(frequency_hz).to_bits(), still.wave_loss().to_bits());
+        // d ln K^2/d ln omega is 2 d.
+        let step = 1e-4;
+        let rise = (plate.wavenumber_squared(frequency_hz * (1.0 + step))
+            / plate.wavenumber_squared(frequency_hz * (1.0 - step)))
+        .ln()
+            / (2.0 * step);
+        assert!((rise / (2.0 * ratio) - 1.0).abs() < 1e-3, "{frequency_hz}: {rise} {ratio}");
+    }
+}
+
+#[test]
+fn places_and_frequencies_are_each_others_inverse_and_a_table_is_level_in_air() {
+    for name in ["membrane", "membrane-heavy", "al-bending", "al-bending-displacement"] {
+        let plate = with_air(&preset(name).expect("a preset"), baffle());
+        let (start, end) = plate.span_m();
+        for i in 0..=20 {
+            let x = start + (end - start) * f64::from(i) / 20.0;
+            let back = plate.turning_point_m(plate.frequency_for_boundary_hz(x)).expect("enters");
+            assert!((back - x).abs() < 1e-9, "{name} {x}: {back}");
+        }
+        assert!(plate.band_hz().0 < plate.in_vacuum().band_hz().0, "{name}");
+    }
+    let plate = with_air(&preset("membrane").expect("a preset"), baffle());
+    let table = DriveTable::build(&plate, 400e3, 257).expect("a table");
+    for x in [0.1, 0.17, 0.25] {
+        let frequency_hz = table.frequency_hz(x);
+        assert!((frequency_hz / plate.frequency_for_boundary_hz(x) - 1.0).abs() < 1e-4);
+        let peak = respond(&plate, frequency_hz, 801, Equation::Corrected).expect("enters").peak;
+        let level = table.gain(x) * peak.expect("a peak").amplitude * plate.spec().full_scale_m;
+        assert!((level / table.peak_m(x) - 1.0).abs() < 0.01, "{x}: {level}");
+    }
+}
+
+#[test]
+fn a_clamped_plate_of_film_has_its_air_in_the_exact_law() {
+    let mut spec = preset("al-bending-displacement").expect("a preset").spec().clone();
+    let mut bending = spec.model.bending().expect("bending").clone();
+    bending.thickness_m = 1e-4;
+    spec.model = Model::BendingClamped(bending);
+    (spec.span_start_m, spec.span_end_m) = (0.1, 0.24);
+    let still = Plate::new(spec).expect("valid");
+    let loaded = with_air(&still, baffle());
+    let frequency_hz = loaded.frequency_for_boundary_hz(0.2);
+    // The same wave in a vacuum has a higher frequency: only the loss is another.
+    let faster_hz = still.frequency_for_boundary_hz(0.2);
+    assert!(faster_hz > 1.02 * frequency_hz, "{faster_hz} {frequency_hz}");
+    let place = |plate: &Plate, hz: f64| {
+        respond(plate, hz, 801, Equation::Corrected).expect("enters").peak.expect("a peak").position_m
+    };
+    assert!((place(&loaded, frequency_hz) - place(&still, faster_hz)).abs() < 1e-4);
+}
+
+#[test]
+fn the_line_in_time_answers_a_tone_in_air_as_the_frequency_domain() {
+    let plate = with_air(&preset("membrane").expect("a preset"), baffle());
+    let (rate, points, frequency_hz) = (20_000.0, 65, 120.0);
+    let mut line = TimeDomainLine::new(&plate, rate, points, 1).expect("a line");
+    let settle = (rate * line.settle_time_s()) as u32;
+    let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate).cos() as f32;
+    line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
+    line.reset_envelope();
+    line.push(&(settle..settle + 2000).map(tone).collect::<Vec<f32>>());
+    let steady = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
+    let largest = steady.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    for (found, wanted) in line.envelope().rms_m().iter().zip(&steady.amplitude) {
+        let wanted = wanted.norm() / 2.0_f64.sqrt();
+        let found = f64::from(*found) / plate.spec().full_scale_m;
+        assert!((found - wanted).abs() < 4e-3 * largest, "{found} {wanted}");
+    }
+}
+
+#[test]
+fn a_sheet_refuses_air_in_words_and_the_papers_equation_leaves_it_out() {
+    let still = preset("membrane").expect("a preset");
+    let plate = with_air(&still, baffle());
+    let error = Sheet::new(&plate, 400e3, SheetGrid::new(64, 8)).expect_err("air");
+    assert!(matches!(error, SheetError::Air { .. }), "{error:?}");
+    assert!(error.to_string().starts_with("membrane carries air: a sheet has one wave speed"), "{error}");
+    let paper = |plate: &Plate| respond(plate, 150.0, 129, Equation::Paper).expect("enters");
+    assert_eq!(paper(&plate), paper(&still));
+    let too_fast = TimeDomainLine::new(&plate, 100.0, 65, 1).map(drop);
+    assert!(matches!(too_fast, Err(LineError::SampleRate(_))));
+    assert!(respond_range(&plate).low < respond_range(&still).low);
+}
+
+#[test]
+fn the_light_says_how_many_millimetres_of_air_are_missing_and_how_many_are_counted() {
+    let light = |plate: &Plate, x: f64| {
+        let report = Checker::new(plate, Conditions::default()).expect("checks").at(x).expect("on it");
+        report.light("air").expect("a light").clone()
+    };
+    for (name, shifts, allowed) in
+        [("membrane", [30.0, 25.0, 20.0, 15.0], 1.5), ("membrane-heavy", [3.7, 2.7, 2.2, 1.6], 0.5)]
+    {
+        let plate = preset(name).expect("a preset");
+        for (x, wanted) in PLACES_M.into_iter().zip(shifts) {
+            let found = light(&plate, x);
+            let value = found.value.expect("a number");
+            assert!((value - wanted).abs() < allowed, "{name} {x}: {value} for {wanted}");
+            assert_eq!(found.colour, if value > 2.0 { Colour::Amber } else { Colour::Green }, "{name} {x}");
+        }
+    }
+    let missing = light(&preset("membrane").expect("a preset"), 0.16);
+    assert!(missing.sentence.contains("add a section [air]"), "{}", missing.sentence);
+    let counted = light(&with_air(&preset("membrane").expect("a preset"), baffle()), 0.16);
+    assert!(counted.sentence.starts_with("The air moves the peak by 2"), "{}", counted.sentence);
+    assert!(counted.value.expect("open") < 2.6, "{counted:?}");
+    assert!(light(&preset("al-bending").expect("a preset"), 0.24).value.expect("mm") < 0.03);
+    assert_eq!(light(&preset("al-sh").expect("a preset"), 0.3).value, None);
+    assert_eq!(light(&preset("paper-rubber").expect("a preset"), 0.1).colour, Colour::Unchecked);
+}
+
+#[test]
+fn a_design_writes_its_air_and_puts_the_band_where_the_plate_in_air_has_it() {
+    let film = Material::named("polyester-film").expect("known");
+    let wave = Wave::Membrane { wave_speed_m_per_s: 20.0 };
+    let request = Request::new("film", film, 1e-4, wave, (80.0, 200.0), 0.3);
+    let plate = design(&request).expect("a design").plate;
+    assert_eq!(plate.spec().air, Some(Air::ROOM));
+    assert_eq!(Plate::from_toml(&plate.to_toml()).expect("its own text"), plate);
+    let (low, high) = plate.band_hz();
+    assert!((low / 80.0 - 1.0).abs() < 1e-6 && (high / 200.0 - 1.0).abs() < 1e-6, "{low} {high}");
+    // The same taper without air has its band elsewhere.
+    assert!(plate.in_vacuum().band_hz().0 > 1.1 * low);
+    let still = design(&Request { air: None, ..request.clone() }).expect("a design").plate;
+    assert!(still.spec().air.is_none() && still.half_width_m(0.0) > 1.1 * plate.half_width_m(0.0));
+    let shear = Request { wave: Wave::ShearHorizontal, band_hz: (5e3, 20e3), ..request };
+    assert!(Request::new("sh", shear.material, 1e-3, shear.wave, shear.band_hz, 0.5).air.is_none());
+    let bends = Wave::Bending { edge: Edge::Supported, thick_plate: false };
+    assert!(bends.carries_air());
+}
