@@ -25,7 +25,9 @@ fn extremes(levels_db: &[f64]) -> (f64, f64) {
 fn designed(edge: Edge, thick_plate: bool, thickness_m: f64, band_hz: (f64, f64), length_m: f64) -> Plate {
     let material = Material::named("aluminium").expect("known");
     let wave = Wave::Bending { edge, thick_plate };
-    design(&Request::new("even", material, thickness_m, wave, band_hz, length_m)).expect("possible").plate
+    // Without air, whose sound takes half a decibel more in two dimensions than the one-mode equation knows of.
+    let request = Request::new("even", material, thickness_m, wave, band_hz, length_m);
+    design(&Request { air: None, ..request }).expect("possible").plate
 }
 
 #[test]

@@ -3,6 +3,7 @@
 //! `cargo test -p slipline-plate --test physics merit` runs one file's tests.
 
 mod air;
+mod air_truth;
 mod bending_end;
 mod bending_truth;
 mod calibration;

@@ -240,7 +240,8 @@ pub struct RespondArguments {
     /// The paper's equation, without the (W'/W) term.
     #[arg(long)]
     paper_mode: bool,
-    /// Solve the plate in two dimensions, and show where the one-mode equation differs.
+    /// Solve the plate in two dimensions, with the air of its file on the whole sheet, and show where the one-mode equation
+    /// differs.
     #[arg(long = "2d")]
     two_dimensions: bool,
     /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).

@@ -62,6 +62,15 @@ impl BandMatrix {
         self.rows[at] = Complex64::ONE;
     }
 
+    /// The matrix times a vector.
+    pub(super) fn times(&self, vector: &[Complex64]) -> Vec<Complex64> {
+        let columns =
+            |row: usize| row.saturating_sub(self.half_band)..(row + self.half_band + 1).min(self.order);
+        (0..self.order)
+            .map(|row| columns(row).map(|column| self.rows[self.at(row, column)] * vector[column]).sum())
+            .collect()
+    }
+
     /// Eliminates. A singular matrix (exactly at a resonance without loss) gives solutions that are not finite.
     pub(super) fn factor(mut self) -> Factored {
         let (order, band) = (self.order, self.half_band);
@@ -130,15 +139,6 @@ impl Factored {
 impl BandMatrix {
     pub(super) fn order(&self) -> usize {
         self.order
-    }
-
-    /// The matrix times a vector.
-    pub(super) fn times(&self, vector: &[Complex64]) -> Vec<Complex64> {
-        let columns =
-            |row: usize| row.saturating_sub(self.half_band)..(row + self.half_band + 1).min(self.order);
-        (0..self.order)
-            .map(|row| columns(row).map(|column| self.rows[self.at(row, column)] * vector[column]).sum())
-            .collect()
     }
 }
 

@@ -1,8 +1,10 @@
 //! The sheet divided into elements and polynomials: what the field and the reflection share.
 
 use super::error::PlaneError;
+use super::fluid::{AirForces, Fluid};
+use super::minimal_residual;
 use super::outline::Outline;
-use super::section::Section;
+use super::section::{Energy, Section};
 use super::setup::{End, Force, Setup};
 use super::strip::{modulus, sheet, wave_impedance};
 use super::system::{Mesh, System};
@@ -28,6 +30,8 @@ pub(super) struct Resolution {
     pub(super) extra_orders: usize,
     /// Half of the rounded length between lead-in and taper, in half-widths.
     pub(super) rounding: f64,
+    /// Panels of the air along and across, over those of `fluid.rs`.
+    pub(super) panels: f64,
 }
 
 /// The divided sheet with what is done to it.
@@ -41,8 +45,10 @@ pub(super) struct Discrete<'a> {
     pub(super) mesh: Mesh,
     /// D, or the tension per width.
     modulus: f64,
-    /// K^4 in bending, K^2 otherwise, without loss.
+    /// K^4 in bending, K^2 otherwise, without loss and with the air of a free wave.
     pub(super) level: f64,
+    /// See [`Resolution`].
+    panels: f64,
 }
 
 impl<'a> Discrete<'a> {
@@ -60,8 +66,8 @@ impl<'a> Discrete<'a> {
     ) -> Result<Self, PlaneError> {
         setup.validate(plate)?;
         let model = &plate.spec().model;
-        let (edges, energy, level) = sheet(model, frequency_hz);
-        let wavenumber = model.wavenumber_squared(TAU * frequency_hz).sqrt();
+        let (edges, energy, level) = sheet(plate, frequency_hz);
+        let wavenumber = plate.wavenumber_squared(frequency_hz).sqrt();
         let start = -setup.lead_in_m();
         let mut places = outline.corners();
         places.extend([start, end_m]);
@@ -97,12 +103,55 @@ impl<'a> Discrete<'a> {
             outline,
             modulus: modulus(plate, frequency_hz),
             level,
+            panels: resolution.panels,
         })
     }
 
-    /// Stiffness and inertia of the sheet with this loss of the wave (see [`Plate::wave_loss`]), the lead-in, the
-    /// finger, and the driven end with a drive of `drive`. The far end is free.
-    pub(super) fn equations(&self, wave_loss: f64, drive: f64) -> System<'_> {
+    /// The unknowns where the sheet is driven with 1 and clamped at its far end.
+    ///
+    /// # Errors
+    /// [`PlaneError::TooManyPanels`] and [`PlaneError::AirNotSolved`], both of a plate in air.
+    pub(super) fn solve(&self) -> Result<Vec<Complex64>, PlaneError> {
+        let Self { plate, frequency_hz, section, mesh, outline, .. } = self;
+        let equations = |wave_loss, level| {
+            let mut system = self.equations(wave_loss, 1.0, level);
+            system.clamp(mesh.elements());
+            system
+        };
+        // With the mass of the free wave everywhere: all there is without air, or where only its coefficient is stated.
+        let free = equations(plate.wave_loss_at(*frequency_hz), self.level);
+        let Some(fluid) = Fluid::of(plate.spec().air) else { return Ok(free.solve()) };
+        let omega = TAU * frequency_hz;
+        let added = (plate.vacuum_frequency_hz(*frequency_hz) / frequency_hz).powi(2) - 1.0;
+        let wavelength_m = TAU / plate.wavenumber_squared(*frequency_hz).sqrt();
+        let panel_m = fluid.panel_m(wavelength_m, added) / self.panels;
+        let rows = (section.orders as f64 * self.panels).ceil() as usize;
+        let air = AirForces::new(&fluid, (section, mesh, outline), (panel_m, rows), omega)?;
+        let dry_squared = plate.spec().model.wavenumber_squared(omega);
+        let dry = match section.energy {
+            Energy::Tension => dry_squared,
+            Energy::Bending(_) => dry_squared * dry_squared,
+        };
+        let sheet = equations(plate.wave_loss(), dry);
+        // What is left after the free wave's mass has been taken out is little.
+        let free = free.matrix.factor();
+        let balance = |unknowns: &[Complex64]| {
+            let mut forces = air.of(unknowns);
+            sheet.condition(&mut forces);
+            let mut rest = sheet.matrix.times(unknowns);
+            rest.iter_mut().zip(&forces).for_each(|(rest, force)| *rest -= force);
+            free.solve(&mut rest);
+            rest
+        };
+        let mut right = sheet.right.clone();
+        free.solve(&mut right);
+        minimal_residual::solve(balance, &right)
+            .ok_or(PlaneError::AirNotSolved { frequency_hz: *frequency_hz })
+    }
+
+    /// Stiffness and inertia of the sheet with this loss of the wave (see [`Plate::wave_loss`]) and this K^4 or K^2, the
+    /// lead-in, the finger, and the driven end with a drive of `drive`. The far end is free.
+    pub(super) fn equations(&self, wave_loss: f64, drive: f64, level: f64) -> System<'_> {
         let Self { plate, setup, .. } = self;
         let omega = TAU * self.frequency_hz;
         let is_bending = plate.spec().model.bending().is_some();
@@ -114,7 +163,7 @@ impl<'a> Discrete<'a> {
         let in_lead_in =
             self.modulus * Complex64::new(1.0, setup.lead_in.map_or(0.0, |lead_in| -lead_in.loss_factor));
         let stiffness = |x: f64| if x < 0.0 { in_lead_in } else { in_plate };
-        let inertia = self.modulus * self.level;
+        let inertia = self.modulus * level;
         let mut system = System::new(&self.section, &self.mesh, &self.outline, stiffness, inertia);
         if let Some(finger) = setup.finger {
             let per_area = finger.impedance().dynamic_stiffness(omega) / finger.contact_m.powi(2);

@@ -21,6 +21,28 @@ pub enum PlaneError {
     /// A lead-in on a membrane or SH plate.
     #[error("{}", must_be("drive.lead_in on a plate that is not in bending", "absent"))]
     LeadInWithoutBending,
+    /// The equations of the sheet with its air were not solved.
+    #[error("{}", must_be(
+        format_args!("the air around the sheet at {} Hz", typed(*.frequency_hz)),
+        "lighter against the sheet: its equations were not solved in 200 steps",
+    ))]
+    AirNotSolved {
+        /// The frequency, Hz.
+        frequency_hz: f64,
+    },
+    /// The air on the sheet has too many panels.
+    #[error("{}", must_be(
+        format_args!("panels of the air at {} Hz = {panels}", typed(*.frequency_hz)),
+        format_args!("at most {most}"),
+    ))]
+    TooManyPanels {
+        /// The frequency, Hz.
+        frequency_hz: f64,
+        /// How many they are.
+        panels: usize,
+        /// How many are allowed.
+        most: usize,
+    },
     /// The field has too many waves along and across the plate.
     #[error("{}", must_be(
         format_args!("unknowns of the two-dimensional field at {} Hz = {unknowns}", typed(*.frequency_hz)),

@@ -19,7 +19,7 @@ const TAIL_EXPONENTS: f64 = 14.0;
 const PLACES: f64 = 8.0;
 /// Elements and polynomials for an error of the peak below 1e-4 (`the_field_does_not_depend_on_the_resolution`).
 pub(super) const RESOLUTION: Resolution =
-    Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: outline::ROUNDING };
+    Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: outline::ROUNDING, panels: 1.0 };
 
 /// The complex deflection w(x, z) of a plate at one frequency, relative to the drive; the displacement is
 /// Re(w e^(-j omega t)).
@@ -55,9 +55,7 @@ impl Field {
         let outline = Outline::of(&plate.width, setup.lead_in_m(), resolution.rounding);
         let end_m = far_end(plate, frequency_hz);
         let discrete = Discrete::new(plate, frequency_hz, setup, outline, end_m, resolution)?;
-        let mut system = discrete.equations(plate.wave_loss(), 1.0);
-        system.clamp(discrete.mesh.elements());
-        let unknowns = system.solve();
+        let unknowns = discrete.solve()?;
         let Discrete { section, mesh, .. } = discrete;
         Ok(Self {
             frequency_hz,

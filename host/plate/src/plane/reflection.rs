@@ -20,13 +20,14 @@ const MARGIN_HALF_WIDTHS: f64 = 8.0;
 const FITTED_WAVELENGTHS: f64 = 2.0;
 /// Places where the waves are fitted.
 const STATIONS: usize = 60;
-const RESOLUTION: Resolution = Resolution { elements_per_wavelength: 20.0, extra_orders: 1, rounding: 0.0 };
+const RESOLUTION: Resolution =
+    Resolution { elements_per_wavelength: 20.0, extra_orders: 1, rounding: 0.0, panels: 1.0 };
 
 /// The reflection r of the first width mode's travelling wave at the driven end, with the drive at rest: on a uniform
 /// strip of the plate's half-width at x = 0 and without loss, a wave e^(-jkx) that arrives leaves as r e^(+jkx).
 ///
 /// The strip is solved in two dimensions with a force at its far end, and the amplitudes of its own width modes are
-/// fitted in its middle. The finger is left out.
+/// fitted in its middle. The finger is left out, and the air counts as the mass of the plate's free wave.
 ///
 /// # Errors
 /// As [`super::Field::solve`].
@@ -44,7 +45,7 @@ pub fn reflection(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Com
     let setup = Setup { finger: None, ..*setup };
     let outline = Outline::Uniform(log_width);
     let discrete = Discrete::new(plate, frequency_hz, &setup, outline, end_m, RESOLUTION)?;
-    let mut system = discrete.equations(0.0, 0.0);
+    let mut system = discrete.equations(0.0, 0.0, discrete.level);
     system.push(discrete.mesh.elements(), Complex64::ONE);
     let unknowns = system.solve();
 

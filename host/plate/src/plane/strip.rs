@@ -12,10 +12,10 @@ use crate::definition::taper::LogWidth;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// The sheet's edges and energy, and K^4 (bending) or K^2 without loss, at a frequency.
-pub(super) fn sheet(model: &Model, frequency_hz: f64) -> (Edges, Energy, f64) {
-    let squared = model.wavenumber_squared(TAU * frequency_hz);
-    match model {
+/// The sheet's edges and energy, and K^4 (bending) or K^2 without loss and with the air of a free wave, at a frequency.
+pub(super) fn sheet(plate: &Plate, frequency_hz: f64) -> (Edges, Energy, f64) {
+    let squared = plate.wavenumber_squared(frequency_hz);
+    match &plate.spec().model {
         Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
             (Edges::Supported, Energy::Tension, squared)
         }
@@ -31,9 +31,10 @@ pub(super) fn sheet(model: &Model, frequency_hz: f64) -> (Edges, Energy, f64) {
 /// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not state it).
 ///
 /// Where shear and rotary inertia are included, D is the value that makes the power of a wave right with Mindlin's K:
-/// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate.
+/// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate; omega is that of the same K in vacuum.
 pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
-    let (model, width_mode, omega) = (&plate.spec().model, plate.width_mode(1), TAU * frequency_hz);
+    let (model, width_mode) = (&plate.spec().model, plate.width_mode(1));
+    let omega = TAU * plate.vacuum_frequency_hz(frequency_hz);
     let Ok(surface_density) = model.surface_density("an impedance") else { return 1.0 };
     match model.wave_speed_m_per_s() {
         Some(speed) => surface_density * speed * speed,
@@ -127,7 +128,7 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
 /// wavenumber of the turning width and moves the whole half-width.
 pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
     let model = &plate.spec().model;
-    let (edges, energy, level) = sheet(model, frequency_hz);
+    let (edges, energy, level) = sheet(plate, frequency_hz);
     let section = Section::new(edges, energy, ORDERS_OF_A_MODE, model.width_number(1));
     let turning_half_width_m = plate.turning_half_width_m(0.0);
     let moved = plate.half_width_m(0.0) / turning_half_width_m;
@@ -138,7 +139,7 @@ pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
 /// k^2 of the first width mode in a strip as wide as the plate at `x`, without loss, 1/m^2; `None` if it decays at once.
 pub(crate) fn wavenumber_squared(plate: &Plate, x: f64, frequency_hz: f64) -> Option<f64> {
     let model = &plate.spec().model;
-    let (edges, energy, level) = sheet(model, frequency_hz);
+    let (edges, energy, level) = sheet(plate, frequency_hz);
     let section = Section::new(edges, energy, ORDERS_OF_A_MODE, model.width_number(1));
     mode(&section, plate.width.at(x).value, level, 0).map(|mode| mode.square)
 }

@@ -69,6 +69,16 @@ pub(super) struct System<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) matrix: BandMatrix,
     pub(super) right: Vec<Complex64>,
+    /// What the conditions have done to the rows, in this order.
+    changes: Vec<RowChange>,
+}
+
+/// What a condition does to the rows of the equations.
+enum RowChange {
+    /// Adds `factor` times one to another.
+    Add { source: usize, target: usize, factor: f64 },
+    /// Replaces one by a condition.
+    Replace(usize),
 }
 
 impl<'a> System<'a> {
@@ -129,7 +139,7 @@ impl<'a> System<'a> {
                 }
             }
         }
-        Self { section, mesh, matrix, right: vec![Complex64::ZERO; unknowns] }
+        Self { section, mesh, matrix, right: vec![Complex64::ZERO; unknowns], changes: Vec::new() }
     }
 
     /// Index of f of a polynomial at a node; its slope is the next.
@@ -159,8 +169,7 @@ impl<'a> System<'a> {
     pub(super) fn hold(&mut self, node: usize, amplitude: f64) {
         for (m, share) in self.section.mode.iter().enumerate() {
             let row = self.unknown(node, m);
-            self.matrix.prescribe(row);
-            self.right[row] = (share * amplitude).into();
+            self.prescribe(row, (share * amplitude).into());
         }
     }
 
@@ -174,16 +183,12 @@ impl<'a> System<'a> {
             let slope = self.unknown(node, m) + 1;
             for n in 0..orders {
                 // Virtual deflections obey the condition too.
-                let value = self.unknown(node, n);
-                self.matrix.add_row(slope, value, factor(m, n));
-                let right = self.right[slope] * factor(m, n);
-                self.right[value] += right;
+                self.add_row(slope, self.unknown(node, n), factor(m, n));
             }
         }
         for m in 0..orders {
             let slope = self.unknown(node, m) + 1;
-            self.matrix.prescribe(slope);
-            self.right[slope] = Complex64::ZERO;
+            self.prescribe(slope, Complex64::ZERO);
             for n in 0..orders {
                 self.matrix.add(slope, self.unknown(node, n), (-factor(m, n)).into());
             }
@@ -221,9 +226,33 @@ impl<'a> System<'a> {
     pub(super) fn clamp(&mut self, node: usize) {
         self.hold(node, 0.0);
         for m in 0..self.section.orders {
-            let slope = self.unknown(node, m) + 1;
-            self.matrix.prescribe(slope);
-            self.right[slope] = Complex64::ZERO;
+            self.prescribe(self.unknown(node, m) + 1, Complex64::ZERO);
+        }
+    }
+
+    fn prescribe(&mut self, row: usize, value: Complex64) {
+        self.matrix.prescribe(row);
+        self.right[row] = value;
+        self.changes.push(RowChange::Replace(row));
+    }
+
+    fn add_row(&mut self, source: usize, target: usize, factor: f64) {
+        self.matrix.add_row(source, target, factor);
+        let right = self.right[source] * factor;
+        self.right[target] += right;
+        self.changes.push(RowChange::Add { source, target, factor });
+    }
+
+    /// Does to the forces of a load what the conditions have done to the rows.
+    pub(super) fn condition(&self, forces: &mut [Complex64]) {
+        for change in &self.changes {
+            match *change {
+                RowChange::Add { source, target, factor } => {
+                    let force = forces[source] * factor;
+                    forces[target] += force;
+                }
+                RowChange::Replace(row) => forces[row] = Complex64::ZERO,
+            }
         }
     }
 
@@ -236,7 +265,7 @@ impl<'a> System<'a> {
 }
 
 /// Index of the unknown of the cubic `number` of an element: 0, 1 are value and slope at its start, 2, 3 at its end.
-fn unknown(section: &Section, element: usize, number: usize, order: usize) -> usize {
+pub(super) fn unknown(section: &Section, element: usize, number: usize, order: usize) -> usize {
     2 * ((element + number / 2) * section.orders + order) + number % 2
 }
 
@@ -292,5 +321,11 @@ mod tests {
         let of_guide = |i: usize| i < 6 && i % 2 == 1;
         let error = work(&wanted, &|_| true) - work(&found, &|i| !of_guide(i));
         assert!(error.norm() < 1e-9 * largest, "{error} of {largest}");
+        // Nor does it take from the work of a load.
+        let mut load: Vec<Complex64> = (0..unknowns).map(|i| (0.3 * (i * i) as f64).cos().into()).collect();
+        let whole = work(&load, &|_| true);
+        guided.condition(&mut load);
+        let left = work(&load, &|_| true);
+        assert!((whole - left).norm() < 1e-9 * whole.norm(), "{left} of {whole}");
     }
 }

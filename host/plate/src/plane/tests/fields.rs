@@ -12,7 +12,7 @@ use crate::{
 use nalgebra::{DMatrix, DVector};
 
 /// J of the integer order `order` (`sign` -1), or I (`sign` 1), by its power series.
-fn bessel(order: i32, z: Complex64, sign: f64) -> Complex64 {
+pub(super) fn bessel(order: i32, z: Complex64, sign: f64) -> Complex64 {
     let half = 0.5 * z;
     let mut term: Complex64 = (1..=order).map(|n| half / f64::from(n)).product();
     let mut sum = term;
@@ -131,7 +131,8 @@ fn the_field_does_not_depend_on_the_resolution_or_on_the_radius_of_a_corner() {
         let field = Field::solve_with(plate, frequency_hz, setup, resolution).unwrap();
         field.centre_line(801).unwrap().peak.unwrap()
     };
-    let standard = Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: ROUNDING };
+    let standard =
+        Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: ROUNDING, panels: 1.0 };
     let fine = Resolution { elements_per_wavelength: 24.0, extra_orders: 3, ..standard };
     let sharp = Resolution { rounding: 0.25 * ROUNDING, ..fine };
     let (supported, clamped) = (aluminium(false, 0.002), aluminium(true, 0.002));

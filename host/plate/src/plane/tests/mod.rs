@@ -1,6 +1,7 @@
 //! The two-dimensional solver against closed forms, independent laws and itself.
 
 mod fields;
+mod fluid;
 mod rectangle;
 mod reflections;
 mod sheet;

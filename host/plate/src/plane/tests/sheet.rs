@@ -20,7 +20,7 @@ fn centre_line(plate: &Plate, frequency_hz: f64, points: usize, resists_everywhe
     let end_m = far_end(plate, frequency_hz);
     let setup = Setup::of(plate);
     let discrete = Discrete::new(plate, frequency_hz, &setup, outline, end_m, RESOLUTION).unwrap();
-    let mut system = discrete.equations(plate.wave_loss(), 1.0);
+    let mut system = discrete.equations(plate.wave_loss(), 1.0, discrete.level);
     let (section, node) = (&discrete.section, discrete.mesh.node_at(0.0));
     if resists_everywhere {
         // The sheet's tension is that without loss, which is (1 + j eta) times the plane's: so is its damper.
