@@ -19,6 +19,8 @@ const PLACE_M: f64 = 1e-4;
 const ANSWER_DB: f64 = 0.4;
 /// A peak below this share of the largest amplitude has lost its place to damping.
 const FAINT: f64 = 0.2;
+/// An answer below this share of the largest one at its place is none.
+const SILENT: f64 = 1e-4;
 
 /// The kinds of driven ends.
 const ENDS: [&str; 6] = ["displacement", "slope", "force", "resistance", "source", "lead-in"];
@@ -181,11 +183,17 @@ fn of_a_sensor(plate: &Plate) -> Errors {
     for share in [0.15, 0.5] {
         let sensor = sensed.sensor(SensorKind::Displacement, share * plate.length_m(), 0.0);
         let sensor = sensor.unwrap_or_else(|error| panic!("{}: {error}", plate.name()));
+        let mut answers: Vec<(f64, f64)> = Vec::new();
         for hz in frequencies_hz(plate) {
             let exact = respond(plate, hz, 2001, Equation::Corrected).expect("enters").amplitude;
             let exact =
                 exact[(2000.0 * share) as usize].norm() * plate.spec().full_scale_m * hold(hz, rate_hz);
-            errors.answer_db = errors.answer_db.max(decibels(sensed.steady(&sensor, hz).norm(), exact));
+            answers.push((sensed.steady(&sensor, hz).norm(), exact));
+        }
+        // Far beyond the turning point there is no answer.
+        let floor = SILENT * answers.iter().map(|it| it.1).fold(0.0, f64::max);
+        for (found, exact) in answers.into_iter().filter(|it| it.1 > floor) {
+            errors.answer_db = errors.answer_db.max(decibels(found, exact));
         }
     }
     errors
