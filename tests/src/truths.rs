@@ -22,7 +22,8 @@ const DITHER_LSB: f64 = 0.5;
 /// The input's range over the largest peak of a tone of the table on the true plate: 12 dB.
 const ROOM: f64 = 4.0;
 
-/// The name of `al-bending` between clamped edges; its span ends beyond the farther sensor.
+/// The name of `al-bending` between clamped edges. Its span ends beyond the farther sensor, and where the second even width
+/// mode does not yet run to the nearer one.
 pub const CLAMPED: &str = "al-bending-clamped";
 
 /// The plate that the user believes in: a preset, or [`CLAMPED`].
@@ -36,7 +37,7 @@ pub fn nominal(name: &str) -> Plate {
     }
     let spec = preset("al-bending").expect("a preset").spec().clone();
     let model = Model::BendingClamped(spec.model.bending().expect("bending").clone());
-    let (span_start_m, span_end_m) = (0.13, 0.21);
+    let (span_start_m, span_end_m) = (0.1, 0.175);
     Plate::new(PlateSpec { name: name.to_owned(), model, span_start_m, span_end_m, ..spec }).expect("a plate")
 }
 

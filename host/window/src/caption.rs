@@ -242,7 +242,7 @@ mod tests {
             "Span to 278 mm: must be where the boundary needs at most 10000 kHz (here 213250 kHz)"
         );
         let mut request = slipline_model::jobs::design::Draft::default().request().unwrap();
-        request.length_m = 0.01;
+        (request.length_m, request.air) = (0.01, None);
         let designer = |request: &Request| design(request).unwrap_err().told(&Panel::Designer);
         assert_eq!(
             designer(&request),

@@ -101,7 +101,13 @@ fn shortest_lead_in(
             [end(plate), others[0].as_ref().and_then(end), others[1].as_ref().and_then(end)]
         })
         .collect();
-    let mut best = (soft, Unevenness::MOST);
+    // Where none can be judged, the longest with the most loss.
+    let longest = LeadIn {
+        length_m: rounded_up(last * TAU / k0),
+        loss_factor: LEAD_IN_LOSSES[0],
+        end_resistance_n_s_per_m: LEAD_IN_RATIOS[2] * impedance,
+    };
+    let mut best = (Source { lead_in: Some(longest), ..soft }, Unevenness::MOST);
     let count = ((last - first) / step) as usize;
     for loss_factor in LEAD_IN_LOSSES {
         for number in 0..=count {
