@@ -7,7 +7,7 @@
 //!    or plots/response: level, phase, residual, Nyquist
 //! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log
 //! ```
-//! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. [`ViewState`] is what the
+//! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` is what the
 //! views keep from frame to frame; a view gets its own part of it. `room` decides what fits the window, `theme` has
 //! colours and fonts.
 
