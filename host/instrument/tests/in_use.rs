@@ -86,11 +86,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     assert!(session.sent().contains(&"Comb".to_owned()));
 
     // Held, and stopped: STOP ends the hold, too.
-    session.instrument.start();
-    session.pass(1000);
-    session.instrument.switch_hold(true);
-    session.pass(3000);
-    assert!(matches!(session.instrument.shown().hold.standing, Standing::Holding(_)), "{}", session.notice());
+    session.hold_level();
     session.instrument.press_stop();
     session.pass(500);
     assert!(!matches!(session.instrument.shown().hold.standing, Standing::Holding(_)));

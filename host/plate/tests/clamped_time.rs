@@ -1,6 +1,7 @@
 //! Plates between clamped edges in time against `respond`: a settled tone on a line at its peak, and the answers of a sensor,
 //! with every kind of driven end.
 
+use crate::drive_curve::settled_phasor;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::truth::Random;
 use slipline_plate::{
@@ -223,19 +224,7 @@ fn twenty_clamped_plates_in_time_are_those_of_the_frequency_domain() {
 /// The settled field at place `at` of 65 over the tone that is as late as the line says, per code, and that of `respond`.
 fn phasors(plate: &Plate, hz: f64, at: usize) -> [Complex64; 2] {
     const RATE_HZ: f64 = 400e3;
-    let mut line = TimeDomainLine::new(plate, RATE_HZ, 65, 1).expect("a line");
-    let wait = (line.settle_time_s() * RATE_HZ) as usize;
-    let code = |n: usize| (TAU * (hz * n as f64 / RATE_HZ).fract()).cos() as f32;
-    line.push(&(0..wait).map(code).collect::<Vec<f32>>());
-    // On to the next field.
-    let (fields, mut n) = (line.envelope().samples(), wait);
-    while line.envelope().samples() == fields {
-        line.push(&[code(n)]);
-        n += 1;
-    }
-    let mut field = vec![Complex64::ZERO; 65];
-    line.analytic_m(&mut field);
-    let found = field[at] * Complex64::cis(TAU * (hz * (n as f64 / RATE_HZ - line.latency_s())).fract());
+    let found = settled_phasor(plate, hz, RATE_HZ, at);
     let exact = respond(plate, hz, 65, Equation::Corrected).expect("enters").amplitude[at];
     [found, exact * plate.spec().full_scale_m * hold(hz, RATE_HZ)]
 }

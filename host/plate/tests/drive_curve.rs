@@ -158,7 +158,7 @@ fn lines_have_the_drive(names: &[&str]) {
 }
 
 /// The settled field at place `at` of 65 over a tone that is as late as the line says.
-fn settled_phasor(plate: &Plate, hz: f64, rate_hz: f64, at: usize) -> Complex64 {
+pub(crate) fn settled_phasor(plate: &Plate, hz: f64, rate_hz: f64, at: usize) -> Complex64 {
     let mut line = TimeDomainLine::new(plate, rate_hz, 65, 1).expect("a line");
     let wait = (line.settle_time_s() * rate_hz) as usize;
     let code = |n: usize| (TAU * (hz * n as f64 / rate_hz).fract()).cos() as f32;

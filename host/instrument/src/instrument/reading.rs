@@ -1,11 +1,30 @@
 //! What a shell reads of an instrument, beside all that is [`Shown`](super::Shown).
 
-use super::{Instrument, Notice, Recorder};
+use super::{Background, Instrument, Notice, Recorder};
 use slipline_link::Snapshot;
+use slipline_model::field::touch::Trace;
 use slipline_model::setup::Setup;
 use std::sync::Arc;
 
 impl Instrument {
+    /// The slot of the selected tone.
+    #[must_use]
+    pub const fn selected(&self) -> u8 {
+        self.selected
+    }
+
+    /// What the finger has met lately.
+    #[must_use]
+    pub const fn trace(&self) -> &Trace {
+        &self.finger.trace
+    }
+
+    /// The latest results of the background work.
+    #[must_use]
+    pub const fn background(&self) -> &Background {
+        &self.background.shown
+    }
+
     /// The setup.
     #[must_use]
     pub fn setup(&self) -> &Setup {

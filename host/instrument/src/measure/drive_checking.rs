@@ -87,7 +87,7 @@ pub struct DriveChecking {
 }
 
 impl DriveChecking {
-    /// A check with a device that must be armed and hold `table`, that of `plate`; it has told `inputs`.
+    /// A check with a device that must be armed and hold `table`, that of `plate`; its inputs are reported as `inputs`.
     ///
     /// # Errors
     /// [`MeasureError::NoInputs`] if it has no input for the current.

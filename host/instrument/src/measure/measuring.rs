@@ -36,7 +36,7 @@ pub struct Measuring {
 }
 
 impl Measuring {
-    /// A measurement with a device that must be armed and hold `table`; it has told `inputs`.
+    /// A measurement with a device that must be armed and hold `table`; its inputs are reported as `inputs`.
     ///
     /// # Errors
     /// [`MeasureError::NoInputs`] if it has not as many inputs.

@@ -81,11 +81,7 @@ fn a_client_sends_what_an_instrument_sends() {
     session.instrument.press_stop();
     session.pass(500);
     session.measure(None);
-    session.instrument.start();
-    session.pass(1000);
-    session.instrument.switch_hold(true);
-    session.pass(3000);
-    assert!(matches!(session.instrument.shown().hold.standing, Standing::Holding(_)), "{}", session.notice());
+    session.hold_level();
     session.instrument.press_stop();
     session.pass(500);
     let wanted = acts(&session.worker.borrow().sent);

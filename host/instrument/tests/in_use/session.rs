@@ -2,6 +2,7 @@
 
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use slipline_instrument::bench::Bench;
+use slipline_instrument::hold::Standing;
 use slipline_instrument::{Attention, DeviceIntent, Instrument, Jobs, MeasureIntent, Output, Page};
 use slipline_link::protocol::event::State;
 use slipline_link::{Port, Request};
@@ -98,6 +99,16 @@ impl Session {
             .notices()
             .max_by_key(|notice| notice.number)
             .map_or_else(String::new, |it| it.text.clone())
+    }
+
+    /// Drives, and has the level held.
+    pub(crate) fn hold_level(&mut self) {
+        self.instrument.start();
+        self.pass(1000);
+        self.instrument.switch_hold(true);
+        self.pass(3000);
+        let standing = self.instrument.shown().hold.standing;
+        assert!(matches!(standing, Standing::Holding(_)), "{}", self.notice());
     }
 
     /// Measures, and waits for the end.

@@ -93,10 +93,10 @@ fn a_sensor_at_another_place_than_told_is_noticed_where_it_matters() {
 fn another_place(name: &str) {
     for (a_mm, b_mm) in [(1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (10.0, 0.0), (0.0, 10.0), (0.0, -10.0)] {
         let (rig, mut random) = rig(name, 31);
-        let told = PLACES.map(|share| share * rig.nominal.length_m());
-        let places = [told[0] + 1e-3 * a_mm, told[1] + 1e-3 * b_mm];
+        let stated = PLACES.map(|share| share * rig.nominal.length_m());
+        let places = [stated[0] + 1e-3 * a_mm, stated[1] + 1e-3 * b_mm];
         let mut sensors = rig.measure(places, count(name), &mut random);
-        (sensors[0].place_m, sensors[1].place_m) = (told[0], told[1]);
+        (sensors[0].place_m, sensors[1].place_m) = (stated[0], stated[1]);
         let moved_m = [1e-3 * a_mm, 1e-3 * b_mm];
         let error = refused_or_good(&rig, &sensors, moved_m, &format!("{name} {a_mm} {b_mm} mm"));
         let is_far = f64::abs(a_mm) + f64::abs(b_mm) > 5.0;

@@ -15,8 +15,8 @@ impl App {
     /// Reports once each character of the names on the screen that no font has.
     pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
         let ports = self.ports.iter().map(|port| port.label.as_str());
-        let names = ports
-            .chain([self.instrument.setup().plate.name(), &self.instrument.shown().background.draft.name]);
+        let names =
+            ports.chain([self.instrument.setup().plate.name(), &self.instrument.background().draft.name]);
         if names.clone().flat_map(str::chars).eq(self.glyphs.looked_at.chars()) {
             return;
         }

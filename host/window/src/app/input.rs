@@ -88,10 +88,10 @@ impl App {
             } else if (focused.is_none() && !self.view.is_measuring()) || self.view.is_handle(focused) {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
-                    && let Some(line) = self.instrument.line(self.instrument.shown().selected)
+                    && let Some(line) = self.instrument.line(self.instrument.selected())
                 {
                     asked.push(Intent::MoveLine {
-                        slot: self.instrument.shown().selected,
+                        slot: self.instrument.selected(),
                         place_m: line.place_m + step_m,
                     });
                 }

@@ -179,7 +179,7 @@ impl App {
 
     /// The plate that was designed from the present draft.
     fn designed(&self) -> Option<Arc<Design>> {
-        let DesignState::Ready(designed) = &self.instrument.shown().background.design else { return None };
+        let DesignState::Ready(designed) = &self.instrument.background().design else { return None };
         designed.result.as_ref().ok().cloned()
     }
 

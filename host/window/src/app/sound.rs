@@ -73,7 +73,7 @@ impl App {
         }
         let (finger, full_peak_m) = (self.instrument.finger()?, self.instrument.full_peak_m()?);
         let field = self.instrument.sounding_on_screen()?;
-        let met = self.instrument.shown().trace.latest();
+        let met = self.instrument.trace().latest();
         Some(at_finger(&self.instrument.setup().plate, field, &finger, full_peak_m, met))
     }
 

@@ -44,7 +44,7 @@ pub struct Sweeping {
 }
 
 impl Sweeping {
-    /// A sweep with a device that must be armed and hold `table`; it has told `inputs`.
+    /// A sweep with a device that must be armed and hold `table`; its inputs are reported as `inputs`.
     ///
     /// # Errors
     /// [`MeasureError::NoInputs`] if it has not as many inputs; a table that no device takes.

@@ -119,7 +119,7 @@ impl Information {
         silent as f64 / self.rows.len() as f64
     }
 
-    /// What the pair of two places would reach under this noise; `None` where it tells too little for any.
+    /// What the pair of two places would reach under this noise; `None` where its information is singular.
     pub(crate) fn reached(&self, [a, b]: [usize; 2], noise: f64) -> Option<Reached> {
         let known = self.deviations.into_iter().chain([PLACE_TOLERANCE_M; 2]).map(|it| it.powi(-2));
         let mut information = DMatrix::from_diagonal(&DVector::from_iterator(COUNT, known));

@@ -199,7 +199,7 @@ impl SensorPlaces {
         pairs.filter_map(|pairs| best_of(pairs, &self.pairs))
     }
 
-    /// What a pair of other places would reach; `None` if it tells too little.
+    /// What a pair of other places would reach; `None` if its information is singular.
     pub fn reach(&self, places_m: [f64; 2]) -> Option<PairReach> {
         let information = self.information(&places_m).ok()?;
         information.reached([0, 1], self.noise).map(|reached| PairReach::new(places_m, reached))
