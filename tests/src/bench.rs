@@ -1,7 +1,7 @@
 //! A secret plate under a simulated device with a sensor, measured through the protocol and the device application.
 
 use slipline_instrument::measure::{
-    MeasureError, Measured, Measuring, Plan, Procedure, Run, Sensor, Step, Wanted,
+    MeasureError, Measured, Measuring, NextStep, Plan, Procedure, Run, Sensor, Wanted,
 };
 use slipline_instrument::rig::{PreparedRig, RigHand, RigOptions, secret};
 use slipline_link::protocol::listen::InputsReport;
@@ -24,7 +24,7 @@ const POSITIONS: usize = 1601;
 const STEPS: usize = 1_000_000;
 
 /// An armed device whose inputs sense the true plate, with the table of the nominal plate.
-pub struct Bench {
+pub struct MeasuringBench {
     /// The nominal plate, which the user assumes.
     pub nominal: Plate,
     /// The plate under the device.
@@ -41,11 +41,11 @@ pub struct Bench {
     pub table: Arc<DeviceTable>,
 }
 
-impl Bench {
+impl MeasuringBench {
     /// A healthy rig under a secret plate near the preset of this name; `points` frequencies are measured.
     ///
     /// # Panics
-    /// If there is no such preset, and as [`Bench::new`].
+    /// If there is no such preset, and as [`MeasuringBench::new`].
     #[must_use]
     pub fn near(name: &str, seed: u64, points: usize) -> Self {
         let nominal = preset(name).expect("a preset");
@@ -143,11 +143,11 @@ impl Bench {
         for steps in 0.. {
             assert!(steps < STEPS, "it never ends");
             let step = procedure.step();
-            let asked = if let Step::Ask(request) = &step { Some(request) } else { None };
+            let asked = if let NextStep::Ask(request) = &step { Some(request) } else { None };
             change(&mut self.loopback, &mut procedure, steps, asked);
             match step {
-                Step::Ask(request) => ticket = Some(self.loopback.hand_over(request)),
-                Step::Wait => {
+                NextStep::Ask(request) => ticket = Some(self.loopback.hand_over(request)),
+                NextStep::Wait => {
                     self.loopback.pass(1, |_| ());
                     let view: &Snapshot = self.loopback.view();
                     procedure.watch(view);
@@ -155,7 +155,7 @@ impl Bench {
                         procedure.take(outcome);
                     }
                 }
-                Step::Ended => break,
+                NextStep::Ended => break,
             }
         }
         procedure.finish()

@@ -37,7 +37,7 @@ impl SimulatedInputs for Tapped {
 
 /// Properties of a recorder.
 #[derive(Debug, Clone, Copy)]
-pub struct Recorder {
+pub struct SoundRecorder {
     /// Values a second, as it names it.
     pub rate_hz: u32,
     /// How much faster its clock is, as a share.
@@ -68,7 +68,7 @@ impl Tape {
     /// # Panics
     /// If the tape is empty.
     #[must_use]
-    pub fn recorded(&self, device_hz: f64, by: &Recorder) -> Vec<u8> {
+    pub fn recorded(&self, device_hz: f64, by: &SoundRecorder) -> Vec<u8> {
         let codes = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let mean = |codes: &[u16]| {
             let sum: f64 = codes.iter().map(|&code| f64::from(code) - 2048.0).sum();

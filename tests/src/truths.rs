@@ -1,7 +1,7 @@
 //! Row 2 of what must hold of calibrations: true plates drawn at random, each measured through protocol, device
 //! application and simulated rig, and calibrated from two places of the sensor.
 
-use crate::bench::{Bench, PLACES, RATE_HZ};
+use crate::bench::{MeasuringBench, PLACES, RATE_HZ};
 use slipline_instrument::measure::{Plan, Wanted};
 use slipline_instrument::rig::{RigOptions, limits};
 use slipline_link::protocol::limits::MAX_TONES;
@@ -120,7 +120,7 @@ impl Drawn {
     /// What the sensor measures at a place, and how many samples that took.
     fn measured(&self, place_m: f64) -> (Measurement, u64) {
         let options = RigOptions { noise_lsb: self.noise_lsb(place_m), ..self.options.clone() };
-        let mut bench = Bench::new(&self.nominal, &self.truth, &options, self.wanted.points);
+        let mut bench = MeasuringBench::new(&self.nominal, &self.truth, &options, self.wanted.points);
         bench.hand.put_sensor(place_m).expect("on the plate");
         let begin = bench.loopback.samples();
         let measured = bench.measure(place_m, |_, _, _, _| ()).expect("measured");

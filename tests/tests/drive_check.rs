@@ -7,13 +7,13 @@ use slipline_instrument::measure::{
 use slipline_instrument::rig::RigFault;
 use slipline_link::{Request, Sounding};
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad, SensorKind};
-use slipline_tests::bench::{Bench, RATE_HZ};
+use slipline_tests::bench::{MeasuringBench, RATE_HZ};
 
-fn checking(bench: &Bench, drive: KnownDrive) -> DriveChecking {
+fn checking(bench: &MeasuringBench, drive: KnownDrive) -> DriveChecking {
     DriveChecking::new(&bench.nominal, drive, bench.table.clone(), RATE_HZ, &bench.inputs()).unwrap()
 }
 
-fn check(bench: &mut Bench, drive: KnownDrive) -> CheckedDrive {
+fn check(bench: &mut MeasuringBench, drive: KnownDrive) -> CheckedDrive {
     let checking = checking(bench, drive);
     let before = bench.loopback.samples();
     let found = bench.run(checking, |_, _, _, _| ()).unwrap();
@@ -25,7 +25,7 @@ fn check(bench: &mut Bench, drive: KnownDrive) -> CheckedDrive {
 
 /// Breaks the drive in every way; `others` are the currents of other motors over that of the stated one.
 fn every_state(name: &str, others: &[f64]) {
-    let mut bench = Bench::near(name, 4, 32);
+    let mut bench = MeasuringBench::near(name, 4, 32);
     let known = bench.rig.known_drive();
     assert_eq!(check(&mut bench, known).check, DriveCheck::On, "{name}");
     for (fault, wanted) in [
@@ -62,7 +62,7 @@ fn each_state_of_a_coil_is_told_in_its_sentence() {
 
 #[test]
 fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
-    let mut bench = Bench::near("al-bending", 4, 32);
+    let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let DriveLoad::Piezo { capacitance_f } = known.circuit.load else { panic!("a piezo") };
     // A coil that takes 2.5 times the current of the piezo in the middle of the coil's own frequencies.
@@ -78,7 +78,7 @@ fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
 
 #[test]
 fn a_check_that_is_given_up_or_stopped_says_why_and_ends_in_silence() {
-    let mut bench = Bench::near("al-bending", 4, 32);
+    let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let checking = checking(&bench, known);
     let given_up = bench.run(checking, |_, checking, step, _| {
@@ -101,7 +101,7 @@ fn a_check_that_is_given_up_or_stopped_says_why_and_ends_in_silence() {
 
 #[test]
 fn a_measurement_begins_only_after_its_drive_was_found_on() {
-    let mut bench = Bench::near("al-bending", 4, 32);
+    let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let inputs = bench.inputs();
     let sensor = Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 };

@@ -6,13 +6,13 @@ use slipline_link::Request;
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{CalibrateError, Priors, from_ratio};
 use slipline_plate::check::Colour;
-use slipline_tests::bench::{Bench, RATE_HZ, predicted};
+use slipline_tests::bench::{MeasuringBench, RATE_HZ, predicted};
 use slipline_tests::truths::{self, Noise};
 
 #[test]
 fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
     for name in ["al-bending", "membrane"] {
-        let mut bench = Bench::near(name, 3, 32);
+        let mut bench = MeasuringBench::near(name, 3, 32);
         let place_m = bench.places_m()[0];
         let measured = bench.measure(place_m, |_, _, _, _| ()).unwrap();
         assert_eq!(measured.light(), Colour::Green, "{name}: {} dB", measured.headroom_db);
@@ -35,7 +35,7 @@ fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
 
 #[test]
 fn two_hundred_frequencies_of_aluminium_take_three_seconds_of_the_device() {
-    let mut bench = Bench::near("al-bending", 1, 200);
+    let mut bench = MeasuringBench::near("al-bending", 1, 200);
     let before = bench.loopback.samples();
     let place_m = bench.places_m()[0];
     bench.measure(place_m, |_, _, _, _| ()).unwrap();
@@ -87,12 +87,12 @@ fn calibrates<const N: usize>(presets: [(&str, std::ops::Range<u64>); N]) {
 
 #[test]
 fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards() {
-    let silent = |bench: &mut Bench| {
+    let silent = |bench: &mut MeasuringBench| {
         let mut codes = Vec::new();
         bench.loopback.pass(20_000, |block| codes = block.to_vec());
         assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
     };
-    let mut bench = Bench::near("al-bending", 1, 48);
+    let mut bench = MeasuringBench::near("al-bending", 1, 48);
     let place_m = bench.places_m()[0];
     // Lost samples are measured again. They are lost often enough that a window cannot miss them.
     let mut windows = 0;
@@ -121,7 +121,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
 
 #[test]
 fn an_unplugged_and_a_clipped_sensor_are_told() {
-    let mut bench = Bench::near("al-bending", 1, 32);
+    let mut bench = MeasuringBench::near("al-bending", 1, 32);
     let place_m = bench.places_m()[0];
     let good = bench.measure(place_m, |_, _, _, _| ()).unwrap();
     bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();

@@ -4,26 +4,27 @@
 use clap::Parser as _;
 use slipline::cli::Cli;
 use slipline_instrument::measure::{HeardError, MeasureError, PlayedSweep, Playing, Wanted};
-use slipline_instrument::measured_file::{Opened, ToldOfRecording, Untold, recorded};
+use slipline_instrument::measured_file::{ForeignError, Opened, RecordingMetadata, recorded};
 use slipline_instrument::rig::{RigOptions, secret};
 use slipline_link::protocol::command::Apply;
 use slipline_link::{Request, Sounding};
 use slipline_plate::calibrate::{Priors, SensorKind, departure, from_one_sensor};
 use slipline_plate::{Plate, preset};
-use slipline_tests::bench::{Bench, RATE_HZ};
-use slipline_tests::recorder::{Recorder, Tape};
+use slipline_tests::bench::{MeasuringBench, RATE_HZ};
+use slipline_tests::recorder::{SoundRecorder, Tape};
 use std::path::PathBuf;
 
 /// A phone: 48 kHz, 16 bits, 150 ppm fast, a hum at -50 dB and noise at -70 dB of its full scale.
-const PHONE: Recorder = Recorder { rate_hz: 48_000, clock: 150e-6, gain: 0.8, noise: 3e-4, hum: 3e-3 };
+const PHONE: SoundRecorder =
+    SoundRecorder { rate_hz: 48_000, clock: 150e-6, gain: 0.8, noise: 3e-4, hum: 3e-3 };
 
-fn playing(bench: &Bench, seconds: f64) -> Playing {
+fn playing(bench: &MeasuringBench, seconds: f64) -> Playing {
     let sweep = PlayedSweep::new(&bench.nominal, &bench.table, &bench.wanted, RATE_HZ, seconds).unwrap();
     Playing::new(sweep, bench.table.clone()).unwrap()
 }
 
 /// What the phone records of the sensor at a place, and the sweep's description.
-fn recording(bench: &mut Bench, tape: &Tape, place_m: f64) -> (Vec<u8>, String) {
+fn recording(bench: &mut MeasuringBench, tape: &Tape, place_m: f64) -> (Vec<u8>, String) {
     bench.hand.put_sensor(place_m).unwrap();
     tape.rewind();
     // The person starts the recorder at any time.
@@ -62,7 +63,8 @@ fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
     let truth = secret(&nominal, 1).unwrap();
     let tape = Tape::default();
     let points = Wanted::of(&nominal).points;
-    let mut bench = Bench::tapped(&nominal, &truth, &RigOptions::default(), points, |inputs| tape.on(inputs));
+    let mut bench =
+        MeasuringBench::tapped(&nominal, &truth, &RigOptions::default(), points, |inputs| tape.on(inputs));
     let [near, far] = bench.places_m().map(|place_m| recording(&mut bench, &tape, place_m));
     // Both were played alike, and the table of the plate is back.
     assert_eq!(near.1, far.1);
@@ -77,7 +79,7 @@ fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
     let Ok(Opened::Recording(wav)) = Opened::read(near.0) else { panic!("a recording") };
     let sweep = PlayedSweep::from_toml(&near.1).unwrap();
     let stated =
-        ToldOfRecording { place_m: bench.places_m()[0], kind: Some(SensorKind::Displacement), channel: 2 };
+        RecordingMetadata { place_m: bench.places_m()[0], kind: Some(SensorKind::Displacement), channel: 2 };
     let (measurement, notes) = recorded(&nominal, &wav, &sweep, &stated).unwrap();
     println!("{notes:?}");
     let (ppm, _) = notes[0].split_once("clock is ").unwrap().1.split_once(" ppm fast").unwrap();
@@ -88,14 +90,14 @@ fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
     println!("alone {alone:?}, chi2/n {}", found.chi2_per_n);
     assert!(alone.boundary_m < 0.5 * before.boundary_m, "{alone:?}");
     // The other channel has noise alone.
-    let noise = recorded(&nominal, &wav, &sweep, &ToldOfRecording { channel: 1, ..stated }).unwrap_err();
-    assert_eq!(noise, Untold::Heard(HeardError::NotFound));
+    let noise = recorded(&nominal, &wav, &sweep, &RecordingMetadata { channel: 1, ..stated }).unwrap_err();
+    assert_eq!(noise, ForeignError::Heard(HeardError::NotFound));
 }
 
 #[test]
 fn a_slow_host_and_a_cancelled_sweep_leave_the_device_as_it_was() {
     let nominal = preset("al-bending").unwrap();
-    let mut bench = Bench::new(&nominal, &nominal, &RigOptions::default(), 24);
+    let mut bench = MeasuringBench::new(&nominal, &nominal, &RigOptions::default(), 24);
     let mut drives = 0;
     let sweep = playing(&bench, 0.2);
     let played = bench

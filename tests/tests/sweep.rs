@@ -9,22 +9,22 @@ use slipline_link::{CaptureRequest, Request, Sounding};
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
 use slipline_plate::check::Colour;
-use slipline_tests::bench::{Bench, RATE_HZ, predicted};
+use slipline_tests::bench::{MeasuringBench, RATE_HZ, predicted};
 use std::f64::consts::PI;
 
 /// The shunt is the second input.
 const CURRENT: Sensor = Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: 1 };
 
-fn sensor(bench: &Bench) -> Sensor {
+fn sensor(bench: &MeasuringBench) -> Sensor {
     Sensor { place_m: bench.places_m()[0], kind: SensorKind::Displacement, input: 0 }
 }
 
-fn sweeping(bench: &Bench, sensor: Sensor) -> Sweeping {
+fn sweeping(bench: &MeasuringBench, sensor: Sensor) -> Sweeping {
     let plan = SweepPlan::new(&bench.nominal, &bench.table, &bench.wanted, RATE_HZ).unwrap();
     Sweeping::new(plan, bench.table.clone(), sensor, &bench.inputs()).unwrap()
 }
 
-fn sweep(bench: &mut Bench, sensor: Sensor) -> Measured {
+fn sweep(bench: &mut MeasuringBench, sensor: Sensor) -> Measured {
     let sweeping = sweeping(bench, sensor);
     bench.run(sweeping, |_, _, _, _| ()).unwrap()
 }
@@ -47,7 +47,7 @@ fn frequencies(measured: &Measured) -> Vec<f64> {
 
 #[test]
 fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
-    let mut bench = Bench::near("al-bending", 3, 48);
+    let mut bench = MeasuringBench::near("al-bending", 3, 48);
     let sensor = sensor(&bench);
     let swept = sweep(&mut bench, sensor);
     assert_eq!(swept.light(), Colour::Green, "{} dB", swept.headroom_db);
@@ -73,7 +73,7 @@ fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
 #[test]
 fn the_current_is_that_of_the_rig_within_what_a_ring_leaves() {
     for (name, points) in [("membrane", 24), ("al-bending", 24)] {
-        let mut bench = Bench::near(name, 2, points);
+        let mut bench = MeasuringBench::near(name, 2, points);
         let swept = sweep(&mut bench, CURRENT);
         let full_scale_a = bench.rig.shunt_full_scale_a();
         let per_code = |hz: &f64| bench.rig.current(*hz) * Complex64::cis(-PI * hz / RATE_HZ) / full_scale_a;
@@ -86,7 +86,7 @@ fn the_current_is_that_of_the_rig_within_what_a_ring_leaves() {
 
 #[test]
 fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
-    let mut bench = Bench::near("al-bending", 3, 24);
+    let mut bench = MeasuringBench::near("al-bending", 3, 24);
     bench.wanted.level = 0.2;
     let sensor = sensor(&bench);
     let (mut captures, mut glides) = (0, 0);
@@ -122,7 +122,7 @@ fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
 
 #[test]
 fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
-    let mut bench = Bench::near("al-bending", 1, 24);
+    let mut bench = MeasuringBench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
     let mut ended = |change: &dyn Fn(&mut Loopback, &mut Run<Sweeping>)| {
         let mut glides = 0;
@@ -150,7 +150,7 @@ fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
 
 #[test]
 fn an_unplugged_and_a_clipped_sensor_are_told() {
-    let mut bench = Bench::near("al-bending", 1, 24);
+    let mut bench = MeasuringBench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
     let loud = |it: &Measured| it.measurement.points.iter().map(|p| p.response.norm()).fold(0.0, f64::max);
     bench.hand.set_fault(Some(RigFault::Unplugged)).unwrap();

@@ -1,11 +1,11 @@
 //! The steps of a calibration, one page each: the plate file and calipers, the first place of the sensor, its answer there,
 //! the second place, the result.
 
+mod page;
 pub(crate) mod remedy;
-mod step;
 
+pub use page::WizardPage;
 pub use remedy::Remedy;
-pub use step::Step;
 
 use crate::jobs::calibrate::CalibrateJob;
 use crate::measure::Wanted;
@@ -20,7 +20,7 @@ pub const CALIPERS_TOLERANCE_M: f64 = 5e-5;
 
 /// The answer of the sensor at one place.
 #[derive(Debug, Clone)]
-pub struct Answer {
+pub struct PlaceResponse {
     /// The name of its file, or of the run.
     pub name: String,
     /// The measurement.
@@ -29,21 +29,27 @@ pub struct Answer {
 
 /// A calibration under way.
 #[derive(Debug, Clone)]
-pub struct Calibration {
+pub struct CalibrationWizard {
     plate: Arc<Plate>,
     /// The page that is open.
-    pub step: Step,
+    pub step: WizardPage,
     calipers: Option<Calipers>,
     places_m: [f64; 2],
-    answers: [Option<Answer>; 2],
+    answers: [Option<PlaceResponse>; 2],
 }
 
-impl Calibration {
+impl CalibrationWizard {
     /// A calibration of the plate of this file.
     #[must_use]
     pub fn of(plate: &Arc<Plate>) -> Self {
         let places_m = proposed_m(plate, Priors::default());
-        Self { plate: Arc::clone(plate), step: Step::Plate, calipers: None, places_m, answers: [None, None] }
+        Self {
+            plate: Arc::clone(plate),
+            step: WizardPage::Plate,
+            calipers: None,
+            places_m,
+            answers: [None, None],
+        }
     }
 
     /// The plate as its file tells it.
@@ -94,12 +100,12 @@ impl Calibration {
 
     /// The answer of the sensor at the first (0) or second (1) place.
     #[must_use]
-    pub fn answer(&self, sensor: usize) -> Option<&Answer> {
+    pub fn answer(&self, sensor: usize) -> Option<&PlaceResponse> {
         self.answers.get(sensor)?.as_ref()
     }
 
     /// Takes the answer at the first (0) or second (1) place.
-    pub fn take_answer(&mut self, sensor: usize, answer: Answer) {
+    pub fn take_answer(&mut self, sensor: usize, answer: PlaceResponse) {
         if let Some(place) = self.answers.get_mut(sensor) {
             *place = Some(answer);
         }

@@ -25,6 +25,7 @@ pub use holding::Holding;
 pub use standing::Standing;
 pub use words::{ToneWords, progress_words, state_words, words};
 
+use slipline_link::BLOCK;
 use slipline_link::protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_TONES};
 use slipline_link::{HoldRequest, HoldToneRequest, ListenRequest, Listened, WindowShape};
 use slipline_plate::Plate;
@@ -40,8 +41,6 @@ pub const USUAL_RISE_DB: f64 = 12.0;
 const SETTLED: f64 = 6.0;
 /// Pauses in the shortest window.
 const PAUSES: u16 = 24;
-/// Samples in a block.
-const BLOCK: f64 = 128.0;
 /// The longest window, seconds: the device takes 20 s, and nobody waits for that.
 const LONGEST_S: f64 = 5.0;
 /// The longest time constant that a device takes, seconds.
@@ -70,7 +69,7 @@ pub enum HoldError {
     },
     /// Two tones are so close that telling them apart takes too long.
     #[error(
-        "two tones are {apart_hz:.3} Hz apart: to tell them apart takes {window_s:.1} s; {LONGEST_S} s are allowed"
+        "two tones are {apart_hz:.3} Hz apart: to separate them takes {window_s:.1} s; {LONGEST_S} s are allowed"
     )]
     TooClose {
         /// Their distance.
@@ -157,7 +156,7 @@ impl HoldPlan {
             return Err(HoldError::TooClose { apart_hz, window_s: of_distance_s });
         }
         let blocks =
-            (of_period_s.max(of_distance_s) * rate_hz / BLOCK).ceil().min(f64::from(u16::MAX)) as u16;
+            (of_period_s.max(of_distance_s) * rate_hz / BLOCK as f64).ceil().min(f64::from(u16::MAX)) as u16;
         let time_constant_s = 2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz);
         Ok(Self {
             slots: tones
@@ -174,7 +173,7 @@ impl HoldPlan {
     /// The length of a window, seconds.
     #[must_use]
     pub fn window_s(&self) -> f64 {
-        f64::from(self.blocks) * BLOCK / self.rate_hz
+        f64::from(self.blocks) * BLOCK as f64 / self.rate_hz
     }
 
     /// After so many seconds a finger's -6 dB are taken back to within 1 dB: five times the longer of time constant and window.

@@ -35,7 +35,7 @@ pub mod recording;
 pub mod rig;
 
 pub use instrument::{
-    Asked, AskedContent, Attention, Background, CalibrateIntent, CalibrateScene, DesignState, DeviceIntent,
-    HoldScene, Instrument, Jobs, Link, LiveScene, MeasureDraft, MeasureIntent, MeasureScene, Notice, Output,
-    Page, Recorder, SAFE_MODE, Shown, TextureScene, Waiting,
+    Asked, AskedContent, Attention, Awaited, Background, CalibrateIntent, CalibrateScene, DesignState,
+    DeviceIntent, DragRecorder, HoldScene, Instrument, Jobs, Link, LiveScene, MeasureDraft, MeasureIntent,
+    MeasureScene, Notice, Output, Page, SAFE_MODE, Shown, TextureScene, Waiting,
 };

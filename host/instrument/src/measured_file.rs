@@ -9,7 +9,7 @@
 
 mod recorded;
 
-pub use recorded::{ToldOfRecording, recorded};
+pub use recorded::{RecordingMetadata, recorded};
 
 use crate::measure::HeardError;
 use slipline_model::wav::{Wav, WavError};
@@ -63,7 +63,7 @@ impl Opened {
 
 /// What a person tells of a measurement by another program.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Told {
+pub struct ForeignMetadata {
     /// Where the sensor stood, metres from the driven end.
     pub place_m: f64,
     /// What it showed; `None` while nobody has said.
@@ -72,7 +72,7 @@ pub struct Told {
     pub snr_db: f64,
 }
 
-impl Told {
+impl ForeignMetadata {
     /// What the file itself tells, with the place that is offered.
     #[must_use]
     pub const fn by(foreign: &Foreign, place_m: f64) -> Self {
@@ -82,12 +82,12 @@ impl Told {
 
 /// Why a file with what was told of it is no measurement of a plate.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum Untold {
+pub enum ForeignError {
     /// The place is not on the plate.
     #[error("{0}, on the plate")]
     Place(OutOfRange),
     /// Nobody has said what the sensor shows.
-    #[error("the file does not tell what its sensor shows")]
+    #[error("the file does not state what its sensor shows")]
     Kind,
     /// The file is of other frequencies.
     #[error(
@@ -112,27 +112,31 @@ pub enum Untold {
 }
 
 /// Refuses a place that is not on the plate, and a sensor of which nobody has said what it shows.
-fn sensor(plate: &Plate, place_m: f64, kind: Option<SensorKind>) -> Result<SensorKind, Untold> {
+fn sensor(plate: &Plate, place_m: f64, kind: Option<SensorKind>) -> Result<SensorKind, ForeignError> {
     let on_plate = Range::new(0.0, plate.length_m(), "m");
-    OutOfRange::check("sensor", place_m, on_plate).map_err(Untold::Place)?;
-    kind.ok_or(Untold::Kind)
+    OutOfRange::check("sensor", place_m, on_plate).map_err(ForeignError::Place)?;
+    kind.ok_or(ForeignError::Kind)
 }
 
 /// Refuses frequencies of which too few calibrate a plate; the band in which they do.
-fn band(plate: &Plate, frequencies_hz: impl Iterator<Item = f64>) -> Result<(f64, f64), Untold> {
+fn band(plate: &Plate, frequencies_hz: impl Iterator<Item = f64>) -> Result<(f64, f64), ForeignError> {
     let band_hz = band_hz(plate);
     let count = frequencies_hz.filter(|hz| (band_hz.0..=band_hz.1).contains(hz)).count();
-    if count < POINTS.least { Err(Untold::Band { count, band_hz }) } else { Ok(band_hz) }
+    if count < POINTS.least { Err(ForeignError::Band { count, band_hz }) } else { Ok(band_hz) }
 }
 
 /// The measurement of a foreign file, within the frequencies that a calibration of `plate` uses.
 ///
 /// # Errors
 /// [`Untold`]: what is missing or out of its range.
-pub fn measurement(plate: &Plate, foreign: &Foreign, told: &Told) -> Result<Measurement, Untold> {
-    let kind = sensor(plate, told.place_m, told.kind)?;
+pub fn measurement(
+    plate: &Plate,
+    foreign: &Foreign,
+    metadata: &ForeignMetadata,
+) -> Result<Measurement, ForeignError> {
+    let kind = sensor(plate, metadata.place_m, metadata.kind)?;
     let band_hz = band(plate, foreign.points.iter().map(|point| point.0))?;
-    Ok(foreign.measurement(told.place_m, kind, told.snr_db, band_hz)?)
+    Ok(foreign.measurement(metadata.place_m, kind, metadata.snr_db, band_hz)?)
 }
 
 #[cfg(test)]
@@ -144,21 +148,25 @@ mod tests {
         let plate = slipline_plate::preset("membrane").unwrap();
         let lines: String = (60..300).map(|hz| format!("{hz} -20.0 10.0\n")).collect();
         let Ok(File::Foreign(foreign)) = File::read(lines.as_bytes()) else { panic!("a table") };
-        let told = Told::by(&foreign, 0.05);
-        assert_eq!(measurement(&plate, &foreign, &told), Err(Untold::Kind));
-        let told = Told { kind: Some(SensorKind::Velocity), ..told };
-        let found = measurement(&plate, &foreign, &told).unwrap();
+        let metadata = ForeignMetadata::by(&foreign, 0.05);
+        assert_eq!(measurement(&plate, &foreign, &metadata), Err(ForeignError::Kind));
+        let metadata = ForeignMetadata { kind: Some(SensorKind::Velocity), ..metadata };
+        let found = measurement(&plate, &foreign, &metadata).unwrap();
         assert_eq!((found.place_m, found.sensor), (0.05, SensorKind::Velocity));
         let (low, high) = band_hz(&plate);
         assert!(found.points.iter().all(|point| (low..=high).contains(&point.frequency_hz)));
-        let refused = |told: Told| measurement(&plate, &foreign, &told).unwrap_err().to_string();
-        assert!(refused(Told { place_m: 0.5, ..told }).contains("0 to 0.32 m, on the plate"));
+        let refused =
+            |metadata: ForeignMetadata| measurement(&plate, &foreign, &metadata).unwrap_err().to_string();
+        assert!(refused(ForeignMetadata { place_m: 0.5, ..metadata }).contains("0 to 0.32 m, on the plate"));
         let high = Foreign { points: vec![(40e3, foreign.points[0].1); 40], sensor: None };
-        let words = measurement(&plate, &high, &told).unwrap_err().to_string();
+        let words = measurement(&plate, &high, &metadata).unwrap_err().to_string();
         assert!(
             words.starts_with("0 of its frequencies are between") && words.contains("at least 8"),
             "{words}"
         );
-        assert!(refused(Told { snr_db: 150.0, ..told }).contains("snr = 150"), "the noise is checked, too");
+        assert!(
+            refused(ForeignMetadata { snr_db: 150.0, ..metadata }).contains("snr = 150"),
+            "the noise is checked, too"
+        );
     }
 }

@@ -2,6 +2,7 @@
 
 use slipline_model::setup::MAX_TONES;
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
+use slipline_plate::text_table::{cells, rows};
 use std::fmt::Write as _;
 use thiserror::Error;
 
@@ -108,7 +109,7 @@ impl Recording {
     /// Whether a text is a recording, by its columns.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
-        lines(text).next().is_some_and(|(_, line)| line.replace(' ', "") == COLUMNS)
+        rows(text).next().is_some_and(|(_, line)| COLUMNS.split(',').eq(cells(line)))
     }
 
     /// Reads a recording as [`Self::to_csv`] writes it.
@@ -117,9 +118,9 @@ impl Recording {
     /// [`RecordingError`], with the line.
     pub fn from_csv(text: &str) -> Result<Self, RecordingError> {
         let mut moves: Vec<Move> = Vec::new();
-        for (line, text) in lines(text).skip(1) {
-            let cells: Vec<&str> = text.split([',', ';']).map(str::trim).collect();
-            let &[time, tone, place] = cells.as_slice() else { return Err(RecordingError::Line { line }) };
+        for (line, text) in rows(text).skip(1) {
+            let cells = cells(text);
+            let [time, tone, place] = cells.as_slice() else { return Err(RecordingError::Line { line }) };
             let (Ok(time_s), Ok(tone), Ok(place_m)) = (time.parse(), tone.parse::<i64>(), place.parse())
             else {
                 return Err(RecordingError::Line { line });
@@ -153,12 +154,6 @@ impl Recording {
     }
 }
 
-/// The lines of a file that say something, with their numbers from 1.
-fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
-    lines.map(|(i, line)| (i + 1, line.trim())).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -179,6 +174,9 @@ mod tests {
         let read = Recording::from_csv(&text).unwrap();
         assert_eq!(read.to_csv(), text);
         assert_eq!((read.moves().len(), read.duration_s()), (4, 1.5));
+        // As a spreadsheet writes it where a comma is the decimal sign.
+        let text = format!("\u{feff}{}", text.replace(',', ";").replace('.', ","));
+        assert_eq!(Recording::from_csv(&text).unwrap(), read);
     }
 
     #[test]

@@ -15,7 +15,7 @@ mod script;
 mod session;
 
 use session::Session;
-use slipline_instrument::calibration::Step;
+use slipline_instrument::calibration::WizardPage;
 use slipline_instrument::hold::Standing;
 use slipline_instrument::rig::secret;
 use slipline_instrument::{CalibrateIntent, MeasureIntent};
@@ -69,12 +69,12 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     assert!(session.notice().starts_with("Measured 30.0 mm, run 1"), "{}", session.notice());
     session.instrument.perform_calibrate(CalibrateIntent::Open);
     session.turn();
-    for (page, answers) in [(Step::FirstAnswer, 0), (Step::SecondPlace, 1)] {
+    for (page, answers) in [(WizardPage::FirstAnswer, 0), (WizardPage::SecondPlace, 1)] {
         session.instrument.perform_calibrate(CalibrateIntent::Page(page));
         session.turn();
         session.measure(Some(answers));
     }
-    session.instrument.perform_calibrate(CalibrateIntent::Page(Step::Result));
+    session.instrument.perform_calibrate(CalibrateIntent::Page(WizardPage::Result));
     session.pass(100);
     session.instrument.perform_calibrate(CalibrateIntent::Use);
     session.pass(1500);

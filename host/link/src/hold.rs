@@ -2,6 +2,7 @@
 
 use crate::drive::DriveError;
 use crate::out_of_range::OutOfRange;
+use slipline_app::BLOCK;
 use slipline_app::Timing;
 use slipline_app::safety::excursion::shortest_glide;
 use slipline_protocol::command::TravelLimit;
@@ -13,8 +14,6 @@ use slipline_protocol::units::CentiDecibel;
 
 /// Steps per code of an amplitude on the wire.
 const CODE: f64 = 256.0;
-/// Samples in a block.
-const BLOCK: u32 = 128;
 
 /// A tone to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +68,8 @@ impl HoldRequest {
         let timing = Timing::at(identity.sample_rate_hz);
         let glide = travel.map_or(timing.min_glide, |limit| shortest_glide(limit, &timing));
         // The levels glide for half of a window and its pause.
-        let shortest = glide.saturating_mul(2).div_ceil(BLOCK).saturating_sub(HOLD_PAUSE_BLOCKS.into());
+        let shortest =
+            glide.saturating_mul(2).div_ceil(BLOCK as u32).saturating_sub(HOLD_PAUSE_BLOCKS.into());
         let shortest = u16::try_from(shortest).unwrap_or(u16::MAX);
         let longest_s = f64::from(MAX_APPLY_AHEAD_MS) / 1000.0;
         OutOfRange::check("time constant (s)", self.time_constant_s, 0.0, longest_s)?;

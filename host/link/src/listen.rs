@@ -1,5 +1,6 @@
 //! Requests to measure at the device's inputs, and the results.
 
+use slipline_app::BLOCK;
 use slipline_protocol::limits::MAX_TONES;
 pub use slipline_protocol::listen::WindowShape;
 use slipline_protocol::listen::{self, CaptureWindow, ListenWindow};
@@ -7,10 +8,9 @@ use slipline_protocol::units::SampleIndex;
 
 /// Codes of an input on each side of mid-scale.
 const MID_SCALE: f64 = 2048.0;
-/// What the device counts a sine of 1 as, and samples in a block: see
+/// What the device counts a sine of 1 as: see
 /// [`InPhaseQuadrature`](slipline_protocol::listen::InPhaseQuadrature).
 const BASIS_ONE: f64 = 16_383.0;
-const BLOCK: f64 = 128.0;
 
 /// Measures an input's response to each tone over a window. Done when the window is over, with
 /// [`Outcome::Listened`](crate::Outcome::Listened). A newer request replaces one under way.
@@ -65,7 +65,7 @@ impl Listened {
     /// Takes the answers of the slots from one on.
     pub(crate) fn take(&mut self, first_slot: u8, report: &listen::Listened) {
         (self.lowest, self.highest) = (report.lowest, report.highest);
-        let scale = 4.0 / (BASIS_ONE * BLOCK * f64::from(report.weight.max(1)));
+        let scale = 4.0 / (BASIS_ONE * BLOCK as f64 * f64::from(report.weight.max(1)));
         let slots = self.answers.iter_mut().enumerate().skip(first_slot.into());
         for ((slot, answer), sums) in slots.zip(&report.answers) {
             let is_followed = report.followed >> slot & 1 == 1;

@@ -90,8 +90,8 @@ impl Recorder {
     /// The journal is complete up to the status, unless it is not known what became of a drive.
     fn settle(&mut self) {
         if !self.must_ask_for_trigger() {
-            let told = self.undecided.waits_still();
-            self.enter_all(told);
+            let reported = self.undecided.waits_still();
+            self.enter_all(reported);
             self.view.settled = self.view.status;
         }
     }
@@ -182,15 +182,15 @@ impl Recorder {
     }
 
     /// Takes what the device tells of its upkeep, with a line in the log for each thing that a person should mend.
-    pub(crate) fn maintenance(&mut self, told: Maintenance) {
-        let before = self.view.maintenance.replace(told);
+    pub(crate) fn maintenance(&mut self, reported: Maintenance) {
+        let before = self.view.maintenance.replace(reported);
         if before.is_none()
-            && let Some(warning) = upkeep::before_arming(&told)
+            && let Some(warning) = upkeep::before_arming(&reported)
         {
             self.log(Severity::Warning, warning);
         }
-        if let Some(warning) = upkeep::worn(&told)
-            && before.is_none_or(|before| before.erasures != told.erasures)
+        if let Some(warning) = upkeep::worn(&reported)
+            && before.is_none_or(|before| before.erasures != reported.erasures)
         {
             self.log(Severity::Warning, warning);
         }
@@ -210,9 +210,9 @@ impl Recorder {
     }
 
     /// Takes how the level hold stands.
-    pub(crate) fn hold(&mut self, told: Option<hold::Held>) {
-        if self.view.hold.as_deref() != told.as_ref() {
-            self.view.hold = told.map(Arc::new);
+    pub(crate) fn hold(&mut self, reported: Option<hold::Held>) {
+        if self.view.hold.as_deref() != reported.as_ref() {
+            self.view.hold = reported.map(Arc::new);
             self.touch();
         }
     }
@@ -300,8 +300,8 @@ impl Recorder {
 
     /// Forgets what was known of a device that is connected no more.
     pub(crate) fn forget_device(&mut self, error: Option<LinkError>) {
-        let told = self.undecided.give_up();
-        self.enter_all(told);
+        let reported = self.undecided.give_up();
+        self.enter_all(reported);
         let view = &mut self.view;
         view.identity = None;
         view.maintenance = None;
@@ -361,10 +361,11 @@ mod tests {
     #[test]
     fn what_a_person_should_mend_is_logged_at_the_first_word_of_it_and_wear_with_each_erasure() {
         let mut recorder = Recorder::default();
-        let told = |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: false };
+        let reported =
+            |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: false };
         let mut warnings = |erasures| {
             let before = recorder.view.log.len();
-            recorder.maintenance(told(erasures));
+            recorder.maintenance(reported(erasures));
             let new = recorder.view.log.iter().skip(before);
             let texts = new.filter(|line| line.severity == Severity::Warning).map(|line| line.text.clone());
             texts.collect::<Vec<_>>().join("\n")

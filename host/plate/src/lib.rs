@@ -28,6 +28,7 @@ pub mod quantity;
 pub mod sheet;
 pub mod special;
 pub mod table;
+pub mod text_table;
 pub mod texture;
 pub mod time;
 pub mod truth;

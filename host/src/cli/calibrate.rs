@@ -1,6 +1,6 @@
 //! `slipline calibrate`.
 
-use super::calibrated::{Found, Way, finish};
+use super::calibrated::{CalibrationReport, Way, finish};
 use super::destination::Destination;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{SensorArgument, current_of, measurements};
@@ -163,15 +163,15 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
                     CurrentOf::Piezo => Transducer::Piezo,
                 };
                 let found = from_shunt(&nominal, one, transducer, &priors);
-                found.map(|found| Found::by(Way::Current, found))
+                found.map(|found| CalibrationReport::by(Way::Current, found))
             }
             ([one], None) => {
                 let found = from_one_sensor(&nominal, one, &priors);
-                found.map(|found| Found::by(Way::OneSensor, found))
+                found.map(|found| CalibrationReport::by(Way::OneSensor, found))
             }
             ([near, far, ..], _) => {
                 let found = from_ratio(&nominal, [near, far], &priors);
-                found.map(|found| Found::by(Way::TwoPlaces, found))
+                found.map(|found| CalibrationReport::by(Way::TwoPlaces, found))
             }
             ([], _) => return Err(Failure::Usage("--data names no file".to_owned())),
         },
@@ -230,7 +230,7 @@ fn touched(
     touches: &[TouchArgument],
     arguments: &CalibrateArguments,
     priors: &Priors,
-) -> Result<Result<Found, CalibrateError>, Failure> {
+) -> Result<Result<CalibrationReport, CalibrateError>, Failure> {
     let (table, _) = progress::table_for(nominal, SAMPLE_RATE_HZ)?;
     let level = arguments.level.unwrap_or(TOUCH_LEVEL);
     let touch = |touch: &TouchArgument| {
@@ -250,7 +250,7 @@ fn touched(
         Some(DriveKnown::Unknown) => TouchedDrive::Unknown,
     };
     let found = from_touches(nominal, &touches, &Feeling::default(), drive, priors);
-    Ok(found.map(|found| Found {
+    Ok(found.map(|found| CalibrationReport {
         way: match drive {
             TouchedDrive::AsTold => Way::Touches,
             TouchedDrive::Unknown => Way::TouchesOfUnknownDrive,

@@ -54,7 +54,7 @@ impl Way {
 }
 
 /// A calibrated plate, and the values to be reported.
-pub(super) struct Found {
+pub(super) struct CalibrationReport {
     pub(super) way: Way,
     pub(super) plate: Plate,
     pub(super) parameters: Vec<Parameter>,
@@ -71,7 +71,7 @@ pub(super) struct Found {
     pub(super) level_tolerance_db: Option<f64>,
 }
 
-impl Found {
+impl CalibrationReport {
     /// The result of a calibration by measurements.
     pub(super) fn by(way: Way, found: Calibrated) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl Found {
 /// Prints the calibration and writes the plate file. A refused calibration ends the command with code 1 and the reason.
 pub(super) fn finish(
     file: &Plate,
-    found: Result<Found, CalibrateError>,
+    found: Result<CalibrationReport, CalibrateError>,
     out: Option<&Destination>,
     as_json: bool,
 ) -> Result<(), Failure> {
@@ -131,7 +131,7 @@ fn refused(file: &Plate, error: &CalibrateError) -> Value {
     })
 }
 
-fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
+fn value(file: &Plate, found: &CalibrationReport, before: &Departure) -> Value {
     json!({
         "plate": file.name(),
         "accepted": true,
@@ -158,7 +158,7 @@ fn value(file: &Plate, found: &Found, before: &Departure) -> Value {
 
 fn lines<'a>(
     file: &Plate,
-    found: &'a Found,
+    found: &'a CalibrationReport,
     before: &Departure,
     out: Option<&Destination>,
 ) -> Vec<(&'a str, String)> {

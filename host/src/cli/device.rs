@@ -70,14 +70,14 @@ impl Device {
 
 /// A device that holds a plate's table.
 #[derive(Clone)]
-pub(super) struct Bench<'a> {
+pub(super) struct LoadedDevice<'a> {
     pub(super) device: &'a Device,
     pub(super) plate: &'a Plate,
     pub(super) table: Arc<DeviceTable>,
     pub(super) rate_hz: f64,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> LoadedDevice<'a> {
     /// Has the device hold the plate's table.
     pub(super) fn new(device: &'a Device, plate: &'a Plate) -> Result<Self, Failure> {
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);

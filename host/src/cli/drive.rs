@@ -1,6 +1,6 @@
 //! `slipline drive`.
 
-use super::device::{Bench, Device};
+use super::device::{Device, LoadedDevice};
 use super::hold::Holder;
 use super::known_drive;
 use super::{Begin, DriveArguments, Failure, argument, output};
@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     if arguments.clear_faults {
         device.clear_faults()?;
     }
-    let bench = Bench::new(&device, &plate)?;
+    let bench = LoadedDevice::new(&device, &plate)?;
     known_drive::check(&bench, arguments.known.known(None))?;
     let table = bench.table;
     let sounding = match &setup {
@@ -106,12 +106,12 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
                 Some(holder) => holder.begin(&device, &interruption, at)?,
                 None => true,
             };
-            let tell = |snapshot: &Snapshot| match &mut holder {
+            let each = |snapshot: &Snapshot| match &mut holder {
                 Some(holder) => holder.watch(snapshot, as_json),
                 None => Ok(()),
             };
             if goes_on {
-                hold(&device, &interruption, begin, duration_s, tell)?
+                hold(&device, &interruption, begin, duration_s, each)?
             } else {
                 begin.elapsed().as_secs_f64()
             }
@@ -168,15 +168,15 @@ fn wait_for_trigger(
     from: u64,
 ) -> Result<Option<(u64, Instant)>, Failure> {
     let rate_hz = f64::from(device.identity()?.sample_rate_hz);
-    let told = |snapshot: &Snapshot| snapshot.trigger.filter(|report| !report.waits);
+    let report = |snapshot: &Snapshot| snapshot.trigger.filter(|report| !report.waits);
     let is_over = watch(device, interruption, |snapshot| {
-        Ok(if told(snapshot).is_some() { Duration::ZERO } else { GLANCE })
+        Ok(if report(snapshot).is_some() { Duration::ZERO } else { GLANCE })
     })?;
     if !is_over {
         return Ok(None);
     }
     let snapshot = device.snapshot();
-    let began = told(&snapshot).and_then(|report| report.began).filter(|&began| began > from);
+    let began = report(&snapshot).and_then(|report| report.began).filter(|&began| began > from);
     let began =
         began.ok_or_else(|| Failure::Failed("the device gave the drive up before the trigger".to_owned()))?;
     let now = snapshot.status.map_or(began, |status| status.now);
@@ -184,18 +184,18 @@ fn wait_for_trigger(
     Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
 }
 
-/// Waits until the time since `begin` is over or the user interrupts, and has somebody `tell` how it goes; returns the driven
+/// Waits until the time since `begin` is over or the user interrupts, and calls `each` at every look; returns the driven
 /// time in seconds.
 fn hold(
     device: &Device,
     interruption: &Receiver<()>,
     begin: Instant,
     duration_s: Option<f64>,
-    mut tell: impl FnMut(&Snapshot) -> Result<(), Failure>,
+    mut each: impl FnMut(&Snapshot) -> Result<(), Failure>,
 ) -> Result<f64, Failure> {
     let duration = duration_s.map(Duration::from_secs_f64);
     watch(device, interruption, |snapshot| {
-        tell(snapshot)?;
+        each(snapshot)?;
         Ok(duration.map_or(GLANCE, |duration| duration.saturating_sub(begin.elapsed())))
     })?;
     Ok(begin.elapsed().as_secs_f64())

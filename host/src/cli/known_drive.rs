@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::argument::within;
-use super::device::{Bench, run};
+use super::device::{LoadedDevice, run};
 use clap::{ArgGroup, Args};
 use slipline_instrument::measure::circuit::{
     AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt,
@@ -56,7 +56,10 @@ impl KnownDriveArgument {
 }
 
 /// Checks by quiet tones that a known drive is on. Plays nothing, and returns `None`, for an unknown one.
-pub(super) fn check(bench: &Bench<'_>, known: Option<KnownDrive>) -> Result<Option<DriveCheck>, Failure> {
+pub(super) fn check(
+    bench: &LoadedDevice<'_>,
+    known: Option<KnownDrive>,
+) -> Result<Option<DriveCheck>, Failure> {
     let Some(known) = known else { return Ok(None) };
     let inputs = bench.inputs();
     let checking = DriveChecking::new(bench.plate, known, bench.table.clone(), bench.rate_hz, &inputs)

@@ -5,7 +5,7 @@ use super::argument::{self, Typed};
 use clap::Args;
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
 use slipline_instrument::measured_file::{
-    BYTES_MAX, Opened, Told, ToldOfRecording, Untold, measurement, recorded,
+    BYTES_MAX, ForeignError, ForeignMetadata, Opened, RecordingMetadata, measurement, recorded,
 };
 use slipline_model::atomic_file::{read_bytes, read_text, said};
 use slipline_model::wav::Wav;
@@ -113,7 +113,7 @@ pub(super) fn measurements(
             Opened::Recording(wav) => {
                 let number = numbers.next().unwrap_or_default();
                 let (sweep, channel) = sensor.recording.sweep(path, number, recordings)?;
-                let stated = ToldOfRecording { place_m: place("a recording")?, kind: sensor.kind, channel };
+                let stated = RecordingMetadata { place_m: place("a recording")?, kind: sensor.kind, channel };
                 recorded_measurement(plate, &wav, &sweep, &stated, path)
             }
         }
@@ -139,12 +139,13 @@ pub(super) fn current_of(
     match read(path)? {
         Opened::Own(measurement) => Ok(measurement),
         Opened::Foreign(foreign) => {
-            let stated = Told { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
+            let stated =
+                ForeignMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
             measurement(plate, &foreign, &stated).map_err(|error| refused(path, error))
         }
         Opened::Recording(wav) => {
             let (sweep, channel) = sensor.recording.sweep(path, 0, 1)?;
-            let stated = ToldOfRecording { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
+            let stated = RecordingMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
             recorded_measurement(plate, &wav, &sweep, &stated, path)
         }
     }
@@ -164,7 +165,7 @@ fn recorded_measurement(
     plate: &Plate,
     wav: &Wav,
     sweep: &PlayedSweep,
-    stated: &ToldOfRecording,
+    stated: &RecordingMetadata,
     path: &Path,
 ) -> Result<Measurement, Failure> {
     let (measurement, notes) = recorded(plate, wav, sweep, stated).map_err(|error| untold(path, &error))?;
@@ -182,13 +183,13 @@ fn foreign_measurement(
     sensor: &SensorArgument,
     path: &Path,
 ) -> Result<Measurement, Failure> {
-    let stated = Told { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
+    let stated = ForeignMetadata { place_m, kind: sensor.kind.or(foreign.sensor), snr_db: sensor.snr };
     measurement(plate, foreign, &stated).map_err(|error| untold(path, &error))
 }
 
-fn untold(path: &Path, error: &Untold) -> Failure {
+fn untold(path: &Path, error: &ForeignError) -> Failure {
     match error {
-        Untold::Kind => refused(
+        ForeignError::Kind => refused(
             path,
             "it does not state what its sensor measures: add --kind (displacement, velocity, acceleration or strain)",
         ),

@@ -1,7 +1,7 @@
 //! A measurement with a device: for `measure` and `calibrate`.
 
 use super::argument::{self, Typed};
-use super::device::{Bench, Device, run};
+use super::device::{Device, LoadedDevice, run};
 use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::SensorArgument;
 use super::{ArmingArgument, Failure, PortArgument};
@@ -72,7 +72,7 @@ enum Method {
 
 /// A device, and how it measures a plate.
 pub(super) struct Measurer<'a> {
-    pub(super) bench: Bench<'a>,
+    pub(super) bench: LoadedDevice<'a>,
     method: Method,
 }
 
@@ -94,7 +94,7 @@ impl<'a> Measurer<'a> {
         // What cannot be measured is said before the device gets a table.
         let steps = Plan::new(plate, &wanted, rate_hz, lock_ins).map_err(refused);
         let steps = if band.sweep { None } else { Some(steps?) };
-        let bench = Bench::new(device, plate)?;
+        let bench = LoadedDevice::new(device, plate)?;
         let method = match steps {
             Some(plan) => Method::Steps(plan),
             None => Method::Sweep(SweepPlan::new(plate, &bench.table, &wanted, rate_hz).map_err(refused)?),
@@ -113,7 +113,7 @@ impl<'a> Measurer<'a> {
 
     /// Arms the device, measures, and disarms it.
     pub(super) fn measure(&self, sensor: Sensor) -> Result<Measured, Failure> {
-        let Bench { device, table, .. } = &self.bench;
+        let LoadedDevice { device, table, .. } = &self.bench;
         let inputs = self.bench.inputs();
         match &self.method {
             Method::Steps(plan) => {

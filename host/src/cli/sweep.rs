@@ -1,7 +1,7 @@
 //! `slipline sweep`.
 
 use super::destination::Destination;
-use super::device::{Bench, Device, run};
+use super::device::{Device, LoadedDevice, run};
 use super::measuring::FrequenciesArgument;
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use clap::Args;
@@ -43,7 +43,7 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     let device = Device::connect(&arguments.port.port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     let wanted = arguments.frequencies.wanted(&plate, Some(arguments.level));
-    let bench = Bench::new(&device, &plate)?;
+    let bench = LoadedDevice::new(&device, &plate)?;
     let sweep = PlayedSweep::new(&plate, &bench.table, &wanted, bench.rate_hz, arguments.time);
     let playing = Playing::new(sweep.map_err(Failure::usage)?, bench.table);
     let played = run(&device, "sweep", playing.map_err(Failure::failed)?)?;

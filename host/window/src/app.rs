@@ -33,7 +33,7 @@ use crate::sound::Speaker;
 use crate::view::{self, ViewState, theme};
 use eframe::egui;
 use slipline_instrument::bench::Bench;
-use slipline_instrument::{DeviceIntent, Instrument, Recorder};
+use slipline_instrument::{DeviceIntent, DragRecorder, Instrument};
 use slipline_link::{Port, PortInfo};
 use slipline_model::export::figures::plate::{self, FigureJob};
 use slipline_model::export::figures::{DrawError, encode};
@@ -134,7 +134,7 @@ impl App {
 
     /// The recorded drag.
     #[must_use]
-    pub fn recorder(&self) -> &Recorder {
+    pub fn recorder(&self) -> &DragRecorder {
         self.instrument.recorder()
     }
 

@@ -10,6 +10,7 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use thiserror::Error;
 
 /// A file to save: its content and the name that is offered.
 #[derive(Clone, Debug)]
@@ -90,17 +91,37 @@ pub fn has_extension(path: &Path, known: &[&str]) -> bool {
     path.extension().is_some_and(|extension| known.iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }
 
+/// Why a file was not read or written.
+#[derive(Clone, Debug, Error)]
+pub enum FileError {
+    /// The system's reason.
+    #[error("{}", said(.0))]
+    System(Arc<io::Error>),
+    /// The folder of the file does not exist.
+    #[error("{0}")]
+    NoFolder(String),
+    /// A folder holds a file of this name, and it may not be replaced.
+    #[error("{0} is there already: choose another folder")]
+    Exists(String),
+}
+
+impl From<io::Error> for FileError {
+    fn from(error: io::Error) -> Self {
+        Self::System(Arc::new(error))
+    }
+}
+
 /// The result of a job.
 #[derive(Clone, Debug)]
 pub enum FileEvent {
     /// A file was read, or the reason why not.
-    Opened(PathBuf, Result<String, String>),
+    Opened(PathBuf, Result<String, FileError>),
     /// A file of a measurement was read, or the reason why not.
-    Measurement(PathBuf, Result<Vec<u8>, String>),
+    Measurement(PathBuf, Result<Vec<u8>, FileError>),
     /// A profile was read, or the reason why not.
-    Profile(PathBuf, Result<Vec<u8>, String>),
+    Profile(PathBuf, Result<Vec<u8>, FileError>),
     /// A file was written, or the reason why not.
-    Saved(PathBuf, Result<(), String>),
+    Saved(PathBuf, Result<(), FileError>),
     /// The system has no dialog to choose a path for this job.
     NoDialog(FileJob),
     /// A file of that name exists and may not be replaced.
@@ -206,17 +227,17 @@ fn open(path: PathBuf) -> FileEvent {
     if is_measurement(&path) {
         return open_measurement(path);
     }
-    let text = read_text(&path);
+    let text = atomic_file::read_text(&path, FILE_BYTES_MAX).map_err(FileError::from);
     FileEvent::Opened(path, text)
 }
 
 fn open_measurement(path: PathBuf) -> FileEvent {
-    let bytes = atomic_file::read_bytes(&path, measured_file::BYTES_MAX).map_err(|error| said(&error));
+    let bytes = atomic_file::read_bytes(&path, measured_file::BYTES_MAX).map_err(FileError::from);
     FileEvent::Measurement(path, bytes)
 }
 
 fn open_profile(path: PathBuf) -> FileEvent {
-    let bytes = atomic_file::read_bytes(&path, PROFILE_FILE_BYTES_MAX).map_err(|error| said(&error));
+    let bytes = atomic_file::read_bytes(&path, PROFILE_FILE_BYTES_MAX).map_err(FileError::from);
     FileEvent::Profile(path, bytes)
 }
 
@@ -235,24 +256,20 @@ fn save_as(mut path: PathBuf, save: Save, may_replace: bool) -> FileEvent {
 /// files.
 fn save_into(folder: PathBuf, files: &[(String, String)]) -> FileEvent {
     let result = match files.iter().find(|(name, _)| folder.join(name).exists()) {
-        Some((name, _)) => Err(format!("{name} is there already: choose another folder")),
+        Some((name, _)) => Err(FileError::Exists(name.clone())),
         None => write_all(&folder, files),
     };
     FileEvent::Saved(folder, result)
 }
 
-fn write_all(folder: &Path, files: &[(String, String)]) -> Result<(), String> {
+fn write_all(folder: &Path, files: &[(String, String)]) -> Result<(), FileError> {
     files.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
-    atomic_file::write(path, |out| out.write_all(bytes))
-        .map_err(|error: io::Error| atomic_file::missing_folder(path).unwrap_or_else(|| said(&error)))
-}
-
-/// The text of a file, or the reason why it cannot be read.
-fn read_text(path: &Path) -> Result<String, String> {
-    atomic_file::read_text(path, FILE_BYTES_MAX).map_err(|error| said(&error))
+fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
+    atomic_file::write(path, |out| out.write_all(bytes)).map_err(|error: io::Error| {
+        atomic_file::missing_folder(path).map_or(error.into(), FileError::NoFolder)
+    })
 }
 
 #[cfg(test)]
@@ -308,7 +325,7 @@ mod tests {
         let expected = format!("there is no folder {}", missing.display());
         assert!(matches!(
             perform(FileJob::SaveInto(missing, files.clone())),
-            Some(FileEvent::Saved(_, Err(reason))) if reason == expected
+            Some(FileEvent::Saved(_, Err(reason))) if reason.to_string() == expected
         ));
         assert!(matches!(
             perform(FileJob::SaveInto(folder.clone(), files)),
@@ -321,7 +338,7 @@ mod tests {
         else {
             panic!("it was replaced")
         };
-        assert_eq!(reason, "x.svg is there already: choose another folder");
+        assert_eq!(reason.to_string(), "x.svg is there already: choose another folder");
         assert_eq!(std::fs::read_to_string(folder.join("x.svg")).unwrap(), "<svg/>");
         assert!(!folder.join("new.svg").exists(), "all or none");
         std::fs::remove_dir_all(&folder).unwrap();

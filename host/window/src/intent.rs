@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 /// What the pointer drags on the stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Held {
+pub enum Dragged {
     /// The boundary of the tone in this slot.
     Tone(u8),
     /// The finger.
@@ -27,7 +27,7 @@ pub enum Held {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grab {
     /// What is dragged.
-    pub held: Held,
+    pub held: Dragged,
     /// The axis it was grabbed on.
     pub axis: Axis,
     /// Distance of the pointer from the line at the start of the drag, in points; it stays constant.

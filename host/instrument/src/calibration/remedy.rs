@@ -1,13 +1,13 @@
 //! What helps when a calibration was refused.
 
-use super::step::Step;
+use super::page::WizardPage;
 use slipline_plate::calibrate::{CalibrateError, Measurement};
 
 /// Where the cause of a refusal is put right, and how.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remedy {
     /// On this page.
-    Page(Step),
+    Page(WizardPage),
     /// By exchanging the two answers.
     Exchange,
 }
@@ -18,9 +18,9 @@ impl Remedy {
     pub fn of(error: &CalibrateError, sensors: [&Measurement; 2]) -> Self {
         let at = |place_m: f64| {
             if place_m == sensors[1].place_m && place_m != sensors[0].place_m {
-                Self::Page(Step::SecondPlace)
+                Self::Page(WizardPage::SecondPlace)
             } else {
-                Self::Page(Step::FirstAnswer)
+                Self::Page(WizardPage::FirstAnswer)
             }
         };
         match *error {
@@ -32,9 +32,9 @@ impl Remedy {
             | CalibrateError::NotCarried { place_m, .. } => at(place_m),
             CalibrateError::NoStrain
             | CalibrateError::FewFrequencies { .. }
-            | CalibrateError::NotCovered { .. } => Self::Page(Step::FirstAnswer),
+            | CalibrateError::NotCovered { .. } => Self::Page(WizardPage::FirstAnswer),
             CalibrateError::DifferentSensors | CalibrateError::SamePlace { .. } => {
-                Self::Page(Step::SecondPlace)
+                Self::Page(WizardPage::SecondPlace)
             }
             CalibrateError::OutOfRange(_)
             | CalibrateError::WrongCount(_)
@@ -51,7 +51,7 @@ impl Remedy {
             | CalibrateError::NotCalibrated
             | CalibrateError::AnotherSensor { .. }
             | CalibrateError::PhasesUnlike { .. }
-            | CalibrateError::Ambiguous { .. } => Self::Page(Step::Plate),
+            | CalibrateError::Ambiguous { .. } => Self::Page(WizardPage::Plate),
         }
     }
 
@@ -60,13 +60,13 @@ impl Remedy {
     pub const fn sentence(self) -> &'static str {
         match self {
             Self::Exchange => "Take the first answer for the second, and the second for the first.",
-            Self::Page(Step::FirstPlace | Step::FirstAnswer) => {
+            Self::Page(WizardPage::FirstPlace | WizardPage::FirstAnswer) => {
                 "Put the sensor at the first place again, see that its light is green, and measure there once more."
             }
-            Self::Page(Step::SecondPlace | Step::Result) => {
+            Self::Page(WizardPage::SecondPlace | WizardPage::Result) => {
                 "Put the same sensor at the second place again, see that its light is green, and measure there once more."
             }
-            Self::Page(Step::Plate) => {
+            Self::Page(WizardPage::Plate) => {
                 "Take everything off the plate, check that it is the plate of this file, and measure its widths and \
                  its length by calipers and a rule."
             }

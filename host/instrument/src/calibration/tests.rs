@@ -12,12 +12,12 @@ fn measurement(place_m: f64) -> Measurement {
     Measurement::at(place_m, SensorKind::Velocity, (0..10).map(point).collect())
 }
 
-fn answer(place_m: f64) -> Answer {
-    Answer { name: "run".to_owned(), measurement: Arc::new(measurement(place_m)) }
+fn answer(place_m: f64) -> PlaceResponse {
+    PlaceResponse { name: "run".to_owned(), measurement: Arc::new(measurement(place_m)) }
 }
 
-fn calibration() -> Calibration {
-    Calibration::of(&Arc::new(slipline_plate::preset("membrane").unwrap()))
+fn calibration() -> CalibrationWizard {
+    CalibrationWizard::of(&Arc::new(slipline_plate::preset("membrane").unwrap()))
 }
 
 #[test]
@@ -34,9 +34,12 @@ fn the_pages_follow_each_other_and_wait_for_the_answers() {
         assert_eq!(next.back(), visited.last().copied());
         visited.push(next);
     }
-    assert_eq!(visited, Step::ALL);
-    assert_eq!((Step::Plate.back(), Step::Plate.number(), Step::Result.number()), (None, 1, 5));
-    let places = |calibration: &Calibration| {
+    assert_eq!(visited, WizardPage::ALL);
+    assert_eq!(
+        (WizardPage::Plate.back(), WizardPage::Plate.number(), WizardPage::Result.number()),
+        (None, 1, 5)
+    );
+    let places = |calibration: &CalibrationWizard| {
         calibration.job(400e3).unwrap().sensors.map(|measurement| measurement.place_m)
     };
     assert_eq!(places(&calibration), [0.1, 0.2]);
@@ -44,7 +47,7 @@ fn the_pages_follow_each_other_and_wait_for_the_answers() {
     assert_eq!(places(&calibration), [0.2, 0.1]);
     let other = Arc::new(slipline_plate::preset("al-bending").unwrap());
     let other = calibration.with_plate(&other);
-    assert_eq!((other.step, places(&other)), (Step::Plate, [0.2, 0.1]));
+    assert_eq!((other.step, places(&other)), (WizardPage::Plate, [0.2, 0.1]));
 }
 
 #[test]
@@ -71,13 +74,13 @@ fn a_refusal_leads_to_the_page_of_its_cause() {
     let (first, second) = (measurement(0.03), measurement(0.17));
     let remedy = |error: CalibrateError| Remedy::of(&error, [&first, &second]);
     for (error, page) in [
-        (CalibrateError::NoSignal { place_m: 0.03 }, Step::FirstAnswer),
-        (CalibrateError::NoSignal { place_m: 0.17 }, Step::SecondPlace),
-        (CalibrateError::Clipped { place_m: 0.17, count: 1, of: 9 }, Step::SecondPlace),
-        (CalibrateError::Misplaced { place_m: 0.03, found_m: 0.04 }, Step::FirstAnswer),
-        (CalibrateError::DifferentSensors, Step::SecondPlace),
-        (CalibrateError::NoFit, Step::Plate),
-        (CalibrateError::Unlike { chi2_per_n: 20.0, most: 6.0 }, Step::Plate),
+        (CalibrateError::NoSignal { place_m: 0.03 }, WizardPage::FirstAnswer),
+        (CalibrateError::NoSignal { place_m: 0.17 }, WizardPage::SecondPlace),
+        (CalibrateError::Clipped { place_m: 0.17, count: 1, of: 9 }, WizardPage::SecondPlace),
+        (CalibrateError::Misplaced { place_m: 0.03, found_m: 0.04 }, WizardPage::FirstAnswer),
+        (CalibrateError::DifferentSensors, WizardPage::SecondPlace),
+        (CalibrateError::NoFit, WizardPage::Plate),
+        (CalibrateError::Unlike { chi2_per_n: 20.0, most: 6.0 }, WizardPage::Plate),
     ] {
         assert_eq!(remedy(error.clone()), Remedy::Page(page), "{error}");
     }

@@ -75,7 +75,7 @@ fn of_several_tones_the_one_that_stands_worst_is_told() {
         HoldState::AtLimit(HoldLimit::Headroom),
         HoldState::Lost(HoldLoss::Stuck),
     ];
-    let told: Vec<String> = (1..=4)
+    let message: Vec<String> = (1..=4)
         .map(|count| {
             // The worst is neither the first nor the last.
             let held = [HoldState::Held];
@@ -91,5 +91,5 @@ fn of_several_tones_the_one_that_stands_worst_is_told() {
         "Holding, at a limit",
         "Holding, but not every tone",
     ];
-    assert_eq!(told, wanted);
+    assert_eq!(message, wanted);
 }

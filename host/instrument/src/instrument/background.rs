@@ -1,10 +1,10 @@
 //! Work that takes longer than a frame: the validity lights, the plate in two dimensions, the designer, the
 //! 2-D sheet; their progress and their cancellation.
 
-use super::shown::{Background, DesignState, Waiting};
+use super::shown::{Awaited, Background, DesignState, Waiting};
 use super::{Instrument, Jobs};
 use slipline_model::field::displacement_map::slow_factor;
-use slipline_model::field::sheet::{self, Frame, SheetJob, Source, SourceChoice};
+use slipline_model::field::sheet::{self, FieldSource, Frame, SheetJob, SourceChoice};
 use slipline_model::field::time_domain::TimeDomainJob;
 use slipline_model::jobs::check::CheckJob;
 use slipline_model::jobs::design::Draft;
@@ -37,7 +37,7 @@ pub(crate) struct Work {
     /// The table that was finished last.
     kept: Option<Arc<TableMade>>,
     /// The work that the user waits for, and since when.
-    since: Option<(&'static str, f64)>,
+    since: Option<(Awaited, f64)>,
     is_long: bool,
 }
 
@@ -58,12 +58,12 @@ impl Work {
 /// The work in progress, the most important first.
 fn under_way(jobs: &Jobs) -> Option<Waiting> {
     [
-        ("table", jobs.tables.progress()),
-        ("design", jobs.designs.progress()),
-        ("texture", jobs.textures.progress()),
-        ("two dimensions", jobs.planes.progress()),
-        ("sheet", jobs.sheets.progress()),
-        ("check", jobs.checks.progress()),
+        (Awaited::Table, jobs.tables.progress()),
+        (Awaited::Design, jobs.designs.progress()),
+        (Awaited::Texture, jobs.textures.progress()),
+        (Awaited::Plane, jobs.planes.progress()),
+        (Awaited::Sheet, jobs.sheets.progress()),
+        (Awaited::Check, jobs.checks.progress()),
     ]
     .into_iter()
     .find_map(|(what, share)| Some(Waiting { what, share: share? }))
@@ -154,7 +154,7 @@ impl Instrument {
         self.background.driven = Some(drive.clone());
         self.decide_source();
         // A finger that moves would make another sheet, which begins at rest.
-        if self.background.shown.source == Some(Source::Sheet)
+        if self.background.shown.source == Some(FieldSource::Sheet)
             && Arc::ptr_eq(&drive.plate, &self.setup.plate)
             && self.finger().is_none()
         {
@@ -195,8 +195,11 @@ impl Instrument {
         if self.finger().is_some() || self.playback.is_scrubbed {
             return None;
         }
-        let frame =
-            self.background.frame.as_ref().filter(|_| self.background.shown.source == Some(Source::Sheet))?;
+        let frame = self
+            .background
+            .frame
+            .as_ref()
+            .filter(|_| self.background.shown.source == Some(FieldSource::Sheet))?;
         frame.plate.as_ref().is_some_and(|plate| Arc::ptr_eq(plate, &self.setup.plate)).then_some(frame)
     }
 
@@ -239,7 +242,7 @@ impl Instrument {
     /// Cancels the work in progress. If that is a table, the plate and the table from before are restored.
     pub fn cancel_work(&mut self) {
         match under_way(&self.jobs).map(|waiting| waiting.what) {
-            Some("table") => {
+            Some(Awaited::Table) => {
                 self.jobs.tables.cancel();
                 self.table = TableState::Cancelled;
                 let kept = self.background.kept.clone();
@@ -251,23 +254,24 @@ impl Instrument {
                     self.forget_prediction();
                 }
             }
-            Some("design") => {
+            Some(Awaited::Design) => {
                 self.jobs.designs.cancel();
                 self.background.shown.design = DesignState::Cancelled;
             }
-            Some("texture") => {
+            Some(Awaited::Texture) => {
                 self.jobs.textures.cancel();
                 self.textures.give_up();
             }
-            Some("two dimensions") => {
+            Some(Awaited::Plane) => {
                 self.jobs.planes.cancel();
                 self.background.shown.plane_asked = None;
             }
-            Some("sheet") => {
+            Some(Awaited::Sheet) => {
                 self.jobs.sheets.cancel();
-                self.background.shown.source = Some(Source::Lines(Some("the sheet was given up".to_owned())));
+                self.background.shown.source =
+                    Some(FieldSource::Lines(Some("the sheet was given up".to_owned())));
             }
-            Some(_) => self.jobs.checks.cancel(),
+            Some(Awaited::Check) => self.jobs.checks.cancel(),
             None => {}
         }
     }

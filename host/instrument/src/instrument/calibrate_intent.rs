@@ -1,6 +1,6 @@
 //! The requests of the calibration's pages.
 
-use crate::calibration::Step;
+use crate::calibration::WizardPage;
 use slipline_plate::calibrate::Calipers;
 
 /// A request of the calibration's pages. The sensor's first place is 0, its second 1.
@@ -11,7 +11,7 @@ pub enum CalibrateIntent {
     /// Give the calibration up.
     Cancel,
     /// Open this page.
-    Page(Step),
+    Page(WizardPage),
     /// Take what calipers say, or the file's numbers.
     Calipers(Option<Calipers>),
     /// Choose a file of the answer that the open page asks for.

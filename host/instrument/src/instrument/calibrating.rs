@@ -3,8 +3,8 @@
 use super::Instrument;
 use super::shown::CalibrateScene;
 use super::{CalibrateIntent, Output, Page};
-use crate::calibration::{Answer, Calibration, Step};
-use crate::jobs::calibrate::{CalibrateDone, CalibrateJob, Found};
+use crate::calibration::{CalibrationWizard, PlaceResponse, WizardPage};
+use crate::jobs::calibrate::{CalibrateDone, CalibrateJob, CalibrationResult};
 use slipline_model::setup::edit::Edit;
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use std::sync::Arc;
 #[derive(Default)]
 pub(crate) struct Calibrating {
     /// The calibration under way; it stays while its pages are closed, and until it is given up or used.
-    calibration: Option<Calibration>,
+    calibration: Option<CalibrationWizard>,
     asked: Option<CalibrateJob>,
     pub(crate) latest: Option<CalibrateDone>,
 }
@@ -32,10 +32,10 @@ impl Calibrating {
     /// Whether the open page has the sensor put in its place or measured.
     pub(crate) fn has_sensor_in_hand(&self) -> bool {
         let step = self.calibration.as_ref().map(|calibration| calibration.step);
-        matches!(step, Some(Step::FirstPlace | Step::FirstAnswer | Step::SecondPlace))
+        matches!(step, Some(WizardPage::FirstPlace | WizardPage::FirstAnswer | WizardPage::SecondPlace))
     }
 
-    fn found(&self) -> Option<&Arc<Found>> {
+    fn found(&self) -> Option<&Arc<CalibrationResult>> {
         self.current()?.result.as_ref().ok()
     }
 
@@ -74,7 +74,7 @@ impl Instrument {
                 if let Some(found) = self.calibrating.found().cloned() {
                     self.end_calibration();
                     self.edit(&Edit::Plate(Arc::clone(&found.plate)));
-                    self.notices.tell("The calibrated plate is in use. Undo takes it back.".to_owned());
+                    self.notices.post("The calibrated plate is in use. Undo takes it back.".to_owned());
                 }
             }
             CalibrateIntent::Save => {
@@ -93,7 +93,7 @@ impl Instrument {
         let next = match self.calibrating.calibration.take() {
             Some(begun) if Arc::ptr_eq(begun.plate(), plate) => begun,
             Some(begun) => begun.with_plate(plate),
-            None => Calibration::of(plate),
+            None => CalibrationWizard::of(plate),
         };
         self.calibrating.calibration = Some(next);
         self.outputs.push(Output::Open(Page::Calibration));
@@ -108,7 +108,7 @@ impl Instrument {
 
     pub(crate) fn take_answer(&mut self, sensor: usize, number: u64) {
         let Some(entry) = self.measures.entry(number) else { return };
-        let answer = Answer { name: entry.name.clone(), measurement: Arc::clone(&entry.measurement) };
+        let answer = PlaceResponse { name: entry.name.clone(), measurement: Arc::clone(&entry.measurement) };
         if let Some(calibration) = &mut self.calibrating.calibration {
             calibration.take_answer(sensor, answer);
         }
@@ -117,7 +117,7 @@ impl Instrument {
     /// Takes a measurement that was opened for the answer that the open page asks for; whether it asks for one.
     pub(crate) fn answered(&mut self, number: u64) -> bool {
         let step = self.calibrating.calibration.as_ref().map(|calibration| calibration.step);
-        let sensor = step.filter(|_| self.attention.is_calibration_open).and_then(Step::sensor);
+        let sensor = step.filter(|_| self.attention.is_calibration_open).and_then(WizardPage::sensor);
         if let Some(sensor) = sensor {
             self.take_answer(sensor, number);
         }
@@ -128,7 +128,7 @@ impl Instrument {
     fn update_calibration(&mut self) {
         let rate_hz = self.sample_rate_hz();
         let calibrating = &mut self.calibrating;
-        let job = calibrating.calibration.as_ref().filter(|it| it.step == Step::Result);
+        let job = calibrating.calibration.as_ref().filter(|it| it.step == WizardPage::Result);
         let Some(job) = job.and_then(|calibration| calibration.job(rate_hz)) else { return };
         if calibrating.asked.as_ref() != Some(&job) {
             calibrating.asked = Some(job.clone());

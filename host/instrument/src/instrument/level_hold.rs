@@ -121,7 +121,7 @@ impl Instrument {
             self.note(Severity::Warning, text.clone());
             self.fail(text);
         } else if *end == HoldEnd::Measured {
-            self.notices.tell(text);
+            self.notices.post(text);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::measure::KnownDrive;
 use crate::measure::circuit::TOLERANCE;
-use crate::measured_file::Told;
+use crate::measured_file::ForeignMetadata;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
 
 /// What is to be measured with the device.
@@ -46,7 +46,7 @@ pub enum MeasureIntent {
     /// Choose a file of a measurement.
     OpenFile,
     /// Tell what a file by another program does not.
-    Tell(Told),
+    Describe(ForeignMetadata),
     /// Tell the channel of a recording.
     Channel(usize),
     /// Take that file as it was told.

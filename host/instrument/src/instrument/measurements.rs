@@ -5,7 +5,7 @@ use super::shown::{Asked, AskedContent, LiveScene, MeasureScene};
 use super::{MeasureIntent, Output, Page};
 use crate::jobs::recorded::{Recorded, RecordedJob};
 use crate::measure::PlayedSweep;
-use crate::measured_file::{self, Opened, Told, ToldOfRecording, Untold};
+use crate::measured_file::{self, ForeignError, ForeignMetadata, Opened, RecordingMetadata};
 use slipline_link::Severity;
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::response::{Entry, Shelf, ShelfFull};
@@ -29,7 +29,7 @@ pub(crate) struct Measures {
 #[derive(Debug, thiserror::Error)]
 enum NotTaken {
     #[error(transparent)]
-    Untold(#[from] Untold),
+    ForeignError(#[from] ForeignError),
     #[error(transparent)]
     Full(#[from] ShelfFull),
 }
@@ -78,9 +78,9 @@ impl Instrument {
             MeasureIntent::Secret(is_secret) => self.choose_truth(is_secret),
             MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::OpenFile => self.outputs.push(Output::ChooseMeasurement),
-            MeasureIntent::Tell(told) => {
+            MeasureIntent::Describe(metadata) => {
                 if let Some(asked) = &mut self.measures.foreign {
-                    (asked.told, asked.refused) = (told, None);
+                    (asked.metadata, asked.refused) = (metadata, None);
                 }
             }
             MeasureIntent::Channel(channel) => {
@@ -112,19 +112,23 @@ impl Instrument {
         match Opened::read(bytes) {
             Ok(Opened::Own(measurement)) => {
                 if let Err(error) = self.take_opened(name, measurement) {
-                    self.not_opened(name, &error.to_string());
+                    self.not_opened(name, &error);
                 }
             }
             Ok(Opened::Foreign(foreign)) => {
-                let told = Told::by(&foreign, self.asked_place_m());
-                self.ask(name, AskedContent::Table(foreign), told);
+                let metadata = ForeignMetadata::by(&foreign, self.asked_place_m());
+                self.ask(name, AskedContent::Table(foreign), metadata);
             }
             Ok(Opened::Recording(wav)) => {
-                let told = Told { place_m: self.asked_place_m(), kind: None, snr_db: SNR_DB };
+                let metadata = ForeignMetadata { place_m: self.asked_place_m(), kind: None, snr_db: SNR_DB };
                 let sweep = self.measures.sweep.clone();
-                self.ask(name, AskedContent::Recording { wav: Arc::new(wav), sweep, is_read: false }, told);
+                self.ask(
+                    name,
+                    AskedContent::Recording { wav: Arc::new(wav), sweep, is_read: false },
+                    metadata,
+                );
             }
-            Err(error) => self.not_opened(name, &error.to_string()),
+            Err(error) => self.not_opened(name, &error),
         }
     }
 
@@ -133,10 +137,10 @@ impl Instrument {
         self.calibrating.place_m().unwrap_or(self.live.draft.place_m)
     }
 
-    fn ask(&mut self, name: &str, content: AskedContent, told: Told) {
+    fn ask(&mut self, name: &str, content: AskedContent, metadata: ForeignMetadata) {
         let name = name.to_owned();
         self.jobs.recordings.cancel();
-        self.measures.foreign = Some(Asked { name, content, told, channel: 1, refused: None });
+        self.measures.foreign = Some(Asked { name, content, metadata, channel: 1, refused: None });
         if !self.attention.has_page {
             self.outputs.push(Output::Open(Page::Measurements));
         }
@@ -157,9 +161,9 @@ impl Instrument {
                     (*sweep, *refused) = (played, None);
                 }
                 self.note(Severity::Info, format!("Opened {name}."));
-                self.notices.tell(format!("Opened {name}: the sweep of the recordings"));
+                self.notices.post(format!("Opened {name}: the sweep of the recordings"));
             }
-            Err(error) => self.not_opened(name, &error.to_string()),
+            Err(error) => self.not_opened(name, &error),
         }
         true
     }
@@ -170,16 +174,16 @@ impl Instrument {
         let Some(asked) = &mut self.measures.foreign else { return };
         match &mut asked.content {
             AskedContent::Table(foreign) => {
-                let measured = measured_file::measurement(plate, foreign, &asked.told);
+                let measured = measured_file::measurement(plate, foreign, &asked.metadata);
                 self.take_asked_measurement(measured);
             }
             AskedContent::Recording { wav, sweep: Some((_, sweep)), is_read } => {
                 *is_read = true;
                 asked.refused = None;
-                let Told { place_m, kind, .. } = asked.told;
-                let told = ToldOfRecording { place_m, kind, channel: asked.channel };
+                let ForeignMetadata { place_m, kind, .. } = asked.metadata;
+                let metadata = RecordingMetadata { place_m, kind, channel: asked.channel };
                 let (plate, wav, sweep) = (Arc::clone(plate), Arc::clone(wav), Arc::clone(sweep));
-                self.jobs.recordings.ask(RecordedJob { plate, wav, sweep, told });
+                self.jobs.recordings.ask(RecordedJob { plate, wav, sweep, metadata });
             }
             AskedContent::Recording { sweep: None, .. } => {
                 asked.refused = Some("Open the description of its sweep first.".to_owned());
@@ -204,7 +208,7 @@ impl Instrument {
     }
 
     /// The file that waits is done, or why not is said where it was told.
-    fn take_asked_measurement(&mut self, measured: Result<Measurement, Untold>) {
+    fn take_asked_measurement(&mut self, measured: Result<Measurement, ForeignError>) {
         let Some(asked) = self.measures.foreign.take() else { return };
         let taken = measured.map_err(NotTaken::from);
         let taken = taken.and_then(|measurement| Ok(self.take_opened(&asked.name, measurement)?));
@@ -219,7 +223,7 @@ impl Instrument {
             self.outputs.push(Output::Open(Page::Measurements));
         }
         self.note(Severity::Info, format!("Opened {name}."));
-        self.notices.tell(format!("Opened {name}"));
+        self.notices.post(format!("Opened {name}"));
         Ok(())
     }
 }

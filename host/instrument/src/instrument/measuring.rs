@@ -182,7 +182,7 @@ impl Instrument {
         let Some(UnderWay { measuring, name, answers, .. }) = self.live.run.take() else { return };
         match measuring.finish() {
             Ok(measured) => self.take_measured(&name, measured, answers),
-            Err(MeasureError::Cancelled) => self.notices.tell("The measurement was cancelled.".to_owned()),
+            Err(MeasureError::Cancelled) => self.notices.post("The measurement was cancelled.".to_owned()),
             Err(error) => {
                 let text = not_measured(&error);
                 self.note(Severity::Error, text.clone());
@@ -207,10 +207,10 @@ impl Instrument {
         for sentence in &sentences {
             self.note(Severity::Warning, sentence.clone());
         }
-        let told = format!("Measured {name}: {count} answers.");
+        let text = format!("Measured {name}: {count} answers.");
         match sentences.first() {
-            Some(first) => self.fail(format!("{told} {first}")),
-            None => self.notices.tell(told),
+            Some(first) => self.fail(format!("{text} {first}")),
+            None => self.notices.post(text),
         }
     }
 }

@@ -38,11 +38,11 @@ mod work;
 pub use calibrate_intent::CalibrateIntent;
 pub use device_intent::DeviceIntent;
 pub use measure_intent::{MeasureDraft, MeasureIntent};
-pub use replay::Recorder;
+pub use replay::DragRecorder;
 pub use shell::{Attention, Link, Output, Page};
 pub use shown::{
-    Asked, AskedContent, Background, CalibrateScene, DesignState, HoldScene, LiveScene, MeasureScene, Notice,
-    Shown, TextureScene, Waiting,
+    Asked, AskedContent, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
+    MeasureScene, Notice, Shown, TextureScene, Waiting,
 };
 pub use start::SAFE_MODE;
 pub use work::Jobs;
@@ -74,7 +74,7 @@ pub struct Instrument {
     setup: Setup,
     history: History,
     compare: Compare,
-    recorder: Recorder,
+    recorder: DragRecorder,
     autopilot: Autopilot,
     stop_presses: StopPresses,
     /// The latest request for a connection.
@@ -124,7 +124,7 @@ impl Instrument {
             textures,
             history: History::default(),
             compare: Compare::default(),
-            recorder: Recorder::default(),
+            recorder: DragRecorder::default(),
             autopilot: Autopilot::default(),
             stop_presses: StopPresses::default(),
             connect_sent: None,
@@ -257,8 +257,8 @@ impl Instrument {
     }
 
     /// Shows a success.
-    pub fn tell(&mut self, text: String) {
-        self.notices.tell(text);
+    pub fn post(&mut self, text: String) {
+        self.notices.post(text);
     }
 
     /// Writes a line to the log.

@@ -46,7 +46,7 @@ impl Notices {
     }
 
     /// Reports a success.
-    pub(crate) fn tell(&mut self, text: String) {
+    pub(crate) fn post(&mut self, text: String) {
         self.put(About::Latest, text, false, Some(PLAIN_S));
     }
 

@@ -4,6 +4,7 @@ use super::Instrument;
 use crate::recording::{Recording, RecordingError};
 use slipline_link::Severity;
 use slipline_model::response::is_measurement;
+use std::fmt::Display;
 
 impl Instrument {
     /// Takes a recorded drag or a measurement; whether the text is one of them.
@@ -23,14 +24,14 @@ impl Instrument {
             Ok(recording) => {
                 self.take_recording(recording);
                 self.note(Severity::Info, format!("Opened {name}."));
-                self.notices.tell(format!("Opened {name}: press Play on the page Play"));
+                self.notices.post(format!("Opened {name}: press Play on the page Play"));
             }
-            Err(error) => self.not_opened(name, &error.to_string()),
+            Err(error) => self.not_opened(name, &error),
         }
     }
 
-    /// Tells why a file was not opened, on the screen and in the log.
-    pub fn not_opened(&mut self, name: &str, reason: &str) {
+    /// Reports why a file was not opened, on the screen and in the log.
+    pub fn not_opened(&mut self, name: &str, reason: &impl Display) {
         let text = format!("{name} was not opened, nothing has changed. {reason}");
         self.note(Severity::Error, text.clone());
         self.fail(text);

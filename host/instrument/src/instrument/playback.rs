@@ -6,7 +6,7 @@ use super::Instrument;
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
-use slipline_model::field::time_domain::{Measured, TimeDomainJob};
+use slipline_model::field::time_domain::{SimulatedField, TimeDomainJob};
 use slipline_model::sounding;
 use slipline_model::waveform::{Waveform, WaveformJob};
 use slipline_plate::Plate;
@@ -25,7 +25,7 @@ pub(crate) struct Playback {
     /// The codes the device sends.
     pub(crate) waveform: Waveform,
     /// The latest result of the simulated plate; its drive may have ended.
-    pub(crate) measured: Option<Measured>,
+    pub(crate) measured: Option<SimulatedField>,
     /// What sounds, while the simulated plate has not been given it.
     unmeasured: Option<TimeDomainJob>,
     /// When the simulated plate was given a drive, in seconds of the user's time.
@@ -125,14 +125,14 @@ impl Instrument {
     }
 
     /// The result of the simulated plate, if it belongs to what sounds.
-    pub fn current_measured(&self) -> Option<&Measured> {
+    pub fn current_measured(&self) -> Option<&SimulatedField> {
         let number = self.playback.sounding.as_ref()?.number;
         self.playback.measured.as_ref().filter(|measured| measured.number == number)
     }
 
     /// The latest result of the simulated plate while it sounds, and whether it belongs to what sounds: during a drag the
     /// points of the drive before stay.
-    pub(crate) fn shown_measured(&self) -> Option<(&Measured, bool)> {
+    pub(crate) fn shown_measured(&self) -> Option<(&SimulatedField, bool)> {
         let number = self.playback.on(&self.setup.plate)?.number;
         self.playback.measured.as_ref().map(|measured| (measured, measured.number == number))
     }

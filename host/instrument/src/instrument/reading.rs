@@ -1,6 +1,6 @@
 //! What a shell reads of an instrument, beside all that is [`Shown`](super::Shown).
 
-use super::{Background, Instrument, Notice, Recorder};
+use super::{Background, DragRecorder, Instrument, Notice};
 use slipline_link::Snapshot;
 use slipline_model::field::touch::Trace;
 use slipline_model::setup::Setup;
@@ -39,7 +39,7 @@ impl Instrument {
 
     /// The recorded drag.
     #[must_use]
-    pub fn recorder(&self) -> &Recorder {
+    pub fn recorder(&self) -> &DragRecorder {
         &self.recorder
     }
 

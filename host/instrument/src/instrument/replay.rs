@@ -3,7 +3,7 @@
 
 use super::Instrument;
 use crate::recording::Recording;
-use slipline_model::setup::undo::{Gesture, Source};
+use slipline_model::setup::undo::{EditSource, Gesture};
 use std::time::Duration;
 
 /// Time between two moves of a replay.
@@ -13,7 +13,7 @@ const GAP_S: f64 = 0.1;
 
 /// The recorder: the recording, and what is done with it.
 #[derive(Debug, Default)]
-pub struct Recorder {
+pub struct DragRecorder {
     recording: Recording,
     /// While it records: the time of the first move, once there is one.
     begun: Option<Option<f64>>,
@@ -35,7 +35,7 @@ struct Playing {
     has_driven: bool,
 }
 
-impl Recorder {
+impl DragRecorder {
     /// The recording.
     #[must_use]
     pub fn recording(&self) -> &Recording {
@@ -61,7 +61,7 @@ impl Instrument {
         self.end_replay();
         if records {
             self.recorder.recording = Recording::default();
-            self.notices.tell("Recording begins with the first move of a line.".to_owned());
+            self.notices.post("Recording begins with the first move of a line.".to_owned());
         }
         self.recorder.begun = records.then_some(None);
     }
@@ -99,12 +99,12 @@ impl Instrument {
     pub(crate) fn replay(&mut self) {
         let now_s = self.attention.now_s;
         let is_driven = self.autopilot.wants_drive();
-        let gesture = Gesture { source: Source::Recording, number: self.recorder.plays };
-        let Recorder { recording, playing, is_looped, .. } = &mut self.recorder;
+        let gesture = Gesture { source: EditSource::Recording, number: self.recorder.plays };
+        let DragRecorder { recording, playing, is_looped, .. } = &mut self.recorder;
         let Some(play) = playing else { return };
         if play.has_driven && !is_driven {
             *playing = None;
-            return self.notices.tell("The replay ended with the drive.".to_owned());
+            return self.notices.post("The replay ended with the drive.".to_owned());
         }
         play.has_driven |= is_driven;
         let step_s = play.last_s.map_or(0.0, |last_s| (now_s - last_s).clamp(0.0, GAP_S));

@@ -5,7 +5,7 @@ use super::Instrument;
 use slipline_model::field::line::{self, Line};
 use slipline_model::setup::Setup;
 use slipline_model::setup::edit::{self, Edit};
-use slipline_model::setup::undo::{Gesture, Source};
+use slipline_model::setup::undo::{EditSource, Gesture};
 use slipline_plate::DriveTable;
 use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 impl Instrument {
     /// Applies a change of the user's, records it for undo, and sends it at once if the plate is driven.
     pub fn edit(&mut self, edit: &Edit) {
-        self.edit_by(Gesture { source: Source::User, number: self.gesture }, edit);
+        self.edit_by(Gesture { source: EditSource::User, number: self.gesture }, edit);
     }
 
     /// Applies a change of any source's: the newest counts. It is sent only while the user has the plate driven, so no source
@@ -25,10 +25,10 @@ impl Instrument {
                 let made = self.screen_table().cloned();
                 let table = made.as_deref().map(|made| &made.drive_table);
                 if let Edit::Add { position_m } = *edit {
-                    let told = [make_fit(&mut next), place_line(&mut next, position_m, table)];
-                    let told: Vec<String> = told.into_iter().flatten().collect();
-                    if !told.is_empty() {
-                        self.notices.tell(told.join(" "));
+                    let remarks = [make_fit(&mut next), place_line(&mut next, position_m, table)];
+                    let remarks: Vec<String> = remarks.into_iter().flatten().collect();
+                    if !remarks.is_empty() {
+                        self.notices.post(remarks.join(" "));
                     }
                 }
                 // What these change moves the felt edges; the lines hold them.

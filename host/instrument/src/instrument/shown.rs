@@ -1,17 +1,17 @@
 //! What an instrument shows: the setup, the plate, the device, and how work stands.
 
-use super::{MeasureDraft, Recorder};
-use crate::calibration::Calibration;
+use super::{DragRecorder, MeasureDraft};
+use crate::calibration::CalibrationWizard;
 use crate::hold::{Holding, Standing};
-use crate::jobs::calibrate::{Found, Refused};
+use crate::jobs::calibrate::{CalibrationResult, Refused};
 use crate::measure::{PlayedSweep, Signal};
-use crate::measured_file::Told;
+use crate::measured_file::ForeignMetadata;
 use slipline_link::Snapshot;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::Line;
-use slipline_model::field::sheet::{Frame, Source};
+use slipline_model::field::sheet::{FieldSource, Frame};
 use slipline_model::field::steady_field::SteadyField;
-use slipline_model::field::time_domain::Measured;
+use slipline_model::field::time_domain::SimulatedField;
 use slipline_model::field::touch::{Touch, Trace};
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::compare::Compared;
@@ -27,6 +27,7 @@ use slipline_model::wav::Wav;
 use slipline_model::waveform::Waveform;
 use slipline_plate::calibrate::{CalibrateError, Comparison, Foreign};
 use slipline_plate::{DriveTable, Finger};
+use std::fmt;
 use std::sync::Arc;
 
 /// Everything that an instrument shows.
@@ -64,7 +65,7 @@ pub struct Shown<'a> {
     /// The codes that the mirror has replayed.
     pub waveform: &'a Waveform,
     /// The simulated plate once it has settled, and whether it did so under the tones that sound now.
-    pub measured: Option<(&'a Measured, bool)>,
+    pub measured: Option<(&'a SimulatedField, bool)>,
     /// The lights, the designer and what the wave is drawn from.
     pub background: &'a Background,
     /// The texture page.
@@ -86,7 +87,7 @@ pub struct Shown<'a> {
     /// The two setups that are compared.
     pub compare: &'a Compare,
     /// The recorded drag.
-    pub recorder: &'a Recorder,
+    pub recorder: &'a DragRecorder,
     /// The names of the changes that undo and redo would affect.
     pub undo: (Option<&'static str>, Option<&'static str>),
     /// Seconds of slow motion so far; constant while the wave is paused.
@@ -136,7 +137,7 @@ pub struct Background {
     /// The result of the draft.
     pub design: DesignState,
     /// The source from which the wave is drawn.
-    pub source: Option<Source>,
+    pub source: Option<FieldSource>,
 }
 
 impl Background {
@@ -181,7 +182,7 @@ pub struct Asked {
     /// What is in it.
     pub content: AskedContent,
     /// What the user has stated so far.
-    pub told: Told,
+    pub metadata: ForeignMetadata,
     /// The sensor's channel in a recording, from 1.
     pub channel: usize,
     /// Why it was no measurement as it was stated last.
@@ -260,9 +261,9 @@ pub struct HoldScene<'a> {
 #[derive(Clone, Copy)]
 pub struct CalibrateScene<'a> {
     /// What is known so far, and the open page.
-    pub calibration: &'a Calibration,
+    pub calibration: &'a CalibrationWizard,
     /// The calibrated plate, or why there is none; `None` until that is known.
-    pub result: Option<Result<&'a Found, &'a Refused>>,
+    pub result: Option<Result<&'a CalibrationResult, &'a Refused>>,
     /// The share of the fit that is done, 0..=1, while it is under way.
     pub progress: Option<f32>,
 }
@@ -281,11 +282,41 @@ pub enum DesignState {
     Cancelled,
 }
 
+/// Work that the user waits for and can cancel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Awaited {
+    /// A turning-point table.
+    Table,
+    /// A plate being designed.
+    Design,
+    /// A texture.
+    Texture,
+    /// The plate in two dimensions.
+    Plane,
+    /// The 2-D sheet.
+    Sheet,
+    /// The validity lights.
+    Check,
+}
+
+impl fmt::Display for Awaited {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Table => "table",
+            Self::Design => "design",
+            Self::Texture => "texture",
+            Self::Plane => "two dimensions",
+            Self::Sheet => "sheet",
+            Self::Check => "check",
+        })
+    }
+}
+
 /// Work in progress, as a progress bar shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waiting {
-    /// The name of the work.
-    pub what: &'static str,
+    /// The work.
+    pub what: Awaited,
     /// The share that is done, 0..=1.
     pub share: f32,
 }

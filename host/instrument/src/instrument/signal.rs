@@ -38,8 +38,8 @@ impl Instrument {
         };
         self.end_hold(HoldEnd::Measured);
         self.put_rig_up();
-        let told = self.live.looks.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
-        if let Some(outcome) = told {
+        let outcome = self.live.looks.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
+        if let Some(outcome) = outcome {
             // What was refused shows nothing; the next look may.
             self.live.looks.latest =
                 if let Outcome::Listened(listened) = outcome { Some(Signal::of(listened)) } else { None };

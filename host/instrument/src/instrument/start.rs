@@ -33,7 +33,7 @@ pub(crate) enum Obstacle {
     Reconnecting,
     #[error("{}", .0.sentence())]
     OtherVersion(Compatibility),
-    #[error("The device has not told its state yet: press Drive once it has.")]
+    #[error("The device has not reported its state yet: press Drive once it has.")]
     NoState,
     #[error("The device is muted: arm it first, then press Drive.")]
     Muted,
@@ -73,7 +73,7 @@ impl Instrument {
         }
         if !self.is_table_there() {
             let text = "The plate is driven as soon as the device holds its table.";
-            self.notices.tell(text.to_owned());
+            self.notices.post(text.to_owned());
         }
         self.run_autopilot(&Changes::default());
     }

@@ -4,7 +4,7 @@ use super::*;
 use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::setup::edit::Edit;
-use slipline_model::setup::undo::{Gesture, Source};
+use slipline_model::setup::undo::{EditSource, Gesture};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::thread::LocalKey;
@@ -104,7 +104,7 @@ fn the_newest_change_counts_a_stop_ends_every_source_and_the_user_alone_drives_a
     let (mut instrument, wire) = driven();
     let (start_m, end_m) = instrument.setup().plate.span_m();
     let move_to = |share: f64| Edit::Move { slot: 0, position_m: start_m + share * (end_m - start_m) };
-    let program = Gesture { source: Source::Program("score"), number: 1 };
+    let program = Gesture { source: EditSource::Program("score"), number: 1 };
     let share = |request: &Request| {
         let Request::Play(Sounding::Drive(drive)) = request else { panic!("{request:?}") };
         ((drive.tones[0].boundary_m - start_m) / (end_m - start_m) * 100.0).round()

@@ -99,7 +99,7 @@ impl Instrument {
         let gain_db = made.chord_gain_db().unwrap_or(0.0);
         if gain_db > 0.1 && self.snapshot.is_connected() && self.chord().is_none() {
             let text = format!("This device plays no chords: the texture is {gain_db:.1} dB quieter on it.");
-            self.notices.tell(text);
+            self.notices.post(text);
         }
     }
 
@@ -134,9 +134,9 @@ impl Instrument {
                 self.textures.draft(draft);
                 self.outputs.push(Output::Open(Page::Texture));
                 self.note(Severity::Info, format!("Opened {name}."));
-                self.notices.tell(format!("Opened {name}"));
+                self.notices.post(format!("Opened {name}"));
             }
-            Err(error) => self.not_opened(name, &error.to_string()),
+            Err(error) => self.not_opened(name, &error),
         }
     }
 }

@@ -35,7 +35,7 @@ impl PartialEq for CalibrateJob {
 
 /// The plate that comes of it.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct CalibrationResult {
     /// The plate with its intervals.
     pub calibrated: Calibrated,
     /// The same plate, as a setup holds it.
@@ -59,13 +59,13 @@ pub struct CalibrateDone {
     /// What was asked.
     pub job: CalibrateJob,
     /// The plate, or why there is none.
-    pub result: Result<Arc<Found>, Refused>,
+    pub result: Result<Arc<CalibrationResult>, Refused>,
 }
 
 /// The work of the thread. The fit is not interrupted; `None` when the task was over before or after it.
 #[must_use]
 pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
-    if !task.tell(0.0) {
+    if !task.report(0.0) {
         return None;
     }
     let result = calibrate(&job, task).transpose()?;
@@ -73,19 +73,19 @@ pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
         let remedy = Remedy::of(&error, [&job.sensors[0], &job.sensors[1]]);
         Refused { reason: error.to_string(), remedy }
     });
-    task.tell(1.0).then_some(CalibrateDone { job, result })
+    task.report(1.0).then_some(CalibrateDone { job, result })
 }
 
-fn calibrate(job: &CalibrateJob, task: &Task) -> Result<Option<Found>, CalibrateError> {
+fn calibrate(job: &CalibrateJob, task: &Task) -> Result<Option<CalibrationResult>, CalibrateError> {
     let known = match job.calipers {
         Some(calipers) => calipers.applied_to(&job.plate)?,
         None => (Plate::clone(&job.plate), Priors::default()),
     };
     let calibrated = from_ratio(&known.0, [&job.sensors[0], &job.sensors[1]], &known.1)?;
-    if !task.tell(FIT_SHARE) {
+    if !task.report(FIT_SHARE) {
         return Ok(None);
     }
     let before = departure(&job.plate, &calibrated.plate, job.sample_rate_hz)?;
     let plate = Arc::new(calibrated.plate.clone());
-    Ok(Some(Found { calibrated, plate, before }))
+    Ok(Some(CalibrationResult { calibrated, plate, before }))
 }

@@ -1,7 +1,7 @@
 //! A recording of the sweep as a measurement, in the background.
 
 use crate::measure::PlayedSweep;
-use crate::measured_file::{ToldOfRecording, Untold, recorded};
+use crate::measured_file::{ForeignError, RecordingMetadata, recorded};
 use slipline_model::jobs::Task;
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
@@ -18,15 +18,15 @@ pub struct RecordedJob {
     /// What was played.
     pub sweep: Arc<PlayedSweep>,
     /// Where the sensor stood, what it showed, and its channel.
-    pub told: ToldOfRecording,
+    pub metadata: RecordingMetadata,
 }
 
 /// The measurement and what is to be told of it, in sentences; or why there is none.
-pub type Recorded = Result<(Measurement, Vec<String>), Untold>;
+pub type Recorded = Result<(Measurement, Vec<String>), ForeignError>;
 
 /// The work of the thread: less than a second for the usual recording.
 #[must_use]
 pub fn work(job: RecordedJob, task: &Task) -> Option<Recorded> {
-    let found = recorded(&job.plate, &job.wav, &job.sweep, &job.told);
-    task.tell(1.0).then_some(found)
+    let found = recorded(&job.plate, &job.wav, &job.sweep, &job.metadata);
+    task.report(1.0).then_some(found)
 }

@@ -46,11 +46,11 @@ pub struct RigPrepared {
 /// The work of the thread. It is not interrupted; `None` when the task was over before or after it.
 #[must_use]
 pub fn work(job: RigJob, task: &Task) -> Option<RigPrepared> {
-    if !task.tell(0.0) {
+    if !task.report(0.0) {
         return None;
     }
     let RigJob { place_m, sensor, full_scale, finger, .. } = job;
     let options = RigOptions { place_m, sensor, full_scale, finger, ..RigOptions::default() };
     let result = PreparedRig::new(&job.truth, &options, job.sample_rate_hz);
-    task.tell(1.0).then_some(RigPrepared { job, result })
+    task.report(1.0).then_some(RigPrepared { job, result })
 }

@@ -190,11 +190,11 @@ impl Measured {
         let noise_codes =
             (all.sum::<f64>() / quiet.answers.len().max(1) as f64 * 0.25 * quiet.samples as f64).sqrt();
         let is_stuck = windows.iter().any(|window| window.span.0 == window.span.1);
-        Self::told(sensor, rate_hz, points, noise_codes, is_stuck)
+        Self::judged(sensor, rate_hz, points, noise_codes, is_stuck)
     }
 
     /// What is to be told of these points; the noise is that of an input's codes.
-    pub(super) fn told(
+    pub(super) fn judged(
         sensor: &Sensor,
         rate_hz: f64,
         points: Vec<MeasuredPoint>,

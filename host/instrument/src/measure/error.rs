@@ -15,7 +15,7 @@ pub enum MeasureError {
     #[error("this device has no input that is measured: its firmware or its board has none")]
     NoInputs,
     /// More points than the band has room for.
-    #[error("{points} frequencies from {} to {} are too close to be told apart: ask for fewer, or for a wider band", show_frequency(*.low_hz), show_frequency(*.high_hz))]
+    #[error("{points} frequencies from {} to {} are too close to be separated: ask for fewer, or for a wider band", show_frequency(*.low_hz), show_frequency(*.high_hz))]
     Crowded {
         /// How many were asked for.
         points: usize,
@@ -31,7 +31,7 @@ pub enum MeasureError {
         seconds: f64,
     },
     /// What the device has played is not known code by code.
-    #[error("it is not known which codes the device has played: the link lost some of what it told")]
+    #[error("it is not known which codes the device has played: the link lost some of its reports")]
     Unknown,
     /// The same sweep was not played twice.
     #[error("the device turned its tones down between two sweeps: let it cool, or lower the level")]

@@ -71,8 +71,8 @@ mod tests {
         let sum: f64 = tones.iter().map(|tone| tone.amplitude).sum();
         assert!(sum <= 0.5 && sum > 0.499, "{sum}");
         for tone in &tones {
-            let told = 0.1 + 0.003 * (tone.frequency_hz.clamp(400.0, 700.0) - 400.0);
-            assert!((tone.amplitude / tone.level / told - 1.0).abs() < 1e-4, "{tone:?}");
+            let stated = 0.1 + 0.003 * (tone.frequency_hz.clamp(400.0, 700.0) - 400.0);
+            assert!((tone.amplitude / tone.level / stated - 1.0).abs() < 1e-4, "{tone:?}");
         }
         let at = |t: f64| -> f64 {
             let of = |tone: &Tone| tone.amplitude * (TAU * (tone.frequency_hz * t + tone.phase_turns)).sin();

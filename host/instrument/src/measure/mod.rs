@@ -32,7 +32,7 @@ pub use drive_checking::{CURRENT_INPUT, CheckedDrive, DriveChecking, KnownDrive,
 pub use error::MeasureError;
 pub use measuring::Measuring;
 pub use plan::{Comb, LEVEL, POINTS, Plan, SETTLED, Wanted};
-pub use procedure::{Procedure, Run, Step};
+pub use procedure::{NextStep, Procedure, Run};
 pub(crate) use setback::is_late;
 pub use signal::Signal;
 pub use sweep::{

@@ -11,6 +11,7 @@
 //! a driven end that takes waves in, as every matched one does, ends it sooner. Many combs settle for [`SETTLED`] tau alone.
 
 use super::error::MeasureError;
+use slipline_link::BLOCK;
 use slipline_plate::calibrate::{DriveLoad, band_hz, drive_check_hz};
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{Plate, limits};
@@ -45,8 +46,6 @@ pub(super) const HIGHEST: f64 = 0.45;
 const HARMONIC_MAX: f64 = u16::MAX as f64;
 /// Multiples beside the nearest one, where that is taken.
 const STEPS_ASIDE: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
-/// Samples in a block.
-pub(super) const BLOCK: f64 = 128.0;
 /// Frequencies for each wavelength on the plate at the highest of them: the standing wave before the boundary swings at every
 /// sensor as often. `tests/calibration` of the plate crate shows that 60 and 150 suffice for the presets.
 const POINTS_PER_WAVE: f64 = 9.5;
@@ -111,7 +110,7 @@ pub struct Comb {
 impl Comb {
     /// The frequencies of its tones, Hz.
     pub fn frequencies_hz(&self, rate_hz: f64) -> impl Iterator<Item = f64> + '_ {
-        let base_hz = rate_hz / (BLOCK * f64::from(self.period_blocks));
+        let base_hz = rate_hz / (BLOCK as f64 * f64::from(self.period_blocks));
         self.harmonics.iter().map(move |&harmonic| f64::from(harmonic) * base_hz)
     }
 
@@ -178,8 +177,9 @@ impl Plan {
         // They are multiples of their distance: of that, the window has so many periods as make it long enough.
         let base_hz = tones[1] - tones[0];
         let periods = (window_s * base_hz).ceil();
-        let period_blocks = (periods * rate_hz / (base_hz * BLOCK)).round().clamp(1.0, f64::from(u16::MAX));
-        let found_hz = rate_hz / (period_blocks * BLOCK);
+        let period_blocks =
+            (periods * rate_hz / (base_hz * BLOCK as f64)).round().clamp(1.0, f64::from(u16::MAX));
+        let found_hz = rate_hz / (period_blocks * BLOCK as f64);
         let settle_s = settle_s(plate, tones[0]);
         let comb = |tones: &[f64]| Comb {
             period_blocks: period_blocks as u16,
@@ -245,12 +245,12 @@ fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &
     let shortest_s = apart_hz.recip().max(WINDOW_MIN_S);
     let window_s = (WINDOW_OF_SETTLE * settle_s).clamp(shortest_s, point_hz.recip().max(shortest_s));
     let longest_s = (HARMONIC_MAX / highest_hz).min(WINDOW_MAX_S);
-    let blocks = |seconds: f64| seconds * rate_hz / BLOCK;
+    let blocks = |seconds: f64| seconds * rate_hz / BLOCK as f64;
     let first = blocks(window_s).ceil();
     let last = |search: f64| (search * first).min(blocks(longest_s)).min(f64::from(u16::MAX)).floor() as u32;
     let candidate = |blocks: u32| {
         let period_blocks = u16::try_from(blocks).ok()?;
-        let base_hz = rate_hz / (BLOCK * f64::from(period_blocks));
+        let base_hz = rate_hz / (BLOCK as f64 * f64::from(period_blocks));
         let harmonics = harmonics(tones_hz, base_hz, HIGHEST * rate_hz, taken)?;
         let found = || harmonics.iter().map(|&harmonic| f64::from(harmonic) * base_hz);
         // Relative, as the distance of two points is.
@@ -379,7 +379,7 @@ mod tests {
         let plate = preset("membrane").unwrap();
         let good = Wanted::of(&plate);
         let refused = |wanted: Wanted| Plan::new(&plate, &wanted, RATE_HZ, 16).unwrap_err().to_string();
-        for (wanted, told) in [
+        for (wanted, message) in [
             (Wanted { low_hz: 0.1, ..good }, "from = 0.1 Hz: must be 0.5 Hz to 178.2 kHz"),
             (Wanted { low_hz: f64::NAN, ..good }, "from = no number"),
             (Wanted { high_hz: 200e3, ..good }, "to = 200 kHz: must be 83.14 Hz to 180 kHz"),
@@ -388,7 +388,7 @@ mod tests {
             (Wanted { low_hz: 40e3, high_hz: 40.4e3, points: 1600, ..good }, "1600 frequencies"),
         ] {
             let found = refused(wanted);
-            assert!(found.starts_with(told), "{told}: {found}");
+            assert!(found.starts_with(message), "{message}: {found}");
         }
         assert_eq!(Plan::new(&plate, &good, RATE_HZ, 0), Err(MeasureError::NoInputs));
     }

@@ -30,7 +30,7 @@ pub trait Procedure: 'static {
 
 /// What to do next.
 #[derive(Debug, Clone)]
-pub enum Step {
+pub enum NextStep {
     /// Send this request, and hand its outcome over by [`Run::take`].
     Ask(Request),
     /// The outcome of the last request is awaited.
@@ -88,9 +88,9 @@ impl<P: Procedure> Run<P> {
                 self.take(outcome);
             }
             match self.step() {
-                Step::Ask(request) => self.awaited = Some(send(request)),
-                Step::Wait => return true,
-                Step::Ended => return false,
+                NextStep::Ask(request) => self.awaited = Some(send(request)),
+                NextStep::Wait => return true,
+                NextStep::Ended => return false,
             }
         }
     }
@@ -102,9 +102,9 @@ impl<P: Procedure> Run<P> {
     }
 
     /// What to do next.
-    pub fn step(&mut self) -> Step {
+    pub fn step(&mut self) -> NextStep {
         if self.is_asked {
-            return Step::Wait;
+            return NextStep::Wait;
         }
         if self.stage == Stage::Running {
             match self.course.as_mut().poll(&mut Context::from_waker(Waker::noop())) {
@@ -129,10 +129,10 @@ impl<P: Procedure> Run<P> {
         };
         let Some(request) = request else {
             self.stage = Stage::Ended;
-            return Step::Ended;
+            return NextStep::Ended;
         };
         self.is_asked = true;
-        Step::Ask(request)
+        NextStep::Ask(request)
     }
 
     /// Takes the outcome of the last request. That of one before a cancellation or a fault does not count any more.

@@ -1,8 +1,7 @@
 //! What an input shows right now: how full it is, and whether anything is connected to it.
 
-use super::plan::BLOCK;
 use slipline_link::protocol::listen::InputsReport;
-use slipline_link::{ListenRequest, Listened, Request, WindowShape};
+use slipline_link::{BLOCK, ListenRequest, Listened, Request, WindowShape};
 use slipline_plate::check::Colour;
 use slipline_plate::number_format::with_decimals;
 
@@ -26,7 +25,7 @@ impl Signal {
     /// The request for a look at an input, which measures no tone; `None` if the device has not as many inputs.
     #[must_use]
     pub fn look(inputs: &InputsReport, input: u8, rate_hz: f64) -> Option<Request> {
-        let blocks = (LOOK_S * rate_hz / BLOCK).clamp(1.0, f64::from(u16::MAX)) as u16;
+        let blocks = (LOOK_S * rate_hz / BLOCK as f64).clamp(1.0, f64::from(u16::MAX)) as u16;
         (input < inputs.inputs).then_some(Request::Listen(ListenRequest {
             from: None,
             blocks,

@@ -9,7 +9,7 @@
 //! ```
 //! is largest, P the file's own response there; it is taken out but for [`LAG_PERIODS`].
 
-use super::{Untold, band, sensor};
+use super::{ForeignError, band, sensor};
 use crate::measure::{HeardSweep, PlayedSweep};
 use slipline_model::wav::Wav;
 use slipline_plate::calibrate::{Measurement, SensorKind, predicted};
@@ -25,7 +25,7 @@ const LAGS: (f64, f64) = (-1.0, 0.25);
 
 /// What a person tells of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ToldOfRecording {
+pub struct RecordingMetadata {
     /// Where the sensor stood, metres from the driven end.
     pub place_m: f64,
     /// What it showed; `None` while nobody has said.
@@ -42,15 +42,15 @@ pub fn recorded(
     plate: &Plate,
     wav: &Wav,
     sweep: &PlayedSweep,
-    told: &ToldOfRecording,
-) -> Result<(Measurement, Vec<String>), Untold> {
-    let kind = sensor(plate, told.place_m, told.kind)?;
+    metadata: &RecordingMetadata,
+) -> Result<(Measurement, Vec<String>), ForeignError> {
+    let kind = sensor(plate, metadata.place_m, metadata.kind)?;
     band(plate, sweep.chirp().measured_hz().into_iter())?;
-    let heard = HeardSweep::new(&wav.channel(told.channel)?, sweep)?;
+    let heard = HeardSweep::new(&wav.channel(metadata.channel)?, sweep)?;
     let notes = heard.notes();
     let mut measurement = Measurement {
         sample_rate_hz: Some(heard.dac_rate_hz),
-        ..Measurement::at(told.place_m, kind, heard.points)
+        ..Measurement::at(metadata.place_m, kind, heard.points)
     };
     measurement.check()?;
     align(plate, &mut measurement, sweep.chirp().ring_s)?;
@@ -58,7 +58,7 @@ pub fn recorded(
 }
 
 /// Takes the unknown lag out.
-fn align(plate: &Plate, measurement: &mut Measurement, ring_s: f64) -> Result<(), Untold> {
+fn align(plate: &Plate, measurement: &mut Measurement, ring_s: f64) -> Result<(), ForeignError> {
     let file = predicted(plate, measurement)?;
     let unit = |(point, file): (&slipline_plate::calibrate::MeasuredPoint, &Option<Complex64>)| {
         let product = point.response * file.as_ref()?.conj();

@@ -18,8 +18,8 @@ pub(super) struct Bench {
 impl fmt::Debug for Bench {
     /// Without what the sensor shows of some thousand modes.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut told = f.debug_struct("Bench");
-        told.field("place_m", &self.place_m).field("fault", &self.fault).finish_non_exhaustive()
+        let mut debug = f.debug_struct("Bench");
+        debug.field("place_m", &self.place_m).field("fault", &self.fault).finish_non_exhaustive()
     }
 }
 

@@ -21,8 +21,9 @@ pub(super) struct Parts {
 impl fmt::Debug for Parts {
     /// The plate by its name: the rest is some thousand numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut told = f.debug_struct("Parts");
-        told.field("plate", &self.plate.plate().name())
+        let mut debug = f.debug_struct("Parts");
+        debug
+            .field("plate", &self.plate.plate().name())
             .field("options", &self.options)
             .finish_non_exhaustive()
     }

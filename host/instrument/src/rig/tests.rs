@@ -287,6 +287,6 @@ fn what_is_out_of_range_is_refused_by_name_and_range() {
 fn a_rig_is_told_in_a_line_and_not_in_all_its_numbers() {
     let nominal = slipline_plate::preset("membrane").unwrap();
     let rig = rig(&nominal, RigOptions { place_m: 0.05, ..RigOptions::default() });
-    let told = format!("{rig:?} {:?}", rig.hand());
-    assert!(told.contains("place_m: 0.05") && told.len() < 2000, "{} letters", told.len());
+    let debug = format!("{rig:?} {:?}", rig.hand());
+    assert!(debug.contains("place_m: 0.05") && debug.len() < 2000, "{} letters", debug.len());
 }

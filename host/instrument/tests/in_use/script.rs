@@ -1,7 +1,7 @@
 //! A user's script that a window and an instrument without one carry out alike: the same requests, the same codes.
 
 use super::session::Session;
-use slipline_instrument::calibration::Step;
+use slipline_instrument::calibration::WizardPage;
 use slipline_instrument::{CalibrateIntent, MeasureIntent};
 use slipline_link::Request;
 
@@ -167,7 +167,9 @@ impl Hands for Session {
         self.pass(900);
         self.instrument.perform_calibrate(CalibrateIntent::Open);
         self.turn();
-        for page in [Step::FirstPlace, Step::FirstAnswer, Step::SecondPlace, Step::Result] {
+        for page in
+            [WizardPage::FirstPlace, WizardPage::FirstAnswer, WizardPage::SecondPlace, WizardPage::Result]
+        {
             self.pass(600);
             self.instrument.perform_calibrate(CalibrateIntent::Page(page));
             self.turn();

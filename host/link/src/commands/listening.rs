@@ -7,6 +7,7 @@ use crate::listen::{Captured, Listened};
 use crate::recorder::Recorder;
 use crate::refusal::Refusal;
 use crate::request::Outcome;
+use slipline_app::timing::BLOCK_SAMPLES;
 use slipline_protocol::limits::LISTENED_TONES;
 use slipline_protocol::listen::{self, Progress};
 use slipline_protocol::units::SampleIndex;
@@ -15,11 +16,9 @@ use std::time::Duration;
 
 /// Time after which a result that is not ready when it should be is asked for again.
 const PAUSE: Duration = Duration::from_millis(5);
-/// Samples in a block.
-const BLOCK: u64 = 128;
 /// Samples from an input block to its report. The device's clock is that of the block that it renders next; a block then waits,
 /// plays, is sampled, and is reported in the turn after that.
-const BEHIND: u64 = 4 * BLOCK;
+const BEHIND: u64 = 4 * BLOCK_SAMPLES;
 
 impl CommandQueue {
     /// The device measures from an index on: asks for the answer when the window is over.
@@ -27,7 +26,7 @@ impl CommandQueue {
         let Job::Listen(request) = task.job else { return };
         // The device has forgotten the last measurement.
         self.drop_tasks(recorder, |job| matches!(job, Job::ListenRead(_)));
-        let end = at.saturating_add(BLOCK * u64::from(request.blocks));
+        let end = at.saturating_add(BLOCK_SAMPLES * u64::from(request.blocks));
         let listened = Listened::begun(at, request.blocks);
         let reading = ListenReading { request, first_slot: 0, listened };
         self.read_after(end, Task::new(task.ticket, Job::ListenRead(Box::new(reading))), recorder, now);

@@ -106,8 +106,8 @@ impl CommandQueue {
             Event::Refused(refusal) => {
                 return self.refused(&task, &command, Refusal::Device(refusal), recorder);
             }
-            Event::Maintenance(told) => {
-                recorder.maintenance(told);
+            Event::Maintenance(reported) => {
+                recorder.maintenance(reported);
                 recorder.finish(task.ticket, Outcome::Done { at: 0 });
             }
             Event::Table(report) => {
@@ -131,13 +131,13 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Done { at: report.began.unwrap_or(0) });
             }
             Event::Digest(digest) => self.digested(task, digest, recorder, now),
-            Event::Inputs(told) => {
-                recorder.view.inputs = Some(told);
-                recorder.finish(task.ticket, Outcome::Done { at: told.now });
+            Event::Inputs(reported) => {
+                recorder.view.inputs = Some(reported);
+                recorder.finish(task.ticket, Outcome::Done { at: reported.now });
             }
-            Event::Listened(told) => self.listened(task, &told, recorder, now),
-            Event::Captured(told) => self.captured(task, &told, recorder, now),
-            Event::Held(told) => self.held(&task, told, recorder, now),
+            Event::Listened(reported) => self.listened(task, &reported, recorder, now),
+            Event::Captured(reported) => self.captured(task, &reported, recorder, now),
+            Event::Held(reported) => self.held(&task, reported, recorder, now),
             #[cfg(slipline_next)]
             Event::CoilMeasured(report) => {
                 recorder.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });

@@ -2,7 +2,7 @@
 
 use crate::field::line::{Line, lines};
 use crate::field::steady_field::{POINTS, SteadyField};
-use crate::field::time_domain::Measured;
+use crate::field::time_domain::SimulatedField;
 use crate::setup::{BoundaryMode, Setup};
 use crate::waveform::Waveform;
 use std::fmt::Write as _;
@@ -17,7 +17,7 @@ const CSV_CODES: usize = 1 << 16;
 pub fn envelope_csv(
     setup: &Setup,
     steady: &SteadyField,
-    measured: Option<&Measured>,
+    measured: Option<&SimulatedField>,
     full_peak_m: f64,
 ) -> String {
     let mut rows: Vec<(f64, String)> = Vec::new();
@@ -42,7 +42,12 @@ pub fn envelope_csv(
 }
 
 /// The header of an envelope: plate and tones, line by line.
-fn envelope_head(setup: &Setup, lines: &[Line], measured: Option<&Measured>, full_peak_m: f64) -> String {
+fn envelope_head(
+    setup: &Setup,
+    lines: &[Line],
+    measured: Option<&SimulatedField>,
+    full_peak_m: f64,
+) -> String {
     let boundary = match setup.boundary {
         BoundaryMode::TurningPoint => "the turning point",
         BoundaryMode::FeltEdge => "the felt edge, illustrative; the turning point of a tone that is not felt",

@@ -9,7 +9,7 @@
 
 mod source;
 
-pub use source::{Source, SourceChoice, source};
+pub use source::{FieldSource, SourceChoice, source};
 
 use crate::field::line_at_rest::line_at_rest;
 use crate::field::time_domain::{self, TimeDomainJob};
@@ -193,7 +193,7 @@ impl Run {
             while self.taken < first + end {
                 self.due = (self.taken + 16 * BLOCK as u64).min(first + end) as f64;
                 self.advance(self.due as u64);
-                if !task.tell((self.taken - first) as f64 / whole as f64) {
+                if !task.report((self.taken - first) as f64 / whole as f64) {
                     // A newer job is waiting; it continues from here.
                     return;
                 }

@@ -31,7 +31,7 @@ const BLOCKS_AT_ONCE: u64 = 64;
 
 /// Largest displacement at places along the simulated plate.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub struct SimulatedField {
     /// Which acknowledged change it belongs to.
     pub number: u64,
     /// Places in metres.
@@ -44,7 +44,7 @@ pub struct Measured {
     pub tones: usize,
 }
 
-impl Measured {
+impl SimulatedField {
     /// Place and displacement of each point, in metres, as the predicted envelope has it: the largest of one tone, the mean
     /// of several, which is sqrt 2 of the root mean square. In the time that is watched several tones do not reach the
     /// largest that they could.
@@ -92,7 +92,7 @@ fn mean_s(job: &TimeDomainJob) -> f64 {
 /// Runs the drive on the plate until it has settled, then records the envelope. `None` when the plate cannot be
 /// simulated at the device's rate, the drive could not be replayed, or the task was over before the end.
 #[must_use]
-pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
+pub fn run(job: &TimeDomainJob, task: &Task) -> Option<SimulatedField> {
     let rate = job.table.header().sample_rate_hz;
     let mut line = line_at_rest(&job.plate, f64::from(rate), POINTS)?;
     let mut mirror = Mirror::new(rate, 0);
@@ -110,7 +110,7 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
         while mirror.now() + (BLOCK as u64) <= until {
             let part = (mirror.now() + BLOCKS_AT_ONCE * BLOCK as u64).min(until);
             mirror.render(part, |_, codes| line.push_codes(codes, bits));
-            if !task.tell(mirror.now() as f64 / end as f64) {
+            if !task.report(mirror.now() as f64 / end as f64) {
                 return None;
             }
         }
@@ -118,7 +118,7 @@ pub fn run(job: &TimeDomainJob, task: &Task) -> Option<Measured> {
     let in_metres = |values: Vec<f32>| values.into_iter().map(f64::from).collect();
     let envelope = line.envelope();
     let (maximum_m, rms_m) = (in_metres(envelope.maximum_m()), in_metres(envelope.rms_m()));
-    mirror.is_true().then(|| Measured {
+    mirror.is_true().then(|| SimulatedField {
         number: job.number,
         position_m: line.positions_m().to_vec(),
         maximum_m,

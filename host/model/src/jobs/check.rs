@@ -65,7 +65,7 @@ fn check(
             checker.at(job.boundary_m)
         }
         _ => {
-            let mut go_on = |share| task.tell(share);
+            let mut go_on = |share| task.report(share);
             let checker = Checker::watched(&job.plate, conditions, &mut Progress::new(&mut go_on))?;
             let (_, checker) = kept.insert((Arc::clone(&job.plate), checker));
             checker.at(job.boundary_m)

@@ -33,7 +33,7 @@ pub struct Compared {
 #[must_use]
 pub fn work(job: CompareJob, task: &Task) -> Option<Compared> {
     let result = Comparison::of(&job.plate, &job.measurement);
-    task.tell(1.0).then_some(Compared { job, result })
+    task.report(1.0).then_some(Compared { job, result })
 }
 
 #[cfg(test)]

@@ -143,7 +143,7 @@ pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
     if task.is_over() {
         return None;
     }
-    designed(draft, &mut Progress::new(&mut |share| task.tell(share)))
+    designed(draft, &mut Progress::new(&mut |share| task.report(share)))
 }
 
 fn designed(draft: Draft, progress: &mut Progress<'_>) -> Option<Designed> {
@@ -183,7 +183,7 @@ mod tests {
                 if share >= limit {
                     task.end();
                 }
-                task.tell(share)
+                task.report(share)
             };
             assert!(designed(Draft::default(), &mut Progress::new(&mut go_on)).is_none(), "{limit}");
         }

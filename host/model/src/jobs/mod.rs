@@ -23,7 +23,7 @@ pub struct Task {
 
 impl Task {
     /// Reports that this share (0..=1) is done; returns whether to continue.
-    pub fn tell(&self, share: f64) -> bool {
+    pub fn report(&self, share: f64) -> bool {
         self.millionths.store((share.clamp(0.0, 1.0) * 1e6) as u32, Ordering::Relaxed);
         !self.is_over()
     }
@@ -215,7 +215,7 @@ mod tests {
         let (half_way, reported) = channel();
         let (woken, waking) = channel();
         let work = move |forever: bool, task: &Task| {
-            while forever && task.tell(0.5) {
+            while forever && task.report(0.5) {
                 half_way.send(()).unwrap_or_default();
                 thread::yield_now();
             }

@@ -55,12 +55,12 @@ fn compare(job: &PlaneJob, task: &Task) -> Result<Option<Comparison>, PlaneError
     let frequency_hz = job.plate.frequency_for_boundary_hz(job.boundary_m);
     let finger = job.finger.as_ref();
     let one_mode = respond_touched(&job.plate, finger, frequency_hz, POINTS, Equation::Corrected)?;
-    if !task.tell(ONE_MODE_SHARE) {
+    if !task.report(ONE_MODE_SHARE) {
         return Ok(None);
     }
     let setup = Setup { finger: job.finger, ..Setup::of(&job.plate) };
     let two_dimensions = plane::respond(&job.plate, frequency_hz, POINTS, &setup)?;
-    Ok(task.tell(1.0).then(|| Comparison::of(&one_mode, &two_dimensions)))
+    Ok(task.report(1.0).then(|| Comparison::of(&one_mode, &two_dimensions)))
 }
 
 /// The comparison in a sentence: place and level of the peak, and the nodes.

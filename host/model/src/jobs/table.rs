@@ -70,7 +70,7 @@ impl TableState {
 /// `None` when the task was over before the end.
 #[must_use]
 pub fn make(job: TableJob, task: &Task) -> Option<TableState> {
-    match build(job, &mut Progress::new(&mut |share| task.tell(share))) {
+    match build(job, &mut Progress::new(&mut |share| task.report(share))) {
         Ok(made) => Some(TableState::Ready(Arc::new(made))),
         Err(Unmade::Stopped) => None,
         Err(Unmade::Because(reason)) => Some(TableState::Failed(reason)),

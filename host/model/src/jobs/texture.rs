@@ -75,7 +75,7 @@ pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
     let TextureJob { wish, begun } = job;
     let palette = Palette::new(&wish.table.plate, &wish.table.drive_table);
     let is_finished = begun.is_some();
-    let mut go_on = |share| task.tell(share);
+    let mut go_on = |share| task.report(share);
     let progress = &mut Progress::new(&mut go_on);
     let made = match begun {
         Some(made) => Made::clone(&made).finished(&palette, progress),

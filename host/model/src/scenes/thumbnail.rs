@@ -30,7 +30,7 @@ pub struct Thumbnail {
 pub fn thumbnails(task: &Task) -> Option<Vec<Thumbnail>> {
     let mut drawn = Vec::with_capacity(SCENES.len());
     for (number, scene) in SCENES.iter().enumerate() {
-        if !task.tell(number as f64 / SCENES.len() as f64) {
+        if !task.report(number as f64 / SCENES.len() as f64) {
             return None;
         }
         drawn.push(thumbnail(scene).unwrap_or_default());

@@ -9,7 +9,7 @@ const DEPTH: usize = 200;
 
 /// Where changes come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
+pub enum EditSource {
     /// The user's pointer and keys.
     User,
     /// A recorded drag that is played.
@@ -22,7 +22,7 @@ pub enum Source {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gesture {
     /// Whose it is.
-    pub source: Source,
+    pub source: EditSource,
     /// Its number among those of the source: that of the press of pointer or key, for example.
     pub number: u64,
 }
@@ -52,7 +52,7 @@ impl History {
     /// Notes a change of the setup from `before` to `after`.
     pub fn note(&mut self, before: &Setup, after: &Setup, edit: &Edit, gesture: Gesture) {
         self.future.clear();
-        let slot = edit.slot().filter(|_| gesture.source == Source::User);
+        let slot = edit.slot().filter(|_| gesture.source == EditSource::User);
         let key = Some((gesture, edit.name(), slot));
         if let Some(step) = self.past.iter_mut().rev().find(|step| step.lasts == key) {
             // Without the gesture, the changes of other sources since then remain.
@@ -135,7 +135,7 @@ mod tests {
     use crate::setup::edit::apply;
 
     const fn user(number: u64) -> Gesture {
-        Gesture { source: Source::User, number }
+        Gesture { source: EditSource::User, number }
     }
 
     #[test]
@@ -165,7 +165,7 @@ mod tests {
         let first = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
         let mut history = History::default();
         let mut present = first.clone();
-        let score = Gesture { source: Source::Program("score"), number: 1 };
+        let score = Gesture { source: EditSource::Program("score"), number: 1 };
         let moves = [110, 115, 120].map(|mm| Edit::Move { slot: 0, position_m: f64::from(mm) * 1e-3 });
         let levels = [0.3, 0.2, 0.1].map(|level| Edit::Level { slot: 0, level });
         for (edit, level) in moves.iter().zip(&levels) {

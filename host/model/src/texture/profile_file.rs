@@ -1,6 +1,7 @@
 //! Profiles from files: breakpoints as CSV, or a row of grey pixels.
 
 use slipline_plate::quantity::{Count, Counted, WrongCount, must_be};
+use slipline_plate::text_table::{cells, rows};
 use thiserror::Error;
 
 /// The largest profile file that is read, in bytes.
@@ -46,8 +47,8 @@ fn check_size(bytes: usize) -> Result<(), ProfileFileError> {
     WrongCount::check("the file", bytes, allowed).map_err(ProfileFileError::TooBig)
 }
 
-/// Breakpoints, one on each line: the place in metres from the driven end and the amplitude, of any unit, with a comma
-/// between. Lines that are empty or begin with `#`, and a first line of names, are passed over.
+/// Breakpoints, one on each line: the place in metres from the driven end and the amplitude, of any unit, with a comma,
+/// a semicolon, a tab or blanks between. Lines that are empty or begin with `#`, and a first line of names, are passed over.
 ///
 /// # Errors
 /// [`ProfileFileError`]: too big, the first line that is not two numbers, or no line at all.
@@ -55,18 +56,15 @@ pub fn from_csv(text: &str) -> Result<Vec<(f64, f64)>, ProfileFileError> {
     check_size(text.len())?;
     let mut breakpoints = Vec::new();
     let mut may_be_names = true;
-    for (number, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
-        let line = line.trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let numbers = line.split_once([',', ';']).map(|(place, amplitude)| (place.trim(), amplitude.trim()));
-        let parsed =
-            numbers.and_then(|(place, amplitude)| Some((place.parse().ok()?, amplitude.parse().ok()?)));
-        match parsed {
+    for (number, line) in rows(text) {
+        let breakpoint = match cells(line).as_slice() {
+            [place, amplitude] => place.parse().ok().zip(amplitude.parse().ok()),
+            _ => None,
+        };
+        match breakpoint {
             Some(breakpoint) => breakpoints.push(breakpoint),
             None if may_be_names && !line.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {}
-            None => return Err(ProfileFileError::Line { line: number + 1 }),
+            None => return Err(ProfileFileError::Line { line: number }),
         }
         may_be_names = false;
     }
@@ -133,6 +131,7 @@ mod tests {
     fn csv_is_read_with_names_comments_and_either_separator() {
         let text = "\u{feff}place_m, amplitude\n# drawn by hand\n0.01, 1\n\n0.1; 0.25\n";
         assert_eq!(from_csv(text).unwrap(), [(0.01, 1.0), (0.1, 0.25)]);
+        assert_eq!(from_csv("0,01; 1\n0,1; 0,25\n").unwrap(), [(0.01, 1.0), (0.1, 0.25)], "a decimal comma");
     }
 
     #[test]

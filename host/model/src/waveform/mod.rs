@@ -24,7 +24,7 @@ const SPECTRUM_EACH_S: f64 = 0.1;
 
 /// A stretch of the codes the device sends.
 #[derive(Clone, Debug)]
-pub struct Window {
+pub struct CodeWindow {
     /// Index of the first code.
     pub first: u64,
     /// Codes per second.
@@ -36,7 +36,7 @@ pub struct Window {
 /// What is known of the drive.
 #[derive(Clone, Debug, Default)]
 pub struct Waveform {
-    window: Option<Window>,
+    window: Option<CodeWindow>,
     spectrum: Arc<[Line]>,
     is_true: bool,
 }
@@ -44,7 +44,7 @@ pub struct Waveform {
 impl Waveform {
     /// The latest codes; `None` before anything was driven.
     #[must_use]
-    pub fn window(&self) -> Option<&Window> {
+    pub fn window(&self) -> Option<&CodeWindow> {
         self.window.as_ref()
     }
 
@@ -92,7 +92,7 @@ impl WaveformFollower {
         }
         let codes: Arc<[u16]> = codes.collect();
         let spectrum = self.spectrum_of(&codes, first + codes.len() as u64, rate);
-        Waveform { window: Some(Window { first, sample_rate_hz: rate, codes }), spectrum, is_true }
+        Waveform { window: Some(CodeWindow { first, sample_rate_hz: rate, codes }), spectrum, is_true }
     }
 
     /// The spectrum of the last of these codes, of which `end` is the index of the next.

@@ -44,5 +44,4 @@ pub use measurement::foreign::{File, FileError, Foreign, SNR, SNR_DB};
 pub use measurement::sensor::{
     MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind,
 };
-pub use measurement::table::LineError;
 pub use placement::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::files::{FileJob, PROFILE_EXTENSIONS, has_extension, is_measurement};
-use crate::intent::{Dialog, Held, Intent, Intents};
+use crate::intent::{Dialog, Dragged, Intent, Intents};
 use crate::view::arrow_step_m;
 use eframe::egui::{self, Key, Modifiers};
 use slipline_link::Snapshot;
@@ -25,7 +25,7 @@ impl App {
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
         let closes_page = self.dialog.is_some() && ctx.input(|input| input.key_pressed(Key::Escape));
-        let told = closes_page.then(|| closed_by_escape(self.instrument.snapshot()));
+        let notice = closes_page.then(|| closed_by_escape(self.instrument.snapshot()));
         let presses = ctx.input_mut(|input| {
             let is_press = |event: &&egui::Event| {
                 matches!(
@@ -100,8 +100,8 @@ impl App {
         });
         self.instrument.begin_gestures(presses);
         self.perform(ctx, asked);
-        if let Some(told) = told {
-            self.instrument.tell(told.to_owned());
+        if let Some(notice) = notice {
+            self.instrument.post(notice.to_owned());
         }
     }
 
@@ -120,8 +120,8 @@ impl App {
             moves.iter().map(|to| grab.axis.place_from_screen(to.x - grab.offset)).collect();
         match (grab.held, places_m.last()) {
             (_, None) => {}
-            (Held::Finger, Some(&place_m)) => self.instrument.move_finger(place_m),
-            (Held::Tone(slot), Some(_)) => {
+            (Dragged::Finger, Some(&place_m)) => self.instrument.move_finger(place_m),
+            (Dragged::Tone(slot), Some(_)) => {
                 self.settings.has_dragged = true;
                 self.instrument.drag_line(slot, &places_m);
             }

@@ -169,7 +169,7 @@ impl App {
             Confirm::Bootloader => DeviceIntent::Bootloader,
         };
         if confirm == Confirm::Arm
-            && snapshot.maintenance.is_some_and(|told| !told.brown_out_guarded)
+            && snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded)
             && let Some(unit) = snapshot.unit()
         {
             self.settings.arms_unguarded(unit);
@@ -190,7 +190,7 @@ impl App {
     fn export(&mut self, ctx: &egui::Context, what: Export) {
         if matches!(what, Export::Figure(_) | Export::Envelope) && self.instrument.finger().is_some() {
             // The simulated plate beside the prediction has no finger.
-            self.instrument.tell("The export shows the plate without the finger".to_owned());
+            self.instrument.post("The export shows the plate without the finger".to_owned());
             let touch = self.instrument.lift_finger();
             self.export(ctx, what);
             return self.instrument.touch_again(touch);
@@ -268,26 +268,24 @@ impl App {
         match event {
             FileEvent::Opened(path, text) => {
                 let name = name_of(&path);
-                if let Ok(text) = &text {
-                    if self.instrument.opened_table(&name, text) {
-                        return;
-                    }
-                    if self.instrument.opened_sweep(&name, text) {
-                        return;
-                    }
-                    if has_extension(&path, &["csv"]) {
-                        return self.instrument.open_measurement(&name, text.clone().into_bytes());
-                    }
+                let text = match text {
+                    Ok(text) => text,
+                    Err(error) => return self.instrument.not_opened(&name, &error),
+                };
+                if self.instrument.opened_table(&name, &text) || self.instrument.opened_sweep(&name, &text) {
+                    return;
                 }
-                let opened = text.and_then(|text| setup_file::read(&text).map_err(|error| error.to_string()));
-                match opened {
+                if has_extension(&path, &["csv"]) {
+                    return self.instrument.open_measurement(&name, text.into_bytes());
+                }
+                match setup_file::read(&text) {
                     Ok(Opened::Setup(setup)) => self.instrument.edit(&Edit::Replace(setup)),
                     Ok(Opened::Plate(plate)) => self.instrument.edit(&Edit::Plate(plate)),
-                    Err(reason) => return self.instrument.not_opened(&name, &reason),
+                    Err(error) => return self.instrument.not_opened(&name, &error),
                 }
                 self.settings.used(&path);
                 self.instrument.note(Severity::Info, format!("Opened {name}."));
-                self.instrument.tell(format!("Opened {name}"));
+                self.instrument.post(format!("Opened {name}"));
             }
             FileEvent::Measurement(path, bytes) => {
                 let name = name_of(&path);
@@ -298,7 +296,7 @@ impl App {
                             self.instrument.open_measurement(&name, bytes);
                         }
                     }
-                    Err(reason) => self.instrument.not_opened(&name, &reason),
+                    Err(error) => self.instrument.not_opened(&name, &error),
                 }
             }
             FileEvent::Profile(path, bytes) => {
@@ -308,7 +306,7 @@ impl App {
                 }
                 match bytes {
                     Ok(bytes) => self.instrument.take_profile(&name_of(&path), &bytes),
-                    Err(reason) => self.instrument.not_opened(&name_of(&path), &reason),
+                    Err(error) => self.instrument.not_opened(&name_of(&path), &error),
                 }
             }
             FileEvent::Saved(path, Ok(())) => {
@@ -316,7 +314,7 @@ impl App {
                     self.settings.used(&path);
                 }
                 self.instrument.note(Severity::Info, format!("Saved {}.", name_of(&path)));
-                self.instrument.tell(format!("Saved {}", path.display()));
+                self.instrument.post(format!("Saved {}", path.display()));
             }
             FileEvent::Saved(path, Err(reason)) => {
                 self.instrument.note(Severity::Error, format!("{} was not saved: {reason}", name_of(&path)));

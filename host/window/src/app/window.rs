@@ -9,13 +9,9 @@ use slipline_instrument::bench::Bench;
 use slipline_link::native::list_ports;
 use slipline_link::native::{Handle, SystemOpener, Worker, stop_on_panic};
 use slipline_model::export::figures::plate;
-use slipline_model::field::sheet;
-use slipline_model::field::time_domain;
 use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::check;
 use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
-use slipline_model::waveform;
 use std::io;
 
 /// The app in a window of the system.
@@ -87,7 +83,7 @@ fn closer(ctx: &egui::Context) -> Box<dyn FnMut() + Send> {
 }
 
 /// A call that has the window look for what is new.
-fn wake(ctx: &egui::Context) -> impl Fn() + Send + 'static {
+fn wake(ctx: &egui::Context) -> impl Fn() + Clone + Send + 'static {
     let ctx = ctx.clone();
     move || ctx.request_repaint()
 }
@@ -98,36 +94,7 @@ impl Parts {
     /// # Errors
     /// When the system cannot start a thread.
     pub fn threaded(ctx: &egui::Context, link: Box<dyn Link>) -> io::Result<Self> {
-        let jobs = Jobs {
-            tables: JobQueue::threaded("slipline-table", slipline_model::jobs::table::make, wake(ctx))?,
-            checks: JobQueue::threaded("slipline-check", check::work(), wake(ctx))?,
-            planes: JobQueue::threaded("slipline-plane", slipline_model::jobs::plane::work, wake(ctx))?,
-            designs: JobQueue::threaded("slipline-design", slipline_model::jobs::design::work, wake(ctx))?,
-            textures: JobQueue::threaded("slipline-texture", slipline_model::jobs::texture::work, wake(ctx))?,
-            rigs: JobQueue::threaded("slipline-rig", slipline_instrument::jobs::rig::work, wake(ctx))?,
-            calibrations: JobQueue::threaded(
-                "slipline-calibrate",
-                slipline_instrument::jobs::calibrate::work,
-                wake(ctx),
-            )?,
-            comparisons: JobQueue::threaded(
-                "slipline-compare",
-                slipline_model::jobs::compare::work,
-                wake(ctx),
-            )?,
-            recordings: JobQueue::threaded(
-                "slipline-recorded",
-                slipline_instrument::jobs::recorded::work,
-                wake(ctx),
-            )?,
-            sheets: JobQueue::threaded("slipline-sheet", sheet::work(), wake(ctx))?,
-            waveforms: JobQueue::threaded("slipline-mirror", waveform::work(), wake(ctx))?,
-            time_domain: JobQueue::threaded(
-                "slipline-plate",
-                |job, task: &_| time_domain::run(&job, task),
-                wake(ctx),
-            )?,
-        };
+        let jobs = Jobs::threaded(wake(ctx))?;
         let desk = Desk {
             scenes: JobQueue::threaded("slipline-scenes", |(), task: &_| thumbnails(task), wake(ctx))?,
             figures: JobQueue::threaded(

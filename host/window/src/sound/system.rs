@@ -26,10 +26,10 @@ impl SystemSpeaker {
         Self::with(wake, output::run)
     }
 
-    /// As [`Self::new`], with another card: `run` fills its samples from the source until [`Source::fill`] returns `false`.
+    /// As [`Self::new`], with another card: `run` fills its samples from the source until [`SampleSource::fill`] returns `false`.
     pub(super) fn with(
         wake: impl Fn() + Send + 'static,
-        run: impl Fn(&dyn Fn(), Source) -> Result<(), String> + Send + 'static,
+        run: impl Fn(&dyn Fn(), SampleSource) -> anyhow::Result<()> + Send + 'static,
     ) -> io::Result<Self> {
         let mix = Arc::new(Mix::new(Instant::now()));
         let state = Arc::default();
@@ -65,12 +65,12 @@ fn set(state: &Mutex<SpeakerState>, to: SpeakerState) {
 }
 
 /// Where a card gets its samples.
-pub(super) struct Source {
+pub(super) struct SampleSource {
     mix: Arc<Mix>,
     synth: Option<Synth>,
 }
 
-impl Source {
+impl SampleSource {
     /// Fills `samples` at this rate in Hz, which must not change; returns `false` when the silence has lasted long enough to
     /// close the card.
     pub(super) fn fill(&mut self, rate_hz: f64, samples: &mut [f32]) -> bool {
@@ -90,17 +90,17 @@ struct Thread {
 
 impl Thread {
     /// Runs until the app is gone.
-    fn run(self, run: impl Fn(&dyn Fn(), Source) -> Result<(), String>) {
+    fn run(self, run: impl Fn(&dyn Fn(), SampleSource) -> anyhow::Result<()>) {
         let report = |state| {
             set(&self.state, state);
             (self.wake)();
         };
         while self.opened.recv().is_ok() {
             report(SpeakerState::Opening);
-            let source = Source { mix: Arc::clone(&self.mix), synth: None };
+            let source = SampleSource { mix: Arc::clone(&self.mix), synth: None };
             match run(&|| report(SpeakerState::Playing), source) {
                 Ok(()) => report(SpeakerState::Closed),
-                Err(reason) => report(SpeakerState::Failed(reason)),
+                Err(error) => report(SpeakerState::Failed(error.to_string())),
             }
         }
     }

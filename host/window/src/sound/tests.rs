@@ -1,7 +1,7 @@
 //! The speaker without a sound card.
 
 use super::mix::{IDLE, Mix, PATIENCE};
-use super::system::Source;
+use super::system::SampleSource;
 use super::{Speaker as _, SpeakerState, SystemSpeaker};
 use slipline_model::sound::{Partial, Sound, Synth};
 use std::sync::mpsc::channel;
@@ -51,9 +51,9 @@ fn wait_for(speaker: &SystemSpeaker, wanted: &SpeakerState) {
 
 #[test]
 fn the_card_is_opened_by_the_first_sound_and_a_failure_is_told_and_tried_again_when_asked() {
-    let (give, answers) = channel::<Result<(), String>>();
+    let (give, answers) = channel::<anyhow::Result<()>>();
     let (woken, wakes) = channel();
-    let card = move |playing: &dyn Fn(), mut source: Source| {
+    let card = move |playing: &dyn Fn(), mut source: SampleSource| {
         playing();
         let mut samples = [0.0; 48];
         assert!(source.fill(48e3, &mut samples), "it has just sounded");
@@ -69,7 +69,7 @@ fn the_card_is_opened_by_the_first_sound_and_a_failure_is_told_and_tried_again_w
     speaker.play(tone(), 0.5);
     wait_for(&speaker, &SpeakerState::Playing);
     assert!(wakes.recv().is_ok(), "the window shows it");
-    give.send(Err("unplugged".to_owned())).unwrap();
+    give.send(Err(anyhow::anyhow!("unplugged"))).unwrap();
     let failed = SpeakerState::Failed("unplugged".to_owned());
     wait_for(&speaker, &failed);
     speaker.play(tone(), 0.5);

@@ -203,7 +203,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     let held = Arc::clone(&is_held);
     let make = move |job, task: &Task| {
         while held.load(Ordering::Relaxed) {
-            if !task.tell(0.4) {
+            if !task.report(0.4) {
                 return None;
             }
             std::thread::yield_now();

@@ -5,7 +5,7 @@ use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_instrument::calibration::Calibration;
+use slipline_instrument::calibration::CalibrationWizard;
 use slipline_plate::calibrate::{Calipers, Measurement};
 use slipline_plate::quantity::show_place;
 use slipline_plate::{Model, Plate};
@@ -101,7 +101,7 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
 fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     let mut app = TestApp::driving();
     let both = answers(1.02);
-    let proposed = Calibration::of(&app.window.state().setup().plate).places_m().map(show_place);
+    let proposed = CalibrationWizard::of(&app.window.state().setup().plate).places_m().map(show_place);
     open_calibration(&mut app);
     assert!(page(&app) == Some(1) && !is_enabled(&app, "Back") && is_enabled(&app, "Next"));
     press(&mut app, "Next");
@@ -166,7 +166,7 @@ fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_
 #[test]
 fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
     let mut app = TestApp::driving();
-    let mut calibration = Calibration::of(&app.window.state().setup().plate);
+    let mut calibration = CalibrationWizard::of(&app.window.state().setup().plate);
     let of_file_m = calibration.places_m();
     let shorter = Calipers { length_m: 0.3, ..calibration.calipers_of_file() };
     calibration.take_calipers(Some(shorter)).unwrap();

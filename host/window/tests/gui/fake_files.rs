@@ -1,8 +1,9 @@
 //! Files without a disk and dialogs: the test sets the contents and reads what was saved.
 
-use slipline_window::files::{FileEvent, FileJob, Files, Save};
+use slipline_window::files::{FileError, FileEvent, FileJob, Files, Save};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
+use std::io;
 use std::path::PathBuf;
 use std::rc::Rc;
 
@@ -25,6 +26,13 @@ pub(crate) struct FakeFiles {
     events: Rc<RefCell<VecDeque<FileEvent>>>,
 }
 
+/// What the disk gives, with the system's reason if it gives nothing.
+fn read<T>(content: Option<Result<T, String>>) -> Result<T, FileError> {
+    content
+        .unwrap_or_else(|| Err("no such file".to_owned()))
+        .map_err(|reason| io::Error::other(reason).into())
+}
+
 impl FakeFiles {
     fn write(&self, path: PathBuf, save: Save) -> FileEvent {
         self.saved.borrow_mut().push((save.name, save.bytes.to_vec()));
@@ -41,11 +49,11 @@ impl Files for FakeFiles {
             job if job.needs_dialog() && self.has_no_dialogs.get() => FileEvent::NoDialog(job),
             FileJob::Choose => {
                 let (path, text) = self.contents.borrow()[0].clone();
-                FileEvent::Opened(path, text)
+                FileEvent::Opened(path, read(Some(text)))
             }
             FileJob::ChooseMeasurement => {
                 let (path, text) = self.contents.borrow()[0].clone();
-                FileEvent::Measurement(path, text.map(String::into_bytes))
+                FileEvent::Measurement(path, read(Some(text)).map(String::into_bytes))
             }
             FileJob::OpenMeasurement(path) => {
                 let profiles = self.profiles.borrow();
@@ -53,21 +61,21 @@ impl Files for FakeFiles {
                 let dropped = profiles.iter().find(|it| it.0 == path).map(|it| it.1.clone());
                 let typed = || contents.iter().find(|it| it.0 == path).map(|it| it.1.clone());
                 let bytes = dropped.or_else(|| typed().map(|text| text.map(String::into_bytes)));
-                FileEvent::Measurement(path, bytes.unwrap_or_else(|| Err("no such file".to_owned())))
+                FileEvent::Measurement(path, read(bytes))
             }
             FileJob::ChooseProfile => {
                 let (path, bytes) = self.profiles.borrow()[0].clone();
-                FileEvent::Profile(path, bytes)
+                FileEvent::Profile(path, read(Some(bytes)))
             }
             FileJob::OpenProfile(path) => {
                 let profiles = self.profiles.borrow();
                 let bytes = profiles.iter().find(|(other, _)| *other == path).map(|(_, bytes)| bytes.clone());
-                FileEvent::Profile(path, bytes.unwrap_or_else(|| Err("no such file".to_owned())))
+                FileEvent::Profile(path, read(bytes))
             }
             FileJob::Open(path) => {
                 let contents = self.contents.borrow();
                 let text = contents.iter().find(|(other, _)| *other == path).map(|(_, text)| text.clone());
-                FileEvent::Opened(path, text.unwrap_or_else(|| Err("no such file".to_owned())))
+                FileEvent::Opened(path, read(text))
             }
             FileJob::Save(save) => self.write(PathBuf::from(&save.name), save),
             FileJob::SaveAs { path, save, may_replace } => {

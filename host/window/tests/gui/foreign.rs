@@ -6,7 +6,7 @@ use crate::type_into;
 use eframe::egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use hound::{SampleFormat, WavSpec, WavWriter};
-use slipline_instrument::calibration::Calibration;
+use slipline_instrument::calibration::CalibrationWizard;
 use slipline_instrument::measure::{PlayedSweep, Wanted};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::calibrate::Measurement;
@@ -122,7 +122,7 @@ fn the_calibration_takes_such_files_at_the_places_of_its_pages() {
     crate::calibrate::open_calibration(&mut app);
     press(&mut app, "Next");
     press(&mut app, "Next");
-    let proposed_m = Calibration::of(&app.window.state().setup().plate).places_m();
+    let proposed_m = CalibrationWizard::of(&app.window.state().setup().plate).places_m();
     for place_m in proposed_m {
         let measurement = measured(&membrane(1.02), place_m, 12.0);
         *app.files.contents.borrow_mut() = vec![(PathBuf::from("answer.frd"), Ok(measurement.to_frd()))];

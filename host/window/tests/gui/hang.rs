@@ -146,7 +146,7 @@ fn a_job_that_takes_long_is_no_hang() {
     let held = Arc::clone(&is_held);
     let make = move |job, task: &Task| {
         while held.load(Ordering::Relaxed) {
-            if !task.tell(0.4) {
+            if !task.report(0.4) {
                 return None;
             }
             std::thread::sleep(Duration::from_millis(1));

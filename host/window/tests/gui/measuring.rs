@@ -6,7 +6,7 @@ use crate::type_into;
 use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
-use slipline_instrument::calibration::Calibration;
+use slipline_instrument::calibration::CalibrationWizard;
 use slipline_instrument::rig::secret;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_link::{Request, Sounding};
@@ -182,7 +182,7 @@ fn the_calibrations_pages_measure_too() {
     press(&mut app, "Next");
     let place = app.window.get_by_role_and_label(Role::TextInput, "Sensor at").value();
     let place = place.unwrap();
-    let [proposed_m, _] = Calibration::of(&app.window.state().setup().plate).places_m();
+    let [proposed_m, _] = CalibrationWizard::of(&app.window.state().setup().plate).places_m();
     assert_eq!(place, show_place(proposed_m));
     press(&mut app, "Measure now");
     assert!(app.window.get_by_role_and_label(Role::Button, "Next").accesskit_node().is_disabled());

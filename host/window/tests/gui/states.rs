@@ -162,7 +162,7 @@ fn cases() -> Vec<Case> {
             &[("Cancel", disconnects)],
             Err("choose another port"),
         ),
-        case("no status", no_status, &[("Disconnect", disconnects)], Err("not told its state yet")),
+        case("no status", no_status, &[("Disconnect", disconnects)], Err("not reported its state yet")),
         case("older firmware", flash, &[("What to do", shows_the_device)], Err("flash the firmware")),
         case(
             "newer firmware",

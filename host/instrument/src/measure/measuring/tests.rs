@@ -1,7 +1,7 @@
 //! The procedure against a device that answers ideal numbers.
 
 use super::*;
-use crate::measure::{Run, Step, Wanted, Warning};
+use crate::measure::{NextStep, Run, Wanted, Warning};
 use slipline_link::protocol::event::{Fault, Faults, Status};
 use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
 use slipline_link::{LinkState, Listened, Refusal, Snapshot};
@@ -155,16 +155,16 @@ fn run(
     let mut asked = Vec::new();
     loop {
         match measuring.step() {
-            Step::Ask(request) => {
-                assert!(matches!(measuring.step(), Step::Wait | Step::Ended));
+            NextStep::Ask(request) => {
+                assert!(matches!(measuring.step(), NextStep::Wait | NextStep::Ended));
                 let mut outcome = device.perform(&request);
                 change(&mut outcome, &request);
                 device.shares.push(measuring.progress(device.now));
                 measuring.take(&outcome);
                 asked.push(request);
             }
-            Step::Wait => panic!("nothing is awaited"),
-            Step::Ended => return asked,
+            NextStep::Wait => panic!("nothing is awaited"),
+            NextStep::Ended => return asked,
         }
         assert!(asked.len() < 1000, "it never ends");
     }
@@ -231,9 +231,11 @@ fn a_silent_input_still_rounds_and_is_told() {
         }
     });
     let measured = measuring.finish().unwrap();
-    let told = |wanted: fn(&Warning) -> bool| measured.warnings.iter().any(wanted);
-    assert!(told(|it| *it == Warning::Stuck) && told(|it| matches!(it, Warning::NoDither { .. })));
-    assert!(told(|it| matches!(it, Warning::Weak { .. })) && told(|it| matches!(it, Warning::Quiet { .. })));
+    let message = |wanted: fn(&Warning) -> bool| measured.warnings.iter().any(wanted);
+    assert!(message(|it| *it == Warning::Stuck) && message(|it| matches!(it, Warning::NoDither { .. })));
+    assert!(
+        message(|it| matches!(it, Warning::Weak { .. })) && message(|it| matches!(it, Warning::Quiet { .. }))
+    );
     assert_eq!(measured.light(), Colour::Amber);
     assert!(measured.measurement.points.iter().all(|point| point.noise > 0.0));
     assert!(measured.warnings.iter().all(|warning| warning.sentence().ends_with(['.', '?'])));
@@ -346,14 +348,14 @@ fn a_refusal_a_fault_a_lost_link_and_a_cancel_end_with_a_stop_and_their_reason()
     let (mut measuring, _) = measuring(32);
     let _ = measuring.step();
     measuring.cancel();
-    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    assert!(matches!(measuring.step(), NextStep::Ask(Request::Stop)));
     measuring.take(&Outcome::Done { at: 0 });
-    assert!(matches!(measuring.step(), Step::Ended));
+    assert!(matches!(measuring.step(), NextStep::Ended));
     assert_eq!(measuring.finish(), Err(MeasureError::Cancelled));
 
     let (mut measuring, _) = self::measuring(32);
     measuring.watch(&Snapshot::default());
-    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    assert!(matches!(measuring.step(), NextStep::Ask(Request::Stop)));
     measuring.take(&Outcome::NotConnected);
     assert_eq!(measuring.finish(), Err(MeasureError::Lost));
 }
@@ -362,15 +364,15 @@ fn a_refusal_a_fault_a_lost_link_and_a_cancel_end_with_a_stop_and_their_reason()
 fn an_outcome_that_comes_after_the_cancellation_does_not_stand_for_that_of_the_stop() {
     let (mut measuring, _) = measuring(32);
     for _ in 0..2 {
-        assert!(matches!(measuring.step(), Step::Ask(_)));
+        assert!(matches!(measuring.step(), NextStep::Ask(_)));
         measuring.take(&Outcome::Done { at: 0 });
     }
-    assert!(matches!(measuring.step(), Step::Ask(Request::Listen(_))));
+    assert!(matches!(measuring.step(), NextStep::Ask(Request::Listen(_))));
     measuring.cancel();
     measuring.take(&Outcome::Superseded);
-    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    assert!(matches!(measuring.step(), NextStep::Ask(Request::Stop)));
     measuring.take(&Outcome::Done { at: 0 });
-    assert!(matches!(measuring.step(), Step::Ended));
+    assert!(matches!(measuring.step(), NextStep::Ended));
     assert_eq!(measuring.finish(), Err(MeasureError::Cancelled));
 }
 
@@ -380,10 +382,10 @@ fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
     let faulty = Snapshot { link: LinkState::Connected, status: Some(status), ..Snapshot::default() };
     let (mut measuring, _) = measuring(32);
     measuring.watch(&faulty);
-    assert!(matches!(measuring.step(), Step::Ask(Request::Stop)));
+    assert!(matches!(measuring.step(), NextStep::Ask(Request::Stop)));
     measuring.take(&Outcome::Done { at: 0 });
-    let Err(MeasureError::Fault(told)) = measuring.finish() else { panic!("a fault") };
-    assert_eq!(told, status.faults.to_string());
+    let Err(MeasureError::Fault(message)) = measuring.finish() else { panic!("a fault") };
+    assert_eq!(message, status.faults.to_string());
 
     let (mut measuring, _) = self::measuring(32);
     let _ = measuring.step();

@@ -1,9 +1,9 @@
 //! An exponential sweep: its band, its time, and what of the answer to it is taken.
 
 use super::super::error::MeasureError;
-use super::super::plan::{BLOCK, HIGHEST, SETTLED, Wanted, time_constant_s};
+use super::super::plan::{HIGHEST, SETTLED, Wanted, time_constant_s};
 use super::deconvolution::Gate;
-use slipline_link::DeviceTable;
+use slipline_link::{BLOCK, DeviceTable};
 use slipline_plate::Plate;
 use slipline_plate::quantity::{OutOfRange, Range};
 
@@ -66,7 +66,7 @@ impl Chirp {
     /// The shortest time in which the device can play it, seconds. `glide_s` is what the actuator's travel asks for.
     pub(super) fn shortest_s(&self, glide_s: f64) -> f64 {
         let (first, last) = self.ends_hz;
-        let steepest = last * (last / first).ln() * BLOCK / (self.rate_hz * self.rate_hz);
+        let steepest = last * (last / first).ln() * BLOCK as f64 / (self.rate_hz * self.rate_hz);
         (SLOWER * steepest / FASTEST_TURNS).max(CYCLES / (last - first)).max(glide_s)
     }
 
@@ -79,7 +79,7 @@ impl Chirp {
     /// The time after the sweep's end in which the plate's answer is taken, seconds.
     pub(super) fn tail_s(&self) -> f64 {
         // The block after the sweep's end is silent only where the gain has reached its last knot.
-        (1.0 + GATE_AFTER) * self.ring_s + BLOCK / self.rate_hz
+        (1.0 + GATE_AFTER) * self.ring_s + BLOCK as f64 / self.rate_hz
     }
 
     /// The frequency that is played so many samples after the sweep's beginning, Hz.

@@ -134,11 +134,11 @@ mod tests {
     #[test]
     fn what_cannot_be_swept_names_its_field_and_range() {
         let refused = |change: fn(&mut Wanted)| plan("membrane", change).unwrap_err().to_string();
-        let told = refused(|wanted| wanted.high_hz = 170e3);
-        assert!(told.starts_with("to = 170 kHz: must be 83.14 Hz to 160 kHz"), "{told}");
-        let told = refused(|wanted| wanted.low_hz = f64::NAN);
-        assert!(told.starts_with("from = no number"), "{told}");
-        let told = refused(|wanted| wanted.high_hz = 100e3);
-        assert!(told.starts_with("the plate rings for"), "{told}");
+        let message = refused(|wanted| wanted.high_hz = 170e3);
+        assert!(message.starts_with("to = 170 kHz: must be 83.14 Hz to 160 kHz"), "{message}");
+        let message = refused(|wanted| wanted.low_hz = f64::NAN);
+        assert!(message.starts_with("from = no number"), "{message}");
+        let message = refused(|wanted| wanted.high_hz = 100e3);
+        assert!(message.starts_with("the plate rings for"), "{message}");
     }
 }

@@ -64,7 +64,7 @@ impl Recording {
         let noise_codes = (mean_square(&noise) * codes_each as f64).sqrt();
         let same = |values: &[f64]| values.windows(2).all(|two| two[0] == two[1]);
         let is_stuck = same(&self.heard) && same(&self.quiet);
-        let measured = Measured::told(sensor, chirp.rate_hz, points, noise_codes, is_stuck);
+        let measured = Measured::judged(sensor, chirp.rate_hz, points, noise_codes, is_stuck);
         measured.measurement.check()?;
         Ok(measured)
     }

@@ -15,7 +15,7 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
     let position_m: Vec<f64> = (0..16).map(|i| 0.01 + 0.02 * f64::from(i)).collect();
     let maximum_m: Vec<f64> = (0..16).map(|i| 1e-6 * (1.0 + f64::from(i))).collect();
     let rms_m: Vec<f64> = (0..16).map(|i| 1e-7 * (3.0 + f64::from(i))).collect();
-    let measured = Measured {
+    let measured = SimulatedField {
         number: 1,
         position_m: position_m.clone(),
         maximum_m: maximum_m.clone(),

@@ -50,7 +50,7 @@ impl SourceChoice {
 
 /// The source from which the wave is drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Source {
+pub enum FieldSource {
     /// The wave equation on the whole sheet, in time.
     Sheet,
     /// The first width mode along the plate, with the reason why it is not the sheet if the user chose the sheet.
@@ -60,21 +60,21 @@ pub enum Source {
 /// The source for this plate at this sample rate in Hz. It depends only on the arguments, not on the machine. A
 /// plate that has no sheet at this rate gets the lines, whatever the choice.
 #[must_use]
-pub fn source(plate: &Plate, sample_rate_hz: f64, wish: SourceChoice) -> Source {
+pub fn source(plate: &Plate, sample_rate_hz: f64, wish: SourceChoice) -> FieldSource {
     let (budget, is_wished) = match wish {
-        SourceChoice::Lines => return Source::Lines(None),
+        SourceChoice::Lines => return FieldSource::Lines(None),
         SourceChoice::Automatic => (BUDGET, false),
         SourceChoice::Sheet => (BUDGET_ON_REQUEST, true),
     };
     let reason = match grid(plate).cost(plate, sample_rate_hz) {
-        Ok(cost) if cost.updates_per_second() <= budget => return Source::Sheet,
+        Ok(cost) if cost.updates_per_second() <= budget => return FieldSource::Sheet,
         Ok(cost) => {
             format!("the sheet would take {:.0e} cell updates a second", cost.updates_per_second())
         }
         Err(SheetError::Bends { .. }) => "a plate in bending is no stretched sheet".to_owned(),
         Err(error) => error.to_string(),
     };
-    Source::Lines(is_wished.then_some(reason))
+    FieldSource::Lines(is_wished.then_some(reason))
 }
 
 #[cfg(test)]
@@ -85,14 +85,16 @@ mod tests {
     fn slow_plates_get_the_sheet_and_stiff_ones_the_lines() {
         let of = |name: &str, wish| source(&slipline_plate::preset(name).unwrap(), 400e3, wish);
         for name in ["membrane", "paper-rubber"] {
-            assert_eq!(of(name, SourceChoice::Automatic), Source::Sheet, "{name}");
-            assert_eq!(of(name, SourceChoice::Lines), Source::Lines(None), "{name}");
+            assert_eq!(of(name, SourceChoice::Automatic), FieldSource::Sheet, "{name}");
+            assert_eq!(of(name, SourceChoice::Lines), FieldSource::Lines(None), "{name}");
         }
         for name in ["al-bending", "al-sh"] {
-            assert_eq!(of(name, SourceChoice::Automatic), Source::Lines(None), "{name}");
+            assert_eq!(of(name, SourceChoice::Automatic), FieldSource::Lines(None), "{name}");
         }
-        assert_eq!(of("al-sh", SourceChoice::Sheet), Source::Sheet);
-        let Source::Lines(Some(reason)) = of("al-bending", SourceChoice::Sheet) else { panic!("it bends") };
+        assert_eq!(of("al-sh", SourceChoice::Sheet), FieldSource::Sheet);
+        let FieldSource::Lines(Some(reason)) = of("al-bending", SourceChoice::Sheet) else {
+            panic!("it bends")
+        };
         assert!(reason.contains("bending"), "{reason}");
     }
 }

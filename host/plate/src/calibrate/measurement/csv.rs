@@ -13,9 +13,9 @@
 //! may the column of the headroom or a number in it. Columns are separated by commas, semicolons or tabs.
 
 use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
-use super::table::{ANY, LineError, Row, lines, number, shown, wrong};
 use crate::calibrate::error::CalibrateError;
 use crate::quantity::{WrongCount, must_be, nearest};
+use crate::text_table::{ANY, BadLine, Row, lines, number, shown, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
 use thiserror::Error;
@@ -30,7 +30,7 @@ const FIELDS: [&str; 5] = ["place_m", "place_tolerance_m", "sensor", "unit_per_r
 pub enum CsvError {
     /// A line that cannot be read.
     #[error(transparent)]
-    Line(#[from] LineError),
+    Line(#[from] BadLine),
     /// A field that is needed is absent.
     #[error("{field} is missing: write a line \"# {field} = ...\" above the table")]
     Missing {
@@ -144,7 +144,7 @@ impl Measurement {
     }
 }
 
-fn point(row: &Row<&str>) -> Result<MeasuredPoint, LineError> {
+fn point(row: &Row<&str>) -> Result<MeasuredPoint, BadLine> {
     let count = row.cells.len();
     if !(4..=COLUMNS.len()).contains(&count) {
         return Err(wrong(row.line, must_be(format_args!("the row has {count} numbers"), "4 or 5")));

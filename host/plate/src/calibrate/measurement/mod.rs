@@ -7,4 +7,3 @@ pub(crate) mod drive_check;
 pub(crate) mod foreign;
 pub(crate) mod sensor;
 pub(crate) mod signal;
-pub(crate) mod table;

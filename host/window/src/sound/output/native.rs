@@ -1,15 +1,16 @@
 //! Sound by the system's own interface.
 
-use crate::sound::system::Source;
+use crate::sound::system::SampleSource;
+use anyhow::Context as _;
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use std::sync::mpsc::channel;
 
 /// Plays what `source` gives until it ends. Calls `playing` once it plays.
-pub(in crate::sound) fn run(playing: &dyn Fn(), mut source: Source) -> Result<(), String> {
-    let device = cpal::default_host().default_output_device().ok_or("this computer has no sound output")?;
-    let supported = device.default_output_config().map_err(|error| error.to_string())?;
+pub(in crate::sound) fn run(playing: &dyn Fn(), mut source: SampleSource) -> anyhow::Result<()> {
+    let device = cpal::default_host().default_output_device().context("this computer has no sound output")?;
+    let supported = device.default_output_config()?;
     if supported.sample_format() != cpal::SampleFormat::F32 {
-        return Err(format!("the sound output takes {}, not floats", supported.sample_format()));
+        anyhow::bail!("the sound output takes {}, not floats", supported.sample_format());
     }
     let config = supported.config();
     let (channels, rate_hz) = (usize::from(config.channels), f64::from(config.sample_rate));
@@ -27,10 +28,10 @@ pub(in crate::sound) fn run(playing: &dyn Fn(), mut source: Source) -> Result<()
         }
     };
     let fail = move |error: cpal::Error| {
-        let _ = failed.send(Err(error.to_string()));
+        let _ = failed.send(Err(error.into()));
     };
-    let stream = device.build_output_stream(config, fill, fail, None).map_err(|error| error.to_string())?;
-    stream.play().map_err(|error| error.to_string())?;
+    let stream = device.build_output_stream(config, fill, fail, None)?;
+    stream.play()?;
     playing();
     end.recv().unwrap_or(Ok(()))
 }

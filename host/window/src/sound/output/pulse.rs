@@ -1,6 +1,7 @@
 //! Sound by the protocol of PulseAudio.
 
-use crate::sound::system::Source;
+use crate::sound::system::SampleSource;
+use anyhow::anyhow;
 use futures::executor::block_on;
 use pulseaudio::protocol::stream::{BufferAttr, StreamFlags};
 use pulseaudio::protocol::{ChannelMap, PlaybackStreamParams, SampleFormat, SampleSpec};
@@ -13,7 +14,7 @@ const SAMPLE: usize = size_of::<f32>();
 const AHEAD: u32 = RATE_HZ / 25;
 
 /// Plays what `source` gives until it ends. Calls `playing` once it plays.
-pub(in crate::sound) fn run(playing: &dyn Fn(), mut source: Source) -> Result<(), String> {
+pub(in crate::sound) fn run(playing: &dyn Fn(), mut source: SampleSource) -> anyhow::Result<()> {
     let client = Client::from_env(c"Slipline").map_err(|error| explain(&error))?;
     let params = PlaybackStreamParams {
         sample_spec: SampleSpec { format: SampleFormat::Float32Le, channels: 1, sample_rate: RATE_HZ },
@@ -46,15 +47,15 @@ pub(in crate::sound) fn run(playing: &dyn Fn(), mut source: Source) -> Result<()
     block_on(stream.source_eof()).map_err(|error| explain(&error))
 }
 
-fn explain(error: &pulseaudio::ClientError) -> String {
+fn explain(error: &pulseaudio::ClientError) -> anyhow::Error {
     use pulseaudio::ClientError;
     match error {
-        ClientError::ServerUnavailable => "neither PulseAudio nor PipeWire is running here".to_owned(),
-        ClientError::Io(error) => format!("the sound server cannot be reached: {error}"),
-        ClientError::Disconnected => "the sound server has ended the connection".to_owned(),
-        ClientError::ServerError(error) => format!("the sound server refuses: {error}"),
+        ClientError::ServerUnavailable => anyhow!("neither PulseAudio nor PipeWire is running here"),
+        ClientError::Io(error) => anyhow!("the sound server cannot be reached: {error}"),
+        ClientError::Disconnected => anyhow!("the sound server has ended the connection"),
+        ClientError::ServerError(error) => anyhow!("the sound server refuses: {error}"),
         ClientError::UnexpectedSequenceNumber | ClientError::Protocol(_) => {
-            "the sound server gives an answer that is not understood".to_owned()
+            anyhow!("the sound server gives an answer that is not understood")
         }
     }
 }

@@ -13,7 +13,7 @@ use crate::view::plots::response::inks::ink;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Label, RichText, Sense, vec2};
-use slipline_instrument::calibration::{Calibration, Step};
+use slipline_instrument::calibration::{CalibrationWizard, WizardPage};
 use slipline_model::response::Headroom;
 use slipline_plate::quantity::show_place;
 
@@ -25,23 +25,25 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let step = calibration.step;
     ui.horizontal(|ui| {
         ui.heading(format!("Calibrate: {}", lower(step.title())));
-        ui.label(RichText::new(format!("{} of {}", step.number(), Step::ALL.len())).color(palette.weak));
+        ui.label(
+            RichText::new(format!("{} of {}", step.number(), WizardPage::ALL.len())).color(palette.weak),
+        );
     });
     ui.add_space(6.0);
     match step {
-        Step::Plate => known::show(ui, calibration, view, intents),
-        Step::FirstPlace => {
+        WizardPage::Plate => known::show(ui, calibration, view, intents),
+        WizardPage::FirstPlace => {
             place(ui, calibration, 0);
             signal::show(ui, scene);
         }
-        Step::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
-        Step::SecondPlace => {
+        WizardPage::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
+        WizardPage::SecondPlace => {
             place(ui, calibration, 1);
             signal::show(ui, scene);
             ui.add_space(6.0);
             answer(ui, scene, view, calibration, 1, intents);
         }
-        Step::Result => result::show(ui, shown, intents),
+        WizardPage::Result => result::show(ui, shown, intents),
     }
 }
 
@@ -55,7 +57,7 @@ fn wrapped(ui: &mut egui::Ui, text: impl Into<RichText>) {
 }
 
 /// Where to put the sensor: a drawing and a sentence.
-fn place(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) {
+fn place(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: usize) {
     let place_m = calibration.places_m()[sensor];
     let there = show_place(place_m);
     let text = if sensor == 0 {
@@ -76,7 +78,7 @@ fn answer(
     ui: &mut egui::Ui,
     scene: &Scene<'_>,
     view: &mut ViewState,
-    calibration: &Calibration,
+    calibration: &CalibrationWizard,
     sensor: usize,
     intents: &mut Intents,
 ) {

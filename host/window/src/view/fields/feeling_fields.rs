@@ -3,11 +3,12 @@
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::field::{Fields, InputField, labelled};
+use crate::view::fields::refusal::Refusal;
 use eframe::egui;
 use slipline_model::setup::Setup;
-use slipline_model::setup::edit::{self, Edit};
+use slipline_model::setup::edit::Edit;
 use slipline_plate::feeling::Feeling;
-use slipline_plate::quantity::{self, NotAllowed, QuantityError, must_be, show_length};
+use slipline_plate::quantity::{self, QuantityError, show_length};
 
 /// One value of [`Feeling`].
 struct Value {
@@ -76,20 +77,12 @@ fn plain(value: f64) -> String {
 }
 
 impl Value {
-    /// The edit for a typed text, or the reason of the refusal: the problem and the allowed range.
-    fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, String> {
-        let Self { name, allowed, .. } = self;
-        let value = (self.read)(text).map_err(|mistake| {
-            let refusal = NotAllowed { mistake: Some(mistake), allowed };
-            format!("{name}: {refusal}")
-        })?;
+    /// The edit for a typed text.
+    fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, Refusal> {
+        let value = Refusal::read(self.name, text, self.allowed, self.read)?;
         let mut feeling = setup.feeling;
         (self.set)(&mut feeling, value);
-        let edit = Edit::Feeling(feeling);
-        match edit::apply(setup, &edit) {
-            Ok(_) => Ok(edit),
-            Err(_) => Err(must_be(format_args!("{name} {}", text.trim()), allowed)),
-        }
+        Refusal::check(setup, Edit::Feeling(feeling), self.name, text, self.allowed)
     }
 }
 

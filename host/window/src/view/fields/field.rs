@@ -3,6 +3,7 @@
 use crate::view::theme;
 use eframe::egui::{self, Id, Key, RichText};
 use std::collections::HashMap;
+use std::fmt::Display;
 
 /// The texts of the fields that are being edited.
 #[derive(Default)]
@@ -32,11 +33,11 @@ pub(crate) struct InputField<'a> {
 impl InputField<'_> {
     /// Shows the field, with the reason of a refusal under it. The text goes through `take` on Enter or when the
     /// field loses the focus.
-    pub(crate) fn show<T>(
+    pub(crate) fn show<T, E: Display>(
         self,
         ui: &mut egui::Ui,
         fields: &mut Fields,
-        take: impl FnOnce(&str) -> Result<T, String>,
+        take: impl FnOnce(&str) -> Result<T, E>,
     ) -> Option<T> {
         ui.vertical(|ui| {
             let mut reason = None;
@@ -53,12 +54,12 @@ impl InputField<'_> {
     }
 
     /// Shows the field alone; the caller shows the reason where there is space for it.
-    pub(crate) fn show_apart<T>(
+    pub(crate) fn show_apart<T, E: Display>(
         self,
         ui: &mut egui::Ui,
         fields: &mut Fields,
         reason: &mut Option<String>,
-        take: impl FnOnce(&str) -> Result<T, String>,
+        take: impl FnOnce(&str) -> Result<T, E>,
     ) -> Option<T> {
         let id = ui.scope_id().with(("field", self.name));
         ui.vertical(|ui| {
@@ -101,7 +102,8 @@ impl InputField<'_> {
                             fields.texts.remove(&id);
                             error = None;
                         }
-                        Err(reason) => {
+                        Err(refusal) => {
+                            let reason = refusal.to_string();
                             let over = self.value.to_owned();
                             fields.texts.insert(id, Typing { text, error: Some(reason.clone()), over });
                             error = Some(reason);

@@ -7,7 +7,7 @@ use crate::view::fields::field::Fields;
 use crate::view::fields::sensor_fields::{kind, number, place, refusal};
 use crate::view::theme;
 use eframe::egui::{self, Label, RichText};
-use slipline_instrument::measured_file::Told;
+use slipline_instrument::measured_file::ForeignMetadata;
 use slipline_plate::calibrate::SNR;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Range, plain, show_frequency};
@@ -24,13 +24,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         wrapped(ui, RichText::new(&asked.name).strong());
         wrapped(ui, RichText::new(sentence(&asked.content)).small().color(palette.weak));
         ui.add_space(2.0);
-        let stated = asked.told;
+        let stated = asked.metadata;
         let mut reason = None;
         ui.horizontal_top(|ui| {
             let field = ("Sensor stood at", "Where it stood, from the driven end (32 mm)", 82.0);
             let at = (stated.place_m, scene.setup.plate.length_m());
             if let Some(place_m) = place(ui, typed, &mut reason, field, at) {
-                ask(MeasureIntent::Tell(Told { place_m, ..stated }));
+                ask(MeasureIntent::Describe(ForeignMetadata { place_m, ..stated }));
             }
             if let AskedContent::Recording { wav, .. } = &asked.content {
                 let shown = asked.channel.to_string();
@@ -47,11 +47,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
                 let of_noise = (shown.as_str(), "signal over noise", SNR);
                 let read = |text: &str| plain(text, "dB");
                 if let Some(snr_db) = number(ui, typed, &mut reason, field, of_noise, read) {
-                    ask(MeasureIntent::Tell(Told { snr_db, ..stated }));
+                    ask(MeasureIntent::Describe(ForeignMetadata { snr_db, ..stated }));
                 }
             }
             if let Some(kind) = kind(ui, "It showed", stated.kind) {
-                ask(MeasureIntent::Tell(Told { kind: Some(kind), ..stated }));
+                ask(MeasureIntent::Describe(ForeignMetadata { kind: Some(kind), ..stated }));
             }
         });
         refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
@@ -106,7 +106,7 @@ fn sentence(content: &AskedContent) -> String {
 
 /// What the user must state or wait for before the file can be taken.
 fn missing(asked: &Asked) -> Option<&'static str> {
-    if asked.told.kind.is_none() {
+    if asked.metadata.kind.is_none() {
         return Some("Choose what the sensor showed first");
     }
     match &asked.content {

@@ -9,6 +9,7 @@ pub(crate) mod foreign_form;
 pub(crate) mod hold_fields;
 pub(crate) mod measure_form;
 pub(crate) mod place_field;
+pub(crate) mod refusal;
 pub(crate) mod sensor_fields;
 pub(crate) mod slider;
 pub(crate) mod sound;

@@ -3,7 +3,8 @@
 use crate::scene::Scene;
 use slipline_model::field::line::{limits_m, turning_point_m};
 use slipline_model::setup::ToneSetup;
-use slipline_plate::quantity::{self, PlaceOrFrequency, show_frequency};
+use slipline_plate::quantity::{self, PlaceOrFrequency, QuantityError, show_frequency};
+use thiserror::Error;
 
 /// A place at a limit must not be refused because of rounding in the text, which shows tenths of a millimetre.
 const ROUNDING_M: f64 = 6e-5;
@@ -20,33 +21,41 @@ pub(crate) fn allowed(scene: &Scene<'_>, (low_m, high_m): (f64, f64)) -> String 
     )
 }
 
-/// The turning point of a tone whose line is to be at a typed place, or whose frequency is typed; or the problem, and what
-/// is allowed.
-pub(crate) fn typed_position(scene: &Scene<'_>, tone: &ToneSetup, text: &str) -> Result<f64, String> {
+/// Why a typed place is not taken; each with what is allowed.
+#[derive(Debug, Error)]
+pub(crate) enum PlaceRefusal {
+    #[error("{0}. Type {1}.")]
+    Unreadable(QuantityError, String),
+    #[error("{} cannot enter this plate: its cut-off is {}. Type {allowed}.", show_frequency(*.hz), show_frequency(*.cut_off_hz))]
+    CutOff { hz: f64, cut_off_hz: f64, allowed: String },
+    #[error("outside {0}")]
+    Outside(String),
+}
+
+/// The turning point of a tone whose line is to be at a typed place, or whose frequency is typed.
+pub(crate) fn typed_position(scene: &Scene<'_>, tone: &ToneSetup, text: &str) -> Result<f64, PlaceRefusal> {
     let limits_m = limits_m(scene.setup, tone, scene.drive_table);
-    let refused = |reason: &str| format!("{reason}. Type {}.", allowed(scene, limits_m));
+    let allowed = || allowed(scene, limits_m);
     let plate = &scene.setup.plate;
-    match quantity::place_or_frequency(text).map_err(|error| refused(&error.to_string()))? {
+    match quantity::place_or_frequency(text).map_err(|error| PlaceRefusal::Unreadable(error, allowed()))? {
         PlaceOrFrequency::Place(place_m) => {
             if !(limits_m.0 - ROUNDING_M..=limits_m.1 + ROUNDING_M).contains(&place_m) {
-                return Err(format!("outside {}", allowed(scene, limits_m)));
+                return Err(PlaceRefusal::Outside(allowed()));
             }
             let place_m = place_m.clamp(limits_m.0, limits_m.1);
             Ok(turning_point_m(scene.setup, tone, scene.drive_table, place_m))
         }
         PlaceOrFrequency::Frequency(hertz) => {
-            let position_m = plate.turning_point_m(hertz).ok_or_else(|| {
-                let cut_off = show_frequency(plate.cut_off_hz());
-                refused(&format!(
-                    "{} cannot enter this plate: its cut-off is {cut_off}",
-                    show_frequency(hertz)
-                ))
+            let position_m = plate.turning_point_m(hertz).ok_or_else(|| PlaceRefusal::CutOff {
+                hz: hertz,
+                cut_off_hz: plate.cut_off_hz(),
+                allowed: allowed(),
             })?;
             let (start_m, end_m) = plate.span_m();
             if (start_m - ROUNDING_M..=end_m + ROUNDING_M).contains(&position_m) {
                 Ok(position_m)
             } else {
-                Err(format!("outside {}", allowed(scene, limits_m)))
+                Err(PlaceRefusal::Outside(allowed()))
             }
         }
     }

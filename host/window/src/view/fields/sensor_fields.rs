@@ -2,6 +2,7 @@
 
 use crate::view::fields::field::{Fields, InputField};
 use crate::view::theme;
+use anyhow::anyhow;
 use eframe::egui::{self, RichText};
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::quantity::{self, OutOfRange, QuantityError, Range, show_place};
@@ -19,9 +20,9 @@ pub(crate) fn number(
     read: impl FnOnce(&str) -> Result<f64, QuantityError>,
 ) -> Option<f64> {
     let field = InputField { name, value, hint, width, caption: Some(name), is_live: false };
-    field.show_apart(ui, fields, reason, |text| {
-        let number = read(text).map_err(|error| error.to_string())?;
-        OutOfRange::check(term, number, range).map_err(|error| error.in_suitable_units())?;
+    field.show_apart(ui, fields, reason, |text| -> anyhow::Result<f64> {
+        let number = read(text)?;
+        OutOfRange::check(term, number, range).map_err(|error| anyhow!(error.in_suitable_units()))?;
         Ok(number)
     })
 }

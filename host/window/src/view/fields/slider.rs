@@ -3,11 +3,12 @@
 
 use crate::intent::{Intent, Intents};
 use crate::view::fields::field::{Fields, InputField};
+use crate::view::fields::refusal::Refusal;
 use crate::view::theme;
 use eframe::egui::{self, RichText, Slider};
-use slipline_model::setup::edit::{self, Edit};
+use slipline_model::setup::edit::Edit;
 use slipline_model::setup::{MASTER_SLIDER_MIN_DB, Setup};
-use slipline_plate::quantity::{self, NotAllowed, QuantityError, must_be, ticks};
+use slipline_plate::quantity::{self, QuantityError, ticks};
 use std::ops::RangeInclusive;
 
 /// A value that a slider and a field show and change.
@@ -86,18 +87,10 @@ impl<'a> Quantity<'a> {
         }
     }
 
-    /// The edit for a typed text, or the reason of the refusal: the problem and the allowed range.
-    fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, String> {
-        let Self { field, allowed, .. } = self;
-        let value = (self.read)(text).map_err(|mistake| {
-            let refusal = NotAllowed { mistake: Some(mistake), allowed };
-            format!("{field}: {refusal}")
-        })?;
-        let edit = (self.edit)(value);
-        match edit::apply(setup, &edit) {
-            Ok(_) => Ok(edit),
-            Err(_) => Err(must_be(format_args!("{field} {}", text.trim()), allowed)),
-        }
+    /// The edit for a typed text.
+    fn typed(&self, setup: &Setup, text: &str) -> Result<Edit, Refusal> {
+        let value = Refusal::read(&self.field, text, self.allowed, self.read)?;
+        Refusal::check(setup, (self.edit)(value), &self.field, text, self.allowed)
     }
 
     /// Shows the slider, the field beside it, and the reason of a refusal under both.
@@ -156,14 +149,8 @@ impl FreeSlider<'_> {
             let width = VALUE - FIELD_EDGES;
             let field = InputField { name, value: &shown, hint: &hint, width, caption: None, is_live: false };
             let typed = field.show_apart(ui, fields, &mut reason, |text| {
-                let value = read(text).map_err(|mistake| {
-                    let refusal = NotAllowed { mistake: Some(mistake), allowed: &allowed };
-                    format!("{name}: {refusal}")
-                })?;
-                let is_allowed = range.contains(&value);
-                is_allowed
-                    .then_some(value)
-                    .ok_or_else(|| must_be(format_args!("{name} {}", text.trim()), &allowed))
+                let value = Refusal::read(name, text, &allowed, read)?;
+                range.contains(&value).then_some(value).ok_or_else(|| Refusal::beyond(name, text, &allowed))
             });
             chosen = typed.or(chosen);
         });
@@ -216,6 +203,7 @@ fn slide(ui: &mut egui::Ui, name: &str, slider: Slider<'_>, help: &str) -> egui:
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipline_model::setup::edit;
     use slipline_model::setup::{GLIDE_RANGE_S, MASTER_MIN_DB};
 
     #[test]

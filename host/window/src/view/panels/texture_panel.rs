@@ -3,6 +3,7 @@
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::field::{InputField, row};
+use crate::view::fields::refusal::Refusal;
 use crate::view::panels::texture_plot;
 use crate::view::state::ViewState;
 use crate::view::theme;
@@ -50,10 +51,9 @@ fn fields(
 ) -> Option<WishDraft> {
     let mut changed = None;
     let mut reason = None;
-    let length = |text: &str| quantity::length_m(text).map_err(|error| error.to_string());
     let mut field = |ui: &mut egui::Ui,
                      (name, value, hint): (&str, &str, &str),
-                     take: &dyn Fn(&str) -> Result<WishDraft, String>| {
+                     take: &dyn Fn(&str) -> anyhow::Result<WishDraft>| {
         let field = InputField { name, value, hint, width: 92.0, caption: Some(name), is_live: false };
         let taken = field.show_apart(ui, &mut view.fields, &mut reason, take);
         changed = taken.or(changed.take());
@@ -62,23 +62,20 @@ fn fields(
         match draft.kind {
             WishKind::Solid => {
                 let value = show_place(draft.felt_edge_m);
-                let take = |text: &str| Ok(WishDraft { felt_edge_m: length(text)?, ..draft.clone() });
+                let take = |text: &str| Ok(WishDraft { felt_edge_m: quantity::length_m(text)?, ..draft.clone() });
                 field(ui, ("Felt to", &value, "Where the even area ends, as a place (200 mm, 20 cm)"), &take);
             }
             WishKind::Stripes => {
                 let value = show_length(draft.stripes_m);
-                let take = |text: &str| Ok(WishDraft { stripes_m: length(text)?, ..draft.clone() });
+                let take = |text: &str| Ok(WishDraft { stripes_m: quantity::length_m(text)?, ..draft.clone() });
                 field(ui, ("Distance", &value, "From stripe to stripe, as a length (12 mm)"), &take);
             }
             WishKind::Beat => {
                 let value = show_place(draft.beat_place_m);
-                let take = |text: &str| Ok(WishDraft { beat_place_m: length(text)?, ..draft.clone() });
+                let take = |text: &str| Ok(WishDraft { beat_place_m: quantity::length_m(text)?, ..draft.clone() });
                 field(ui, ("Place", &value, "Up to where both tones go, as a place (120 mm)"), &take);
                 let value = show_frequency(draft.beat_hz);
-                let take = |text: &str| {
-                    let beat_hz = quantity::frequency_hz(text).map_err(|error| error.to_string())?;
-                    Ok(WishDraft { beat_hz, ..draft.clone() })
-                };
+                let take = |text: &str| Ok(WishDraft { beat_hz: quantity::frequency_hz(text)?, ..draft.clone() });
                 field(ui, ("Beat", &value, "How fast it swells and fades: 1 Hz to 1 kHz"), &take);
             }
             WishKind::Profile => {
@@ -97,7 +94,7 @@ fn fields(
             let value = draft.most.to_string();
             let take = |text: &str| match text.trim().parse() {
                 Ok(most) if (1..=TONES_MAX).contains(&most) => Ok(WishDraft { most, ..draft.clone() }),
-                _ => Err(quantity::must_be(format_args!("tones at most {}", text.trim()), "1 to 16")),
+                _ => Err(Refusal::beyond("tones at most", text, "1 to 16").into()),
             };
             field(ui, ("Tones at most", &value, "How many tones it may take: 1 to 16. More come nearer to what is wanted"), &take);
         }

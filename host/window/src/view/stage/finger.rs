@@ -1,7 +1,7 @@
 //! The finger on the plate: its choice, and its handle on the stage.
 
 use crate::axis::Axis;
-use crate::intent::{Grab, Held, Intent, Intents};
+use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::stage::handle;
 use crate::view::state::ViewState;
@@ -72,13 +72,13 @@ pub(crate) fn handle(
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
     response.widget_info(|| egui::WidgetInfo::slider(true, finger.place_m * 1e3, "Finger"));
     let response = response.on_hover_text(HANDLE_HELP);
-    let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Finger);
+    let is_held = scene.grab.is_some_and(|grab| grab.held == Dragged::Finger);
     if response.is_pointer_button_down_on()
         && !is_held
         && let Some(pointer) = response.interact_pointer_pos()
     {
         response.request_focus();
-        intents.push(Intent::Grab(Grab { held: Held::Finger, axis: *axis, offset: pointer.x - x }));
+        intents.push(Intent::Grab(Grab { held: Dragged::Finger, axis: *axis, offset: pointer.x - x }));
     }
     if response.has_focus() {
         let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };

@@ -3,7 +3,7 @@
 use super::flag::{Flag, flag_of};
 use super::handle;
 use super::layout::Layout;
-use crate::intent::{Grab, Held, Intent, Intents};
+use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::state::ViewState;
 use crate::view::theme::{self, HANDLE};
@@ -37,7 +37,7 @@ pub(super) fn show(
     let response = ui
         .interact(Rect::from_x_y_ranges(column, rows), id, Sense::click_and_drag())
         .on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
-    let is_held = scene.grab.is_some_and(|grab| grab.held == Held::Tone(slot));
+    let is_held = scene.grab.is_some_and(|grab| grab.held == Dragged::Tone(slot));
     let name = handle_name(scene, slot);
     response.widget_info(|| egui::WidgetInfo::slider(true, line.place_m * 1e3, &name));
     let response = response.on_hover_text(LINE_HELP);
@@ -47,7 +47,11 @@ pub(super) fn show(
     {
         response.request_focus();
         intents.push(Intent::Select(slot));
-        intents.push(Intent::Grab(Grab { held: Held::Tone(slot), axis: layout.axis, offset: pointer.x - x }));
+        intents.push(Intent::Grab(Grab {
+            held: Dragged::Tone(slot),
+            axis: layout.axis,
+            offset: pointer.x - x,
+        }));
     }
     if response.has_focus() {
         // Left and right move the boundary instead of the focus.

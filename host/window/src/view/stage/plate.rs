@@ -12,7 +12,7 @@ use crate::view::theme;
 use eframe::egui::{self, Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use slipline_link::protocol::event::State;
 use slipline_model::field::displacement_map::slow_factor;
-use slipline_model::field::sheet::Source;
+use slipline_model::field::sheet::FieldSource;
 use slipline_model::field::steady_field::full_colour_m;
 use slipline_plate::quantity::show_length;
 use std::sync::Arc;
@@ -73,7 +73,7 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
                 shown.on_hover_text(
                     "Modal lines: a finger that moves would make another 2-D sheet, which begins at rest",
                 );
-            } else if let Some(Source::Lines(Some(reason))) = &scene.background.source {
+            } else if let Some(FieldSource::Lines(Some(reason))) = &scene.background.source {
                 shown.on_hover_text(format!("Modal lines: {reason}"));
             }
         });

@@ -102,8 +102,8 @@ fn the_noise_that_is_told_is_the_noise_that_there_is() {
     for _ in 0..8 {
         let (quiet, noise) = (draw(4096), draw(VALUES));
         let noisy: Vec<f64> = clean.iter().zip(&noise).map(|(y, n)| y + n).collect();
-        for (hz, (response, told)) in frequencies().into_iter().zip(found(&noisy, &quiet, &GATE)) {
-            square += (response - truth(hz)).norm_sqr() / (2.0 * told * told);
+        for (hz, (response, message)) in frequencies().into_iter().zip(found(&noisy, &quiet, &GATE)) {
+            square += (response - truth(hz)).norm_sqr() / (2.0 * message * message);
             count += 1.0;
         }
     }

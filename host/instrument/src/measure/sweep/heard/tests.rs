@@ -152,7 +152,7 @@ fn a_recorders_clock_start_and_gain_are_found_and_the_responses_are_those_of_the
     for (clock, lead_s) in [(0.0, 0.9), (150e-6, 0.713_21), (-320e-6, 2.0), (47.3e-6, 0.03)] {
         let heard = Recorder { clock, lead_s, ..HEALTHY }.heard().unwrap();
         let error = (heard.clock - clock).abs();
-        println!("{} ppm: {:e} off, told {:e}", 1e6 * clock, error, heard.clock_deviation);
+        println!("{} ppm: {:e} off, message {:e}", 1e6 * clock, error, heard.clock_deviation);
         assert!(error < 4.0 * heard.clock_deviation + 1e-8 && heard.clock_deviation < 1e-6);
         let begin_s = lead_s + SWEEP.lead as f64 / DEVICE_HZ;
         assert!((heard.begin_s - begin_s).abs() < 0.1 * SWEEP.chirp.ring_s, "{}", heard.begin_s);
@@ -215,15 +215,15 @@ fn a_gain_that_follows_the_level_is_refused() {
         let size = value.abs();
         if size > 0.02 { value.signum() * (0.02 * size).sqrt() } else { value }
     };
-    let told = Recorder { bend: compressed, ..HEALTHY }.refused();
+    let message = Recorder { bend: compressed, ..HEALTHY }.refused();
     assert!(
-        told.starts_with("the sweep at half the level is recorded") && told.contains("too loud"),
-        "{told}"
+        message.starts_with("the sweep at half the level is recorded") && message.contains("too loud"),
+        "{message}"
     );
     // An automatic gain that has risen by the second sweep.
     let turned = |value: f64, seconds: f64| if seconds > 4.0 { 1.1 * value } else { value };
-    let told = Recorder { bend: turned, ..HEALTHY }.refused();
-    assert!(told.contains("0.8 dB too loud"), "{told}");
+    let message = Recorder { bend: turned, ..HEALTHY }.refused();
+    assert!(message.contains("0.8 dB too loud"), "{message}");
     // One that drifts by a tenth of a decibel is let pass.
     let drifted = |value: f64, seconds: f64| if seconds > 4.0 { 1.01 * value } else { value };
     assert!(Recorder { bend: drifted, ..HEALTHY }.heard().is_ok());
@@ -253,9 +253,9 @@ fn what_is_no_recording_of_the_sweep_is_refused_and_told() {
         matches!(short, HeardError::TooShort { missing_s } if missing_s > 0.1 && missing_s < 1.0),
         "{short:?}"
     );
-    let told = Recorder { clock: 1.2e-3, ..HEALTHY }.refused();
-    println!("{told}");
+    let message = Recorder { clock: 1.2e-3, ..HEALTHY }.refused();
+    println!("{message}");
     let sound = Sound { rate_hz: 100.0, ..sound };
-    let told = HeardSweep::new(&sound, &SWEEP).unwrap_err().to_string();
-    assert!(told.starts_with("0 of the frequencies are below 45.0 Hz"), "{told}");
+    let message = HeardSweep::new(&sound, &SWEEP).unwrap_err().to_string();
+    assert!(message.starts_with("0 of the frequencies are below 45.0 Hz"), "{message}");
 }

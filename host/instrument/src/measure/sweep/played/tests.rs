@@ -54,7 +54,7 @@ fn a_description_is_read_as_it_was_written_and_its_mistakes_name_their_field_and
         let line = text.lines().find(|line| line.starts_with(field)).unwrap();
         PlayedSweep::from_toml(&text.replace(line, &format!("{field} = {value}"))).unwrap_err().to_string()
     };
-    for (field, value, told) in [
+    for (field, value, message) in [
         ("slipline_sweep", "2", "slipline_sweep = 2: must be 1"),
         ("sample_rate_hz", "1.0", "sample_rate_hz = 1 Hz: must be 8000 to 1000000 Hz"),
         ("sample_rate_hz", "nan", "sample_rate_hz = NaN Hz: must be 8000 to 1000000 Hz"),
@@ -79,7 +79,7 @@ fn a_description_is_read_as_it_was_written_and_its_mistakes_name_their_field_and
         ("gain", "\"loud\"", "no description of a sweep, as slipline sweep writes it: "),
     ] {
         let found = changed(field, value);
-        assert!(found.starts_with(told), "{told}\n{found}");
+        assert!(found.starts_with(message), "{message}\n{found}");
     }
     assert!(PlayedSweep::from_toml("[plate]").is_err());
 }

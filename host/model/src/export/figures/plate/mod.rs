@@ -13,7 +13,7 @@ use super::page::{Anchor, BLACK, HUES, Ink, Page, Pen, Place};
 use super::plot::{TEXT, TITLE};
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{POINTS, SteadyField, displacement_unit, envelope_top_m, full_colour_m};
-use crate::field::time_domain::Measured;
+use crate::field::time_domain::SimulatedField;
 use crate::jobs::Task;
 use crate::setup::{BoundaryMode, Setup};
 use layout::Layout;
@@ -43,7 +43,7 @@ pub struct Subject {
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<Frame>,
     /// The envelope of the simulated plate.
-    pub measured: Option<Measured>,
+    pub measured: Option<SimulatedField>,
     /// The table's peak at level 1, in metres.
     pub full_peak_m: f64,
     /// Whether the plate is coloured by its largest displacement, not by the present one.
@@ -196,7 +196,7 @@ impl Figure<'_> {
             if let Some(just_felt_m) = subject.just_felt_m().filter(|&just_felt_m| just_felt_m < top_m) {
                 page.line([at((0.0, just_felt_m)), at((layout.length_m, just_felt_m))], FELT);
             }
-            for point in subject.measured.iter().flat_map(Measured::points) {
+            for point in subject.measured.iter().flat_map(SimulatedField::points) {
                 page.ring(at(point), RING, SIMULATED);
             }
         });

@@ -7,14 +7,14 @@
 //!
 //! All these forms count time as e^(+j omega t): their responses are the conjugates of ours.
 
-mod text_table;
+mod frequency_table;
 mod uff58;
 
 use super::csv::{self, CsvError};
 use super::sensor::{MeasuredPoint, Measurement, SensorKind};
-use super::table::LineError;
 use crate::calibrate::error::CalibrateError;
 use crate::quantity::{OutOfRange, Range};
+use crate::text_table::BadLine;
 use num_complex::Complex64;
 use thiserror::Error;
 
@@ -53,7 +53,7 @@ pub enum FileError {
     Own(#[from] CsvError),
     /// A line that cannot be read.
     #[error(transparent)]
-    Line(#[from] LineError),
+    Line(#[from] BadLine),
     /// No line begins with two numbers.
     #[error(
         "no line has a frequency and a level: write one pair to a line, apart by commas, semicolons, tabs or blanks"
@@ -97,7 +97,7 @@ impl File {
         if csv::is_own(text) {
             return Ok(Self::Own(Measurement::from_csv(text)?));
         }
-        let foreign = if uff58::is_one(text) { uff58::read(text)? } else { text_table::read(text)? };
+        let foreign = if uff58::is_one(text) { uff58::read(text)? } else { frequency_table::read(text)? };
         Ok(Self::Foreign(foreign))
     }
 }
@@ -145,7 +145,7 @@ impl Measurement {
     /// The measurement as `.frd`: lines of frequency in hertz, level in dB and phase in degrees.
     #[must_use]
     pub fn to_frd(&self) -> String {
-        text_table::write(self)
+        frequency_table::write(self)
     }
 
     /// The response in the sensor's unit where that is known, as e^(+j omega t) shows it.

@@ -8,8 +8,8 @@ pub(super) mod binary;
 
 use super::{FileError, Foreign};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
-use crate::calibrate::measurement::table::{FINITE, LineError, number, shown, wrong};
 use crate::quantity::must_be;
+use crate::text_table::{BadLine, FINITE, number, shown, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
 
@@ -39,7 +39,7 @@ struct Dataset<'a> {
 
 impl<'a> Dataset<'a> {
     /// The words of a header line, from 0, and the line's number in the file.
-    fn words(&self, at: usize) -> Result<(usize, Vec<&'a str>), LineError> {
+    fn words(&self, at: usize) -> Result<(usize, Vec<&'a str>), BadLine> {
         let line = self.first + at;
         let content = self.lines.get(at).ok_or_else(|| wrong(line, "the dataset's head is cut off"))?;
         Ok((line, content.split_whitespace().collect()))
@@ -47,7 +47,7 @@ impl<'a> Dataset<'a> {
 }
 
 /// A whole number of a header line.
-fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, LineError> {
+fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, BadLine> {
     let word = word.copied().unwrap_or("nothing");
     word.parse()
         .map_err(|_| wrong(line, must_be(format_args!("{field} = {}", shown(word)), "a whole number")))
@@ -100,7 +100,7 @@ struct Form {
 }
 
 impl Form {
-    fn of(dataset: &Dataset<'_>) -> Result<Self, LineError> {
+    fn of(dataset: &Dataset<'_>) -> Result<Self, BadLine> {
         let (line, words) = dataset.words(5)?;
         let kind = whole(line, "the function's type", words.first())?;
         if !RESPONSES.contains(&kind) {
@@ -147,7 +147,7 @@ impl Form {
     }
 
     /// The function of these numbers.
-    fn points(&self, values: &[f64]) -> Result<Foreign, LineError> {
+    fn points(&self, values: &[f64]) -> Result<Foreign, BadLine> {
         let width = usize::from(!self.is_even) + self.ordinates();
         if Some(values.len()) != self.count.checked_mul(width) {
             let given = format_args!("the dataset of {} points has {} numbers", self.count, values.len());
@@ -170,7 +170,7 @@ impl Form {
     }
 }
 
-fn function(dataset: &Dataset<'_>) -> Result<Foreign, LineError> {
+fn function(dataset: &Dataset<'_>) -> Result<Foreign, BadLine> {
     let form = Form::of(dataset)?;
     let mut values = Vec::new();
     for (at, content) in dataset.lines.iter().enumerate().skip(11) {

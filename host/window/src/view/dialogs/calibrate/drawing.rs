@@ -2,7 +2,7 @@
 
 use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, Pos2, Shape, Stroke, pos2, vec2};
-use slipline_instrument::calibration::Calibration;
+use slipline_instrument::calibration::CalibrationWizard;
 use slipline_plate::quantity::show_place;
 
 /// Height of the drawing in points, and the room beside the plate.
@@ -14,7 +14,7 @@ const POINTS: usize = 64;
 const HELP: &str =
     "The plate from above, the driven end at the left, with the place where the sensor is to be put";
 
-pub(super) fn show(ui: &mut egui::Ui, calibration: &Calibration, sensor: usize) {
+pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: usize) {
     let palette = theme::palette(ui);
     let plate = calibration.plate();
     let (area, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());

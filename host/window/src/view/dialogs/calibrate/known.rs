@@ -6,7 +6,7 @@ use crate::intent::{CalibrateIntent, Intent, Intents};
 use crate::view::fields::field::{InputField, labelled};
 use crate::view::state::ViewState;
 use eframe::egui;
-use slipline_instrument::calibration::Calibration;
+use slipline_instrument::calibration::CalibrationWizard;
 use slipline_plate::calibrate::Calipers;
 use slipline_plate::quantity::{self, OutOfRange, Range, Unit};
 
@@ -17,7 +17,7 @@ const TOLERANCE: Range = Range::new(2e-7, 0.02, "m");
 
 pub(super) fn show(
     ui: &mut egui::Ui,
-    calibration: &Calibration,
+    calibration: &CalibrationWizard,
     view: &mut ViewState,
     intents: &mut Intents,
 ) {

@@ -7,7 +7,7 @@ use crate::scene::CalibrateScene;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_instrument::calibration::Remedy;
-use slipline_instrument::jobs::calibrate::{Found, Refused};
+use slipline_instrument::jobs::calibrate::{CalibrationResult, Refused};
 use slipline_plate::calibrate::Parameter;
 use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{Form as _, show_place};
@@ -42,7 +42,7 @@ fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
     }
 }
 
-fn accepted(ui: &mut egui::Ui, found: &Found) {
+fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
     let palette = theme::palette(ui);
     let calibrated = &found.calibrated;
     let weak = |text: &str| RichText::new(text).small().color(palette.weak);

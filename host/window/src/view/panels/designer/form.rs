@@ -10,7 +10,9 @@ use slipline_plate::PlateError;
 use slipline_plate::design::{Material, material_names};
 use slipline_plate::limits;
 use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
-use slipline_plate::quantity::{self, Caption, FIELD_DIGITS, Measure, Range, Unit, show_range};
+use slipline_plate::quantity::{
+    self, Caption, FIELD_DIGITS, Measure, QuantityError, Range, Unit, frequency_hz, length_m, show_range,
+};
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
@@ -41,10 +43,6 @@ struct Entry {
     hint: String,
 }
 
-fn text_of<E: ToString>(error: E) -> String {
-    error.to_string()
-}
-
 fn millimetres(metres: f64) -> String {
     Unit::Millimetre.written(metres, FIELD_DIGITS)
 }
@@ -54,17 +52,12 @@ fn lengths(allowed: Range) -> String {
 }
 
 /// The typed value, or `None` for an empty text or `auto`.
-fn optional(text: &str, read: impl FnOnce(&str) -> Result<f64, String>) -> Result<Option<f64>, String> {
+fn optional(
+    text: &str,
+    read: impl FnOnce(&str) -> Result<f64, QuantityError>,
+) -> Result<Option<f64>, QuantityError> {
     let text = text.trim();
     if text.is_empty() || text == AUTOMATIC { Ok(None) } else { read(text).map(Some) }
-}
-
-fn length(text: &str) -> Result<f64, String> {
-    quantity::length_m(text).map_err(text_of)
-}
-
-fn frequency(text: &str) -> Result<f64, String> {
-    quantity::frequency_hz(text).map_err(text_of)
 }
 
 impl<'a> Form<'a> {
@@ -89,7 +82,7 @@ impl<'a> Form<'a> {
         &mut self,
         ui: &mut egui::Ui,
         entry: &Entry,
-        take: impl FnOnce(&mut Draft, &str) -> Result<(), String>,
+        take: impl FnOnce(&mut Draft, &str) -> Result<(), QuantityError>,
     ) {
         let Entry { caption: Caption { name, keys, .. }, value, hint } = entry;
         let reason = self.refusal.filter(|refusal| keys.contains(&refusal.field()));
@@ -158,7 +151,7 @@ impl<'a> Form<'a> {
             value: millimetres(draft.thickness_m),
             hint: format!("The sheet's thickness, {}", lengths(limits::THICKNESS)),
         };
-        self.entry(ui, &thickness, |draft, text| length(text).map(|value| draft.thickness_m = value));
+        self.entry(ui, &thickness, |draft, text| length_m(text).map(|value| draft.thickness_m = value));
         let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
         let help = "How the sheet is held at its edges, and so which wave travels on it";
         self.choice(ui, "Wave", (draft.kind, help), kinds, |draft, kind| draft.kind = kind);
@@ -189,9 +182,10 @@ impl<'a> Form<'a> {
         self.entry(ui, &stretch, |draft, text| {
             draft.stretch = match quantity::plain(text, "m/s") {
                 Ok(speed) => Stretch::WaveSpeed(speed),
-                Err(_) => {
-                    Stretch::Tension(quantity::plain(text, "N/m").map_err(|error| format!("{error} or m/s"))?)
-                }
+                Err(_) => Stretch::Tension(quantity::plain(text, "N/m").map_err(|error| match error {
+                    QuantityError::Unit { got, .. } => QuantityError::Unit { got, allowed: "N/m or m/s" },
+                    error => error,
+                })?),
             };
             Ok(())
         });
@@ -205,7 +199,7 @@ impl<'a> Form<'a> {
             value: Unit::Hertz.written(draft.band_hz.0, FIELD_DIGITS),
             hint: "The boundary's lowest frequency, such as 20 kHz".to_owned(),
         };
-        self.entry(ui, &low, |draft, text| frequency(text).map(|value| draft.band_hz.0 = value));
+        self.entry(ui, &low, |draft, text| frequency_hz(text).map(|value| draft.band_hz.0 = value));
         let high = Entry {
             caption: &caption::BAND_HIGH,
             value: Unit::Hertz.written(draft.band_hz.1, FIELD_DIGITS),
@@ -213,13 +207,13 @@ impl<'a> Form<'a> {
                 "The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest",
             ),
         };
-        self.entry(ui, &high, |draft, text| frequency(text).map(|value| draft.band_hz.1 = value));
+        self.entry(ui, &high, |draft, text| frequency_hz(text).map(|value| draft.band_hz.1 = value));
         let long = Entry {
             caption: &caption::LENGTH,
             value: millimetres(draft.length_m),
             hint: format!("From the driven end to the narrow end, {}", lengths(limits::LENGTH)),
         };
-        self.entry(ui, &long, |draft, text| length(text).map(|value| draft.length_m = value));
+        self.entry(ui, &long, |draft, text| length_m(text).map(|value| draft.length_m = value));
     }
 
     /// The values that the library chooses unless the user gives them.
@@ -232,14 +226,14 @@ impl<'a> Form<'a> {
             hint: "From the driven end to the nearest boundary; auto: as much as its peak needs".to_owned(),
         };
         self.entry(ui, &start, |draft, text| {
-            optional(text, length).map(|value| draft.start_margin_m = value)
+            optional(text, length_m).map(|value| draft.start_margin_m = value)
         });
         let end = Entry {
             caption: &caption::END_MARGIN,
             value: automatic(draft.end_margin_m),
             hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs".to_owned(),
         };
-        self.entry(ui, &end, |draft, text| optional(text, length).map(|value| draft.end_margin_m = value));
+        self.entry(ui, &end, |draft, text| optional(text, length_m).map(|value| draft.end_margin_m = value));
         let library = Material::named(draft.material).map_or(0.0, |material| material.loss_factor);
         let loss = Entry {
             caption: &caption::LOSS_FACTOR,
@@ -247,7 +241,7 @@ impl<'a> Form<'a> {
             hint: format!("{}; auto: the library's for this material", limits::LOSS_FACTOR),
         };
         self.entry(ui, &loss, |draft, text| {
-            let plain = |text: &str| quantity::plain(text, "").map_err(text_of);
+            let plain = |text: &str| quantity::plain(text, "");
             optional(text, plain).map(|value| draft.loss_factor = value)
         });
         let scale = Entry {
@@ -256,13 +250,15 @@ impl<'a> Form<'a> {
             hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm"
                 .to_owned(),
         };
-        self.entry(ui, &scale, |draft, text| optional(text, length).map(|value| draft.full_scale_m = value));
+        self.entry(ui, &scale, |draft, text| {
+            optional(text, length_m).map(|value| draft.full_scale_m = value)
+        });
         let rim = Entry {
             caption: &caption::RIM,
             value: millimetres(draft.rim_m),
             hint: format!("Width of the frame's rim, {}", lengths(limits::RIM)),
         };
-        self.entry(ui, &rim, |draft, text| length(text).map(|value| draft.rim_m = value));
+        self.entry(ui, &rim, |draft, text| length_m(text).map(|value| draft.rim_m = value));
         let name = Entry {
             caption: &caption::NAME,
             value: draft.name.clone(),

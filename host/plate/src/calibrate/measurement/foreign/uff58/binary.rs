@@ -6,8 +6,8 @@
 
 use super::super::{FileError, Foreign};
 use super::{Dataset, Form, MARK, is_number, whole};
-use crate::calibrate::measurement::table::{LineError, wrong};
 use crate::quantity::must_be;
+use crate::text_table::{BadLine, wrong};
 
 /// Lines of the head.
 const HEAD: usize = 11;
@@ -77,7 +77,7 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
 }
 
 /// The function of a dataset whose first line is number `at`.
-fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, LineError> {
+fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, BadLine> {
     let words: Vec<&str> = kind.split_whitespace().collect();
     let order = whole(at, "the order of the bytes", words.get(1))?;
     let is_little = match order {
@@ -112,7 +112,7 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Lin
 }
 
 /// The numbers of a dataset's bytes.
-fn values(data: &[u8], form: &Form, is_little: bool, at: usize) -> Result<Vec<f64>, LineError> {
+fn values(data: &[u8], form: &Form, is_little: bool, at: usize) -> Result<Vec<f64>, BadLine> {
     // Abscissa and ordinates of a row: some programs keep the abscissa in the precision of the ordinates, and some in single.
     let ordinates = form.ordinates();
     let abscissas: &[usize] = if form.is_even {

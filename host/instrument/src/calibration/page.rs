@@ -2,7 +2,7 @@
 
 /// A page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Step {
+pub enum WizardPage {
     /// The plate file, and what calipers say of the plate.
     #[default]
     Plate,
@@ -16,7 +16,7 @@ pub enum Step {
     Result,
 }
 
-impl Step {
+impl WizardPage {
     /// All pages in their order.
     pub const ALL: [Self; 5] =
         [Self::Plate, Self::FirstPlace, Self::FirstAnswer, Self::SecondPlace, Self::Result];

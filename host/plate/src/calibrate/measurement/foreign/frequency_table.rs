@@ -3,55 +3,21 @@
 //!
 //! What does not begin with a number, and what begins with `*`, `#` or a quotation mark, is a comment above the table; the last
 //! one that names a frequency is the head of its columns. Without a head three columns are those of `.frd` (Hz, dB, degrees),
-//! and two are decibels if one of the levels is negative. Numbers have a decimal point, or a decimal comma where another sign
-//! separates the columns.
+//! and two are decibels if one of the levels is negative.
 
 use super::{FileError, Foreign, LEVEL};
 use crate::calibrate::measurement::sensor::Measurement;
-use crate::calibrate::measurement::table::{FINITE, LineError, Row, lines, wrong};
 use crate::quantity::{Range, must_be};
+use crate::text_table::{BadLine, FINITE, Row, Separator, cells, lines, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
 
 /// Magnitudes that a file may have: what squares of it still fit into a number.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 
-/// How the cells of a line are separated.
-#[derive(Clone, Copy, PartialEq)]
-enum Separator {
-    /// By semicolons or tabs, and a comma is the decimal sign.
-    Sign(char),
-    /// By commas.
-    Comma,
-    /// By blanks, and a comma is the decimal sign.
-    Blank,
-}
-
-impl Separator {
-    fn of(line: &str) -> Self {
-        if let Some(sign) = line.chars().find(|sign| matches!(sign, ';' | '\t')) {
-            return Self::Sign(sign);
-        }
-        let mut words = line.split_whitespace();
-        let first = words.next().unwrap_or("");
-        // "20, 65.01" and "20,65.01" are separated by commas, "20,5 65,01" by blanks.
-        let has_more = words.next().is_some();
-        if line.contains(',') && (first.ends_with(',') || !has_more) { Self::Comma } else { Self::Blank }
-    }
-
-    fn cells(self, line: &str) -> Vec<String> {
-        let point = |cell: &str| cell.trim().trim_matches('"').trim().replace(',', ".");
-        match self {
-            Self::Sign(sign) => line.split(sign).map(point).collect(),
-            Self::Comma => line.split(',').map(point).collect(),
-            Self::Blank => line.split_whitespace().map(point).collect(),
-        }
-    }
-}
-
 /// Whether a line is a row of numbers: its first two cells are.
 fn is_row(line: &str) -> bool {
-    let cells = Separator::of(line).cells(line);
+    let cells = cells(line);
     cells.len() >= 2 && cells.iter().take(2).all(|cell| cell.parse::<f64>().is_ok())
 }
 
@@ -102,15 +68,15 @@ impl Columns {
     }
 
     /// What a table without a head has.
-    fn guessed(line: usize, rows: &[Row<String>]) -> Result<Self, LineError> {
+    fn guessed(line: usize, rows: &[Row<String>]) -> Result<Self, BadLine> {
         let has_phase = rows.first().is_some_and(|row| row.cells.len() >= 3);
         let is_negative = |row: &Row<String>| row.cells.get(1).is_some_and(|cell| cell.starts_with('-'));
         if has_phase || rows.iter().any(is_negative) {
             let phase = has_phase.then_some(2);
             return Ok(Self { frequency: 0, level: 1, unit: Level::Decibel, phase, hertz: 1.0 });
         }
-        let told = "frequency_hz,level_db or frequency_hz,magnitude: nothing tells which it is";
-        Err(wrong(line, must_be("the line above the first row", told)))
+        let allowed = "frequency_hz,level_db or frequency_hz,magnitude: nothing shows which it is";
+        Err(wrong(line, must_be("the line above the first row", allowed)))
     }
 }
 
@@ -138,7 +104,7 @@ pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
     Ok(Foreign { sensor: None, points })
 }
 
-fn point(row: &Row<String>, columns: &Columns) -> Result<(f64, Complex64), LineError> {
+fn point(row: &Row<String>, columns: &Columns) -> Result<(f64, Complex64), BadLine> {
     let cell = |at: usize, field: &str| row.number(at, field, FINITE);
     let frequency_hz = cell(columns.frequency, "frequency")? * columns.hertz;
     let (field, allowed) = match columns.unit {
