@@ -1,4 +1,4 @@
-//! Slipline's command line, as its main function runs it.
+//! Slipline's command line, called by its main function.
 //!
 //! ```text
 //! main --> cli --> one module for each subcommand --> slipline_model, slipline_link, slipline_plate

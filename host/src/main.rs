@@ -1,4 +1,4 @@
-//! `slipline`: the app with no arguments, the command line with some.
+//! `slipline`: the app without arguments, the command line with arguments.
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
@@ -13,8 +13,8 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     if let Err(error) = signals::watch() {
-        // If signals cannot be handled, they still end the program, and the device stops by itself when its host
-        // is silent.
+        // If signals cannot be handled, they still end the program, and the device stops by itself when its
+        // host is silent.
         eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
     let ended = trace::start(cli.trace.as_deref()).map_err(described).and_then(|()| match cli.command {

@@ -1,5 +1,5 @@
-//! Ends the program after a signal: Ctrl-C, on Unix also SIGTERM, and SIGHUP unless it is ignored (nohup). There
-//! is one place that ends the program, so that it never leaves a driven device or a half-written file.
+//! Ends the program after a signal: Ctrl-C, on Unix also SIGTERM, and SIGHUP unless it is ignored (nohup).
+//! All endings pass through one place, so that no driven device and no incomplete file remains.
 //!
 //! ```text
 //! signal --> does the command have its own orderly end (drive, the window)?
@@ -33,7 +33,7 @@ struct Endings {
     close: Option<(u64, Box<dyn FnMut() + Send>)>,
     /// The last action.
     last: Option<fn()>,
-    /// The number that was given last.
+    /// The last number given.
     count: u64,
     is_ending: bool,
 }
@@ -78,8 +78,8 @@ pub(crate) fn end_by(close: impl FnMut() + Send + 'static) -> Ending {
     Ending(number)
 }
 
-/// Registers the window: on a signal its device is stopped at once, then the window stores its state and returns.
-/// For the window's `run`.
+/// Registers the window: on a signal its device is stopped at once, then the window stores its state and
+/// returns. For the window's `run`.
 #[cfg(feature = "gui")]
 pub fn end_window(device: Handle, mut close: Box<dyn FnMut() + Send>) {
     let stop = device.clone();
@@ -97,8 +97,8 @@ pub(crate) fn before_exit(last: fn()) {
     endings().last = Some(last);
 }
 
-/// Does not return while the program is being ended, so that a thread that would begin or report something waits
-/// here for the end.
+/// Does not return while the program is being ended, so that a thread that would start or report something
+/// waits here for the end.
 pub fn hold_while_ending() {
     while endings().is_ending {
         thread::park_timeout(STOPPING);
@@ -133,7 +133,7 @@ fn end(signals: &Receiver<()>) {
         None => false,
     };
     if is_closing {
-        // The main function ends the program meanwhile. A second signal means that the user does not want to wait.
+        // The main function ends the program meanwhile. A second signal requests an immediate end.
         let _ = signals.recv_timeout(CLOSING);
     }
     let devices: Vec<Handle> = {

@@ -1,4 +1,4 @@
-//! What the libraries report while they work (`tracing`): `RUST_LOG` chooses what is written to standard error,
+//! Diagnostic output of the libraries (`tracing`): `RUST_LOG` selects the events written to standard error,
 //! `--trace FILE` writes every frame on the link to a file, one line each.
 
 use crate::cli::Failure;
@@ -11,10 +11,11 @@ use tracing_subscriber::fmt::layer;
 use tracing_subscriber::layer::{Layer as _, SubscriberExt as _};
 use tracing_subscriber::util::SubscriberInitExt as _;
 
-/// The variable that chooses what is written to standard error.
+/// The variable that selects the events written to standard error.
 const VARIABLE: &str = "RUST_LOG";
 
-/// Starts writing. With neither a file nor `RUST_LOG` nothing listens, and the libraries' events cost nothing.
+/// Starts the output. With neither a file nor `RUST_LOG` there is no listener, and the libraries' events cost
+/// nothing.
 ///
 /// # Errors
 /// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, [`Failure::Failed`] for a file that cannot be written.

@@ -38,7 +38,7 @@ fn a_level_that_is_off_by_its_smallest_step_is_reported() {
         }
     };
     let error = verify(Options::default(), alter).unwrap_err();
-    assert!(error.contains("not the mirror's"), "{error}");
+    assert!(error.contains("differ from the mirror's"), "{error}");
 }
 
 #[test]

@@ -22,7 +22,7 @@ pub enum Action {
     Drive,
 }
 
-/// What the user wants of the device, and what was already sent for it.
+/// What the user wants from the device, and what has been sent to achieve it.
 #[derive(Clone, Debug, Default)]
 pub struct Autopilot {
     wants_drive: bool,
@@ -30,8 +30,8 @@ pub struct Autopilot {
     is_stopped: bool,
     /// Whether the screen shows a complete new setup, such as an opened file, that was not sent yet.
     is_setup_new: bool,
-    /// The CRC of the latest table that was sent automatically, and its limit of the travel, so that a table that fails
-    /// is not sent again and again.
+    /// CRC and travel limit of the last table sent automatically, so that a table that fails is not sent
+    /// repeatedly.
     sent_table: Option<(u32, Option<TravelLimit>)>,
     /// Whether a drive has been sent since the device was last armed or its table changed.
     has_driven: bool,
@@ -56,23 +56,23 @@ impl Autopilot {
         self.forget_drive("the user stopped it");
     }
 
-    /// The plate is no longer to be driven; `why` is for the trace.
+    /// The plate must no longer be driven; `why` goes to the trace.
     fn forget_drive(&mut self, why: &str) {
         if self.wants_drive {
-            tracing::debug!("autopilot: drives no more: {why}");
+            tracing::debug!("autopilot: drive no longer wanted: {why}");
         }
         self.wants_drive = false;
         self.has_driven = false;
     }
 
-    /// The screen shows another setup, whose table must be made first. Its tones are sent when the device holds
-    /// that table.
+    /// The screen shows another setup, whose table must be made first. Its tones are sent once the device
+    /// holds that table.
     pub fn setup_replaced(&mut self) {
         self.is_setup_new = true;
     }
 
-    /// The user wants the plate driven. Returns whether to send the drive now. While the table is on its way the
-    /// answer is no, and [`update`](Self::update) sends the drive later. `made` is the table for the plate on the
+    /// The user wants the plate driven. Returns whether to send the drive now: not while the table is being
+    /// sent; then [`update`](Self::update) sends the drive later. `made` is the table for the plate on the
     /// screen.
     pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
         self.is_stopped = false;
@@ -89,7 +89,7 @@ impl Autopilot {
         self.has_driven
     }
 
-    /// Whether a change of the setup must be sent now.
+    /// Whether a change of the setup must be sent to the device.
     #[must_use]
     pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
         let takes_drives = snapshot.status.is_some_and(|status| {
@@ -98,8 +98,8 @@ impl Autopilot {
         self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
     }
 
-    /// What to send, now that the snapshot has changed so. `made` is the table for the plate on the screen;
-    /// `is_uploading_wanted` says whether a real device gets a new table automatically.
+    /// Requests that follow from the changes of the snapshot. `made` is the table for the plate on the
+    /// screen; `is_uploading_wanted` says whether a real device gets a new table automatically.
     pub fn update(
         &mut self,
         changes: &Changes,
@@ -126,7 +126,7 @@ impl Autopilot {
             return actions;
         }
         if state == Some(State::Idle) && !now.may_arm_unasked() {
-            // The device was disarmed. Arming it later is no permission to drive it.
+            // Arming the device again does not permit driving it.
             self.forget_drive("the device was disarmed");
         }
         if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
@@ -136,12 +136,12 @@ impl Autopilot {
         if let Some(made) = made {
             let crc = made.device_table.crc();
             let sent = Some((crc, made.device_table.travel_limit()));
-            // A table that the device already holds is only recognised, which needs no permission of the user.
+            // A table that the device already holds is only verified; that needs no permission from the user.
             let is_wanted = now.is_simulated() || is_uploading_wanted || is_held;
             let is_known = is_in_force(now, Some(made)) && now.confirmed_table.is_some();
             if is_wanted && !is_known && now.upload.is_none() && self.sent_table != sent {
                 self.sent_table = sent;
-                tracing::debug!("autopilot: sends the table {crc:08x}");
+                tracing::debug!("autopilot: sending the table {crc:08x}");
                 actions.push(Action::Upload(Arc::clone(&made.device_table)));
                 return actions;
             }
@@ -157,7 +157,7 @@ impl Autopilot {
         if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {
             self.has_driven = true;
             self.is_setup_new = false;
-            tracing::debug!("autopilot: sends the drive");
+            tracing::debug!("autopilot: sending the drive");
             actions.push(Action::Drive);
         }
         actions
@@ -182,8 +182,8 @@ pub fn drive_arms(snapshot: &Snapshot) -> bool {
         && snapshot.status.is_some_and(|status| status.state == State::Idle)
 }
 
-/// Whether a refused drive may be taken from rest: the device refuses a glide that would be too loud on its way,
-/// although the tones may fit where it ends, or would move the actuator too far there. No other refusal is about the way.
+/// Whether a refused drive may succeed from rest. The device refuses a glide that would exceed headroom or
+/// actuator travel on its path, although the final tones may fit. No other refusal concerns the path.
 #[must_use]
 pub const fn rest_helps(refusal: &Refusal) -> bool {
     matches!(
@@ -200,13 +200,13 @@ fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     made.is_some_and(|made| on_device == Some(made.device_table.crc()))
 }
 
-/// Whether the device holds the table of the plate on the screen, and limits the travel as that plate wants it.
+/// Whether the device holds the table of the plate on the screen with that plate's travel limit.
 fn is_in_force(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     is_held(snapshot, made) && made.is_some_and(|made| snapshot.limits_travel_for(&made.device_table))
 }
 
-/// Whether a table is on its way. Until it arrives, the device would place tones by the old table; of the table that it
-/// holds, the limit of the travel may be missing.
+/// Whether a table is being sent. Until it arrives the device would place tones by the old table, or hold the
+/// right table without its travel limit.
 fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     let misses_limit = is_held(snapshot, made) && !is_in_force(snapshot, made);
     snapshot.upload.is_some() || misses_limit || (snapshot.is_simulated() && !is_held(snapshot, made))

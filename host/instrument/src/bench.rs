@@ -1,4 +1,4 @@
-//! What the inputs of the simulated device are wired to: the rig that was put together last. Without one they show nothing.
+//! The rig that drives the inputs of the simulated device. Without a rig the inputs are at mid-scale.
 
 use crate::rig::PreparedRig;
 use slipline_link::simulator::SimulatedInputs;
@@ -6,52 +6,52 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Mid-scale of an input.
 const SILENCE: u16 = 2048;
-/// For how long a rig runs unseen before it takes the other's place: most plates have settled then.
+/// Time that a new rig runs unseen before its crossfade, seconds: most plates have settled by then.
 const SETTLES_S: f64 = 0.3;
-/// How long a finger takes to come, or to go.
+/// Duration of the crossfade, about that of placing or lifting a finger, seconds.
 const TOUCH_S: f64 = 0.05;
 
-/// The place of the rig. Cloning is cheap: all clones have one rig.
+/// Shared holder of the rig. Clones share the same rig.
 #[derive(Clone, Default)]
 pub struct Bench(Arc<Mutex<Rigs>>);
 
-/// The rig that is seen, and the one that comes.
+/// The rig on the inputs, and the one that will replace it.
 #[derive(Default)]
 struct Rigs {
     present: Option<Box<dyn SimulatedInputs>>,
     coming: Option<Coming>,
 }
 
-/// A rig that runs beside the present one.
+/// A rig that runs beside the present one until it replaces it.
 struct Coming {
     rig: Box<dyn SimulatedInputs>,
-    /// Samples it has run, from which on it begins to be seen, and how many that takes.
+    /// Samples run so far; samples before the crossfade begins; samples of the crossfade.
     run: u64,
     settled: u64,
     touch: u64,
 }
 
 impl Bench {
-    /// The inputs of a simulated device at this bench.
+    /// The inputs of a simulated device that is connected to this bench.
     #[must_use]
     pub fn inputs(&self) -> Box<dyn SimulatedInputs> {
         Box::new(Wires(self.clone()))
     }
 
-    /// Puts another rig in the place of the present one; it is at rest.
+    /// Replaces the rig at once by another that is at rest.
     pub fn put(&self, rig: &PreparedRig) {
         *self.rigs() = Rigs { present: Some(rig.inputs()), coming: None };
     }
 
-    /// Has another rig take the present one's place while it sounds, as a finger comes or goes: it runs unseen until its plate
-    /// has settled, and then what the inputs show goes over to it by and by.
+    /// Replaces the rig without a step, as when a finger is placed or lifted: the new rig runs unseen until
+    /// its plate has settled, then the inputs crossfade to it.
     pub fn pass_over_to(&self, rig: &PreparedRig, sample_rate_hz: f64) {
         let samples = |seconds: f64| (seconds * sample_rate_hz) as u64;
         let (settled, touch) = (samples(SETTLES_S), samples(TOUCH_S));
         self.rigs().coming = Some(Coming { rig: rig.inputs(), run: 0, settled, touch });
     }
 
-    /// Whether another rig takes the present one's place.
+    /// Whether a replacement is in progress.
     #[must_use]
     pub fn is_passing_over(&self) -> bool {
         self.rigs().coming.is_some()
@@ -85,7 +85,7 @@ impl Rigs {
     }
 }
 
-/// Wires from the bench to the device.
+/// Inputs of the device, connected to the bench.
 struct Wires(Bench);
 
 impl SimulatedInputs for Wires {
@@ -94,7 +94,7 @@ impl SimulatedInputs for Wires {
     }
 
     fn delay_ns(&self) -> i32 {
-        // What every rig states.
+        // All rigs state this delay.
         0
     }
 

@@ -1,5 +1,5 @@
-//! The steps of a calibration, one page each: the plate file and calipers, the first place of the sensor, its answer there,
-//! the second place, the result.
+//! The steps of a calibration, one page each: plate file and caliper widths, first sensor place, its
+//! measurement, second sensor place, result.
 
 mod page;
 pub(crate) mod remedy;
@@ -13,15 +13,16 @@ use slipline_plate::calibrate::{Calipers, Measurement, Placing, Priors, SensorPl
 use slipline_plate::{Plate, PlateError};
 use std::sync::Arc;
 
-/// Shares of the length at which the sensor stands on a plate for which no places can be proposed.
+/// Sensor places as fractions of the length, for a plate for which none can be proposed.
 const PLACES: [f64; 2] = [0.3, 0.6];
-/// Standard deviation of a half-width by calipers, metres: a tenth of a millimetre of the whole width.
+/// Standard deviation of a half-width measured with calipers, metres: a tenth of a millimetre in the whole
+/// width.
 pub const CALIPERS_TOLERANCE_M: f64 = 5e-5;
 
-/// The answer of the sensor at one place.
+/// The measured response at one place of the sensor.
 #[derive(Debug, Clone)]
 pub struct PlaceResponse {
-    /// The name of its file, or of the run.
+    /// The name of its file or of the run.
     pub name: String,
     /// The measurement.
     pub measurement: Arc<Measurement>,
@@ -39,7 +40,7 @@ pub struct CalibrationWizard {
 }
 
 impl CalibrationWizard {
-    /// A calibration of the plate of this file.
+    /// Starts a calibration of this plate.
     #[must_use]
     pub fn of(plate: &Arc<Plate>) -> Self {
         let places_m = proposed_m(plate, Priors::default());
@@ -52,19 +53,19 @@ impl CalibrationWizard {
         }
     }
 
-    /// The plate as its file tells it.
+    /// The plate as its file states it.
     #[must_use]
     pub fn plate(&self) -> &Arc<Plate> {
         &self.plate
     }
 
-    /// What calipers say; `None` while the file's numbers are taken.
+    /// The caliper measurements; `None` while the file's dimensions are used.
     #[must_use]
     pub fn calipers(&self) -> Option<Calipers> {
         self.calipers
     }
 
-    /// What calipers would say of the plate of the file.
+    /// The caliper measurements that agree with the plate file.
     #[must_use]
     pub fn calipers_of_file(&self) -> Calipers {
         let length_m = self.plate.length_m();
@@ -76,10 +77,10 @@ impl CalibrationWizard {
         }
     }
 
-    /// Takes what calipers say, or the file's numbers again.
+    /// Uses these caliper measurements, or the file's dimensions again.
     ///
     /// # Errors
-    /// Which length is out of its range, or makes a plate that is none. What was known before stays.
+    /// Which length is out of range or gives an invalid plate. The previous dimensions then stay.
     pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), PlateError> {
         self.places_m = match calipers {
             Some(calipers) => {
@@ -92,36 +93,36 @@ impl CalibrationWizard {
         Ok(())
     }
 
-    /// Where the sensor is to stand, metres from the driven end: as [`SensorPlaces`] proposes for the plate.
+    /// Where the sensor has to stand, metres from the driven end, as [`SensorPlaces`] proposes for the plate.
     #[must_use]
     pub fn places_m(&self) -> [f64; 2] {
         self.places_m
     }
 
-    /// The answer of the sensor at the first (0) or second (1) place.
+    /// The measured response at the first (0) or second (1) place.
     #[must_use]
     pub fn answer(&self, sensor: usize) -> Option<&PlaceResponse> {
         self.answers.get(sensor)?.as_ref()
     }
 
-    /// Takes the answer at the first (0) or second (1) place.
+    /// Stores the response measured at the first (0) or second (1) place.
     pub fn take_answer(&mut self, sensor: usize, answer: PlaceResponse) {
         if let Some(place) = self.answers.get_mut(sensor) {
             *place = Some(answer);
         }
     }
 
-    /// Takes the first answer for the second, and the other way round.
+    /// Swaps the two responses.
     pub fn exchange(&mut self) {
         self.answers.swap(0, 1);
     }
 
-    /// The same answers and calipers for the file of another plate, from the first page on.
+    /// The same responses and calipers applied to another plate's file, from the first page on.
     #[must_use]
     pub fn with_plate(self, plate: &Arc<Plate>) -> Self {
         let mut next = Self { answers: self.answers, ..Self::of(plate) };
         if let Some(calipers) = self.calipers {
-            // What does not suit the other plate is forgotten.
+            // Calipers that do not suit the other plate are dropped.
             next.take_calipers(Some(calipers)).unwrap_or_default();
         }
         next
@@ -136,7 +137,7 @@ impl CalibrationWizard {
             .then_some("Measure the sensor's answer here, or open a file of it, first.")
     }
 
-    /// The work that the result needs, once both answers are there.
+    /// The job that computes the result, once both responses are there.
     #[must_use]
     pub fn job(&self, sample_rate_hz: f64) -> Option<CalibrateJob> {
         let [Some(first), Some(second)] = &self.answers else { return None };

@@ -1,27 +1,27 @@
-//! What is new in a snapshot of link and device.
+//! Differences between two snapshots of link and device.
 
 use slipline_link::protocol::event::{Fault, Faults};
 use slipline_link::{Refusal, Snapshot, Ticket};
 
-/// What has changed since the last look. The default: nothing.
+/// What has changed since the previous snapshot. The default: nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// The device has refused this request.
+    /// The request that the device has refused.
     pub refused: Option<(Ticket, Refusal)>,
-    /// The state of link or device is another.
+    /// The state of link or device has changed.
     pub state: bool,
-    /// The device has stopped at the end of its drive time, or that fault is gone.
+    /// `true`: the device has stopped at the end of its drive time; `false`: that fault is cleared.
     pub drive_time_over: Option<bool>,
-    /// The link has ended the drive, because whoever drives did not respond.
+    /// The link has ended the drive because the driving program did not respond.
     pub stalled: bool,
-    /// The device's table is another.
+    /// The device's table has changed.
     pub table: bool,
-    /// The device has other faults.
+    /// The device's faults have changed.
     pub faults: bool,
 }
 
 impl Changes {
-    /// What is new in `now` after `before`.
+    /// The changes from `before` to `now`.
     #[must_use]
     pub fn between(before: &Snapshot, now: &Snapshot) -> Self {
         let latest = |snapshot: &Snapshot| snapshot.last_refusal.as_ref().map(|(ticket, _)| *ticket);

@@ -1,18 +1,18 @@
-//! The level hold: for how long to listen to the tones that sound, which amplitudes to hold, and what to say of them.
+//! Planning of the level hold: how long to listen to the sounding tones, and which amplitudes to hold.
 //!
 //! ```text
 //! Plate, frequencies by slot --HoldPlan--> Listen, once the plate has settled --Listened--> Hold
 //!                                                      snapshot.hold --ToneWords--> sentences
 //! the user's switch, snapshot --Holding--> these requests, one after the other, and how the hold stands
 //! ```
-//! The amplitudes to hold are those of the plate as it is when the hold begins, with no finger on it: one window is listened to,
-//! and what it has measured is held from then on. So no model of the plate says how loud a tone must be; the model says only how
-//! long the plate takes, `tau = 2 / (eta omega)` with its loss factor and the lowest tone.
+//! The held amplitudes are those of the untouched plate when the hold begins: they are measured in one window
+//! and held from then on. So the amplitudes need no model of the plate. The model gives only the plate's time
+//! constant, `tau = 2 / (eta omega)` with its loss factor and the lowest tone.
 //!
-//! **The window** is a Hann window of at least two periods of the lowest tone, and of two over the distance of the nearest two
-//! tones: there their main lobes part. It is at least 24 times as long as the pause between two windows (0.1 s at 400 kS/s), so
-//! that the pause costs little of what the hold promises: a finger's -6 dB are taken back to within 1 dB after five times the
-//! longer of `tau` and the window.
+//! **The window** is a Hann window of at least two periods of the lowest tone, and of two periods of the
+//! smallest difference frequency between tones, which separates their main lobes. It is at least 24 times as
+//! long as the pause between two windows (0.1 s at 400 kS/s), so that the pauses add little to the recovery
+//! time: -6 dB by a finger are corrected to within 1 dB after five times the longer of `tau` and the window.
 
 mod course;
 mod end;
@@ -32,22 +32,23 @@ use slipline_plate::Plate;
 use slipline_plate::quantity::Range;
 use std::f64::consts::TAU;
 
-/// How far above its drive's level a held tone may be allowed to rise.
+/// Allowed limits for the rise of a held tone above its drive level.
 pub const MAX_RISE: Range = Range::new(0.0, 60.0, "dB");
-/// How far it is if nobody says it, dB.
+/// Largest rise without a user's choice, dB.
 pub const USUAL_RISE_DB: f64 = 12.0;
 
-/// Time constants of the plate before the set amplitudes are listened to: 0.25 % of what was before are left.
+/// Time constants to wait before the reference amplitudes are measured: 0.25 % of a transient remains.
 const SETTLED: f64 = 6.0;
 /// Pauses in the shortest window.
 const PAUSES: u16 = 24;
-/// The longest window, seconds: the device takes 20 s, and nobody waits for that.
+/// The longest window, seconds. The device accepts 20 s, too long for a user to wait.
 const LONGEST_S: f64 = 5.0;
-/// The longest time constant that a device takes, seconds.
+/// The longest time constant that the device accepts, seconds.
 const TIME_CONSTANT_MAX_S: f64 = 60.0;
-/// The largest change of a level from window to window, dB: a factor of 2, with which the hold is as fast as it can be.
+/// The largest level change from window to window, dB: a factor of 2, the fastest hold.
 const SLEW_DB: f64 = 6.02;
-/// The least amplitude that is worth holding, codes: below, the noise of a window is more than a tenth of a decibel of it.
+/// The smallest amplitude that can be held, codes: below it the noise of a window exceeds a tenth of a
+/// decibel.
 const LEAST_CODES: f64 = 1.0;
 
 /// Why tones cannot be held.
@@ -56,28 +57,28 @@ pub enum HoldError {
     /// The device has no inputs, or its firmware is too old to measure them.
     #[error("the device has no inputs that it can measure, so it cannot hold a level")]
     NoInputs,
-    /// Nothing sounds.
+    /// No tone sounds.
     #[error("no tone sounds that could be held")]
     NoTones,
     /// There are more tones than the device measures at once.
     #[error("{tones} tones sound, and the device measures {lock_ins} at once; hold fewer tones")]
     TooMany {
-        /// Tones that sound.
+        /// Sounding tones.
         tones: usize,
         /// Tones that the device measures at once.
         lock_ins: usize,
     },
-    /// Two tones are so close that telling them apart takes too long.
+    /// Two tones are so close that the window to separate them would be too long.
     #[error(
         "two tones are {apart_hz:.3} Hz apart: to separate them takes {window_s:.1} s; {LONGEST_S} s are allowed"
     )]
     TooClose {
-        /// Their distance.
+        /// Their frequency difference.
         apart_hz: f64,
-        /// The window that they need.
+        /// The window that separates them.
         window_s: f64,
     },
-    /// The lowest tone is so low that two of its periods take too long.
+    /// The lowest tone is so low that a window of two periods would be too long.
     #[error("a tone of {frequency_hz:.3} Hz takes a window of {window_s:.1} s; {LONGEST_S} s are allowed")]
     TooLow {
         /// Its frequency.
@@ -92,12 +93,12 @@ pub enum HoldError {
     #[error("the sensor's input does not move: nothing is connected to it, or its converter is stuck")]
     Stuck,
     /// A tone did not sound through the whole window.
-    #[error("the tone in slot {slot} did not sound on while it was listened to; hold again")]
+    #[error("the tone in slot {slot} was interrupted while it was measured; hold again")]
     NotFollowed {
         /// Its slot.
         slot: u8,
     },
-    /// The sensor hears too little of a tone.
+    /// The sensor's signal of a tone is too small.
     #[error(
         "the sensor hears the tone in slot {slot} with {codes:.2} codes only; at least {LEAST_CODES} are needed: \
          check the sensor, move it before the boundary, raise its gain, or drive louder"
@@ -105,12 +106,12 @@ pub enum HoldError {
     TooWeak {
         /// Its slot.
         slot: u8,
-        /// What the sensor hears.
+        /// The measured amplitude.
         codes: f64,
     },
 }
 
-/// How tones are held.
+/// Parameters of a level hold.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HoldPlan {
     slots: u16,
@@ -120,14 +121,14 @@ pub struct HoldPlan {
     pub time_constant_s: f64,
     /// The length of a window, in blocks of 128 samples.
     pub blocks: u16,
-    /// How far above its drive's level a tone may rise, dB, 0..=60.2.
+    /// Largest rise of a tone above its drive level, dB, 0..=60.2.
     pub max_rise_db: f64,
     rate_hz: f64,
 }
 
 impl HoldPlan {
-    /// How tones (slot, frequency in Hz) that sound on a plate are held by the sensor's input, for a device of this sample rate
-    /// that measures so many tones at once.
+    /// Plans the hold of tones (slot, frequency in Hz) on a plate, for a device with this sample rate and
+    /// number of lock-ins.
     ///
     /// # Errors
     /// [`HoldError`]
@@ -176,20 +177,21 @@ impl HoldPlan {
         f64::from(self.blocks) * BLOCK as f64 / self.rate_hz
     }
 
-    /// After so many seconds a finger's -6 dB are taken back to within 1 dB: five times the longer of time constant and window.
+    /// Time after which -6 dB by a finger are corrected to within 1 dB, seconds: five times the longer of
+    /// time constant and window.
     #[must_use]
     pub fn recovery_s(&self) -> f64 {
         5.0 * self.time_constant_s.max(self.window_s())
     }
 
-    /// How long the plate is listened to from when it is left alone, seconds: until it has settled, and for a window.
+    /// Settling time plus one window, seconds: how long the plate must stay untouched.
     #[must_use]
     pub fn listening_s(&self) -> f64 {
         SETTLED * self.time_constant_s + self.window_s()
     }
 
-    /// The window in which the amplitudes are measured that are to be held. `reached` is the index at which the tones have
-    /// reached their levels: the plate needs some time more. `None` listens at once.
+    /// The window in which the reference amplitudes are measured. `reached` is the sample index at which the
+    /// tones have reached their levels; the plate's settling time is added. `None` listens at once.
     #[must_use]
     pub fn listen(&self, reached: Option<u64>) -> ListenRequest {
         let settle = (SETTLED * self.time_constant_s * self.rate_hz).ceil() as u64;
@@ -202,10 +204,10 @@ impl HoldPlan {
         }
     }
 
-    /// The hold of the amplitudes that were measured.
+    /// Request to hold the measured amplitudes.
     ///
     /// # Errors
-    /// [`HoldError`]: the input is clipped or stuck, or a tone was not heard.
+    /// [`HoldError`]: the input is clipped or stuck, or the signal of a tone is too small.
     pub fn hold(&self, listened: &Listened) -> Result<HoldRequest, HoldError> {
         if listened.lowest == listened.highest {
             return Err(HoldError::Stuck);

@@ -1,6 +1,6 @@
-//! The instrument: a plate and a device in use, without a window. What is sent without being asked for, how a measurement,
-//! a sweep, a level hold and a calibration run, and what the simulated device's inputs see. [`Instrument`] is all of it in
-//! one; shells show it.
+//! The instrument: a plate and a device in use, without a window. It sends the requests that need no user
+//! action, runs measurements, sweeps, level holds and calibrations, and provides the inputs of the simulated
+//! device. [`Instrument`] combines these; shells show it.
 //!
 //! ```text
 //! setup --> autopilot --------------------+--> requests to the link
@@ -8,15 +8,15 @@
 //!      \--> hold (levels of held tones) --+   <-- snapshots, outcomes
 //! measured_file --> jobs (recorded, calibrate) --> calibration
 //! jobs (rig) --> rig: the sensor, current and finger of a simulated plate
-//! recording: a drag, to be played again
+//! recording: a drag, for replay
 //! ```
-//! It owns no thread, clock or path, and builds for a browser. Shells (window, command line) turn their own events into
-//! its calls and show what it reports.
+//! It owns no thread, clock or path, and builds for a browser. Shells (window, command line) translate their
+//! own events into its calls and show its state.
 
 #![forbid(unsafe_code)]
-// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+// The crate is part of the browser build: clippy.toml lists what browsers do not support.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
-// What is new among requests, outcomes or changes must be placed wherever one is dispatched.
+// A new request, outcome or change must be handled wherever these are matched.
 #![warn(clippy::wildcard_enum_match_arm)]
 
 pub mod autopilot;

@@ -1,7 +1,8 @@
-//! Files of measurements by other programs: what such a file does not tell, and the measurement when a person does.
+//! Files of measurements by other programs: the missing metadata, and the measurement once the user has
+//! stated it.
 //!
 //! ```text
-//! bytes -> Opened -+-> Own: everything is told
+//! bytes -> Opened -+-> Own: complete
 //!                  +-> Foreign: frequencies and responses   -- place, kind, noise --------> Measurement
 //!                  +-> Recording: a WAV file of the sweep   -- place, kind, channel,
 //!                                                              description of the sweep --> Measurement, notes
@@ -20,13 +21,14 @@ use slipline_plate::calibrate::{
 use slipline_plate::quantity::{OutOfRange, Range, show_frequency};
 use thiserror::Error;
 
-/// Bytes of a file of a measurement, at most: a recording of some minutes, or a universal file of millions of points.
+/// Largest size of a measurement's file, bytes: a recording of some minutes, or a universal file of millions
+/// of points.
 pub const BYTES_MAX: usize = slipline_model::wav::BYTES_MAX;
 
 /// A file of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Opened {
-    /// In the own form, which tells everything.
+    /// In Slipline's own format, which is complete.
     Own(Measurement),
     /// By another program.
     Foreign(Foreign),
@@ -34,22 +36,22 @@ pub enum Opened {
     Recording(Wav),
 }
 
-/// Why a file is no measurement.
+/// Why a file is not a measurement.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum OpenError {
-    /// No table of frequencies.
+    /// It is not a table of frequencies.
     #[error(transparent)]
     File(#[from] FileError),
-    /// No recording.
+    /// It is not a recording.
     #[error(transparent)]
     Wav(#[from] WavError),
 }
 
 impl Opened {
-    /// Reads a measurement in any of the forms, which is told from what is in the file.
+    /// Reads a measurement in any of the formats, recognized by the file's content.
     ///
     /// # Errors
-    /// [`OpenError`]: what is wrong, and what is allowed. No bytes make this function panic.
+    /// [`OpenError`]: what is wrong, and the allowed values. No bytes make this function panic.
     pub fn read(bytes: Vec<u8>) -> Result<Self, OpenError> {
         if Wav::is_one(&bytes) {
             return Ok(Self::Recording(Wav::read(bytes)?));
@@ -61,64 +63,64 @@ impl Opened {
     }
 }
 
-/// What a person tells of a measurement by another program.
+/// Metadata of a measurement by another program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForeignMetadata {
-    /// Where the sensor stood, metres from the driven end.
+    /// Sensor place, metres from the driven end.
     pub place_m: f64,
-    /// What it showed; `None` while nobody has said.
+    /// The quantity that the sensor shows; `None` while it is not stated.
     pub kind: Option<SensorKind>,
     /// Signal over noise, dB (0 to 140).
     pub snr_db: f64,
 }
 
 impl ForeignMetadata {
-    /// What the file itself tells, with the place that is offered.
+    /// The metadata in the file itself, with this place as proposal.
     #[must_use]
     pub const fn by(foreign: &Foreign, place_m: f64) -> Self {
         Self { place_m, kind: foreign.sensor, snr_db: SNR_DB }
     }
 }
 
-/// Why a file with what was told of it is no measurement of a plate.
+/// Why a file with its metadata is not a measurement of a plate.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ForeignError {
     /// The place is not on the plate.
     #[error("{0}, on the plate")]
     Place(OutOfRange),
-    /// Nobody has said what the sensor shows.
+    /// The sensor's quantity is not stated.
     #[error("the file does not state what its sensor shows")]
     Kind,
-    /// The file is of other frequencies.
+    /// Too few of the file's frequencies are in the plate's band.
     #[error(
         "{count} of its frequencies are between {} and {}, where this plate is measured: at least {} are needed",
         show_frequency(.band_hz.0), show_frequency(.band_hz.1), POINTS.least
     )]
     Band {
-        /// How many are of use.
+        /// Number of frequencies in the band.
         count: usize,
-        /// The frequencies that are, Hz.
+        /// The band, Hz.
         band_hz: (f64, f64),
     },
     /// The recording's channel cannot be read.
     #[error(transparent)]
     Wav(#[from] WavError),
-    /// The recording does not tell a response.
+    /// No response can be computed from the recording.
     #[error(transparent)]
     Heard(#[from] HeardError),
-    /// The numbers are no measurement.
+    /// The numbers are not a valid measurement.
     #[error(transparent)]
     Data(#[from] CalibrateError),
 }
 
-/// Refuses a place that is not on the plate, and a sensor of which nobody has said what it shows.
+/// Refuses a place outside the plate, and a sensor whose quantity is not stated.
 fn sensor(plate: &Plate, place_m: f64, kind: Option<SensorKind>) -> Result<SensorKind, ForeignError> {
     let on_plate = Range::new(0.0, plate.length_m(), "m");
     OutOfRange::check("sensor", place_m, on_plate).map_err(ForeignError::Place)?;
     kind.ok_or(ForeignError::Kind)
 }
 
-/// Refuses frequencies of which too few calibrate a plate; the band in which they do.
+/// Refuses a file with too few frequencies in the plate's band for a calibration; returns that band, Hz.
 fn band(plate: &Plate, frequencies_hz: impl Iterator<Item = f64>) -> Result<(f64, f64), ForeignError> {
     let band_hz = band_hz(plate);
     let count = frequencies_hz.filter(|hz| (band_hz.0..=band_hz.1).contains(hz)).count();
@@ -128,7 +130,7 @@ fn band(plate: &Plate, frequencies_hz: impl Iterator<Item = f64>) -> Result<(f64
 /// The measurement of a foreign file, within the frequencies that a calibration of `plate` uses.
 ///
 /// # Errors
-/// [`Untold`]: what is missing or out of its range.
+/// [`ForeignError`]: what is missing or out of its range.
 pub fn measurement(
     plate: &Plate,
     foreign: &Foreign,
@@ -166,7 +168,7 @@ mod tests {
         );
         assert!(
             refused(ForeignMetadata { snr_db: 150.0, ..metadata }).contains("snr = 150"),
-            "the noise is checked, too"
+            "the noise is checked as well"
         );
     }
 }

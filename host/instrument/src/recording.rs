@@ -1,4 +1,4 @@
-//! A recorded drag: where the boundary lines were put, and when; its playback; its CSV file.
+//! A recorded drag: places of the boundary lines over time; its playback; its CSV file.
 
 use slipline_model::setup::MAX_TONES;
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
@@ -10,19 +10,19 @@ use thiserror::Error;
 pub const LONGEST_S: f64 = 600.0;
 /// The most moves of a recording.
 pub const MOVES_MAX: usize = 20_000;
-/// Places of lines in a file, in metres: on the longest plate.
+/// Allowed places of lines in a file, in metres: up to the longest plate.
 const PLACES_M: Range = Range::new(0.0, 10.0, "m");
-/// The names of the columns, by which a file is known.
+/// The names of the columns, by which a file is recognized.
 const COLUMNS: &str = "time_s,tone,place_m";
 
 /// One move of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// When, in seconds from the first move.
+    /// Time, in seconds from the first move.
     pub time_s: f64,
     /// The slot of its tone.
     pub slot: u8,
-    /// Where it was put, in metres from the driven end.
+    /// New place, in metres from the driven end.
     pub place_m: f64,
 }
 
@@ -32,7 +32,7 @@ pub struct Recording {
     moves: Vec<Move>,
 }
 
-/// Why a file is no recording.
+/// Why a file is not a recording.
 #[derive(Debug, Error)]
 pub enum RecordingError {
     /// It has no move, or too many.
@@ -52,7 +52,7 @@ pub enum RecordingError {
         /// The value and its range.
         error: OutOfRange,
     },
-    /// There is no such tone.
+    /// The number of the tone is out of range.
     #[error("{}", must_be(format_args!("line {line}: tone = {tone}"), format_args!("1 to {MAX_TONES}")))]
     Tone {
         /// The line, from 1.
@@ -60,7 +60,7 @@ pub enum RecordingError {
         /// The number in the file.
         tone: i64,
     },
-    /// A move is earlier than the one before.
+    /// A move is earlier than the previous one.
     #[error("line {line}: the times must not fall")]
     Order {
         /// The line, from 1.
@@ -75,14 +75,14 @@ impl Recording {
         &self.moves
     }
 
-    /// How long it takes, in seconds.
+    /// Its duration, in seconds.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.moves.last().map_or(0.0, |last| last.time_s)
     }
 
-    /// Adds a move at a time in seconds of any clock that `begun_s`, the time of the first move, is of. Returns whether
-    /// there is room for more.
+    /// Adds a move at `now_s` of a clock in seconds; `begun_s` is the time of the first move on the same
+    /// clock. Returns whether there is room for more.
     pub fn push(&mut self, now_s: f64, begun_s: &mut Option<f64>, slot: u8, place_m: f64) -> bool {
         let time_s = (now_s - *begun_s.get_or_insert(now_s)).max(self.duration_s());
         if time_s > LONGEST_S || self.moves.len() == MOVES_MAX {
@@ -92,8 +92,8 @@ impl Recording {
         true
     }
 
-    /// Where each line is put last, of the moves after `from_s` up to `to_s`, in seconds; from the start on where
-    /// `from_s` is negative.
+    /// The last place of each moved line among the moves after `from_s` up to `to_s`, in seconds; a negative
+    /// `from_s` includes the start.
     pub fn between(&self, from_s: f64, to_s: f64) -> impl Iterator<Item = Move> + use<> {
         let start = self.moves.partition_point(|step| step.time_s <= from_s);
         let end = self.moves.partition_point(|step| step.time_s <= to_s).max(start);
@@ -174,7 +174,7 @@ mod tests {
         let read = Recording::from_csv(&text).unwrap();
         assert_eq!(read.to_csv(), text);
         assert_eq!((read.moves().len(), read.duration_s()), (4, 1.5));
-        // As a spreadsheet writes it where a comma is the decimal sign.
+        // As spreadsheets write it where a comma is the decimal sign.
         let text = format!("\u{feff}{}", text.replace(',', ";").replace('.', ","));
         assert_eq!(Recording::from_csv(&text).unwrap(), read);
     }

@@ -1,5 +1,5 @@
-//! An instrument in use, without a window: a scripted session with the simulated device in virtual time, from the first
-//! connection to a calibrated plate, a held level, a replay, and a cable that was pulled.
+//! An instrument in use, without a window: a scripted session with the simulated device in virtual time, from
+//! the first connection to a calibrated plate, a held level, a replay, and a pulled cable.
 
 #[cfg(feature = "native")]
 #[path = "in_use/client.rs"]
@@ -27,13 +27,13 @@ use std::sync::Arc;
 #[test]
 fn a_session_from_the_first_connection_to_a_pulled_cable() {
     let mut session = Session::new();
-    // Connect, table, drive: the simulated device needs no asking.
+    // Connect, table, drive: the simulated device is armed and driven automatically.
     session.pass(2000);
     assert_eq!(session.state(), Some(State::Driving));
     let begun = session.sent();
     assert_eq!(begun, ["AutoReconnect", "Connect", "Upload", "Drive"], "{begun:?}");
 
-    // A drag of many moves is one gesture; undo takes all of it back.
+    // A drag of many moves is one gesture; undo reverts all of it.
     let first_m = session.line_m();
     session.instrument.begin_gestures(1);
     session.attention.is_dragging = true;
@@ -48,7 +48,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     session.instrument.redo();
     assert_eq!(session.sent(), ["Drive"]);
 
-    // A texture, made while its page is open, played and taken back.
+    // A texture, computed while its page is open, played and undone.
     session.attention.is_texture_open = true;
     session.pass(500);
     session.instrument.play_texture();
@@ -63,7 +63,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     session.attention.is_texture_open = false;
     session.pass(500);
 
-    // A plate that nobody knows is measured, calibrated and used.
+    // An unknown plate is measured, calibrated and used.
     session.instrument.perform_measure(MeasureIntent::Secret(true));
     session.measure(None);
     assert!(session.notice().starts_with("Measured 30.0 mm, run 1"), "{}", session.notice());
@@ -85,7 +85,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     assert!(off_mm(&used) < 0.3 * off_mm(&nominal), "{} {} mm", off_mm(&nominal), off_mm(&used));
     assert!(session.sent().contains(&"Comb".to_owned()));
 
-    // Held, and stopped: STOP ends the hold, too.
+    // The level is held and stopped: STOP ends the hold, too.
     session.hold_level();
     session.instrument.press_stop();
     session.pass(500);
@@ -107,7 +107,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     assert!((session.line_m() - 0.18).abs() < 1e-6, "{}", session.line_m());
     assert_eq!(session.sent(), ["Drive"]);
 
-    // The cable is pulled, and put in again: nothing sounds unasked for, and Drive goes on.
+    // The cable is pulled and plugged in again: nothing sounds automatically; Drive continues.
     session.worker.borrow().plug(false);
     session.pass(1000);
     assert!(!session.instrument.snapshot().is_connected());

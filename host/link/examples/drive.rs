@@ -31,11 +31,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     // One tone with its peak at 50 mm and half of the full displacement.
     let at = perform(&worker, Request::Play(Sounding::Drive(DriveRequest::at(&[(0.05, 0.5)]))))?;
     println!("drives from sample {at} on");
-    // Pausing and waiting by the worker gives the signs of life that it wants while the device is armed.
+    // The worker's own pause and wait give the signs of life that are required while the device is armed.
     worker.pause(Duration::from_millis(500));
 
     perform(&worker, Request::Refresh)?;
-    let status = worker.snapshot().status.ok_or("the device has not told its status")?;
+    let status = worker.snapshot().status.ok_or("the device has not reported its status")?;
     println!("{:?} at sample {}, faults: {}", status.state, status.now, status.faults);
 
     let at = perform(&worker, Request::Stop)?;

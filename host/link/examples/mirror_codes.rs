@@ -1,16 +1,18 @@
-//! The codes a device at 400 kS/s must send, and what its lock-ins must measure, by the mirror: for tests that are not written
-//! in Rust.
+//! The codes that a device at 400 kS/s must send, and the results of its lock-ins, by the mirror: for tests
+//! that are not written in Rust.
 //!
 //! `cargo run -p slipline-link --example mirror_codes`
 //!
-//! Standard input, one line each: first `begin <index>` for a device that is silent there, else at 0; `<index> <frame>`
-//! for a command the device has accepted, where the frame is the command's bytes on the link in hexadecimal and the index
-//! the one the device named (upload commands before the commit have none: any number); `limit <index> <per mille>` for
-//! the thermal limit that a status tells; last, `play <from> <until>` or `listen <from> <blocks> <shape> <slots> <codes>`.
+//! Standard input, one line each: first `begin <index>` for a device that is silent there, else at 0;
+//! `<index> <frame>` for a command that the device has accepted, where the frame is the command's bytes on
+//! the link in hexadecimal and the index that of the device's reply (upload commands before the commit have
+//! none: any number); `limit <index> <per mille>` for the thermal limit in a status; last,
+//! `play <from> <until>` or `listen <from> <blocks> <shape> <slots> <codes>`.
 //!
-//! Standard output of `play`: the codes from..until, two bytes each, little-endian. Of `listen`, for a window of whole blocks
-//! and the codes that an input has sampled in it, written likewise, in hexadecimal (`shape` is 0 for a rectangular window, 1
-//! for Hann's): the weight and the slots that were followed, and for each slot a line with I and Q, 0 if it was not followed.
+//! Standard output of `play`: the codes from..until, two bytes each, little-endian. Of `listen`, for a window
+//! of whole blocks and the codes sampled by an input in it, written likewise, in hexadecimal (`shape` is 0
+//! for a rectangular window, 1 for a Hann window): the weight and the slots without interruption, and for
+//! each slot a line with I and Q, 0 if it was interrupted.
 
 #![warn(clippy::wildcard_enum_match_arm)]
 

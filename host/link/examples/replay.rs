@@ -1,4 +1,4 @@
-//! The journal of a drive, replayed: the same DAC codes that the device has sent, bit for bit.
+//! Replay of a drive's journal: the same DAC codes as the device has sent, bit for bit.
 //!
 //! `cargo run -p slipline-link --example replay`
 //!
@@ -13,7 +13,7 @@ use std::sync::Arc;
 const RATE_HZ: u32 = 400_000;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Sample 0 is the first code in here.
+    // Sample 0 is the first element.
     let mut sent: Vec<u16> = Vec::new();
     let mut loopback = Loopback::connect(RATE_HZ)?;
     sent.resize(loopback.samples() as usize, 0);
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drive = Request::Play(Sounding::Drive(DriveRequest::at(&[(0.03, 0.4), (0.07, 0.4)])));
     let began = loopback.perform(drive, |codes| sent.extend(codes))?;
     loopback.pass(u64::from(RATE_HZ / 2), |codes| sent.extend(codes));
-    // The replay ends where the latest status says that the device is.
+    // The replay ends at the device's index in the latest status.
     loopback.perform(Request::Refresh, |codes| sent.extend(codes))?;
 
     for entry in loopback.view().journal.iter() {
@@ -43,7 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         println!("sample {:7}: {name}", entry.at);
     }
-    let history = DeviceHistory::of(loopback.view()).ok_or("the device has not told its status")?;
+    let history = DeviceHistory::of(loopback.view()).ok_or("the device has not reported its status")?;
     let mut replay = Replay::new(RATE_HZ as usize);
     replay.follow(&history);
     let count = u32::try_from(history.now - began)? / 128 * 128;

@@ -1,10 +1,11 @@
 //! One session's channel to a device: numbering, time-outs and repeats (stop-and-wait ARQ). It has no clock and no port:
 //! its caller passes the time and moves the bytes.
 //!
-//! A command travels in one of three lanes, each with at most one unanswered command: [`Lane::Urgent`] for the stops,
-//! which never wait; [`Lane::Periodic`] for hello, keep-alives and status; [`Lane::Ordered`] for all numbered commands.
-//! A numbered command is repeated under its own number, so the device executes it once. An unanswered keep-alive is replaced
-//! by a new one, because a repeated one does not feed the dead-man.
+//! A command travels in one of three lanes, each with at most one unanswered command: [`Lane::Urgent`] for
+//! the stops, which never wait; [`Lane::Periodic`] for hello, keep-alives and status; [`Lane::Ordered`] for
+//! all numbered commands. A numbered command is repeated under its own number, so the device executes it
+//! once. An unanswered keep-alive is replaced by a new one, because a repeated one does not reset the
+//! dead-man.
 
 use crate::trace::{FRAMES, TracedFrame, TracedMessage};
 use slipline_protocol::frame::DecoderCounters;
@@ -28,7 +29,7 @@ enum Lane {
     Urgent,
     /// Hello, keep-alive, status.
     Periodic,
-    /// Everything that is numbered.
+    /// All numbered commands.
     Ordered,
 }
 
@@ -44,18 +45,18 @@ impl Lane {
     }
 }
 
-/// What came back, with the command it answers.
+/// A reply with the command that it answers.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Answer {
     /// The command.
     pub(crate) command: Command,
-    /// What came back.
+    /// The device's reply.
     pub(crate) reply: Reply,
-    /// How long it took since the command was last sent.
+    /// Time since the command was last sent.
     pub(crate) round_trip: Duration,
 }
 
-/// The content of an answer.
+/// The content of a reply.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Reply {
     /// The device's version, and the rest of its identity where this program can read it.
@@ -64,11 +65,11 @@ pub(crate) enum Reply {
     Event(Box<Event>),
 }
 
-/// The device has not answered although it was asked as often as allowed.
+/// The device has not answered although the command was sent as often as allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RetriesExhausted;
 
-/// What a channel has counted.
+/// Counters of a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ChannelCounters {
     pub(crate) commands: u32,
@@ -80,20 +81,20 @@ pub(crate) struct ChannelCounters {
 #[derive(Clone, Debug)]
 struct Pending {
     command: Command,
-    /// It is never sent again: something harmless goes out under its number.
+    /// It is never sent again: a harmless command is sent under its number.
     is_withdrawn: bool,
     sequence: u16,
     sent: Duration,
     repeats: u32,
 }
 
-/// The host's side of one session.
+/// The host's half of one session.
 #[derive(Debug)]
 pub(crate) struct Channel {
     nonce: [u8; 4],
     /// The session's number on the wire: 0 until the header of the device's hello has stated it.
     session: u32,
-    /// What this program and the device both know.
+    /// The protocol version that this program and the device share.
     minor: Minor,
     sequence: u16,
     keep_alives: u32,
@@ -121,13 +122,14 @@ impl Channel {
             // A session's first numbered command has number 1.
             sequence: 1,
             keep_alives: 0,
-            // Each session begins elsewhere: the answer to an earlier hello is none to this one's.
+            // Each session begins at another number, so that a reply to an earlier hello is not taken for one
+            // to this hello.
             unsequenced_number: u16::from_le_bytes([nonce[0], nonce[1]]),
             urgent: None,
             periodic: None,
             ordered: None,
             decoder: Decoder::new(),
-            // Ends a frame that a host before this one left unfinished, so that the hello need not be sent twice.
+            // Ends a frame that an earlier host left unfinished, so that the hello need not be sent twice.
             out: vec![0],
             keeps_frames,
             traced: Vec::new(),
@@ -140,7 +142,7 @@ impl Channel {
         Command::Hello(command::Hello { version: Version::OURS, nonce: self.nonce })
     }
 
-    /// Whether the device knows this command: one that is newer than its firmware is never sent.
+    /// Whether the device knows this command: a command that is newer than its firmware is never sent.
     pub(crate) fn is_known(&self, command: &Command) -> bool {
         command.is_known(self.minor)
     }
@@ -160,18 +162,18 @@ impl Channel {
         self.urgent.as_ref().map(|pending| &pending.command)
     }
 
-    /// What has been counted here.
+    /// The counters of this channel.
     pub(crate) const fn counters(&self) -> ChannelCounters {
         self.counters
     }
 
-    /// What the decoder has counted.
+    /// The counters of the decoder.
     pub(crate) const fn decoder(&self) -> DecoderCounters {
         self.decoder.counters()
     }
 
-    /// Sends a command. It replaces an unanswered one of its lane; numbered ones are sent only when
-    /// [`Channel::is_free`].
+    /// Sends a command. It replaces an unanswered command of its lane; numbered commands may be sent only
+    /// while [`Channel::is_free`].
     pub(crate) fn send(&mut self, command: Command, now: Duration) {
         self.counters.commands = self.counters.commands.saturating_add(1);
         let lane = Lane::of(&command);
@@ -181,7 +183,8 @@ impl Channel {
         *self.lane_mut(lane) = Some(pending);
     }
 
-    /// Sends the next keep-alive. It replaces an unanswered one, because a repeated keep-alive does not feed the dead-man.
+    /// Sends the next keep-alive. It replaces an unanswered one, because a repeated keep-alive does not reset
+    /// the dead-man.
     pub(crate) fn keep_alive(&mut self, now: Duration) {
         let unanswered = self.periodic.as_ref().map(|pending| pending.repeats);
         self.keep_alives = self.keep_alives.wrapping_add(1);
@@ -194,15 +197,15 @@ impl Channel {
         }
     }
 
-    /// If a numbered command is unanswered, never sends it again: should it be lost, something harmless goes out
-    /// under its number. For a drive that a stop has overtaken.
+    /// Never sends an unanswered numbered command again: if it was lost, a harmless command is sent under its
+    /// number. For a drive that a stop has overtaken.
     pub(crate) fn withdraw(&mut self) {
         if let Some(pending) = &mut self.ordered {
             pending.is_withdrawn = true;
         }
     }
 
-    /// Takes bytes from the device; returns what they answer.
+    /// Decodes bytes from the device; returns the replies with their commands.
     pub(crate) fn receive(&mut self, bytes: &[u8], now: Duration) -> Vec<Answer> {
         let mut answers = Vec::new();
         for &byte in bytes {
@@ -241,7 +244,8 @@ impl Channel {
         answers
     }
 
-    /// Sends again what is overdue. Keep-alives are not: [`Channel::keep_alive`] comes round by itself.
+    /// Repeats overdue commands. Keep-alives are not repeated: [`Channel::keep_alive`] is called
+    /// periodically.
     ///
     /// # Errors
     /// [`RetriesExhausted`] once a command has been sent and repeated as often as allowed.
@@ -269,7 +273,7 @@ impl Channel {
         Ok(())
     }
 
-    /// When [`Channel::tick`] has something to do next.
+    /// When [`Channel::tick`] must be called next.
     pub(crate) fn deadline(&self) -> Option<Duration> {
         let sent = [&self.urgent, &self.periodic, &self.ordered]
             .into_iter()
@@ -323,25 +327,25 @@ impl Channel {
         }
     }
 
-    /// A number that no numbered command under way has, so that answers cannot be mistaken.
+    /// A number that differs from those of all pending numbered commands, so that replies cannot be confused.
     fn unsequenced(&mut self) -> u16 {
-        // At least 0x4000 numbers away from every numbered command that can be pending at the same time: an answer
-        // must not match a command of another lane.
+        // At least 0x4000 from every numbered command that can be pending at the same time: a reply must not
+        // match a command of another lane.
         self.unsequenced_number = self.unsequenced_number.wrapping_add(1);
         self.sequence.wrapping_add(0x4000 | (self.unsequenced_number & 0x3fff))
     }
 
     fn queue(&mut self, command: &Command, sequence: u16, now: Duration) {
         let session = if matches!(command, Command::Hello(_)) { 0 } else { self.session };
-        // Every command that its types allow fits a frame (a test of the protocol proves it). If one did not, its
-        // answer would be missing, and the link would be lost as silent.
+        // Every command that its types allow fits a frame, as a test of the protocol shows. If one did not,
+        // it would not be sent, and the link would be lost as silent.
         if let Ok(frame) = command.frame_for(self.minor, session, sequence) {
             self.out.extend_from_slice(&frame);
             self.trace(now, sequence, || TracedMessage::Command(command.clone()));
         }
     }
 
-    /// Matches a reply with the command it answers.
+    /// Matches a reply with its command.
     fn match_reply(&mut self, sequence: u16, reply: Reply, now: Duration) -> Option<Answer> {
         let is_hello = matches!(reply, Reply::Hello(..));
         let lane = [Lane::Ordered, Lane::Urgent, Lane::Periodic].into_iter().find(|&lane| {
@@ -364,8 +368,8 @@ impl Channel {
     }
 }
 
-/// The version in the body of a hello that this program cannot decode: of a foreign version only the first six bytes can
-/// be relied on.
+/// The version in the body of a hello that this program cannot decode: of another protocol version only the
+/// first six bytes are defined.
 fn foreign_version(id: u8, body: &[u8]) -> Option<Version> {
     const HELLO: u8 = 0x81;
     match *body {

@@ -1,4 +1,5 @@
-//! A chord in shares and seconds, its form in the device's units, and its peak as the device will prove it.
+//! A chord in shares and seconds, its conversion to the device's units, and its peak by the device's own
+//! computation.
 
 use crate::drive::{self, DriveError};
 use crate::harmonic::{HarmonicRequest, harmonics};
@@ -11,8 +12,8 @@ use slipline_protocol::event::Identity;
 use slipline_protocol::limits::{CHORD_PERIOD_LOG2, MAX_HARMONIC};
 use slipline_protocol::refusal::Refusal;
 
-/// Tones that are multiples of the base frequency `rate / 2^period_log2`, so that they repeat exactly. They begin in silence;
-/// together they may be as loud as their peak allows, which the device proves before it accepts them.
+/// Tones that are multiples of the base frequency `rate / 2^period_log2`, so that they repeat exactly. They
+/// begin in silence. Their sum is limited by its peak, which the device computes before it accepts the chord.
 ///
 /// ```
 /// use slipline_link::{ChordRequest, DeviceTable, HarmonicRequest, Request, Sounding};
@@ -40,11 +41,11 @@ pub struct ChordRequest {
     pub period_log2: u8,
     /// The tones, 1 to 16.
     pub tones: Vec<HarmonicRequest>,
-    /// Scales all tones, in dB, -96..=0.
+    /// Master level of all tones, in dB, -96..=0.
     pub master_db: f64,
-    /// How long they rise from silence, in seconds; taken to the nearest time the device can.
+    /// Rise time from silence, in seconds; rounded to the nearest time that the device supports.
     pub glide_s: f64,
-    /// When it begins.
+    /// When the chord begins.
     pub apply: Apply,
 }
 
@@ -55,11 +56,12 @@ impl ChordRequest {
         Self { period_log2, tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
     }
 
-    /// The chord in a device's own units. A limit of the travel makes the rise as long as the actuator needs to follow.
+    /// Converts the chord to the device's units. A travel limit extends the rise to the time that the
+    /// actuator needs to follow.
     ///
     /// # Errors
-    /// [`DriveError`], naming the value and its range. Whether the multiples rise and lie within the table's frequencies, and
-    /// whether the peak fits, is for the device to say.
+    /// [`DriveError`], naming the value and its range. The device checks that the multiples rise, that they
+    /// lie within the table's frequencies, and that the peak fits.
     pub fn for_device(&self, identity: &Identity, travel: Option<&TravelLimit>) -> Result<Chord, DriveError> {
         let (shortest, longest) = CHORD_PERIOD_LOG2;
         let (least, most) = (shortest.into(), longest.into());
@@ -76,11 +78,11 @@ impl ChordRequest {
 }
 
 impl ChordRequest {
-    /// The same chord with a master level that is lower by as much as its peak with this table exceeds full scale, if it does:
-    /// what levels and phases are rounded by may take it there.
+    /// The same chord with its master level lowered until its peak with this table fits full scale; rounding
+    /// of levels and phases may raise a peak above it.
     ///
     /// # Errors
-    /// [`DriveError`] as [`ChordRequest::for_device`]; what the device would refuse whatever the master level.
+    /// [`DriveError`] as [`ChordRequest::for_device`]; what the device would refuse at any master level.
     pub fn fitted(
         mut self,
         identity: &Identity,
@@ -90,17 +92,18 @@ impl ChordRequest {
         let chord = self.for_device(identity, None)?;
         let peak = f64::from(extent(&chord, table).map_err(crate::refusal::Refusal::Device)?.peak());
         if peak > full_scale {
-            // The device counts hundredths of a decibel.
+            // The device's unit is a hundredth of a decibel.
             self.master_db -= 20.0 * (peak / full_scale).log10() + 0.01;
         }
         Ok(self)
     }
 }
 
-/// Between which samples a chord lies once it has risen, by the device's own computation with this table.
+/// Lowest and highest sample of a chord after its rise, by the device's own computation with this table.
 ///
 /// # Errors
-/// What the device would refuse: a multiple outside the table's frequencies, or a sum of amplitudes that no phases make fit.
+/// What the device would refuse: a multiple outside the table's frequencies, or a sum of amplitudes that fits
+/// with no phases.
 pub fn extent(chord: &Chord, table: &DeviceTable) -> Result<Extent, Refusal> {
     let knot = |index: u16| table.knots().get(usize::from(index)).copied().unwrap_or_default();
     let tones = ChordTones::of(chord, table.header().knots, knot)?;

@@ -1,4 +1,4 @@
-//! A comb in shares and seconds, and its form in the device's units.
+//! A comb in shares and seconds, and its conversion to the device's units.
 
 use crate::drive::{self, DriveError};
 use crate::harmonic::{HarmonicRequest, harmonics};
@@ -7,20 +7,20 @@ use slipline_protocol::command::{Apply, Comb, CombTone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::{COMB_BLOCK, COMB_PERIOD_BLOCKS, MAX_FREQUENCY_PER_MILLE};
 
-/// Tones that are multiples of the base frequency `rate / (128 period_blocks)`, within the table's frequencies or beyond them.
-/// They begin in silence; their amplitudes add up to full scale at most. A window of whole periods tells them apart exactly
-/// ([`ListenRequest`](crate::ListenRequest)).
+/// Tones that are multiples of the base frequency `rate / (128 period_blocks)`, within the table's
+/// frequencies or beyond them. They begin in silence; their amplitudes may add up to full scale at most. A
+/// window of whole periods separates them exactly ([`ListenRequest`](crate::ListenRequest)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct CombRequest {
     /// The period in blocks of 128 samples, at least 1.
     pub period_blocks: u16,
     /// The tones, 1 to 16; tone i sounds in slot i.
     pub tones: Vec<HarmonicRequest>,
-    /// Scales all tones, in dB, -96..=0.
+    /// Master level of all tones, in dB, -96..=0.
     pub master_db: f64,
-    /// How long they rise from silence, in seconds; taken to the nearest time the device can.
+    /// Rise time from silence, in seconds; rounded to the nearest time that the device supports.
     pub glide_s: f64,
-    /// When it begins.
+    /// When the comb begins.
     pub apply: Apply,
 }
 
@@ -31,11 +31,12 @@ impl CombRequest {
         Self { period_blocks, tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
     }
 
-    /// The comb in a device's own units. A limit of the travel makes the rise as long as the actuator needs to follow.
+    /// Converts the comb to the device's units. A travel limit extends the rise to the time that the actuator
+    /// needs to follow.
     ///
     /// # Errors
-    /// [`DriveError`], naming the value and its range. Whether the multiples rise, and whether the amplitudes fit, is for the
-    /// device to say.
+    /// [`DriveError`], naming the value and its range. The device checks that the multiples rise and that the
+    /// amplitudes fit.
     pub fn for_device(&self, identity: &Identity, travel: Option<&TravelLimit>) -> Result<Comb, DriveError> {
         let (shortest, longest) = COMB_PERIOD_BLOCKS;
         OutOfRange::check(

@@ -1,5 +1,5 @@
-//! The commands to one device: what to send next ([`queue`]), what the replies mean ([`replies`], and [`numbered`] for
-//! what the tasks send), a table's way onto the device ([`upload`]).
+//! The commands to one device: the order of sending ([`queue`]), the evaluation of replies ([`replies`], and
+//! [`numbered`] for those to tasks), the upload of a table ([`upload`]).
 
 mod holding;
 mod listening;

@@ -8,9 +8,10 @@
 //!                             +----------------------------------------------------------------------+------+
 //! ```
 //! It owns no thread and no clock: the caller runs [`Connection::step`] with the time, again no later than
-//! [`Connection::deadline`]. After a loss the device is looked for, and so is a port that is missing when it is to be
-//! opened. Other errors of opening are not tried again: a busy port must not be taken from another program, and a
-//! missing permission needs the user first. A device that comes back is disarmed; only the user arms it again.
+//! [`Connection::deadline`]. After a loss the link looks for the device; it also looks for a port that is
+//! missing when it is to be opened. Other errors of opening are not retried: a busy port must not be taken
+//! from another program, and a missing permission requires the user. A device that returns is disarmed; only
+//! the user arms it again.
 
 mod driver;
 mod opening;
@@ -28,20 +29,21 @@ use crate::transport::{Opener, Transport, Waker};
 use std::io;
 use std::time::Duration;
 
-/// A lost device or a missing port is looked for this often; a board is back on the bus 0.2 s after a reset.
+/// Time between two searches for a lost device or a missing port; a board is back on the bus 0.2 s after a
+/// reset.
 pub const SEEK_PERIOD: Duration = Duration::from_millis(250);
-/// Reads per step, at most, so that a device that never stops sending cannot keep the worker from its requests.
+/// Reads per step, at most, so that a device that sends continuously cannot delay the handling of requests.
 const READS: usize = 16;
-/// What does not fit the port now is tried again after so long.
+/// Time after which bytes are written again that the port did not accept.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
 
-/// Draws the four bytes that make one session's hello differ from another's.
+/// Generates the four bytes that distinguish one session's hello from another's.
 pub type Nonces = Box<dyn FnMut() -> [u8; 4] + Send>;
 
 struct Open<T> {
     transport: T,
     queue: CommandQueue,
-    /// The caller has not taken this transport yet, to register it with its poll.
+    /// The caller has not yet registered this transport with its poll.
     is_new: bool,
 }
 
@@ -104,17 +106,17 @@ pub struct Connection<O: Opener> {
     rediscovery: Option<Rediscovery>,
     /// The port was missing when it was to be opened, and no device has answered there yet.
     waits_for_port: bool,
-    /// What to open once the present device is left.
+    /// The port to open once the present device is closed.
     next: Option<(Ticket, Port)>,
     leave: Option<Ticket>,
     recorder: Recorder,
     keeps_frames: bool,
-    /// There may be more to read than one step took.
+    /// There may be more to read than one step has read.
     has_more: bool,
     opened_at: Duration,
-    /// Sessions in a row that others have ended soon after their beginning.
+    /// Consecutive sessions that other programs have ended soon after their beginning.
     short_lives: u32,
-    /// The watch over whoever drives; `None` if that is who calls [`Connection::step`].
+    /// The watch over the driver; `None` if the driver itself calls [`Connection::step`].
     driver: Option<DriverWatch>,
 }
 
@@ -141,19 +143,19 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Keeps the latest frames of the sessions that begin from now on in [`Snapshot::frames`]. It clones every message,
-    /// so a simulation that runs faster than time leaves it off.
+    /// Keeps the latest frames of future sessions in [`Snapshot::frames`]. It clones every message, so a
+    /// simulation that runs faster than real time leaves it off.
     pub const fn keep_frames(&mut self) {
         self.keeps_frames = true;
     }
 
-    /// What is known now.
+    /// The present state.
     #[must_use]
     pub const fn view(&self) -> &Snapshot {
         &self.recorder.view
     }
 
-    /// (changed at all, worth a repaint) since the last call.
+    /// Whether anything changed, and whether a repaint is worthwhile, since the last call.
     pub fn take_changes(&mut self) -> (bool, bool) {
         self.recorder.take_changes()
     }
@@ -170,7 +172,7 @@ impl<O: Opener> Connection<O> {
         std::mem::take(&mut open.is_new).then_some(&mut open.transport)
     }
 
-    /// Takes a request. What cannot be done now ends at once.
+    /// Handles a request. A request that cannot be carried out now ends at once.
     pub fn request(&mut self, ticket: Ticket, request: Request, now: Duration) {
         self.recorder.set_time(now);
         let is_of_many =
@@ -262,7 +264,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Does all that is due: reads, handles the replies, sends, writes, looks for a lost device.
+    /// Performs all due steps: reads, evaluates replies, sends, writes, looks for a lost device.
     pub fn step(&mut self, now: Duration) {
         self.recorder.set_time(now);
         if self.recorder.view.auto_reconnect
@@ -284,7 +286,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// The latest time of the next [`Connection::step`]; `None` while nothing can happen by itself.
+    /// The latest time of the next [`Connection::step`]; `None` while nothing is pending.
     #[must_use]
     pub fn deadline(&self, now: Duration) -> Option<Duration> {
         if self.has_more {
@@ -355,7 +357,7 @@ impl<O: Opener> Connection<O> {
         self.verify_identity()
     }
 
-    /// Drops the transport; whatever waits ends with `outcome`.
+    /// Drops the transport; pending requests end with `outcome`.
     fn shut(&mut self, outcome: &Outcome) {
         self.has_more = false;
         if let Phase::Open(open) = std::mem::replace(&mut self.phase, Phase::Closed) {
@@ -363,7 +365,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// The closing is over.
+    /// The closing is complete.
     fn close(&mut self, now: Duration) {
         self.shut(&Outcome::NotConnected);
         self.recorder.forget_device(None);

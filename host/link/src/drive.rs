@@ -1,4 +1,4 @@
-//! A drive in metres, levels and decibels, and its form in the device's units.
+//! A drive in metres, levels and decibels, and its conversion to the device's units.
 
 use crate::out_of_range::OutOfRange;
 use crate::table;
@@ -12,9 +12,9 @@ use slipline_protocol::units::{CentiDecibel, Level, Phase};
 /// One tone, in metres and shares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneRequest {
-    /// 0..16. A sounding slot glides from where it is; a slot that is not named fades out.
+    /// 0..16. A sounding slot glides from its present place; a slot that is not listed fades out.
     pub slot: u8,
-    /// Where its turning point is to lie, in metres from the driven end, within the device table's span.
+    /// Its turning point, in metres from the driven end, within the device table's span.
     pub boundary_m: f64,
     /// Its peak relative to the table's full scale, 0..=1.
     pub level: f64,
@@ -22,16 +22,16 @@ pub struct ToneRequest {
     pub phase_turns: f64,
 }
 
-/// A drive, in metres, decibels and seconds; the link puts it into the device's units.
+/// A drive, in metres, decibels and seconds; the link converts it to the device's units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DriveRequest {
-    /// The tones, at most 16 and each in its own slot; none fades all out.
+    /// The tones, at most 16, each in its own slot; an empty list fades all tones out.
     pub tones: Vec<ToneRequest>,
-    /// Scales all tones, in dB, -96..=0.
+    /// Master level of all tones, in dB, -96..=0.
     pub master_db: f64,
-    /// How long the change takes, in seconds; taken to the nearest time the device can.
+    /// Duration of the change, in seconds; rounded to the nearest time that the device supports.
     pub glide_s: f64,
-    /// When it begins.
+    /// When the change begins.
     pub apply: Apply,
 }
 
@@ -42,7 +42,7 @@ impl DriveRequest {
         Self { tones, master_db: 0.0, glide_s: 0.02, apply: Apply::Next }
     }
 
-    /// As [`DriveRequest::of`] tones that are (place in metres, level) and begin at phase 0, in slots from 0 on.
+    /// As [`DriveRequest::of`], with tones given as (place in metres, level) at phase 0, in slots from 0 on.
     #[must_use]
     pub fn at(tones: &[(f64, f64)]) -> Self {
         let tones = (0u8..).zip(tones).map(|(slot, &(boundary_m, level))| ToneRequest {
@@ -55,39 +55,40 @@ impl DriveRequest {
     }
 }
 
-/// Why a drive cannot be put into the device's units.
+/// Why a drive cannot be converted to the device's units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DriveError {
-    /// There is no table to place tones by.
+    /// There is no table by which to place tones.
     #[error("the device has no turning-point table: upload one first")]
     NoTable,
     /// More tones than the device has slots.
     #[error("{got} tones; the device has {max}")]
     TooManyTones {
-        /// How many were asked for.
+        /// Number of requested tones.
         got: usize,
-        /// How many it has.
+        /// Number of slots.
         max: u8,
     },
-    /// A value lies outside its range, or is no number.
+    /// A value lies outside its range or is not a number.
     #[error("tone {slot}: {value}")]
     Tone {
         /// The tone's slot.
         slot: u8,
-        /// Which value, and what is allowed.
+        /// The value, and its range.
         value: OutOfRange,
     },
-    /// The master level lies outside -96..=0 dB, or is no number; or the glide time is negative or no number.
+    /// The master level lies outside -96..=0 dB or is not a number; or the glide time is negative or not a
+    /// number.
     #[error("the {0}")]
     OutOfRange(#[from] OutOfRange),
 }
 
 impl DriveRequest {
-    /// The drive in a device's own units, placed by the span of its active table. A limit of the travel makes the glide
-    /// as long as the actuator needs to follow.
+    /// Converts the drive to the device's units, placed by the span of its active table. A travel limit
+    /// extends the glide to the time that the actuator needs to follow.
     ///
     /// # Errors
-    /// [`DriveError`], naming the value and its range; the rule is the device's own.
+    /// [`DriveError`], naming the value and its range, by the device's own rule.
     pub fn for_device(
         &self,
         identity: &Identity,
@@ -128,7 +129,7 @@ pub(crate) fn level(level: f64) -> Result<Level, OutOfRange> {
     table::level(level).ok_or(OutOfRange { field: "level", got: level, min: 0.0, max: 1.0 })
 }
 
-/// A phase in the device's units, of any number of turns.
+/// A phase of any number of turns in the device's units.
 pub(crate) fn phase(turns: f64) -> Result<Phase, OutOfRange> {
     if !turns.is_finite() {
         return Err(OutOfRange { field: "phase (turns)", got: turns, min: 0.0, max: 1.0 });
@@ -143,14 +144,14 @@ pub(crate) fn master(master_db: f64) -> Result<CentiDecibel, OutOfRange> {
     Ok(CentiDecibel((master_db * 100.0).round() as i16))
 }
 
-/// A glide in the device's units: the nearest time that it can, and that its actuator can follow.
+/// A glide in the device's units: the nearest time that the device supports and its actuator can follow.
 pub(crate) fn glide(
     glide_s: f64,
     identity: &Identity,
     travel: Option<&TravelLimit>,
 ) -> Result<u32, OutOfRange> {
     OutOfRange::check("glide time (s)", glide_s, 0.0, f64::INFINITY)?;
-    // A float beyond u32 saturates, and the device's range is put over it.
+    // A float beyond u32 saturates; the device's range is applied afterwards.
     let glide = (glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
     let timing = Timing::at(identity.sample_rate_hz);
     let shortest = travel.map_or(0, |limit| shortest_glide(limit, &timing)).max(identity.min_glide);

@@ -1,11 +1,12 @@
-//! The watch over the driver: the loop that uses the device, a window's event loop or a command's waiting loop.
+//! Watch over the driver: the program's loop that uses the device, a window's event loop or a command's
+//! waiting loop.
 //!
-//! The worker's own thread sends the keep-alives, so the device's dead-man does not notice when the window hangs: the
-//! coil would stay driven, and nobody could press STOP. So while the device is armed, a sign of life is asked for four
-//! times a second; after a second without one the device is stopped and disarmed.
+//! The worker's own thread sends the keep-alives, so the device's dead-man does not notice a hanging window:
+//! the coil would stay driven, and STOP could not be pressed. So while the device is armed, a sign of life is
+//! requested four times a second; after a second without one the device is stopped and disarmed.
 //!
-//! A program that steps a [`Connection`](crate::connection::Connection) itself needs no such watch: when it hangs, no
-//! keep-alive is sent, and the dead-man ends the drive.
+//! A program that steps a [`Connection`](crate::connection::Connection) itself does not need this watch: when
+//! it hangs, no keep-alive is sent, and the dead-man ends the drive.
 
 use crate::commands::CommandQueue;
 use crate::log::Severity;
@@ -19,14 +20,14 @@ pub const SIGN_PERIOD: Duration = Duration::from_millis(250);
 /// Time without a sign of life after which the device is stopped and disarmed. It equals the device's own dead-man time
 /// for a silent computer.
 pub const SIGN_PATIENCE: Duration = Duration::from_millis(DEAD_MAN_MS as u64);
-// Three signs in a row may be lost or late.
+// Three consecutive signs may be lost or late.
 const _: () = assert!(SIGN_PATIENCE.as_millis() >= 4 * SIGN_PERIOD.as_millis());
 
-/// What is to be done now.
+/// The action that is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Due {
     Nothing,
-    /// Ask for a sign of life.
+    /// Request a sign of life.
     Ask,
     /// Stop and disarm; `is_first`: the first time since the last sign of life.
     Stop {
@@ -34,13 +35,14 @@ enum Due {
     },
 }
 
-/// The times of the signs of life, while the device is armed. For a simulated device they count from the first sign on.
+/// The times of the signs of life, while the device is armed. For a simulated device they are counted from
+/// the first sign.
 #[derive(Debug, Default)]
 pub(crate) struct DriverWatch {
     armed: Option<Armed>,
-    /// A sign of life has been given at all.
+    /// Whether any sign of life has been given.
     has_signed: bool,
-    /// A sign of life is asked for, and the caller has not taken the question yet.
+    /// A sign of life is requested, and the caller has not taken the request yet.
     is_asking: bool,
 }
 
@@ -53,7 +55,7 @@ struct Armed {
 }
 
 impl DriverWatch {
-    /// The driver was alive at this time.
+    /// Records that the driver was alive at this time.
     pub(crate) fn sign(&mut self, at: Duration) {
         self.has_signed |= !at.is_zero();
         if let Some(armed) = &mut self.armed
@@ -64,17 +66,17 @@ impl DriverWatch {
         }
     }
 
-    /// Whether a sign of life has been asked for since the last call.
+    /// Whether a sign of life has been requested since the last call.
     pub(crate) const fn take_question(&mut self) -> bool {
         std::mem::replace(&mut self.is_asking, false)
     }
 
-    /// Asks for a sign of life, and ends the drive without one.
+    /// Requests a sign of life, and ends the drive if none is given.
     pub(crate) fn watch(&mut self, queue: &mut CommandQueue, recorder: &mut Recorder, now: Duration) {
         let state = recorder.view.status.map(|status| status.state);
         let is_armed =
             matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping));
-        // The link arms a simulated device without being asked, also while the window is still being opened.
+        // The link arms a simulated device automatically, also while the window is still being opened.
         if !self.has_signed
             && recorder.view.may_arm_unasked()
             && let Some(armed) = &mut self.armed
@@ -105,7 +107,7 @@ impl DriverWatch {
             self.armed = None;
             return Due::Nothing;
         }
-        // No sign was asked for before it was armed, so the time counts from here.
+        // No sign was requested before the device was armed, so the time counts from here.
         let armed = self.armed.get_or_insert(Armed { since: now, ask_at: now, stop_at: now + SIGN_PATIENCE });
         if now >= armed.stop_at {
             let is_first = armed.stop_at == armed.since + SIGN_PATIENCE;
@@ -120,7 +122,7 @@ impl DriverWatch {
         Due::Nothing
     }
 
-    /// When [`DriverWatch::step`] has something to do next.
+    /// When [`DriverWatch::step`] must be called next.
     pub(crate) fn deadline(&self) -> Option<Duration> {
         self.armed.as_ref().map(|armed| armed.ask_at.min(armed.stop_at))
     }
@@ -134,8 +136,8 @@ mod tests {
         Duration::from_millis(ms)
     }
 
-    /// What was due, with the time in milliseconds, stepped at its own deadlines; a sign is given for each question
-    /// until `hangs_at`.
+    /// Due actions with the time in milliseconds, stepped at its own deadlines; each request is answered by a
+    /// sign until `hangs_at`.
     fn run(watch: &mut DriverWatch, from_ms: u64, to_ms: u64, hangs_at: u64) -> Vec<(u64, Due)> {
         let mut seen = Vec::new();
         let mut now = ms(from_ms);
@@ -170,7 +172,7 @@ mod tests {
         let (first, later) = (Due::Stop { is_first: true }, Due::Stop { is_first: false });
         // The last sign was given at 1001 ms.
         assert_eq!(stops, [&(2001, first), &(3001, later), &(4001, later)]);
-        // A driver that comes back and hangs again.
+        // A driver that recovers and hangs again.
         watch.sign(ms(4600));
         assert_eq!(watch.step(true, ms(5599)), Due::Ask);
         assert_eq!(watch.step(true, ms(5600)), first);

@@ -1,24 +1,24 @@
-//! The errors of a link: one sentence each, with what helps.
+//! The errors of a link: one sentence each, with its remedy.
 
 use crate::port::Port;
 use std::io::{self, ErrorKind};
 
-/// What went wrong with the link.
+/// An error of the link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LinkError {
     /// The port does not exist.
     #[error("there is no port {0}: is the device plugged in?")]
     NoSuchPort(Port),
-    /// Another program has the port.
+    /// Another program uses the port.
     #[error("{0} is in use by another program: close it there first")]
     Busy(Port),
-    /// The user may not open the port.
+    /// The user has no permission to open the port.
     #[error(
         "no permission to open {0}: on Linux install the udev rule or join the group dialout, then log in again"
     )]
     NoPermission(Port),
-    /// There is something of that name, but no serial port.
-    #[error("{0} is no serial port")]
+    /// The name exists but is not a serial port.
+    #[error("{0} is not a serial port")]
     NotSerial(Port),
     /// The port opened but nothing answered the hello.
     #[error("{0} opened but no Slipline device answers there")]
@@ -26,13 +26,13 @@ pub enum LinkError {
     /// A command was repeated as often as allowed and never answered.
     #[error("the device stopped answering")]
     Silent,
-    /// The port went away: unplugged, reset, or closed at the other end.
+    /// The port disappeared: unplugged, reset, or closed at the other end.
     #[error("the device went away: unplugged or restarted")]
     Gone,
     /// The device no longer knows this session.
     #[error("the device was restarted, or another program took it over")]
     SessionEnded,
-    /// The link's own thread has failed; it cannot go on.
+    /// The link's own thread has failed and cannot continue.
     #[error("the link itself has failed; the device stops by itself: start Slipline again")]
     Crashed,
     /// Any other error of the system.
@@ -41,7 +41,7 @@ pub enum LinkError {
 }
 
 impl LinkError {
-    /// The meaning of a system error while a port is opened.
+    /// The error for a system error while a port is opened.
     #[must_use]
     #[expect(clippy::wildcard_enum_match_arm, reason = "the system's kinds of errors grow with each Rust")]
     pub fn opening(port: &Port, error: &io::Error) -> Self {
@@ -53,7 +53,7 @@ impl LinkError {
         }
     }
 
-    /// The meaning of a system error while reading or writing; `None` for errors that only mean "not yet".
+    /// The error for a system error while reading or writing; `None` for errors that only mean "not yet".
     #[must_use]
     #[expect(clippy::wildcard_enum_match_arm, reason = "the system's kinds of errors grow with each Rust")]
     pub fn transfer(error: &io::Error) -> Option<Self> {

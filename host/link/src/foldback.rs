@@ -1,24 +1,24 @@
-//! What the thermal fold-back did between two statuses.
+//! Steps of the thermal fold-back between two statuses.
 //!
-//! The fold-back changes only where a period begins. A status holds its value in the present period and in the periods
-//! before it, and the number of changes since the reset. So a host that missed statuses in between still knows every
-//! step, or knows that one is missing.
+//! The fold-back changes only at the beginning of a period. A status holds its value in the present period
+//! and in the periods before it, and the number of changes since the reset. So a host that missed statuses in
+//! between still knows every step, or detects that one is missing.
 
 use slipline_app::Timing;
 use slipline_protocol::event::Status;
 use slipline_protocol::units::SampleIndex;
 
-/// The steps of the fold-back that a status reports and the status before it did not.
+/// The steps of the fold-back that a status reports and the previous status did not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FoldbackSteps {
-    /// The index where each step begins, and the factor of every amplitude from there on, per mille; in order.
+    /// The index where each step begins, and the factor of all amplitudes from there on, per mille; in order.
     pub steps: Vec<(SampleIndex, u16)>,
-    /// Whether these are all. If not, the codes between the two statuses are not known.
+    /// Whether the list is complete. If not, the codes between the two statuses are not known.
     pub is_complete: bool,
 }
 
 impl FoldbackSteps {
-    /// The steps from `before` to `status`; without a status before, the fold-back in force.
+    /// The steps from `before` to `status`; without an earlier status, the fold-back in force.
     #[must_use]
     pub fn between(before: Option<&Status>, status: &Status, timing: &Timing) -> Self {
         let since = timing.limit_since(status.now);
@@ -58,7 +58,7 @@ mod tests {
 
     const RATE_HZ: u32 = 400_000;
 
-    /// The status in the middle of a period, after these values of the fold-back, one for each period from 0 on.
+    /// The status in the middle of a period, after these values of the fold-back, one per period from 0 on.
     fn status(values: &[u16]) -> Status {
         let last = values.len() - 1;
         let of = |age: usize| values[last.saturating_sub(age)];
@@ -71,8 +71,8 @@ mod tests {
         }
     }
 
-    /// The steps that a host finds, in periods, if it gets the status after `first` and the one after all values, and none in
-    /// between.
+    /// The steps that a host derives, in periods, if it receives the status after `first` and the one after
+    /// all values, and none in between.
     fn heard(values: &[u16], first: usize) -> (Vec<(u64, u16)>, bool) {
         let timing = Timing::at(RATE_HZ);
         let heard = FoldbackSteps::between(Some(&status(&values[..first])), &status(values), &timing);

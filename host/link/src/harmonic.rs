@@ -1,4 +1,4 @@
-//! One multiple of a base frequency, in shares and turns, and its form in the device's units.
+//! One multiple of a base frequency, in shares and turns, and its conversion to the device's units.
 
 use crate::drive::{self, DriveError};
 use crate::out_of_range::OutOfRange;
@@ -9,7 +9,7 @@ use slipline_protocol::units::{Level, Phase};
 /// One tone of a chord or a comb.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HarmonicRequest {
-    /// Which multiple of the base frequency it is; the multiples rise from tone to tone.
+    /// The multiple of the base frequency; multiples rise from tone to tone.
     pub harmonic: u16,
     /// Its peak relative to the table's full scale, 0..=1. Beyond an end of the table it is relative to that end's gain.
     pub level: f64,
@@ -17,8 +17,8 @@ pub struct HarmonicRequest {
     pub phase_turns: f64,
 }
 
-/// Multiples of a base frequency in a device's own units, each put into its command's form by `tone`. `highest` is the largest
-/// multiple.
+/// Multiples of a base frequency in a device's units, each converted to its command's type by `tone`.
+/// `highest` is the largest multiple.
 pub(crate) fn harmonics<T>(
     requests: &[HarmonicRequest],
     highest: f64,

@@ -1,4 +1,4 @@
-//! A level hold in seconds, decibels and codes, and its form in the device's units.
+//! A level hold in seconds, decibels and codes, and its conversion to the device's units.
 
 use crate::drive::DriveError;
 use crate::out_of_range::OutOfRange;
@@ -20,27 +20,30 @@ const CODE: f64 = 256.0;
 pub struct HoldToneRequest {
     /// Its slot, 0..16. It must sound.
     pub slot: u8,
-    /// The amplitude to hold, in codes at the input, 1/16..=2047: what a [`ListenRequest`](crate::ListenRequest) measures.
+    /// The amplitude to hold, in codes at the input, 1/16..=2047, as measured by a
+    /// [`ListenRequest`](crate::ListenRequest).
     pub amplitude_codes: f64,
 }
 
-/// Holds the measured amplitudes of sounding tones at these values until another command changes the drive. While it is on,
-/// [`Snapshot::hold`](crate::Snapshot::hold) has its state, a [`ListenRequest`](crate::ListenRequest) is refused, and the
-/// mirror does not know the codes. To change a hold, end it first.
+/// Holds the measured amplitudes of sounding tones at these values until another command changes the drive.
+/// While it is on, [`Snapshot::hold`](crate::Snapshot::hold) has its state, a
+/// [`ListenRequest`](crate::ListenRequest) is refused, and the mirror does not know the codes. To change a
+/// hold, end it first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HoldRequest {
     /// The input, from 0.
     pub input: u8,
-    /// The plate's time constant `2 / (loss factor * angular frequency)` in seconds, 0..=60; of several tones the longest.
+    /// The plate's time constant `2 / (loss factor * angular frequency)` in seconds, 0..=60; the longest one
+    /// of several tones.
     pub time_constant_s: f64,
-    /// The length of a window in blocks of 128 samples; longer where the device's drives must be slower.
+    /// The length of a window in blocks of 128 samples; extended where the device's drives must be slower.
     pub blocks: u16,
-    /// How far above its drive's level a tone may rise, in dB, 0..=60.2.
+    /// Largest rise of a tone above its drive level, in dB, 0..=60.2.
     pub max_rise_db: f64,
-    /// The largest change of a level from one window to the next, in dB, 0.01..=60.2. Less than 6 dB makes the hold slower than
-    /// it could be.
+    /// The largest change of a level from one window to the next, in dB, 0.01..=60.2. Less than 6 dB makes
+    /// the hold slower than possible.
     pub slew_db: f64,
-    /// The tones, at most 16 and each in its own slot; none ends the hold.
+    /// The tones, at most 16, each in its own slot; an empty list ends the hold.
     pub tones: Vec<HoldToneRequest>,
 }
 
@@ -55,11 +58,11 @@ impl HoldRequest {
         tones: Vec::new(),
     };
 
-    /// The hold in a device's own units. A limit of the travel makes the windows as long as the actuator needs to follow the
-    /// levels.
+    /// Converts the hold to the device's units. A travel limit extends the windows to the time that the
+    /// actuator needs to follow the levels.
     ///
     /// # Errors
-    /// [`DriveError`], naming the value and its range. Whether the tones sound is for the device to say.
+    /// [`DriveError`], naming the value and its range. The device checks that the tones sound.
     pub fn for_device(
         &self,
         identity: &Identity,

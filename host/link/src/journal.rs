@@ -1,4 +1,4 @@
-//! The journal: what the device has agreed to, in order; what the mirror replays.
+//! The journal: changes that the device has accepted, in order, which the mirror replays.
 
 use crate::played::Played;
 use crate::table::DeviceTable;
@@ -6,22 +6,23 @@ use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Something the device has agreed to, at a sample index: what the mirror replays.
+/// A change that the device has accepted, at a sample index; the mirror replays it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Acknowledged {
-    /// Rises by one with each entry; a gap means that entries have been dropped: the oldest, or thermal limits.
+    /// Increases by one with each entry; a gap means dropped entries: the oldest, or thermal limits.
     pub number: u64,
-    /// The index from which it shows in the samples.
+    /// The index from which it affects the samples.
     pub at: SampleIndex,
     /// The change.
     pub change: Change,
-    /// Whether `at` is the exact index. It is not for a stop of the device's own (dead-man, fault): the device tells of it
-    /// only afterwards, and not where its ramp began, so its codes are unknown until the next silence. Nor is it for
-    /// a step of the thermal fold-back after which others were missed.
+    /// Whether `at` is the exact index. It is not exact for a stop by the device itself (dead-man, fault):
+    /// the device reports it only afterwards and without the beginning of its ramp, so its codes are unknown
+    /// until the next silence. It is not exact either for a step of the thermal fold-back after which others
+    /// were missed.
     pub is_exact: bool,
 }
 
-/// A change of what the device sounds.
+/// A change of the device's output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// A session began: the device is silent and disarmed from here.
@@ -32,7 +33,8 @@ pub enum Change {
     Disarmed,
     /// A drive, a chord or a comb.
     Play(Played),
-    /// A level hold began, so the levels follow what the device measures: the codes are unknown until the next silence.
+    /// A level hold began, so the levels follow the device's measurements: the codes are unknown until the
+    /// next silence.
     Hold,
     /// A stop: a ramp to silence.
     Stop,
@@ -40,17 +42,17 @@ pub enum Change {
     EmergencyStop,
     /// This table was swapped in.
     Table(Arc<DeviceTable>),
-    /// What the thermal fold-back leaves of every amplitude from here on, per mille.
+    /// The thermal fold-back's factor of all amplitudes from here on, per mille.
     Limit(u16),
 }
 
 /// Acknowledged changes that are kept for the mirror.
 pub const JOURNAL_ENTRIES: usize = 128;
-/// How many of them may be thermal limits: some ten seconds of the fastest change.
+/// Largest number of thermal limits among them: some ten seconds of the fastest change.
 pub(crate) const JOURNAL_LIMITS: usize = 32;
 
-/// Drops the oldest step of the thermal fold-back if there are too many. A warm coil's limit changes some times a second
-/// for minutes; without this the steps would push out the drive that warms it.
+/// Drops the oldest step of the thermal fold-back if there are too many. A warm coil's limit changes several
+/// times a second for minutes; without this the steps would displace the drive that warms it.
 pub(crate) fn drop_oldest_limit(journal: &mut VecDeque<Arc<Acknowledged>>) {
     let is_limit = |entry: &Arc<Acknowledged>| matches!(entry.change, Change::Limit(_));
     if journal.iter().filter(|entry| is_limit(entry)).count() >= JOURNAL_LIMITS

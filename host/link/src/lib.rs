@@ -1,5 +1,5 @@
-//! The link to a Slipline device: the client's side of the protocol, the record of what the device agreed to, and the
-//! mirror that replays it.
+//! The link to a Slipline device: the client's side of the protocol, the journal of changes that the device
+//! has accepted, and the mirror that replays it.
 //!
 //! ```text
 //! Request --> connection --> commands --> channel --> frames --> transport ==bytes==> device
@@ -8,16 +8,17 @@
 //!                        |
 //!                        +--> mirror (the device's own renderer) --> DAC codes
 //! ```
-//! [`connection`] is the state machine (connect, lose, look again); behind it `commands` decides what to send next and
-//! `channel` numbers, times out and repeats (stop-and-wait ARQ). All are told the time and own no thread, so tests, the
-//! simulation and a browser can run them. With the feature `native`, a worker thread runs them on this computer's
-//! serial ports and sockets; `driver_watch` ends the drive when whoever drives by that thread hangs.
+//! [`connection`] is the state machine (connect, lose, look again); below it `commands` selects the next
+//! command and `channel` numbers, times out and repeats (stop-and-wait ARQ). All receive the time from their
+//! caller and own no thread, so tests, the simulation and a browser can run them. With the feature `native`,
+//! a worker thread runs them on this computer's serial ports and sockets; `driver_watch` ends the drive when
+//! the program that drives through that thread hangs.
 
 #![forbid(unsafe_code)]
-// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+// The crate is part of the browser build: clippy.toml lists what browsers do not support.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
-// A new command, request or job must be placed wherever one is dispatched: a drive that falls into a wildcard could
-// survive a stop.
+// A new command, request or job must be handled wherever these are matched: a drive that matches a wildcard
+// could survive a stop.
 #![warn(clippy::wildcard_enum_match_arm)]
 
 mod channel;
@@ -77,7 +78,7 @@ pub use sounding::Sounding;
 pub use table::{DeviceTable, DeviceTableError};
 pub use trace::{FRAMES, FRAMES_KEPT, TracedFrame, TracedMessage};
 
-/// Codes of one block: the device takes up a change between two of them.
+/// Codes of one block: the device takes up changes between blocks.
 pub use slipline_app::BLOCK;
 /// The two ways a device ramps to silence.
 pub use slipline_app::Stop;

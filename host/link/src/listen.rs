@@ -8,11 +8,11 @@ use slipline_protocol::units::SampleIndex;
 
 /// Codes of an input on each side of mid-scale.
 const MID_SCALE: f64 = 2048.0;
-/// What the device counts a sine of 1 as: see
+/// The device's value of a sine of amplitude 1: see
 /// [`InPhaseQuadrature`](slipline_protocol::listen::InPhaseQuadrature).
 const BASIS_ONE: f64 = 16_383.0;
 
-/// Measures an input's response to each tone over a window. Done when the window is over, with
+/// Measures an input's response to each tone over a window. It ends with the window, with
 /// [`Outcome::Listened`](crate::Outcome::Listened). A newer request replaces one under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ListenRequest {
@@ -47,9 +47,10 @@ pub struct Listened {
     pub begin: SampleIndex,
     /// Its length in blocks.
     pub blocks: u16,
-    /// For each slot `(re, im)` of `b exp(i s)`, where the input's code is `b sin(p + s)` about its mean and the tone's code
-    /// is `a sin p`: `b` in codes. `None` for a slot that was not asked for, or that did not sound on without a jump. The
-    /// device's delay ([`InputsReport::delay_ns`](slipline_protocol::listen::InputsReport)) is in `s`.
+    /// For each slot `(re, im)` of `b exp(i s)`, where the input's code is `b sin(p + s)` about its mean and
+    /// the tone's code is `a sin p`: `b` in codes. `None` for a slot that was not requested, or whose tone
+    /// was interrupted. The device's delay
+    /// ([`InputsReport::delay_ns`](slipline_protocol::listen::InputsReport)) is included in `s`.
     pub answers: [Option<(f64, f64)>; MAX_TONES],
     /// The input's lowest code: clipped where it is 0.
     pub lowest: u16,
@@ -62,22 +63,22 @@ impl Listened {
         Self { begin, blocks, answers: [None; MAX_TONES], lowest: 0, highest: 0 }
     }
 
-    /// Takes the answers of the slots from one on.
+    /// Stores the results of the slots from `first_slot` on.
     pub(crate) fn take(&mut self, first_slot: u8, report: &listen::Listened) {
         (self.lowest, self.highest) = (report.lowest, report.highest);
         let scale = 4.0 / (BASIS_ONE * BLOCK as f64 * f64::from(report.weight.max(1)));
         let slots = self.answers.iter_mut().enumerate().skip(first_slot.into());
         for ((slot, answer), sums) in slots.zip(&report.answers) {
             let is_followed = report.followed >> slot & 1 == 1;
-            // Beyond 2^53 the rounding is 2^-53 of the sum: nothing.
+            // Beyond 2^53 the rounding is 2^-53 of the sum, which is negligible.
             let part = |sum: i64| sum as f64 * scale;
             *answer = is_followed.then(|| (part(sums.in_phase), part(sums.quadrature)));
         }
     }
 }
 
-/// Captures the codes of an input. Done when all values have arrived, with [`Outcome::Captured`](crate::Outcome::Captured).
-/// A newer request replaces one under way.
+/// Captures the codes of an input. It ends when all values have arrived, with
+/// [`Outcome::Captured`](crate::Outcome::Captured). A newer request replaces one under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CaptureRequest {
     /// The first code's index; `None`: the next block's first.
@@ -86,7 +87,7 @@ pub struct CaptureRequest {
     pub input: u8,
     /// Binary logarithm of the number of codes that are summed to a value, 0..=10.
     pub log2_codes: u8,
-    /// How many values, 1..=4096.
+    /// Number of values, 1..=4096.
     pub values: u16,
 }
 

@@ -1,29 +1,29 @@
-//! The lines that the link, the device and the app write into one log.
+//! The common log of the link, the device and the app.
 
 use std::fmt;
 use std::time::Duration;
 
-/// How much an entry of the log matters.
+/// Importance of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// For the curious.
+    /// For diagnosis.
     Detail,
-    /// What was done.
+    /// A completed action.
     Info,
-    /// Something to look at.
+    /// A condition to check.
     Warning,
-    /// Something went wrong.
+    /// An error.
     Error,
 }
 
 /// One line of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LogEntry {
-    /// How much it matters.
+    /// Importance.
     pub severity: Severity,
-    /// When, since the worker was started.
+    /// Time since the worker was started.
     pub time: Duration,
-    /// What.
+    /// Text of the entry.
     pub text: String,
 }
 

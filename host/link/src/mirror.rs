@@ -1,10 +1,12 @@
-//! The mirror: computes every code that a device sends to its DAC, from what the device has acknowledged.
+//! The mirror: computes every code that a device sends to its DAC, from the changes that the device has
+//! acknowledged.
 //!
-//! The device names the index at which each change begins. The same changes at the same indices through the same
-//! renderer give the same codes, bit for bit: the renderer computes with integers only, and one pure function makes
-//! the program from the drive. The thermal fold-back changes only at the beginning of its periods, and the status tells
-//! it, so it is replayed, too. The device's own stops (dead-man, faults) are not replayed, because nothing tells where
-//! their ramps began. After one of them the mirror is wrong until the device is silent and [`Mirror::silence`] is called.
+//! The device states the index at which each change begins. The same changes at the same indices through the
+//! same renderer give the same codes, bit for bit: the renderer computes with integers only, and one pure
+//! function makes the program from the drive. The thermal fold-back changes only at the beginning of its
+//! periods and is reported in the status, so it is replayed, too. The device's own stops (dead-man, faults)
+//! are not replayed, because the beginning of their ramps is not reported. After one of them the mirror is
+//! wrong until the device is silent and [`Mirror::silence`] is called.
 
 pub mod replay;
 
@@ -25,7 +27,7 @@ use slipline_app::{Renderer, Timing};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
-/// A change that the device has accepted and that is to be applied.
+/// An accepted change that is still to be applied.
 #[derive(Clone, Debug)]
 enum Scheduled {
     Play(Played),
@@ -33,7 +35,7 @@ enum Scheduled {
     Stop(Stop),
 }
 
-/// A change came too late to be mirrored: its index has been rendered already.
+/// A change arrived too late to be mirrored: its index has been rendered already.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the change at sample {at} came after the mirror had gone on to {now}")]
 pub struct TooLate {
@@ -43,7 +45,7 @@ pub struct TooLate {
     pub now: SampleIndex,
 }
 
-/// A renderer on the host, fed with what the device has acknowledged.
+/// A renderer on the host, driven by the acknowledged changes.
 ///
 /// ```
 /// use slipline_link::mirror::Mirror;
@@ -82,7 +84,7 @@ pub struct Mirror {
     shape: RampShape,
     table: TableRef,
     changes: VecDeque<(SampleIndex, Scheduled)>,
-    /// The thermal limits that are to come into force, per mille, and the latest that was told.
+    /// The thermal limits that will come into force, per mille, and the latest reported one.
     limits: VecDeque<(SampleIndex, u16)>,
     latest_limit: Option<u16>,
     has_rendered: bool,
@@ -95,7 +97,7 @@ impl Mirror {
     pub fn new(sample_rate_hz: u32, index: SampleIndex) -> Self {
         let timing = Timing::at(sample_rate_hz);
         let mailbox = Box::<Mailbox<CriticalSectionRawMutex>>::default();
-        // A mirror renders every accepted drive: the device has checked before that it was armed.
+        // A mirror renders every accepted drive: the device has checked that it was armed.
         mailbox.arm_from(0);
         let renderer = Renderer::starting_at(timing, index);
         mailbox.begin_at(renderer.index());
@@ -119,7 +121,8 @@ impl Mirror {
         self.renderer.index()
     }
 
-    /// How the last block was rendered, for a [lock-in](slipline_app::listening::lock_in) on what an input answered to it.
+    /// How the last block was rendered, for a [lock-in](slipline_app::listening::lock_in) on an input's
+    /// response to it.
     #[must_use]
     pub fn played(&self) -> lock_in::Played {
         self.renderer.played()
@@ -131,7 +134,7 @@ impl Mirror {
         !self.diverged
     }
 
-    /// A drive, a chord or a comb was accepted and begins at `at`. A chord's peak is not proven again.
+    /// A drive, a chord or a comb was accepted and begins at `at`. A chord's peak is not checked again.
     ///
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
@@ -147,19 +150,21 @@ impl Mirror {
         self.acknowledge(at, Scheduled::Table(knots))
     }
 
-    /// A ramp to silence began at `at`: a stop, a disarm or a new session ([`Stop::Normal`]), or an emergency stop. At a
-    /// block's first sample the block was rendered with it; later in a block, it began in one that was rendered already.
+    /// A ramp to silence began at `at`: a stop, a disarm or a new session ([`Stop::Normal`]), or an emergency
+    /// stop. At a block's first sample, the block was rendered with it; later in a block, the ramp began in a
+    /// block that had been rendered already.
     ///
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
     pub fn acknowledge_stop(&mut self, stop: Stop, at: SampleIndex) -> Result<(), TooLate> {
-        // A drive that was accepted but had not begun is dropped, as in the device; a table is in force all the same.
+        // An accepted drive that had not begun is dropped, as in the device; a table stays in force.
         self.changes.retain(|(begins, change)| *begins < at || !matches!(change, Scheduled::Play(_)));
         self.acknowledge(at, Scheduled::Stop(stop))
     }
 
-    /// The device's thermal limit is `per_mille` from `at` on: [`limit_since`](slipline_app::Timing::limit_since) the
-    /// status that tells it. A mirror that has rendered nothing yet begins with it.
+    /// The device's thermal limit is `per_mille` from `at` on:
+    /// [`limit_since`](slipline_app::Timing::limit_since) the status that reports it. A mirror that has
+    /// rendered nothing yet begins with it.
     ///
     /// # Errors
     /// [`TooLate`]; the mirror is not true from then on.
@@ -185,8 +190,8 @@ impl Mirror {
         Ok(())
     }
 
-    /// The device is known to be silent at `index` (rounded down to a block): the mirror goes there, keeps its table,
-    /// and is true again. Drives and stops that were to come are dropped; a table is in force all the same.
+    /// The device is known to be silent at `index` (rounded down to a block): the mirror moves there, keeps
+    /// its table, and is exact again. Pending drives and stops are dropped; a table stays in force.
     pub fn silence(&mut self, index: SampleIndex) {
         let held: Arc<[Knot]> =
             (0..self.table.knots).map(|index| self.mailbox.slots().knot(self.table.slot, index)).collect();
@@ -209,7 +214,8 @@ impl Mirror {
         }
     }
 
-    /// Renders whole blocks up to `until` (rounded down); `sink` takes each with the index of its first code.
+    /// Renders whole blocks up to `until` (rounded down); `sink` receives each with the index of its first
+    /// code.
     pub fn render(&mut self, until: SampleIndex, mut sink: impl FnMut(SampleIndex, &[u16; BLOCK])) {
         let mut codes = [0; BLOCK];
         while self.now().saturating_add(BLOCK as u64) <= until {
@@ -223,7 +229,7 @@ impl Mirror {
                 self.mailbox.set_limit(limit);
             }
             self.has_rendered = true;
-            // The mirror is not told the keep-alives, so its own dead-man must never act.
+            // The mirror does not see the keep-alives, so its own dead-man must never act.
             self.mailbox.feed();
             self.renderer.render(&self.mailbox, &mut codes);
             self.revise(&mut codes);
@@ -231,7 +237,7 @@ impl Mirror {
         }
     }
 
-    /// A stop within the block that was rendered last: the device had rendered it before the stop came.
+    /// Applies a stop within the block rendered last: the device had rendered it before the stop arrived.
     fn revise(&mut self, codes: &mut [u16; BLOCK]) {
         let next = self.now();
         let within =

@@ -1,22 +1,23 @@
-//! A number that does not fit a field of the protocol, and the sentence about it: that of the device's own refusals.
+//! A number outside the range of a protocol field, and its message, which equals that of the device's own
+//! refusals.
 
 use std::fmt;
 
-/// A number that is outside its range, or no number.
+/// A number that is outside its range or not a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutOfRange {
-    /// Which value, with its unit: `boundary (mm)`.
+    /// The name of the value, with its unit: `boundary (mm)`.
     pub field: &'static str,
-    /// What came.
+    /// The number.
     pub got: f64,
     /// The lowest allowed value.
     pub min: f64,
-    /// The highest allowed value; infinite if none is too high.
+    /// The highest allowed value; infinite if there is none.
     pub max: f64,
 }
 
 impl OutOfRange {
-    /// Refuses a number that is not in the range; NaN never is.
+    /// Refuses a number that is not in the range, and NaN.
     ///
     /// # Errors
     /// The field, the number and the range.

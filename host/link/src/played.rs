@@ -1,5 +1,5 @@
-//! What the device plays, in its own units: a drive by places of its table, or a chord or a comb by multiples of a base
-//! frequency.
+//! The device's output in its own units: a drive by places of its table, or a chord or a comb by multiples of
+//! a base frequency.
 
 use crate::table::DeviceTable;
 use slipline_protocol::command::{Apply, Chord, Comb, Drive, Tone};
@@ -7,14 +7,14 @@ use slipline_protocol::limits::COMB_BLOCK;
 use slipline_protocol::units::{CentiDecibel, FinePosition, Gain, Level};
 use std::sync::Arc;
 
-/// What the device plays.
+/// The device's output.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Played {
-    /// Tones of the table's places.
+    /// Tones at places of the table.
     Drive(Arc<Drive>),
     /// Tones that are multiples of one base frequency.
     Chord(Arc<Chord>),
-    /// Tones that are multiples of one low base frequency, beyond the table's frequencies, too.
+    /// Tones that are multiples of one low base frequency, also beyond the table's frequencies.
     Comb(Arc<Comb>),
 }
 
@@ -49,13 +49,13 @@ impl From<Comb> for Played {
     }
 }
 
-/// A level of the wire with a master level, 0..=1.
+/// The amplitude of a level with a master level, 0..=1.
 fn share(level: Level, master: CentiDecibel) -> f64 {
     f64::from(level.0) / f64::from(Level::FULL.0) * 10f64.powf(f64::from(master.0) / 2000.0)
 }
 
-/// The tones that a table has of these multiples (and shares) of the rate over a period in samples, each by slot, frequency,
-/// place and share.
+/// The tones of a table for these multiples (and shares) of the sample rate over a period in samples, each by
+/// slot, frequency, place and share.
 fn multiples(
     table: &DeviceTable,
     period: u32,
@@ -72,7 +72,7 @@ fn multiples(
 }
 
 impl Played {
-    /// Its tones with this table; a multiple that the table does not have is left out.
+    /// Its tones with this table; a multiple outside the table's frequencies is left out.
     #[must_use]
     pub fn tones(&self, table: &DeviceTable) -> Vec<PlayedTone> {
         let tone = |slot, frequency_hz, place: FinePosition, share: f64| PlayedTone {
@@ -102,7 +102,7 @@ impl Played {
         }
     }
 
-    /// How long it takes to get there, in samples.
+    /// Duration of the change, in samples.
     #[must_use]
     pub fn glide(&self) -> u32 {
         match self {
@@ -112,7 +112,7 @@ impl Played {
         }
     }
 
-    /// When it begins.
+    /// When the change begins.
     #[must_use]
     pub fn apply(&self) -> Apply {
         match self {

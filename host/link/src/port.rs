@@ -1,4 +1,4 @@
-//! Where a device can be found.
+//! Ports of devices.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -6,12 +6,12 @@ use std::str::FromStr;
 
 /// The USB vendor id of a Slipline device: pid.codes.
 pub const USB_VENDOR: u16 = 0x1209;
-/// The USB product id of a Slipline device: the pair that pid.codes gives away for development.
+/// The USB product id of a Slipline device: the one that pid.codes reserves for development.
 pub const USB_PRODUCT: u16 = 0x0001;
-/// Others develop under the same pair, so the product's name must begin like this too.
+/// Other projects use the same pair of ids, so the product's name must begin with this text, too.
 pub const USB_PRODUCT_NAME: &str = "Slipline";
 
-/// One place where a device can be.
+/// A port at which a device can be connected.
 ///
 /// As text: `sim`, `unix:PATH`, or the name of a serial port.
 /// ```
@@ -22,7 +22,7 @@ pub const USB_PRODUCT_NAME: &str = "Slipline";
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Port {
-    /// The device application in this very process, with a simulated plate.
+    /// The device application in this process, with a simulated plate.
     Simulated,
     /// A serial port by its system name, such as `/dev/ttyACM0` or `COM3`.
     Serial(String),
@@ -30,9 +30,9 @@ pub enum Port {
     Unix(PathBuf),
 }
 
-/// A text that names no port.
+/// A text that is not a port.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{0}\" is no port: write sim, unix:PATH or the name of a serial port")]
+#[error("\"{0}\" is not a port: write sim, unix:PATH or the name of a serial port")]
 pub struct PortNameError(String);
 
 impl FromStr for Port {
@@ -64,11 +64,11 @@ impl fmt::Display for Port {
 pub struct PortInfo {
     /// The port.
     pub port: Port,
-    /// What a person calls it.
+    /// The name shown to the user.
     pub label: String,
-    /// A Slipline device by its USB identity (or the simulated one).
+    /// Whether its USB identity is that of a Slipline device (or it is the simulated one).
     pub is_ours: bool,
-    /// The USB serial number, where the port has one: it stays the same when the port's name changes.
+    /// The USB serial number, if any: it stays the same when the port's name changes.
     pub usb_serial: Option<String>,
 }
 

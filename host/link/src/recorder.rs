@@ -19,10 +19,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Answers over which the round trip's running average runs.
+/// Number of replies over which the round trip is averaged.
 const AVERAGE_OVER: u32 = 16;
 
-/// The snapshot under construction, and what has changed in it since the last one was published.
+/// The snapshot under construction, and whether it has changed since the last one was published.
 #[derive(Debug, Default)]
 pub(crate) struct Recorder {
     pub(crate) view: Snapshot,
@@ -30,14 +30,14 @@ pub(crate) struct Recorder {
     entries: u64,
     /// Drives that wait for the trigger input.
     undecided: Undecided,
-    /// Something changed since the last snapshot.
+    /// Whether anything changed since the last snapshot.
     changed: bool,
-    /// Something changed that is worth a repaint.
+    /// Whether a change is worth a repaint.
     needs_repaint: bool,
 }
 
 impl Recorder {
-    /// The time from now on.
+    /// Sets the present time.
     pub(crate) const fn set_time(&mut self, now: Duration) {
         self.now = now;
     }
@@ -48,7 +48,7 @@ impl Recorder {
         self.needs_repaint = true;
     }
 
-    /// (changed at all, worth a repaint) since the last call.
+    /// Whether anything changed, and whether a repaint is worthwhile, since the last call.
     pub(crate) fn take_changes(&mut self) -> (bool, bool) {
         if self.needs_repaint {
             self.view.revision += 1;
@@ -62,23 +62,23 @@ impl Recorder {
         self.touch();
     }
 
-    /// Notes what the device has agreed to.
+    /// Records a change that the device has accepted.
     pub(crate) fn acknowledge(&mut self, at: SampleIndex, change: Change) {
         self.enter(at, change, true);
     }
 
-    /// Notes a drive or a chord that waits for the trigger input, whose rise counts from an index on.
+    /// Records a drive or a chord that waits for the trigger input; a rise counts from this index on.
     pub(crate) fn wait_for_trigger(&mut self, from: SampleIndex, drive: Change) {
         self.undecided.wait(from, drive);
     }
 
-    /// Whether the device must be asked what became of a drive that has waited for the trigger input.
+    /// Whether the device must be asked for the outcome of a drive that has waited for the trigger input.
     pub(crate) fn must_ask_for_trigger(&self) -> bool {
         let waits = self.view.status.is_some_and(|status| status.state == State::Waiting);
         self.undecided.is_about_several() || (!waits && !self.undecided.is_empty())
     }
 
-    /// Takes the device's word on the drive that waits or has waited for the trigger input.
+    /// Records the device's report on the drive that waits or has waited for the trigger input.
     pub(crate) fn trigger(&mut self, report: TriggerReport) {
         self.view.trigger = Some(report);
         let decided = self.undecided.decide(&report);
@@ -87,7 +87,7 @@ impl Recorder {
         self.touch();
     }
 
-    /// The journal is complete up to the status, unless it is not known what became of a drive.
+    /// The journal is complete up to the status, unless the outcome of a drive is unknown.
     fn settle(&mut self) {
         if !self.must_ask_for_trigger() {
             let reported = self.undecided.waits_still();
@@ -102,8 +102,8 @@ impl Recorder {
         }
     }
 
-    /// Notes that the device, which has latched a fault at `at`, has stopped by itself what it was sounding. Not before it
-    /// is known what that was.
+    /// Records that the device, which has latched a fault at `at`, has stopped its output by itself. It does
+    /// so only once that output is known.
     pub(crate) fn stopped_by_itself(&mut self, at: SampleIndex) {
         if !self.undecided.is_empty() {
             return;
@@ -118,7 +118,7 @@ impl Recorder {
         }
     }
 
-    /// Notes the steps of the thermal fold-back that a status tells.
+    /// Records the steps of the thermal fold-back that a status reports.
     pub(crate) fn fold_back(&mut self, heard: &FoldbackSteps) {
         for &(at, per_mille) in &heard.steps {
             self.enter(at, Change::Limit(per_mille), heard.is_complete);
@@ -144,8 +144,8 @@ impl Recorder {
         self.touch();
     }
 
-    /// A drive that begins at `from` was told only after a stop had overtaken it. If the stop came later by its index,
-    /// it is the one that holds.
+    /// A drive that begins at `from` was reported only after a stop had overtaken it. If the stop has the
+    /// later index, it prevails.
     pub(crate) fn stop_again(&mut self, from: SampleIndex) {
         let is_stop = |change: &Change| matches!(change, Change::Stop | Change::EmergencyStop);
         let latest = self.view.journal.iter().rev().find(|entry| is_stop(&entry.change));
@@ -154,7 +154,7 @@ impl Recorder {
         }
     }
 
-    /// Notes how a request ended; requests of the link itself have no ticket.
+    /// Records the outcome of a request; the link's own requests have no ticket.
     pub(crate) fn finish(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
         if let Outcome::Refused(refusal) = &outcome {
             self.log(Severity::Warning, refusal.to_string());
@@ -162,7 +162,7 @@ impl Recorder {
         self.finish_unlogged(ticket, outcome);
     }
 
-    /// As [`Recorder::finish`], where whoever asked goes on in another way, or says himself what was refused.
+    /// As [`Recorder::finish`], without a log entry: the caller retries, or reports the refusal itself.
     pub(crate) fn finish_unlogged(&mut self, ticket: Option<Ticket>, outcome: Outcome) {
         if let Outcome::Refused(refusal) = &outcome
             && let Some(ticket) = ticket
@@ -181,7 +181,8 @@ impl Recorder {
         }
     }
 
-    /// Takes what the device tells of its upkeep, with a line in the log for each thing that a person should mend.
+    /// Stores the device's report on its upkeep, with a log entry for each condition that a person should
+    /// correct.
     pub(crate) fn maintenance(&mut self, reported: Maintenance) {
         let before = self.view.maintenance.replace(reported);
         if before.is_none()
@@ -197,7 +198,7 @@ impl Recorder {
         self.touch();
     }
 
-    /// Takes the limit of the actuator's travel that the device tells.
+    /// Stores the device's report on the actuator's travel limit.
     pub(crate) fn travel_limit(&mut self, limit: Option<TravelLimit>) {
         self.view.travel_limit = limit;
         let line = if limit.is_some() {
@@ -209,7 +210,7 @@ impl Recorder {
         self.touch();
     }
 
-    /// Takes how the level hold stands.
+    /// Stores the state of the level hold.
     pub(crate) fn hold(&mut self, reported: Option<hold::Held>) {
         if self.view.hold.as_deref() != reported.as_ref() {
             self.view.hold = reported.map(Arc::new);
@@ -217,13 +218,14 @@ impl Recorder {
         }
     }
 
-    /// Takes a status that came from the device.
+    /// Stores a status of the device.
     pub(crate) fn status(&mut self, status: Status) {
         let seen = |status: &Status| {
             let mut seen = *status;
             seen.now = 0;
             seen.counters.frames = 0;
-            // Shown in percent, and it falls for minutes after the last tone.
+            // Only a change of a percent counts, as displayed: the heat falls for minutes after the last
+            // tone.
             seen.heat_per_mille = seen.heat_per_mille.saturating_add(5) / 10;
             seen
         };
@@ -241,7 +243,7 @@ impl Recorder {
         self.changed = true;
     }
 
-    /// Takes the device's word on its table: one that it holds no more is no longer known.
+    /// Stores the device's report on its table: a table that the device no longer holds is no longer known.
     pub(crate) fn table(&mut self, report: TableReport) {
         self.view.confirmed_table.take_if(|known| report.active != Some(known.header()));
         self.view.table = report;
@@ -260,12 +262,12 @@ impl Recorder {
         self.changed = true;
     }
 
-    /// Counts a drive in whose place a newer one or a stop was sent.
+    /// Counts a drive that was replaced by a newer one or a stop before it was sent.
     pub(crate) const fn superseded(&mut self) {
         self.view.counters.superseded = self.view.counters.superseded.saturating_add(1);
     }
 
-    /// Counts a drive that ended because whoever drives gave no sign of life.
+    /// Counts a drive that ended because the driving program gave no sign of life.
     pub(crate) const fn driver_stalled(&mut self) {
         self.view.driver_stalls = self.view.driver_stalls.saturating_add(1);
         self.touch();
@@ -278,7 +280,7 @@ impl Recorder {
         }
     }
 
-    /// Copies the channel's counters and takes the frames it has traced.
+    /// Copies the channel's counters and takes its traced frames.
     pub(crate) fn count(&mut self, channel: &mut Channel) {
         let traced = channel.take_traced();
         if !traced.is_empty() {
@@ -298,7 +300,7 @@ impl Recorder {
         self.changed |= before != (self.view.counters, self.view.decoder);
     }
 
-    /// Forgets what was known of a device that is connected no more.
+    /// Clears the state of a device that is no longer connected.
     pub(crate) fn forget_device(&mut self, error: Option<LinkError>) {
         let reported = self.undecided.give_up();
         self.enter_all(reported);
@@ -319,7 +321,7 @@ impl Recorder {
         self.touch();
     }
 
-    /// Sets the counters of a connection to nothing.
+    /// Resets the counters of a connection.
     pub(crate) fn begin(&mut self) {
         let dropped = self.view.counters.dropped;
         self.view.counters = LinkCounters { dropped, ..LinkCounters::default() };

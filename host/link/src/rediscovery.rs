@@ -1,11 +1,11 @@
-//! Rediscovery: how a lost device is recognised when it comes back.
+//! Rediscovery: recognition of a lost device when it returns.
 
 use crate::port::{Port, PortInfo};
 
-/// What is known of the device that is looked for, and the ports where it is not.
+/// Identity of the sought device, and the ports of other devices.
 #[derive(Debug)]
 pub(super) struct Rediscovery {
-    /// The port at which it was.
+    /// The port of the lost device.
     info: PortInfo,
     /// The chip's unique id, once the device has reported it.
     unit: Option<[u8; 12]>,
@@ -19,7 +19,8 @@ impl Rediscovery {
         Self { info, unit: None, others: Vec::new() }
     }
 
-    /// Whether the device that answers at `port` is the one that is sought, by its chip; the first to answer is.
+    /// Whether the device that answers at `port` is the sought one, by its chip; the first device that
+    /// answers is.
     pub(super) fn is_it(&mut self, unit: [u8; 12], port: Option<&Port>) -> bool {
         let is_it = *self.unit.get_or_insert(unit) == unit;
         if !is_it {
@@ -28,10 +29,10 @@ impl Rediscovery {
         is_it
     }
 
-    /// The port to try next: by the USB serial number or, if the device has none, by the port's name and then among
-    /// those of its kind.
+    /// The port to try next: by the USB serial number or, if the device has none, by the port's name and then
+    /// among ports of its kind.
     pub(super) fn find(&mut self, mut ports: Vec<PortInfo>) -> Option<Port> {
-        // One that left the list may come back as the right one.
+        // A port that has disappeared from the list may return with the sought device.
         self.others.retain(|other| ports.iter().any(|info| info.port == *other));
         ports.retain(|info| !self.others.contains(&info.port));
         let own = &self.info;
@@ -42,7 +43,7 @@ impl Rediscovery {
                 own.is_ours && info.is_ours && ![&own.port, &info.port].contains(&&Port::Simulated)
             };
             let known = ports.iter().find(|info| info.port == own.port).or_else(|| ports.iter().find(is_kin));
-            // Sockets and pseudo-terminals are in no list: try the name.
+            // Sockets and pseudo-terminals are not listed: try the name.
             Some(known.map_or_else(|| own.port.clone(), |info| info.port.clone()))
         };
         found.filter(|port| !self.others.contains(port))

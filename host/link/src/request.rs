@@ -1,4 +1,4 @@
-//! What a program asks of the link, and how it ended.
+//! Requests of a program to the link, and their outcomes.
 
 use crate::hold::HoldRequest;
 use crate::listen::{CaptureRequest, Captured, ListenRequest, Listened};
@@ -11,9 +11,9 @@ use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
 use std::sync::Arc;
 
-/// One thing to do. Requests are done in order, but [`Request::Stop`] and [`Request::EmergencyStop`] overtake all
-/// others, and a newer [`Request::Play`] or a [`Request::Disarm`] replaces a [`Request::Play`] that the device has not taken
-/// yet.
+/// One request. Requests are carried out in order, but [`Request::Stop`] and [`Request::EmergencyStop`]
+/// overtake all others, and a newer [`Request::Play`] or a [`Request::Disarm`] replaces a [`Request::Play`]
+/// that the device has not accepted yet.
 #[derive(Clone, Debug)]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
@@ -25,13 +25,13 @@ pub enum Request {
     Arm,
     /// Ramp to silence and mute.
     Disarm,
-    /// Have this sound.
+    /// Start a drive, a chord or a comb.
     Play(Sounding),
-    /// Measure how an input answers each tone.
+    /// Measure an input's response to each tone.
     Listen(ListenRequest),
     /// Capture the codes of an input.
     Capture(CaptureRequest),
-    /// Hold the measured amplitudes of tones that sound, or end the hold.
+    /// Hold the measured amplitudes of sounding tones, or end the hold.
     Hold(HoldRequest),
     /// Ramp to silence; stay armed.
     Stop,
@@ -39,34 +39,34 @@ pub enum Request {
     EmergencyStop,
     /// Clear the latched faults whose cause is gone.
     ClearFaults,
-    /// Have the device hold this table: send it, swap it in, and read its digest back. A silent device that has held it
-    /// since before this session is sent nothing.
+    /// Make the device hold this table: send it, swap it in, and read its digest back. If a silent device has
+    /// held it since before this session, it is not sent.
     Upload(Arc<DeviceTable>),
-    /// Give up the upload under way; nothing happens if there is none, or if its table is in force already.
+    /// Cancel the upload under way; no effect if there is none, or if its table is in force already.
     CancelUpload,
     /// Read the digest of the device's table.
     ReadBack,
-    /// Keep the device's table in its flash. Only when silent.
+    /// Store the device's table in its flash. Only when silent.
     Store,
-    /// Forget what is kept in the device's flash. Only when silent.
+    /// Erase the stored data from the device's flash. Only when silent.
     Forget,
     /// Restart into the ROM bootloader (both steps). Only when disarmed.
     Bootloader,
     /// Rehearsal of the protocol's next minor: measure the coil's resistance.
     #[cfg(slipline_next)]
     MeasureCoil,
-    /// Read the status at once.
+    /// Read the status now.
     Refresh,
-    /// Whether a lost device is looked for, and a missing port waited for.
+    /// Set whether a lost device is looked for, and a missing port waited for.
     AutoReconnect(bool),
-    /// Take the digest of the DAC codes of a window that lies ahead; done when the window is over.
+    /// Take the digest of the DAC codes of a future window; it ends with the window.
     Digest(DigestWindow),
-    /// Write a line of the app's own into the log, which is one for link, device and app.
+    /// Write a line of the app into the common log of link, device and app.
     Note(Severity, String),
 }
 
 impl Request {
-    /// A word for the log.
+    /// Its name in the log.
     pub(crate) const fn name(&self) -> &'static str {
         match self {
             Self::Connect(_) => "connect",
@@ -96,30 +96,30 @@ impl Request {
     }
 }
 
-/// The number of a request; rises by one with each.
+/// The number of a request; increases by one with each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Ticket(pub u64);
 
-/// How a request ended.
+/// The outcome of a request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// Done; the sample index from which it shows, or the device's present one.
+    /// Done; the sample index from which it takes effect, or the device's present one.
     Done {
         /// The index.
         at: u64,
     },
-    /// The digest that was asked for.
+    /// The requested digest.
     Digest(Digest),
-    /// How the input answered.
+    /// The input's response to each tone.
     Listened(Arc<Listened>),
-    /// The codes that were captured.
+    /// The captured codes.
     Captured(Arc<Captured>),
-    /// Not done, and why.
+    /// Refused, with the reason.
     Refused(Refusal),
     /// Not done: the device's firmware is older than this program and does not know the command.
     DeviceTooOld,
-    /// A newer request or a stop took its place before the device had taken it.
+    /// Replaced by a newer request or a stop before the device had accepted it.
     Superseded,
-    /// The link was lost, or there was none.
+    /// The link was lost, or not connected.
     NotConnected,
 }

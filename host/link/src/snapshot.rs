@@ -1,4 +1,4 @@
-//! The snapshot: all that the rest of the program sees of link and device, made after every change.
+//! The snapshot: the state of link and device for the rest of the program, made after every change.
 
 use crate::error::LinkError;
 use crate::journal::Acknowledged;
@@ -22,16 +22,18 @@ use std::time::Duration;
 /// The state of the link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum LinkState {
-    /// No port is open and none is sought. [`Snapshot::error`] says why, if it was not asked for.
+    /// No port is open and none is sought. [`Snapshot::error`] has the reason, unless the user has requested
+    /// it.
     #[default]
     Disconnected,
     /// The port is being opened, or the device has not answered the hello yet.
     Connecting,
     /// The device answers.
     Connected,
-    /// The device has gone. It is not looked for: that is switched off, it has just been noticed, or the link crashed.
+    /// The device is lost. It is not looked for: that is switched off, the loss has just been detected, or
+    /// the link crashed.
     Lost(LinkError),
-    /// The device has gone and is being looked for; or it has never answered, because its port is missing
+    /// The device is lost and being looked for; or it has never answered, because its port is missing
     /// ([`LinkError::NoSuchPort`]), and the port is waited for.
     Reconnecting(LinkError),
 }
@@ -39,33 +41,33 @@ pub enum LinkState {
 /// The progress of an upload, in knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UploadProgress {
-    /// Knots the device has taken.
+    /// Knots that the device has accepted.
     pub sent: u16,
-    /// Knots in all.
+    /// All knots.
     pub total: u16,
 }
 
-/// How long the device takes to answer.
+/// Time from a command to the device's reply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RoundTrip {
-    /// The latest answer.
+    /// The latest reply.
     pub last: Duration,
-    /// A running average over about 16 answers.
+    /// A running average over about 16 replies.
     pub average: Duration,
     /// The slowest since the connection began.
     pub worst: Duration,
 }
 
-/// The link's own counters since the connection began; they stop at their largest value.
+/// The link's own counters since the connection began; they saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounters {
     /// Commands sent, repeats not counted.
     pub commands: u32,
-    /// Commands sent again because no answer came in time.
+    /// Commands sent again because no reply was received in time.
     pub retries: u32,
-    /// Times an answer did not come in time.
+    /// Replies that were not received in time.
     pub timeouts: u32,
-    /// Drive requests in whose place a newer one or a stop was sent.
+    /// Drive requests that were replaced by a newer one or a stop before they were sent.
     pub superseded: u32,
     /// Requests dropped because there was no connection.
     pub dropped: u32,
@@ -73,7 +75,7 @@ pub struct LinkCounters {
     pub unmatched: u32,
 }
 
-/// Outcomes that are kept.
+/// Number of outcomes that are kept.
 pub const OUTCOMES: usize = 64;
 
 /// Everything known about link and device at one moment. Cloning is cheap.
@@ -97,7 +99,7 @@ pub const OUTCOMES: usize = 64;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
-    /// Rises with every change that is worth a repaint.
+    /// Increases with every change that is worth a repaint.
     pub revision: u64,
     /// The state of the link.
     pub link: LinkState,
@@ -109,51 +111,54 @@ pub struct Snapshot {
     pub error: Option<LinkError>,
     /// The device's identity, while connected.
     pub identity: Option<Arc<Identity>>,
-    /// Whether its firmware and this program can work together, while connected.
+    /// Whether its firmware and this program are compatible, while connected.
     pub compatibility: Option<Compatibility>,
-    /// Its status, while connected; asked for every fifth of a second.
+    /// Its status, while connected; requested every fifth of a second.
     pub status: Option<Status>,
-    /// The status up to which the journal is complete. It is the latest one, unless a drive that waited for the trigger input
-    /// may have begun before it and the device has not reported yet whether and where.
+    /// The status up to which the journal is complete. It is the latest one, unless a drive that waited for
+    /// the trigger input may have begun before it and the device has not yet reported whether and where.
     pub settled: Option<Status>,
-    /// The device's last report on the drive that waits, or waited, for the trigger input; asked for when a drive waits no
-    /// more.
+    /// The device's last report on the drive that waits, or waited, for the trigger input; requested when a
+    /// drive no longer waits.
     pub trigger: Option<TriggerReport>,
-    /// The wear of its flash and how its supply is guarded, while connected; `None` with a device of protocol 1.0, which
-    /// does not report it. Read at the start and after each write to the flash.
+    /// The wear of its flash and the guard of its supply, while connected; `None` with a device of protocol
+    /// 1.0, which does not report it. Read at the start and after each write to the flash.
     pub maintenance: Option<Maintenance>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
-    /// The state of the level hold, or its last state when it ended; `None` before the first one of a connection and after
-    /// its end by [`HoldRequest::OFF`](crate::HoldRequest::OFF). Asked for ten times a second while it is on.
+    /// The state of the level hold, or its last state when it ended; `None` before the first one of a
+    /// connection and after its end by [`HoldRequest::OFF`](crate::HoldRequest::OFF). Requested ten times a
+    /// second while it is on.
     pub hold: Option<Arc<Held>>,
-    /// When the status came, since the worker was started. With the sample rate it gives the present sample index.
+    /// When the status was received, since the worker was started. With the sample rate it gives the present
+    /// sample index.
     pub status_time: Duration,
     /// The device's table, as it was last read back.
     pub table: TableReport,
-    /// The device's table with its knots: this program has it, and the device's digest matches. `None` while the device holds
-    /// none, or one of another program.
+    /// The device's table with its knots: this program has it, and the device's digest matches. `None` while
+    /// the device holds none, or one of another program.
     pub confirmed_table: Option<Arc<DeviceTable>>,
-    /// The limit of the actuator's travel that the device has taken in this session; `None` while it does not limit it.
+    /// The limit of the actuator's travel that the device has accepted in this session; `None` without a
+    /// limit.
     pub travel_limit: Option<TravelLimit>,
-    /// An upload under way.
+    /// The progress of an upload.
     pub upload: Option<UploadProgress>,
     /// Whether the device holds the table of the last upload by its digest, read back; `None` while there was none.
     pub upload_verified: Option<bool>,
-    /// How long answers take.
+    /// Time from commands to replies.
     pub round_trip: RoundTrip,
     /// The link's own counters.
     pub counters: LinkCounters,
     /// Number of times the device was stopped and disarmed because its driver gave no sign of life for
     /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, saturating.
     pub driver_stalls: u32,
-    /// What this side's decoder has seen.
+    /// The counters of this side's decoder.
     pub decoder: DecoderCounters,
-    /// The last refusal, with the request it answers.
+    /// The last refusal, with its request.
     pub last_refusal: Option<(Ticket, Refusal)>,
     /// The commands that the device has accepted, oldest first.
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
-    /// How the latest requests ended, oldest first.
+    /// The outcomes of the latest requests, oldest first.
     pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
     /// The log, oldest first.
     pub log: Arc<VecDeque<LogEntry>>,
@@ -163,15 +168,15 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Whether the device says that it is simulated.
+    /// Whether the device reports that it is simulated.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
         self.identity.as_ref().is_some_and(|identity| identity.simulated)
     }
 
-    /// Whether the device may be armed although the user has not asked for it: only a simulated one, because it moves
-    /// no real plate. The link arms such a device after the handshake and after its faults were cleared; Drive arms
-    /// it if it has been disarmed since.
+    /// Whether the device may be armed without a request of the user: only a simulated one, because it moves
+    /// no real plate. The link arms such a device after the handshake and after its faults were cleared;
+    /// Drive arms it if it has been disarmed since.
     #[must_use]
     pub fn may_arm_unasked(&self) -> bool {
         self.is_simulated()
@@ -205,7 +210,7 @@ impl Snapshot {
         self.hold.as_ref().is_some_and(|hold| hold.progress == HoldProgress::On)
     }
 
-    /// Whether the device limits the actuator's travel as a table asks for, or cannot.
+    /// Whether the device limits the actuator's travel as this table requires, or does not support it.
     #[must_use]
     pub fn limits_travel_for(&self, table: &DeviceTable) -> bool {
         self.travel_limit == table.travel_limit() || !self.can_limit_travel()

@@ -1,4 +1,5 @@
-//! What is to sound, in metres, shares and seconds: tones by their places, or by their multiples of a base frequency.
+//! A drive, chord or comb to be played, in metres, shares and seconds: tones by their places, or by their
+//! multiples of a base frequency.
 
 use crate::chord::ChordRequest;
 use crate::comb::CombRequest;
@@ -7,19 +8,19 @@ use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, TableHeader, TravelLimit};
 use slipline_protocol::event::Identity;
 
-/// What is to sound; the newest takes the place of the one before.
+/// A drive, chord or comb to be played; a newer one replaces it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sounding {
     /// Tones at places.
     Drive(DriveRequest),
-    /// Multiples of one base frequency, from silence on.
+    /// Multiples of one base frequency, starting from silence.
     Chord(ChordRequest),
-    /// Multiples of one low base frequency, from silence on.
+    /// Multiples of one low base frequency, starting from silence.
     Comb(CombRequest),
 }
 
 impl Sounding {
-    /// The same, beginning at another time.
+    /// The same with another beginning.
     #[must_use]
     pub fn beginning(self, apply: Apply) -> Self {
         match self {
@@ -29,7 +30,7 @@ impl Sounding {
         }
     }
 
-    /// The command to a device, in its own units.
+    /// The command in a device's own units.
     pub(crate) fn for_device(
         &self,
         identity: &Identity,

@@ -3,8 +3,8 @@
 //! ```text
 //! knots (Hz, gain 0..=1) --from_knots--> DeviceTable (Q0.32 turns, Q1.31) --chunks--> device
 //! ```
-//! A gain is rounded down, so that a table never asks for more than its plate model allowed; a step is rounded to
-//! nearest: 2^-33 turns are 47 uHz at 400 kS/s.
+//! A gain is rounded down, so that a table never exceeds the gain of its plate model; a step is rounded to
+//! the nearest value: 2^-33 turns are 47 uHz at 400 kS/s.
 
 use crate::out_of_range::OutOfRange;
 use slipline_protocol::command::{TableChunk, TableHeader, TravelLimit};
@@ -13,7 +13,7 @@ use slipline_protocol::refusal::Refusal;
 use slipline_protocol::table::{self, Knot, Setting};
 use slipline_protocol::units::{FinePosition, Gain, Level, Position, per_mille};
 
-/// A table that a device can take: valid by the device's own rule.
+/// A table that a device accepts: valid by the device's own rule.
 ///
 /// ```
 /// use slipline_link::{DeviceTable, DeviceTableError};
@@ -36,15 +36,16 @@ pub struct DeviceTable {
     header: TableHeader,
     knots: Vec<Knot>,
     peak_at_full_scale_m: f64,
-    /// The peak at level 1 over `peak_at_full_scale_m`, at positions uniform over the span; empty where it is 1.
+    /// The peak at level 1 over `peak_at_full_scale_m`, at positions uniform over the span; empty if it is 1
+    /// everywhere.
     heights: Vec<f64>,
     travel_limit: Option<TravelLimit>,
 }
 
-/// Why a table cannot be put on a device.
+/// Why a table is not valid for a device.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DeviceTableError {
-    /// A length, rate, frequency or gain is no number or does not fit its field.
+    /// A length, rate, frequency or gain is not a number or does not fit its field.
     #[error("the table's {0}")]
     OutOfRange(#[from] OutOfRange),
     /// The device's own rule refuses it.
@@ -101,12 +102,12 @@ impl DeviceTable {
         Ok(Self { header, knots, peak_at_full_scale_m, heights: Vec::new(), travel_limit: None })
     }
 
-    /// The same table where the plate's own peak is not that of level 1 all over the span: `heights` are the peaks over that
-    /// of level 1, at positions uniform over the span. The device does not get them: they are for what is drawn of its
-    /// tones.
+    /// The same table for a plate whose own peak at level 1 varies over the span: `heights` are its peaks
+    /// over `peak_at_full_scale_m`, at positions uniform over the span. They are not sent to the device; they
+    /// are used for the display of its tones.
     ///
     /// # Errors
-    /// [`DeviceTableError::OutOfRange`]: none or one of them, or one that is not 0 to 1000.
+    /// [`DeviceTableError::OutOfRange`]: fewer than two heights, or a height outside 0 to 1000.
     pub fn with_heights(self, heights: Vec<f64>) -> Result<Self, DeviceTableError> {
         within("number of heights", heights.len() as f64, 2.0, f64::from(u32::MAX))?;
         for &height in &heights {
@@ -115,13 +116,13 @@ impl DeviceTable {
         Ok(Self { heights, ..self })
     }
 
-    /// The same table for an actuator whose travel is limited: the device gets the limit with it. The actuator is given by
-    /// its resonance in Hz, the quality factor of the resonance, and how far a steady signal of full scale would move
-    /// it, over its peak travel.
+    /// The same table for an actuator whose travel is limited: the limit is sent to the device with it. The
+    /// actuator is given by its resonance in Hz, the quality factor of the resonance, and its travel at a
+    /// steady signal of full scale over its peak travel.
     ///
     /// # Errors
-    /// [`DeviceTableError::OutOfRange`]: a resonance of 0.1 Hz to 10 MHz, a quality of 0.1 to 1000, up to 1000 times the
-    /// peak travel.
+    /// [`DeviceTableError::OutOfRange`]: allowed are a resonance of 0.1 Hz to 10 MHz, a quality factor of 0.1
+    /// to 1000, and up to 1000 times the peak travel.
     pub fn with_travel_limit(
         self,
         resonance_hz: f64,
@@ -134,7 +135,7 @@ impl DeviceTable {
         within("actuator's quality", quality, f64::from(low) / 1e3, f64::from(high) / 1e3)?;
         let (_, high) = limits::STATIC_TRAVEL_PPM;
         within("actuator's travel over its peak travel", static_share, 0.0, f64::from(high) / 1e6)?;
-        // What makes the travel larger is rounded up.
+        // Values are rounded towards the larger travel.
         let travel_limit = TravelLimit {
             resonance_uhz: (resonance_hz * 1e6).round() as u64,
             quality_per_mille: (quality * 1e3).ceil() as u32,
@@ -143,25 +144,25 @@ impl DeviceTable {
         Ok(Self { travel_limit: Some(travel_limit), ..self })
     }
 
-    /// The same table with the actuator of another one.
+    /// The same table with the travel limit of another one.
     #[must_use]
     pub fn with_travel_limit_of(self, other: &Self) -> Self {
         Self { travel_limit: other.travel_limit, ..self }
     }
 
-    /// The limit of the actuator's travel that the device gets with the table; `None` if the travel is not limited.
+    /// The limit of the actuator's travel that is sent with the table; `None` if the travel is not limited.
     #[must_use]
     pub const fn travel_limit(&self) -> Option<TravelLimit> {
         self.travel_limit
     }
 
-    /// What the upload begins with.
+    /// The first message of the upload.
     #[must_use]
     pub const fn header(&self) -> TableHeader {
         self.header
     }
 
-    /// The CRC-32 by which the device names it.
+    /// The CRC-32 by which the device identifies it.
     #[must_use]
     pub const fn crc(&self) -> u32 {
         self.header.crc
@@ -173,13 +174,13 @@ impl DeviceTable {
         &self.knots
     }
 
-    /// The peak displacement at level 1, in metres, that the table is made for, the same all over the span.
+    /// The peak displacement at level 1, in metres, for which the table is made; equal over the span.
     #[must_use]
     pub const fn peak_at_full_scale_m(&self) -> f64 {
         self.peak_at_full_scale_m
     }
 
-    /// The position whose tone advances by `turns` turns per sample; `None` if the table has no such frequency.
+    /// The position whose tone advances by `turns` turns per sample; `None` outside the table's frequencies.
     #[must_use]
     pub fn place_of_turns(&self, turns: f64) -> Option<FinePosition> {
         if !(0.0..0.5).contains(&turns) {
@@ -213,31 +214,32 @@ impl DeviceTable {
         Some(TableChunk { first, knots: heapless::Vec::from_slice(knots).ok()? })
     }
 
-    /// The position on the wire of a boundary at `x` metres; `None` outside the span (by more than a rounding) and
-    /// for NaN.
+    /// The position on the wire of a boundary at `x` metres; `None` outside the span (by more than a
+    /// rounding) and for NaN.
     #[must_use]
     pub fn position(&self, x_m: f64) -> Option<Position> {
         position_in(&self.header, x_m)
     }
 
-    /// Where a position lies, in metres.
+    /// The place of a position, in metres.
     #[must_use]
     pub fn boundary_m(&self, position: Position) -> f64 {
         let (start, end) = span_m(&self.header);
         start + (end - start) * f64::from(position.0) / 65535.0
     }
 
-    /// What the device plays for a boundary at this position.
+    /// Step and gain of the device for a boundary at this position.
     #[must_use]
     pub fn setting(&self, position: FinePosition) -> Setting {
         table::evaluate(self.header.knots, position, knot_of(&self.knots))
     }
 
-    /// Whether tones, each as (place in metres, level), that rise from silence stay within full scale: by the device's
-    /// own rule, at full master level. A place or a level that is outside its range counts nothing.
+    /// Checks that tones, each as (place in metres, level), stay within full scale as they rise from silence,
+    /// by the device's own rule at full master level. Tones with a place or a level outside its range are
+    /// ignored.
     ///
     /// # Errors
-    /// [`Refusal::Headroom`], as the device would answer.
+    /// [`Refusal::Headroom`], as the device would reply.
     pub fn check_sum(&self, tones: &[(f64, f64)]) -> Result<(), Refusal> {
         let amplitude = |&(boundary_m, level): &(f64, f64)| {
             let gain = self.setting(self.position(boundary_m)?.fine()).gain;
@@ -344,7 +346,7 @@ mod tests {
         let wanted =
             TravelLimit { resonance_uhz: 43_200_000, quality_per_mille: 3001, static_ppm: 1_234_568 };
         assert_eq!(limited.travel_limit(), Some(wanted));
-        assert_eq!(limited.crc(), table.crc(), "it is no part of the table");
+        assert_eq!(limited.crc(), table.crc(), "the limit is not part of the table");
         let refused = |resonance_hz, quality, share| {
             table.clone().with_travel_limit(resonance_hz, quality, share).unwrap_err().to_string()
         };

@@ -1,9 +1,10 @@
-//! A trace of all frames between host and device: one line a frame, with time, direction, id, sequence and decoded body.
+//! A trace of all frames between host and device: one line per frame, with time, direction, id, sequence and
+//! decoded body.
 //!
 //! There are two listeners: a `tracing` subscriber for the target [`FRAMES`] at the level `TRACE`, and
-//! [`Connection::keep_frames`](crate::connection::Connection::keep_frames), which keeps the latest [`FRAMES_KEPT`] in the
-//! [`Snapshot`](crate::Snapshot), so that a report made after an error shows what led to it. While nobody listens, no
-//! message is cloned and a frame costs one comparison.
+//! [`Connection::keep_frames`](crate::connection::Connection::keep_frames), which keeps the latest
+//! [`FRAMES_KEPT`] in the [`Snapshot`](crate::Snapshot), so that a report made after an error contains the
+//! preceding frames. Without a listener no message is cloned, and a frame costs one comparison.
 
 use slipline_protocol::{Command, Event};
 use std::fmt;
@@ -11,7 +12,7 @@ use std::time::Duration;
 
 /// The target of the `tracing` events: `RUST_LOG=slipline_link::frames=trace` shows them.
 pub const FRAMES: &str = "slipline_link::frames";
-/// Frames that a snapshot keeps: about six seconds of keep-alives and their answers.
+/// Frames that a snapshot keeps: about six seconds of keep-alives and their replies.
 pub const FRAMES_KEPT: usize = 64;
 
 /// The decoded body of a frame.

@@ -1,23 +1,24 @@
-//! The byte stream between link and device, and how it is opened.
+//! The byte stream between link and device, and its opening.
 
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
 use std::io;
 use std::sync::Arc;
 
-/// A byte stream to a device. Neither reading nor writing may wait for more than a few milliseconds.
+/// A byte stream to a device. Reads and writes may block for a few milliseconds at most.
 pub trait Transport: Send {
-    /// Reads what has arrived. `Ok(0)` means the other end is gone; an error of kind `WouldBlock`, `TimedOut` or
-    /// `Interrupted` that nothing has arrived.
+    /// Reads the received bytes. `Ok(0)` means that the other end has closed; an error of kind `WouldBlock`,
+    /// `TimedOut` or `Interrupted` that no bytes have arrived.
     ///
     /// # Errors
-    /// As above, or whatever the system says.
+    /// As above, or a system error.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize>;
 
-    /// Writes as much as the other end takes now. `Ok(0)` and errors mean the same as in [`Transport::read`].
+    /// Writes as many bytes as the other end accepts now. `Ok(0)` and errors mean the same as in
+    /// [`Transport::read`].
     ///
     /// # Errors
-    /// As above, or whatever the system says.
+    /// As above, or a system error.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
 }
 
@@ -31,10 +32,10 @@ impl<T: Transport + ?Sized> Transport for Box<T> {
     }
 }
 
-/// Reads from what a transport has received already, as [`Transport::read`] does.
+/// Reads from the bytes that a transport has received already, as [`Transport::read`] does.
 ///
 /// # Errors
-/// `WouldBlock` when there is nothing.
+/// `WouldBlock` if there are none.
 pub fn read_received(received: &mut Vec<u8>, buffer: &mut [u8]) -> io::Result<usize> {
     if received.is_empty() {
         return Err(io::ErrorKind::WouldBlock.into());
@@ -46,7 +47,7 @@ pub fn read_received(received: &mut Vec<u8>, buffer: &mut [u8]) -> io::Result<us
     Ok(count)
 }
 
-/// Wakes the worker from its wait. Cloning is cheap.
+/// Wakes the worker from its wait. Clones wake the same worker.
 #[derive(Clone)]
 pub struct Waker(Arc<dyn Fn() + Send + Sync>);
 
@@ -62,7 +63,8 @@ impl Waker {
     }
 }
 
-/// Finds ports and opens them. The worker has one for this computer's ports; tests and the simulation bring their own.
+/// Lists and opens ports. The worker has one for this computer's ports; tests and the simulation supply their
+/// own.
 pub trait Opener: Send {
     /// An open port.
     type Transport: Transport;
@@ -70,9 +72,9 @@ pub trait Opener: Send {
     /// The ports that exist now.
     fn list(&mut self) -> Vec<PortInfo>;
 
-    /// Opens one. A transport that no poll can watch calls `waker` when bytes arrive.
+    /// Opens a port. A transport that cannot be registered with a poll calls `waker` when bytes arrive.
     ///
     /// # Errors
-    /// Why it cannot be opened.
+    /// Why the port cannot be opened.
     fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError>;
 }

@@ -1,14 +1,16 @@
-//! Drives that wait for the trigger input, and the journal while it is not known whether they have begun.
+//! Drives that wait for the trigger input, and the journal while it is unknown whether they have begun.
 //!
-//! Only the device knows when the input rises. Its status tells that a drive waits; one that waits no more has begun or was
-//! dropped, and the device is asked which ([`Command::Trigger`](slipline_protocol::Command::Trigger)). What it has agreed to
-//! since then is held back until it has answered, so that the journal stays in the order of the indices.
+//! Only the device knows when the input rises. Its status reports that a drive waits. A drive that no longer
+//! waits has begun or was dropped, and the device is asked which
+//! ([`Command::Trigger`](slipline_protocol::Command::Trigger)). Changes accepted since then are held back
+//! until the reply, so that the journal stays in the order of the indices.
 
 use crate::journal::Change;
 use slipline_protocol::event::TriggerReport;
 use slipline_protocol::units::SampleIndex;
 
-/// A change on its way into the journal; the fields are those of [`Acknowledged`](crate::journal::Acknowledged).
+/// A change to be entered into the journal; the fields are those of
+/// [`Acknowledged`](crate::journal::Acknowledged).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Held {
     pub(crate) at: SampleIndex,
@@ -16,11 +18,11 @@ pub(crate) struct Held {
     pub(crate) is_exact: bool,
 }
 
-/// What is not decided.
+/// Drives and changes that are undecided.
 #[derive(Debug, Default)]
 pub(crate) struct Undecided {
-    /// The drives and chords that were accepted, with the index from which on a rise counts. Each has taken the place of the one before
-    /// it, so only the last may wait still.
+    /// The accepted drives and chords, with the index from which a rise counts. Each has replaced the
+    /// previous one, so only the last may still be waiting.
     drives: Vec<(SampleIndex, Change)>,
     held: Vec<Held>,
 }
@@ -31,28 +33,28 @@ impl Undecided {
         self.drives.is_empty()
     }
 
-    /// Whether the device must be asked even while a drive waits: whether the one before it has begun.
+    /// Whether the device must be asked even while a drive waits: the previous one may have begun.
     pub(crate) const fn is_about_several(&self) -> bool {
         self.drives.len() > 1
     }
 
-    /// A drive waits; a rise counts from an index on.
+    /// A drive waits; a rise counts from this index on.
     pub(crate) fn wait(&mut self, from: SampleIndex, drive: Change) {
         self.drives.push((from, drive));
     }
 
-    /// Keeps a change until it is decided what was before it.
+    /// Keeps a change until earlier drives are decided.
     pub(crate) fn hold(&mut self, held: Held) {
         self.held.push(held);
     }
 
-    /// A status says that a drive waits: what came before the status came before the drive. Returns what goes into the
-    /// journal.
+    /// A status reports that a drive waits: changes before that status precede the drive. Returns the entries
+    /// for the journal.
     pub(crate) fn waits_still(&mut self) -> Vec<Held> {
         if self.is_about_several() { Vec::new() } else { std::mem::take(&mut self.held) }
     }
 
-    /// The device has answered. Returns what goes into the journal, in the order of the indices.
+    /// The device has replied. Returns the entries for the journal, in the order of the indices.
     pub(crate) fn decide(&mut self, report: &TriggerReport) -> Vec<Held> {
         let mut decided = std::mem::take(&mut self.drives);
         if report.waits {
@@ -64,14 +66,14 @@ impl Undecided {
         });
         if let Some((at, place)) = last {
             let drive = decided.swap_remove(place).1;
-            // Whether those before it had begun, nobody tells any more.
+            // It can no longer be found out whether earlier drives had begun.
             entries.push(Held { at, change: drive, is_exact: place == 0 });
         }
         entries.sort_by_key(|held| held.at);
         entries
     }
 
-    /// The device is gone and tells nothing any more. Returns what goes into the journal.
+    /// The device is lost and cannot be asked. Returns the entries for the journal.
     pub(crate) fn give_up(&mut self) -> Vec<Held> {
         self.drives.clear();
         let held = std::mem::take(&mut self.held);

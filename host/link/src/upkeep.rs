@@ -1,9 +1,9 @@
-//! A device's [`Maintenance`] and inputs in words, for the person who looks after it.
+//! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
 use slipline_protocol::event::Maintenance;
 use slipline_protocol::listen::InputsReport;
 
-/// Erasures of the flash so far, and the number that its data sheet promises.
+/// Number of flash erasures so far, and the number that its data sheet guarantees.
 ///
 /// ```
 /// use slipline_link::protocol::event::Maintenance;
@@ -17,12 +17,12 @@ use slipline_protocol::listen::InputsReport;
 #[must_use]
 pub fn wear(maintenance: &Maintenance) -> String {
     match maintenance.erasures_promised {
-        0 => "it keeps nothing".to_owned(),
+        0 => "nothing stored".to_owned(),
         promised => format!("{} of {promised} times", maintenance.erasures),
     }
 }
 
-/// What a device measures, and what of it was lost.
+/// The device's inputs, and the number of blocks lost.
 ///
 /// ```
 /// use slipline_link::protocol::listen::InputsReport;
@@ -53,7 +53,7 @@ pub const fn brown_out_level(maintenance: &Maintenance) -> &'static str {
     if maintenance.brown_out_guarded { "set" } else { "not set" }
 }
 
-/// What a person should know before the device is armed, if there is anything.
+/// Warning to show before the device is armed, if any.
 #[must_use]
 pub const fn before_arming(maintenance: &Maintenance) -> Option<&'static str> {
     if maintenance.brown_out_guarded {
@@ -65,7 +65,7 @@ pub const fn before_arming(maintenance: &Maintenance) -> Option<&'static str> {
     )
 }
 
-/// The warning that the flash is worn, if it is: it may lose what it keeps.
+/// The warning that the flash is worn, if it is: it may lose its content.
 #[must_use]
 pub fn worn(maintenance: &Maintenance) -> Option<String> {
     let Maintenance { erasures, erasures_promised, .. } = *maintenance;
@@ -89,7 +89,7 @@ mod tests {
         let warning = worn(&maintenance(20_001)).unwrap();
         assert!(warning.contains("20001 times") && warning.contains("promises 20000"), "{warning}");
         let keeps_nothing = Maintenance { erasures_promised: 0, ..maintenance(1) };
-        assert_eq!((worn(&keeps_nothing), wear(&keeps_nothing)), (None, "it keeps nothing".to_owned()));
+        assert_eq!((worn(&keeps_nothing), wear(&keeps_nothing)), (None, "nothing stored".to_owned()));
     }
 
     #[test]

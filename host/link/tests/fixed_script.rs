@@ -1,4 +1,4 @@
-//! One script of drives, chords, combs and stops, and the digest of all codes it gives: the same on every processor.
+//! The digest of all codes of one script of drives, chords, combs and stops: equal on every processor.
 //!
 //! `cargo test` runs it natively, the gate's step `wasi` on 32 bits.
 
@@ -14,11 +14,11 @@ use std::sync::Arc;
 const RATE_HZ: u32 = 400_000;
 /// The digest's window: from before the first tone until after the last ramp.
 const WINDOW: DigestWindow = DigestWindow { from: 64_000, count: 1 << 18 };
-/// The CRC-32 of the codes in the window, two bytes each, the lower one first. It never changes: a released device sends
-/// the same codes for the same commands for ever.
+/// The CRC-32 of the codes in the window, two bytes each, the lower one first. It never changes: a released
+/// device must always send the same codes for the same commands.
 const CODES: u32 = 0xa55b_cb30;
 
-/// The device, and what it has sent since the window began.
+/// The device, and its codes since the window began.
 struct Played {
     loopback: Loopback,
     codes: Vec<u16>,
@@ -67,7 +67,7 @@ fn the_codes_of_a_fixed_script_are_the_same_on_every_processor() {
     played.until(90_112);
     let glide = drive(96_000, 0.02, &[(0, 0.1871, 0.45, 0.0), (3, 0.1434, 0.35, 0.7)]);
     assert_eq!(played.perform(glide), 96_000);
-    // In the middle of a glide, so that it begins where the other one was.
+    // In the middle of a glide: it begins at the present place of the other one.
     played.until(100_096);
     let turned = drive(102_400, 0.05, &[(0, 0.11, 0.6, 0.0), (3, 0.15, 0.2, 0.0)]);
     assert_eq!(played.perform(turned), 102_400);

@@ -110,9 +110,9 @@ pub fn is_stream(path: &Path) -> bool {
 /// Reads a text file of at most `most` bytes; a larger file is not read, and neither is a pipe or a device.
 ///
 /// # Errors
-/// [`ErrorKind::IsADirectory`] and [`ErrorKind::InvalidInput`] for what is no regular file,
-/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] if it is not UTF-8 text, and the
-/// errors of the system.
+/// [`ErrorKind::IsADirectory`] and [`ErrorKind::InvalidInput`] for anything but a regular file,
+/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] if it is not UTF-8 text, and
+/// the errors of the system.
 pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
     String::from_utf8(read_bytes(path, most)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
@@ -123,13 +123,14 @@ pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
 /// # Errors
 /// [`ErrorKind::FileTooLarge`] beyond `most` bytes, and the errors of the system.
 pub fn read_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
-    // Checked before it is opened: opening a pipe blocks until another program writes to it, maybe for ever.
+    // Checked before it is opened: opening a pipe blocks until another program writes to it, possibly without
+    // end.
     let found = path.metadata()?;
     if found.is_dir() {
         return Err(io::Error::new(ErrorKind::IsADirectory, "is a directory: name a file in it"));
     }
     if !found.is_file() {
-        let reason = "is a pipe or a device: save what it gives in a file and name that";
+        let reason = "is a pipe or a device: save its output in a file and name that";
         return Err(io::Error::new(ErrorKind::InvalidInput, reason));
     }
     let file = File::open(path)?;
@@ -303,7 +304,7 @@ mod tests {
         {
             let pipe = folder.join("pipe");
             assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-            let reason = "is a pipe or a device: save what it gives in a file and name that";
+            let reason = "is a pipe or a device: save its output in a file and name that";
             for path in [pipe.as_path(), Path::new("/dev/null")] {
                 assert_eq!(refusal(path), (ErrorKind::InvalidInput, reason.to_owned()));
             }

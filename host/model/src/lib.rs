@@ -1,15 +1,16 @@
-//! What a user of Slipline sets up and sees, without a window: the setup and its edits, the fields on the plate, the
-//! waveform, jobs on plates, and exports. The use of a device is the crate `slipline-instrument`.
+//! The user's setup and its results, without a window and a device: the setup and its edits, the fields on
+//! the plate, the waveform, jobs on plates, and exports. The use of a device is the crate
+//! `slipline-instrument`.
 //!
 //! ```text
 //! setup (edits, undo, file) --> jobs (table, lights, design)
 //!                          \--> field (steady, time domain, sheet)  \
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
-//! It builds for a browser. The feature `native` adds what a browser lacks: files.
+//! It builds for a browser. The feature `native` adds files, which browsers do not support.
 
 #![forbid(unsafe_code)]
-// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+// The crate is part of the browser build: clippy.toml lists what browsers do not support.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
 #[cfg(feature = "native")]

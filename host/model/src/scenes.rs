@@ -1,4 +1,4 @@
-//! Scenes to start from: setups that show one thing each, and small pictures of them.
+//! Scenes to start from: setups that demonstrate one effect each, and small pictures of them.
 
 mod thumbnail;
 
@@ -13,14 +13,14 @@ use std::sync::Arc;
 pub struct Scene {
     /// Its name.
     pub name: &'static str,
-    /// What it shows, in one line.
+    /// Its effect, in one line.
     pub description: &'static str,
     plate: PlateOf,
     /// Turning point and level of each tone.
     tones: &'static [(f64, f64)],
 }
 
-/// Where a scene's plate is from.
+/// Source of a scene's plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum PlateOf {
     /// The preset of this name.
@@ -29,8 +29,9 @@ enum PlateOf {
     File(&'static str),
 }
 
-/// All scenes; a first start shows the first one. Of those with one tone its felt edge is the crispest that needs no
-/// warning: what is felt falls by 40 dB over one edge width, and everything before it is felt clearly.
+/// All scenes; a first start shows the first one. In scenes with one tone the felt edge is as crisp as
+/// possible without a warning: the sensation falls by 40 dB over one edge width, and everything before it is
+/// clearly felt.
 pub const SCENES: [Scene; 6] = [
     Scene {
         name: "Vibrating area",
@@ -48,7 +49,7 @@ pub const SCENES: [Scene; 6] = [
         name: "Solid area",
         description: "Four tones on a membrane fill each other's nodes: one even area up to a wide edge",
         plate: PlateOf::Preset("membrane"),
-        // `slipline texture --plate membrane --solid 247mm`, 1 dB softer, so that the four fit the DAC.
+        // `slipline texture --plate membrane --solid 247mm`, 1 dB quieter, so that the four fit the DAC.
         tones: &[(0.08, 0.29), (0.1322, 0.282), (0.162, 0.225), (0.1714, 0.142)],
     },
     Scene {

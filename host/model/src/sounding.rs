@@ -1,4 +1,4 @@
-//! What the device sounds now, by the link's journal.
+//! The device's present drive, by the link's journal.
 
 use crate::field::steady_field::SteadyTone;
 use slipline_link::protocol::event::State;
@@ -11,9 +11,9 @@ use std::sync::Arc;
 pub struct SoundingDrive {
     /// The number of the journal's entry.
     pub number: u64,
-    /// What is played, in the device's units.
+    /// The drive in the device's units.
     pub played: Played,
-    /// The table with which it is played.
+    /// The table by which it is played.
     pub table: Arc<DeviceTable>,
     /// Its tones, in physical units.
     pub tones: Vec<SteadyTone>,
@@ -65,7 +65,7 @@ mod tests {
         let plate = slipline_plate::preset("al-bending").unwrap();
         let table = device_table(&DriveTable::build(&plate, 400e3, 65).unwrap()).unwrap();
         let position = Position(30_000);
-        // The longest period: 24.4 Hz.
+        // The base frequency of the longest period: 24.4 Hz.
         let harmonic = (table.frequency_hz(position) / (400e3 / 16_384.0)).round() as u16;
         let (level, phase, master) = (Level(20_000), Phase(0), CentiDecibel(-300));
         let tone = Tone { slot: 0, position, level, phase };

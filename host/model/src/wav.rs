@@ -1,18 +1,18 @@
-//! WAV files: what is in one, and the values of one of its channels.
+//! WAV files: their format, and the values of one channel.
 
 use hound::{SampleFormat, WavReader, WavSpec};
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
 use std::io::Cursor;
 use thiserror::Error;
 
-/// Bytes of a WAV file, at most: some minutes of any common form.
+/// Largest size of a WAV file, bytes: some minutes of any common format.
 pub const BYTES_MAX: usize = 256 << 20;
-/// Values a second.
+/// Allowed values per second.
 pub const RATE: Range = Range::new(8e3, 384e3, "Hz");
-/// Values of a channel: 5 minutes at 48 kHz.
+/// Allowed number of values of a channel; the largest is 5 minutes at 48 kHz.
 const FRAMES: Range = Range::new(1.0, 16_777_216.0, "");
 
-/// A WAV file. Its values are read channel by channel, when one is asked for.
+/// A WAV file. A channel's values are read on request.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Wav {
     bytes: Vec<u8>,
@@ -29,23 +29,23 @@ impl std::fmt::Debug for Wav {
 /// One channel of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sound {
-    /// Values a second, as the recorder names it.
+    /// Values per second, as stated by the recorder.
     pub rate_hz: f64,
     /// The values; 1 is the file's full scale.
     pub values: Vec<f64>,
-    /// The magnitude at which values end; `None` for floating point, which has no end.
+    /// The largest magnitude of values; `None` for floating point, which has no limit.
     pub end: Option<f64>,
-    /// The step from one value to the next, as the file keeps them.
+    /// The step between values, as stored in the file.
     pub step: f64,
 }
 
-/// Why a file is no recording.
+/// Why a file is not a recording.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum WavError {
     /// It cannot be read as WAV.
     #[error("the WAV file cannot be read: {0}")]
     Form(String),
-    /// A form of values that is not read.
+    /// An unsupported format of values.
     #[error("{0}")]
     Values(String),
     /// A number is outside its range.
@@ -58,24 +58,24 @@ pub enum WavError {
 
 fn form(error: &hound::Error) -> WavError {
     WavError::Form(match error {
-        // The text of the system says "failed to fill whole buffer".
+        // The system's text is "failed to fill whole buffer".
         hound::Error::IoError(_) => "it ends before the values that it announces".to_owned(),
         error => error.to_string(),
     })
 }
 
 impl Wav {
-    /// Whether bytes are those of a WAV file, of whatever kind.
+    /// Whether bytes are those of a WAV file of any format.
     #[must_use]
     pub fn is_one(bytes: &[u8]) -> bool {
         [b"RIFF", b"RF64", b"RIFX"].iter().any(|name| bytes.starts_with(*name))
     }
 
-    /// Reads what is in a file: integers of 16, 24 or 32 bits or floating point of 32, of any number of channels, at 8 to
-    /// 384 kHz.
+    /// Reads a file: integers of 16, 24 or 32 bits or floating point of 32, with any number of channels, at 8
+    /// to 384 kHz.
     ///
     /// # Errors
-    /// [`WavError`]: what is wrong, and what is allowed. No bytes make this function panic.
+    /// [`WavError`]: what is wrong, and the allowed values. No bytes make this function panic.
     pub fn read(bytes: Vec<u8>) -> Result<Self, WavError> {
         let reader = WavReader::new(Cursor::new(&bytes)).map_err(|error| form(&error))?;
         let (spec, frames) = (reader.spec(), reader.duration());
@@ -94,28 +94,28 @@ impl Wav {
         Ok(Self { spec, frames, bytes })
     }
 
-    /// How many channels there are.
+    /// Number of channels.
     #[must_use]
     pub const fn channels(&self) -> usize {
         self.spec.channels as usize
     }
 
-    /// Values a second, as the recorder names it.
+    /// Values per second, as stated by the recorder.
     #[must_use]
     pub fn rate_hz(&self) -> f64 {
         f64::from(self.spec.sample_rate)
     }
 
-    /// How long it is.
+    /// Its duration, in seconds.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         f64::from(self.frames) / self.rate_hz()
     }
 
-    /// The values of a channel, which count from 1.
+    /// The values of a channel; channels are numbered from 1.
     ///
     /// # Errors
-    /// [`WavError`]: there is no such channel, or the file ends too early, or a value is no number.
+    /// [`WavError`]: there is no such channel, the file ends too early, or a value is not a number.
     pub fn channel(&self, number: usize) -> Result<Sound, WavError> {
         if !(1..=self.channels()).contains(&number) {
             let allowed = format_args!("1 to {}, the channels of the file", self.channels());
@@ -140,7 +140,7 @@ impl Wav {
         let mut reader = WavReader::new(Cursor::new(&self.bytes)).map_err(|error| form(&error))?;
         let mut picked = Vec::with_capacity(self.frames as usize);
         for (place, value) in reader.samples::<S>().enumerate() {
-            // What ends too early is found in any channel.
+            // A file that ends too early is detected in any channel.
             let value: f64 = value.map_err(|error| form(&error))?.into();
             if place % self.channels() == number - 1 {
                 picked.push(value * scale);

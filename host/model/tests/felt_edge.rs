@@ -1,4 +1,4 @@
-//! What the window draws of a tone is what the device plays of it: the field, and the place where it stops being felt.
+//! The field and felt edge of a tone in the window equal those of the tone that the device plays.
 
 use slipline_model::field::line::{Holds, Line, limits_m, turning_point_m};
 use slipline_model::field::simulation::{KNOTS, SAMPLE_RATE_HZ, Simulation, Solver, device_table};
@@ -63,11 +63,11 @@ fn compare(name: &str, level: f64) {
     }
 }
 
-/// Turning points at which a field is compared with what is played, between knots too.
+/// Turning points at which a field is compared with the played one, also between knots.
 const TURNING_POINTS: u32 = 39;
 
-/// The setup's tone at places all over the span: its field is within 1 % of the frequency solver's for the step and the gain
-/// that the device takes from its table.
+/// The setup's tone at places over the whole span: its field is within 1 % of the frequency solver's for the
+/// step and the gain that the device takes from its table.
 fn the_field_is_that_of_what_the_device_plays(name: &str, setup: &Setup, table: &DriveTable) {
     let plate = &setup.plate;
     let on_device = device_table(table).unwrap();

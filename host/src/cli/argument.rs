@@ -9,14 +9,14 @@ use slipline_plate::quantity::{
 use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
 
-/// A value whose range depends on the plate or the device, with its typed text.
+/// A value whose range depends on the plate or the device, with the typed text.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Typed<T> {
     pub(super) text: String,
     pub(super) value: T,
 }
 
-/// A boundary, by its place or by its frequency.
+/// A boundary, given by its place or its frequency.
 pub(super) type Boundary = Typed<PlaceOrFrequency>;
 
 /// A tone on the command line.
@@ -48,14 +48,14 @@ pub(super) fn place(text: &str) -> Result<Typed<f64>, QuantityError> {
     typed(text, quantity::length_m, f64::NAN)
 }
 
-/// A beat on the command line.
+/// The place and frequency of a beat.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Beat {
     pub(super) place: Typed<f64>,
     pub(super) frequency: Typed<f64>,
 }
 
-/// `120mm:180Hz`, a place and a frequency.
+/// Parses `120mm:180Hz`, a place and a frequency.
 pub(super) fn beat(text: &str) -> Result<Beat, String> {
     let (at, how_fast) = text.rsplit_once(':').ok_or("write PLACE:FREQUENCY, such as 120mm:180Hz")?;
     let place = place(at).map_err(|error| format!("its place: {error}"))?;
@@ -63,14 +63,14 @@ pub(super) fn beat(text: &str) -> Result<Beat, String> {
     Ok(Beat { place, frequency })
 }
 
-/// A felt edge on the command line: the boundary that was asked for, and where the finger felt it.
+/// A felt edge on the command line: the requested boundary, and where the finger felt its edge.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TouchArgument {
     pub(super) boundary: Boundary,
     pub(super) edge: Typed<f64>,
 }
 
-/// `120mm:118mm`, a boundary and where its edge was felt.
+/// Parses `120mm:118mm`, a boundary and where its edge was felt.
 pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
     let (asked, felt) = text.rsplit_once(':').ok_or("write BOUNDARY:EDGE, such as 120mm:118mm")?;
     let boundary = boundary(asked).map_err(|error| format!("its boundary: {error}"))?;
@@ -86,7 +86,7 @@ pub(super) fn time(text: &str) -> Result<Typed<f64>, QuantityError> {
     typed(text, quantity::time_s, f64::NAN)
 }
 
-/// A parser of a quantity whose range is always the same.
+/// A parser of a quantity with a fixed range.
 pub(super) fn within(
     parse: fn(&str) -> Result<f64, QuantityError>,
     measure: Measure,
@@ -140,7 +140,7 @@ pub(super) fn level(text: &str) -> Result<f64, NotAllowed<TypedRange>> {
     within(|text| quantity::plain(text, ""), Measure::Plain(""), (0.0, 1.0))(text)
 }
 
-/// `90mm:0.5`, a place (or a frequency) and a level.
+/// Parses `90mm:0.5`, a place (or a frequency) and a level.
 pub(super) fn tone(text: &str) -> Result<ToneArgument, String> {
     let (place, loudness) = text.rsplit_once(':').ok_or("write PLACE:LEVEL, such as 90mm:0.5")?;
     let level = level(loudness).map_err(|error| format!("its level: {error}"))?;
@@ -208,11 +208,12 @@ pub(super) fn tones(
     }
 }
 
-/// A finger on the command line; `None` for none.
+/// A finger on the command line; `None` for no finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FingerArgument(pub(super) Option<Finger>);
 
-/// `120mm:light`, a place and what rests there: none, light, firm, or resistance, mass and width of the contact.
+/// Parses `120mm:light`, a place and a finger: none, light, firm, or resistance, mass and width of the
+/// contact.
 pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
     let form = "write PLACE:KIND, such as 120mm:light; the kinds are none, light, firm, or R,M,WIDTH such as \
                 0.5Ns/m,0.1g,10mm";
@@ -231,7 +232,7 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
                 resistance_n_s_per_m: quantity::plain(&resistance, "Ns/m")
                     .map_err(|error| format!("its resistance: {error}"))?,
                 mass_kg: mass_kg(mass).map_err(|error| format!("its mass: {error}"))?,
-                // In metres without a unit, as the others are SI.
+                // In metres without a unit, as the other values are SI.
                 contact_m: quantity::plain(width, "m")
                     .or_else(|_| quantity::length_m(width))
                     .map_err(|error| format!("its width: {error}"))?,
@@ -241,7 +242,7 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
     Ok(FingerArgument(finger))
 }
 
-/// A mass, in kilograms without a unit.
+/// Parses a mass; without a unit it is in kilograms.
 fn mass_kg(text: &str) -> Result<f64, QuantityError> {
     let scaled = [("mg", 1e-6), ("kg", 1.0), ("g", 1e-3)];
     match scaled.iter().find(|(unit, _)| text.ends_with(unit)) {

@@ -20,7 +20,7 @@ use slipline_plate::quantity::{Measure, Range, must_be};
 use slipline_plate::{Plate, limits};
 use std::path::PathBuf;
 
-/// The default level of touched tones: that of `drive`.
+/// The default level of touched tones, equal to that of `drive`.
 const TOUCH_LEVEL: f64 = 0.8;
 /// Allowed standard deviation of a felt edge's position, metres.
 const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
@@ -33,8 +33,8 @@ const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 pub struct CalibrateArguments {
     #[command(flatten)]
     plate: PlateArgument,
-    /// Print where the sensor should stand at its two places, and what pairs of places would reach, before anything is
-    /// measured; with --sensor twice, what these places would reach and why one of them would not serve.
+    /// Print the proposed places of the sensor and the accuracy of pairs of places, before anything is
+    /// measured; with --sensor twice, the accuracy of these places, or why one of them is unsuitable.
     #[arg(long, conflicts_with_all = ["out", "current"])]
     plan: bool,
     /// With --plan: the drive acts beside the centre line, so that it excites the second width mode, too.
@@ -49,8 +49,8 @@ pub struct CalibrateArguments {
     sensor: SensorArgument,
     #[command(flatten)]
     band: BandArgument,
-    /// Largest sum of all tones in a measurement, over full scale (0.5 without it); or the level at which the touched tones
-    /// were played (0.8 without it).
+    /// Largest sum of all tones in a measurement, over full scale (default 0.5); or the level at which the
+    /// touched tones were played (default 0.8).
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true)]
     level: Option<f64>,
     #[command(flatten)]
@@ -72,22 +72,23 @@ pub struct CalibrateArguments {
 /// Earlier measurements.
 #[derive(Debug, Args)]
 struct MeasuredArgument {
-    /// A measurement of the same sensor at one place. Name two files, of two places; a single one needs a model of the source
-    /// and is less accurate. A CSV file of PLATES.md is complete by itself. Also read are REW's text, .frd, any table of
-    /// frequency and level, universal files (58), and a WAV file that a phone or an audio interface recorded of
-    /// `slipline sweep`.
+    /// A measurement of the same sensor at one place. Give two files, of two places; a single one needs a
+    /// model of the source and is less accurate. A CSV file of PLATES.md is complete by itself. Also read are
+    /// REW's text, .frd, any table of frequency and level, universal files (58), and a WAV file that a phone
+    /// or an audio interface recorded of `slipline sweep`.
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
-    /// Calibrate by the current of the drive instead of a sensor, with nothing on the plate; the file of --data, if any, holds
-    /// this current. The value names what drives the plate.
+    /// Calibrate by the current of the drive instead of a sensor, with nothing on the plate; the file of
+    /// --data, if any, holds this current. The value is the kind of drive.
     #[arg(long, value_enum, value_name = "DRIVE", conflicts_with_all = ["places", "touches"])]
     current: Option<CurrentOf>,
-    /// Without a sensor: the boundary that was asked for (or its frequency), and where the finger felt the edge
-    /// (120mm:118mm); name at least two, far apart. This gives places and no levels.
+    /// Without a sensor: the requested boundary (or its frequency), and where the finger felt the edge
+    /// (120mm:118mm); give at least two, far apart. This calibrates places, not levels.
     #[arg(long = "touch", value_name = "X:EDGE", value_parser = argument::touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,
-    /// What is known of the drive whose edges were felt. Without it the drive counts as unknown, unless the plate file holds
-    /// values measured by a sensor or the current. An unknown drive needs more touches: six instead of two.
+    /// What is known of the drive whose edges were felt. By default the drive is unknown, unless the plate
+    /// file holds values measured by a sensor or the current. An unknown drive needs more touches: six
+    /// instead of two.
     #[arg(long, value_enum, value_name = "KNOWN", requires = "touches")]
     touched_drive: Option<DriveKnown>,
 }
@@ -101,7 +102,7 @@ enum DriveKnown {
     Unknown,
 }
 
-/// What the current flows through.
+/// The kind of drive whose current is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum CurrentOf {
     /// A voice coil.
@@ -119,10 +120,10 @@ struct CalipersArgument {
     /// Half of the width at the narrow end, by calipers.
     #[arg(long, value_name = "WL", value_parser = argument::length(limits::HALF_WIDTH), allow_hyphen_values = true, requires = "half_width", requires = "length")]
     end_half_width: Option<f64>,
-    /// From the driven to the narrow end, by a rule.
+    /// Distance from the driven to the narrow end, by a rule.
     #[arg(long, value_name = "L", value_parser = argument::length(limits::LENGTH), allow_hyphen_values = true, requires = "half_width", requires = "end_half_width")]
     length: Option<f64>,
-    /// Standard deviation of both half-widths by the calipers, 100nm to 10mm.
+    /// Standard deviation of both half-widths measured with the calipers, 100nm to 10mm.
     #[arg(long, value_name = "LENGTH", value_parser = argument::length(CALIPERS_TOLERANCE), allow_hyphen_values = true, default_value = "50um")]
     calipers_tolerance: f64,
 }
@@ -180,7 +181,7 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     finish(&file, found, out.as_ref(), as_json)
 }
 
-/// The two places that a plan is asked about.
+/// The two sensor places given with --plan.
 fn asked_places(nominal: &Plate, sensor: &SensorArgument) -> Result<Option<[f64; 2]>, Failure> {
     match &sensor.places[..] {
         [] => Ok(None),
@@ -192,7 +193,7 @@ fn asked_places(nominal: &Plate, sensor: &SensorArgument) -> Result<Option<[f64;
     }
 }
 
-/// What was measured with the same sensor, at one place or at two: by a device or in files.
+/// The measurements of the same sensor, at one place or at two: by a device or from files.
 fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measurement>, Failure> {
     let data = &arguments.measured.data;
     let Some(port) = &arguments.port else {

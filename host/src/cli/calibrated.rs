@@ -1,4 +1,4 @@
-//! Output of `calibrate`: the calibration, or the reason why there is none.
+//! Output of `calibrate`: the calibration, or why it was refused.
 
 use super::destination::Destination;
 use super::{Failure, output};
@@ -41,31 +41,32 @@ impl Way {
                 "one sensor and a model of the source: on simulated plates the boundary came within 0.5 mm, 0.9 mm at worst, and the level within 0.5 dB; two places do not need the model"
             }
             Self::Current => {
-                "the current alone: on simulated plates the boundary came within 0.5 mm, 1.2 mm at worst; the level is the model's, nothing has measured it"
+                "the current alone: on simulated plates the boundary came within 0.5 mm, 1.2 mm at worst; the level is the model's and is not measured"
             }
             Self::Touches => {
-                "felt edges alone, of a known drive: on simulated plates the felt edge came within 1.5 mm; nothing has measured the level"
+                "felt edges alone, of a known drive: on simulated plates the felt edge came within 1.5 mm; the level is not measured"
             }
             Self::TouchesOfUnknownDrive => {
-                "felt edges alone, of a drive that nobody has measured: on simulated membranes the felt edge came within 4 mm by two touches and 2 mm by six; the drive's current or one sensor gives more, and levels"
+                "felt edges alone, of an unknown drive: on simulated membranes the felt edge came within 4 mm by two touches and 2 mm by six; the drive's current or one sensor gives more, and levels"
             }
         }
     }
 }
 
-/// A calibrated plate, and the values to be reported.
+/// A calibrated plate, and the reported values.
 pub(super) struct CalibrationReport {
     pub(super) way: Way,
     pub(super) plate: Plate,
     pub(super) parameters: Vec<Parameter>,
     pub(super) chi2_per_n: f64,
-    /// The model error with which that would be 1, and what to do about it; nothing of felt edges.
+    /// The model error with which `chi2_per_n` would be 1, and the remedy; `None` for felt edges.
     pub(super) misfit: Option<(f64, String)>,
-    /// Half of the 95 % interval of the boundary, metres, and the boundary's shift per metre of misplacement of each sensor.
+    /// Half of the 95 % interval of the boundary, metres, and the boundary's shift per metre of misplacement
+    /// of each sensor.
     pub(super) boundary: Option<(f64, Vec<f64>)>,
     /// Half of the 95 % interval of the felt edge, metres; only of a calibration by felt edges.
     pub(super) edge_tolerance_m: Option<f64>,
-    /// A property that no measurement shows and the user must check.
+    /// A property that no measurement determines and the user must check.
     pub(super) caution: Option<String>,
     /// Half of the 95 % interval of the level, dB; `None` where no levels were measured.
     pub(super) level_tolerance_db: Option<f64>,
@@ -88,7 +89,8 @@ impl CalibrationReport {
     }
 }
 
-/// Prints the calibration and writes the plate file. A refused calibration ends the command with code 1 and the reason.
+/// Prints the calibration and writes the plate file. A refused calibration ends the command with exit code 1
+/// and the reason.
 pub(super) fn finish(
     file: &Plate,
     found: Result<CalibrationReport, CalibrateError>,

@@ -46,23 +46,23 @@ pub struct DesignArguments {
     /// The shear-horizontal wave of the paper.
     #[arg(long)]
     shear: bool,
-    /// The air around the plate: on both faces and round the edges of a bare frame (the default), behind a wide rigid wall, or
-    /// none.
+    /// The air around the plate: on both faces and around the edges of a bare frame (the default), behind a
+    /// wide rigid wall, or none.
     #[arg(long, conflicts_with = "shear")]
     air: Option<AirArgument>,
     /// Leave out shear and rotary inertia of a bending plate.
     #[arg(long)]
     thin: bool,
-    /// From the driven end to the nearest boundary; without it, as much as its peak needs.
+    /// From the driven end to the nearest boundary; by default, as much as its peak needs.
     #[arg(long, value_name = "X", value_parser = margin, allow_hyphen_values = true)]
     start_margin: Option<Typed<f64>>,
-    /// From the farthest boundary to the narrow end; without it, as much as its tail needs.
+    /// From the farthest boundary to the narrow end; by default, as much as its tail needs.
     #[arg(long, value_name = "X", value_parser = margin, allow_hyphen_values = true)]
     end_margin: Option<Typed<f64>>,
-    /// Loss factor, 0 to 0.5, if it is not the library's.
+    /// Loss factor, 0 to 0.5; by default, the material's.
     #[arg(long, value_name = "ETA", value_parser = loss(), allow_hyphen_values = true)]
     loss: Option<f64>,
-    /// The drive's displacement at DAC full scale, 1nm to 100mm; without it, 1um from 1 kHz on, else 100um.
+    /// The drive's displacement at DAC full scale, 1nm to 100mm; by default, 1um from 1 kHz on, else 100um.
     #[arg(long, value_name = "A", value_parser = argument::length(limits::FULL_SCALE), allow_hyphen_values = true)]
     full_scale: Option<f64>,
     /// Width of the frame's rim, 10mm to 500mm.
@@ -71,14 +71,15 @@ pub struct DesignArguments {
     /// The plate's name, 1 to 80 characters.
     #[arg(long, value_parser = name, default_value = "designed")]
     name: String,
-    /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder; they say how to mount them.
+    /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder; they contain the
+    /// mounting instructions.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArgument,
 }
 
-/// How the plate stands in the air.
+/// The air around the plate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum AirArgument {
     BareFrame,
@@ -102,7 +103,7 @@ impl AirArgument {
 /// How the edges of a bending plate are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum EdgeArgument {
-    // The variants have no help text: it would double the length of the help.
+    // The variants have no help text, which would double the length of the help.
     Supported,
     Clamped,
 }
@@ -113,7 +114,7 @@ impl DesignArguments {
         if let Some(loss) = self.loss {
             material.loss_factor = loss;
         }
-        // The tension that gives the slowest and the fastest wave: T = c^2 rho h.
+        // The tension for the slowest and the fastest wave: T = c^2 rho h.
         let surface_density = material.density_kg_per_m3 * self.thickness;
         let tension_of = |speed: f64| speed * speed * surface_density;
         let tensions =
@@ -276,7 +277,7 @@ fn band_end(end: &slipline_plate::design::BandEnd) -> String {
     )
 }
 
-/// The lights that are amber or red.
+/// The amber and red lights, as sentences.
 fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
     let worries = report.lights.iter().filter(|light| light.colour > Colour::Green);
     worries.map(|light| format!("{}: {}", light.colour.name(), light.sentence))

@@ -16,7 +16,7 @@ pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     let end =
         |which: &str, text: &str| frequency(text).map_err(|error| format!("its {which} frequency: {error}"));
     let (low_hz, high_hz) = (end("lowest", &low)?, end("highest", high)?);
-    // Both were checked against their range before.
+    // Both have been checked against their range.
     if !band_high_range(low_hz).contains(high_hz) {
         let allowed = format!("at least {BAND_WIDTH_MIN_PERCENT} % above the lowest");
         return Err(must_be("its highest frequency", allowed));
@@ -24,11 +24,11 @@ pub(super) fn band(text: &str) -> Result<(f64, f64), String> {
     Ok((low_hz, high_hz))
 }
 
-/// `low` with the unit of `high` if it has none of its own: `20..40kHz` is 20 to 40 kHz, as people write it.
+/// `low` with the unit of `high` if it has no unit: `20..40kHz` means 20 to 40 kHz.
 fn with_unit_of<'t>(low: &'t str, high: &str) -> Cow<'t, str> {
     let is_number = |text: &str| text.trim().parse::<f64>().is_ok();
     let places = high.char_indices().map(|(place, _)| place).rev();
-    // The longest beginning that is a number: in 40e3Hz the e belongs to it.
+    // The longest prefix that is a number: in 40e3Hz it includes the e.
     let unit = places.map(|place| high.split_at(place)).find(|(number, _)| is_number(number));
     match unit {
         Some((_, unit)) if is_number(low) && !is_number(high) => format!("{}{unit}", low.trim()).into(),

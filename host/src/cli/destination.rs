@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// Whether files may be replaced.
 #[derive(Clone, Copy, Debug, Default, Args)]
 pub struct ForceArgument {
-    /// Replace files that are there already; without it, nothing is done if one is.
+    /// Replace existing files; without it, the command writes nothing if one exists.
     #[arg(long)]
     pub(super) force: bool,
 }
@@ -84,7 +84,7 @@ impl Destination {
         &self.0
     }
 
-    /// Writes the file through `write`: all of it or nothing.
+    /// Writes the file through `write`: completely or not at all.
     pub(super) fn write(
         &self,
         write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<()>,

@@ -1,4 +1,4 @@
-//! A device for one command: the blocking client, stopped and disarmed when a signal ends the program.
+//! The device of one command: the blocking client, stopped and disarmed when a signal ends the program.
 
 use super::{ArmingArgument, Failure, progress};
 use crate::signals::{self, Ending};
@@ -42,7 +42,7 @@ impl Device {
         Ok(Self { client, _ending: ending })
     }
 
-    /// Makes sure that the device may be armed: its brown-out level is set, or the user knows that it is not.
+    /// Checks that the device may be armed: its brown-out level is set, or the user accepts that it is not.
     pub(super) fn may_be_armed(&self, arming: &ArmingArgument) -> Result<(), Failure> {
         match self.client.may_be_armed() {
             Err(ClientError::Unguarded(warning)) if !arming.despite_brown_out_level => {
@@ -54,7 +54,7 @@ impl Device {
         }
     }
 
-    /// Makes sure that the device holds the plate's table, made for its sample rate.
+    /// Uploads the plate's table, made for the device's sample rate.
     pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
         let rate_hz = self.identity()?.sample_rate_hz;
         let (_, table) = self.during(|| progress::table_for(plate, rate_hz))?;
@@ -78,13 +78,13 @@ pub(super) struct LoadedDevice<'a> {
 }
 
 impl<'a> LoadedDevice<'a> {
-    /// Has the device hold the plate's table.
+    /// Uploads the plate's table.
     pub(super) fn new(device: &'a Device, plate: &'a Plate) -> Result<Self, Failure> {
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         Ok(Self { device, plate, table: device.use_table(plate)?, rate_hz })
     }
 
-    /// What the device reports of its inputs.
+    /// The device's report of its inputs.
     pub(super) fn inputs(&self) -> InputsReport {
         self.device.snapshot().inputs.unwrap_or_default()
     }
@@ -97,7 +97,7 @@ pub(super) fn run<P: Procedure>(
     procedure: P,
 ) -> Result<P::Found, Failure> {
     progress::watched(what, |progress| {
-        // The progress bar never asks for an early end.
+        // The progress bar never requests an early end.
         device.run(procedure, |share| {
             let _ = progress.at(share);
         })

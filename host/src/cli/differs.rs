@@ -1,10 +1,10 @@
-//! Where the plate in two dimensions differs from the one-mode equation, for people and for programs.
+//! Differences between the plate in two dimensions and the one-mode equation, for people and for programs.
 
 use serde_json::{Value, json};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::plane::Comparison;
 
-/// The fields of a comparison whose first side is the one-mode equation.
+/// The JSON fields of a comparison whose first field is the one-mode equation's.
 pub(super) fn value(comparison: &Comparison) -> Value {
     json!({
         "peak_shift_m": comparison.peak_shift_m,
@@ -14,7 +14,7 @@ pub(super) fn value(comparison: &Comparison) -> Value {
     })
 }
 
-/// Where the peak in two dimensions is, and how high.
+/// Shift and level of the peak in two dimensions.
 pub(super) fn peak(comparison: &Comparison) -> String {
     match comparison.peak_shift_m.zip(comparison.level_db) {
         None => "one of the two has none".to_owned(),

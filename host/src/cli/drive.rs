@@ -57,11 +57,11 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         Begin::Trigger => Apply::AtTrigger,
     };
     let at = device.play(sounding.beginning(apply))?;
-    // Before it is said that Ctrl-C ends the drive.
+    // Registered before the message that Ctrl-C ends the drive.
     let (interrupted, interruption) = channel();
     let stop = device.stopper();
     let _closing = signals::end_by(move || {
-        // Sent at once, before waiting for anything.
+        // Sent at once, without waiting.
         stop();
         let _ = interrupted.send(());
     });
@@ -136,7 +136,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     output::print(as_json, &value, |out| writeln!(out, "Stopped."))
 }
 
-/// The plate, what is to be driven on it, and the setup that says so, if one does.
+/// The plate, the drive, and the setup that defines both, if any.
 type Wanted = (Arc<Plate>, DriveRequest, Option<Box<Setup>>);
 
 fn wanted(arguments: &DriveArguments) -> Result<Wanted, Failure> {
@@ -154,14 +154,14 @@ fn wanted(arguments: &DriveArguments) -> Result<Wanted, Failure> {
     }
 }
 
-/// The tones of a drive as (place in metres, level at the drive's master level), so many decibels louder.
+/// The tones of a drive as (place in metres, level at the drive's master level), raised by `louder_db`.
 fn louder(request: &DriveRequest, louder_db: f64) -> Vec<(f64, f64)> {
     let master = 10.0_f64.powf((request.master_db + louder_db) / 20.0);
     request.tones.iter().map(|tone| (tone.boundary_m, tone.level * master)).collect()
 }
 
-/// Waits until the drive has begun, at a rise that counts from an index on; returns the index at which it began and when
-/// that was, or nothing if the user interrupts.
+/// Waits until the drive has begun after a trigger that counts from this sample index; returns the index and
+/// time of its beginning, or `None` if the user interrupts.
 fn wait_for_trigger(
     device: &Device,
     interruption: &Receiver<()>,
@@ -178,14 +178,14 @@ fn wait_for_trigger(
     let snapshot = device.snapshot();
     let began = report(&snapshot).and_then(|report| report.began).filter(|&began| began > from);
     let began =
-        began.ok_or_else(|| Failure::Failed("the device gave the drive up before the trigger".to_owned()))?;
+        began.ok_or_else(|| Failure::Failed("the device dropped the drive before the trigger".to_owned()))?;
     let now = snapshot.status.map_or(began, |status| status.now);
     let since = Duration::from_secs_f64(now.saturating_sub(began) as f64 / rate_hz);
     Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
 }
 
-/// Waits until the time since `begin` is over or the user interrupts, and calls `each` at every look; returns the driven
-/// time in seconds.
+/// Waits until the time since `begin` is over or the user interrupts, and calls `each` at every check;
+/// returns the driven time in seconds.
 fn hold(
     device: &Device,
     interruption: &Receiver<()>,
@@ -201,15 +201,15 @@ fn hold(
     Ok(begin.elapsed().as_secs_f64())
 }
 
-/// Waits until no time is `left` or the user interrupts, while it looks after the device; returns whether the time is
-/// over.
+/// Waits until no time is `left` or the user interrupts, and checks the device meanwhile; returns whether the
+/// time is over.
 fn watch(
     device: &Device,
     interruption: &Receiver<()>,
     mut left: impl FnMut(&Snapshot) -> Result<Duration, Failure>,
 ) -> Result<bool, Failure> {
     loop {
-        // First, so that a drive which was ended otherwise is not told as one that took its time.
+        // Checked first, so that a drive that failed is not reported as complete.
         check(device)?;
         let left = left(&device.snapshot())?;
         if left.is_zero() {
@@ -224,7 +224,7 @@ fn watch(
     }
 }
 
-/// Fails if the device does not do any more what it was asked for.
+/// Fails if the device no longer carries out the drive.
 fn check(device: &Device) -> Result<(), Failure> {
     device.check_attended()?;
     let snapshot = device.snapshot();

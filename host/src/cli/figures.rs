@@ -12,7 +12,7 @@ use std::path::PathBuf;
 /// `figures`.
 #[derive(Debug, Args)]
 pub struct FiguresArguments {
-    /// The folder to write into; it is made if it is not there.
+    /// The folder to write into; it is created if needed.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `slipline drive --hold`: the device keeps the level of each tone at a sensor.
+//! `slipline drive --hold`: the device holds the level of each tone at a sensor.
 
 use super::argument::{self, Typed};
 use super::device::Device;
@@ -18,9 +18,9 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-/// Time between two polls of the device.
+/// Time between two checks of the device.
 const GLANCE: Duration = Duration::from_millis(50);
-/// Change of a correction from which on it is printed again, dB.
+/// Change of a correction that is printed, dB.
 const PRINTED_STEP_DB: f64 = 0.5;
 /// Default place of the simulated sensor, as a share of the plate's length.
 const SENSOR_SHARE: f64 = 0.1;
@@ -28,20 +28,21 @@ const SENSOR_SHARE: f64 = 0.1;
 /// Whether the levels are held.
 #[derive(Debug, Args)]
 pub(super) struct HoldArgument {
-    /// Keep each tone at the level that a sensor on the plate measures first, however much a finger absorbs. Touch the plate
-    /// only when the levels are held. Not with a setup file.
+    /// Hold each tone at the level that a sensor on the plate measures first, independent of the absorption
+    /// of a finger. Touch the plate only when the levels are held. Not with a setup file.
     #[arg(long, conflicts_with = "setup")]
     hold: bool,
-    /// How far above its level a held tone may rise, 0 to 60 dB.
+    /// Largest rise of a held tone above its level, 0 to 60 dB.
     #[arg(long, value_name = "DB", value_parser = argument::decibels(MAX_RISE.low, MAX_RISE.high), allow_hyphen_values = true, default_value_t = USUAL_RISE_DB, requires = "hold")]
     max_rise: f64,
-    /// Where the simulated device's sensor stands, from the driven end (30mm); without it, at a tenth of the plate's length.
+    /// Place of the simulated device's sensor, from the driven end (30mm); by default, at a tenth of the
+    /// plate's length.
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "hold")]
     sensor: Option<Typed<f64>>,
 }
 
 impl HoldArgument {
-    /// The rig of the simulated device: with a sensor if the levels are to be held.
+    /// The rig of the simulated device, with a sensor if the levels are to be held.
     pub(super) fn rig(&self, port: &PortArgument, plate: &Plate) -> Result<Option<PreparedRig>, Failure> {
         if !self.hold {
             return port.rig(Some(plate));
@@ -53,7 +54,7 @@ impl HoldArgument {
         port.rig_with_sensor(plate, &RigOptions { place_m, ..RigOptions::default() })
     }
 
-    /// How the tones of a drive are to be held, if they are.
+    /// The hold for the tones of a drive, if it is requested.
     pub(super) fn holder(
         &self,
         device: &Device,
@@ -69,7 +70,7 @@ impl HoldArgument {
         let frequency =
             |tone: &ToneRequest| Some((tone.slot, table.frequency_hz(table.position(tone.boundary_m)?)));
         let frequencies: Vec<(u8, f64)> = drive.tones.iter().filter_map(frequency).collect();
-        // A refusal comes before anything sounds.
+        // Refused before the drive begins.
         let plan =
             HoldPlan::new(plate, &frequencies, rate_hz, lock_ins, self.max_rise).map_err(Failure::failed)?;
         let boundaries_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();
@@ -85,13 +86,13 @@ pub(super) struct Holder {
     holding: Holding,
     boundaries_m: Vec<(u8, f64)>,
     latest: Option<Arc<Held>>,
-    /// Words and correction of each tone as printed last.
+    /// Text and correction of each tone as printed last.
     printed: Vec<(&'static str, f64)>,
 }
 
 impl Holder {
-    /// Measures the tones of the drive that begins at an index, and has the device hold these levels. Returns whether it does:
-    /// `false` if the user interrupts.
+    /// Measures the tones of the drive that begins at this index, and holds these levels. Returns whether
+    /// they are held: `false` if the user interrupts.
     pub(super) fn begin(
         &mut self,
         device: &Device,
@@ -119,7 +120,7 @@ impl Holder {
         }
     }
 
-    /// Prints what has changed.
+    /// Prints changes of the hold.
     pub(super) fn watch(&mut self, snapshot: &Snapshot, as_json: bool) -> Result<(), Failure> {
         let Some(held) = &snapshot.hold else { return Ok(()) };
         let before = self.latest.replace(held.clone()).map(|held| held.progress);

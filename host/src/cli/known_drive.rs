@@ -1,4 +1,4 @@
-//! The amplifier and the drive behind it as the arguments describe them, and the check that this drive is on.
+//! The drive circuit given by the arguments, and the check that this drive is on.
 
 use super::Failure;
 use super::argument::within;
@@ -12,7 +12,7 @@ use slipline_instrument::rig::PreparedRig;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
 use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
 
-/// The circuit from the DAC to the drive, from data sheets: all of it or nothing.
+/// The circuit from the DAC to the drive, from data sheets: all values or none.
 #[derive(Debug, Args)]
 #[command(group = ArgGroup::new("load").args(["coil", "piezo"]))]
 pub(super) struct KnownDriveArgument {
@@ -40,7 +40,7 @@ fn of_circuit(
 }
 
 impl KnownDriveArgument {
-    /// The drive of the arguments, else that of the simulated rig.
+    /// The drive circuit of the arguments, else that of the simulated rig.
     pub(super) fn known(&self, rig: Option<&PreparedRig>) -> Option<KnownDrive> {
         let load = match (self.coil, self.piezo) {
             (Some(resistance_ohm), _) => Some(DriveLoad::Coil { resistance_ohm }),
@@ -55,7 +55,7 @@ impl KnownDriveArgument {
     }
 }
 
-/// Checks by quiet tones that a known drive is on. Plays nothing, and returns `None`, for an unknown one.
+/// Checks with quiet tones that a known drive is on. For an unknown one it plays nothing and returns `None`.
 pub(super) fn check(
     bench: &LoadedDevice<'_>,
     known: Option<KnownDrive>,

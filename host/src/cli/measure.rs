@@ -25,10 +25,10 @@ pub struct MeasureArguments {
     port: PortArgument,
     #[command(flatten)]
     plate: PlateArgument,
-    /// What is measured: the sensor at the device's first input, or the current of the drive at its second.
+    /// The measured input: the sensor at the device's first input, or the current of the drive at its second.
     #[arg(long, value_enum, default_value_t = Input::Sensor)]
     input: Input,
-    /// Where the sensor stands, from the driven end (30mm).
+    /// Place of the sensor, from the driven end (30mm).
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, required_if_eq("input", "sensor"))]
     sensor: Option<Typed<f64>>,
     /// What the sensor measures: displacement, velocity, acceleration or strain.
@@ -39,7 +39,7 @@ pub struct MeasureArguments {
     /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// Write the measurement: as CSV (.csv), universal file (.uff, .unv) or .frd.
+    /// Write the measurement as CSV (.csv), universal file (.uff, .unv) or .frd.
     #[arg(long, value_name = "FILE", value_parser = measurement_file)]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -59,10 +59,10 @@ enum Input {
     Current,
 }
 
-/// How a measurement is written as text.
+/// Formats a measurement as text.
 type Form = fn(&Measurement) -> String;
 
-/// The forms of a measurement's file, by the ending of its name.
+/// The formats of a measurement's file, by the extension of its name.
 const ENDINGS: [(&str, Form); 4] = [
     ("csv", Measurement::to_csv),
     ("uff", Measurement::to_uff58),
@@ -112,7 +112,7 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     output::print(as_json, &value(&report), |writer| output::lines(writer, &lines(&report, out.as_ref())))
 }
 
-/// A measurement and what is printed with it.
+/// A measurement and the printed values.
 struct Report<'a> {
     plate: &'a Plate,
     input: Input,
@@ -141,7 +141,7 @@ fn value(&Report { plate, input, drive, measured }: &Report<'_>) -> Value {
     })
 }
 
-/// The warnings of a measurement, in sentences.
+/// The warnings of a measurement, as sentences.
 pub(super) fn warnings(measured: &Measured) -> Vec<String> {
     measured.warnings.iter().map(slipline_instrument::measure::Warning::sentence).collect()
 }

@@ -15,11 +15,11 @@ use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, pla
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-/// What a file of another program does not state.
+/// Properties that a file of another program does not state.
 #[derive(Debug, Args)]
 pub(super) struct SensorArgument {
-    /// Place of the sensor, from the driven end (30mm): one or two with --port, and one for each file of another program, in
-    /// their order. One place with --port needs a model of the source.
+    /// Place of the sensor, from the driven end (30mm): one or two with --port, and one for each file of
+    /// another program, in their order. One place with --port needs a model of the source.
     #[arg(long = "sensor", value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
     pub(super) places: Vec<Typed<f64>>,
     /// What the sensor measures: displacement, velocity, acceleration or strain. Universal files state it; with --port the
@@ -33,11 +33,11 @@ pub(super) struct SensorArgument {
     recording: RecordingArgument,
 }
 
-/// What a recording of a sweep does not state.
+/// Properties that a recording of a sweep does not state.
 #[derive(Debug, Args)]
 pub(super) struct RecordingArgument {
-    /// The description of the sweep that a WAV file is a recording of, as `slipline sweep` wrote it: once for all WAV files,
-    /// or once for each, in their order. Record with the same gain at both places.
+    /// The description of the recorded sweep, as written by `slipline sweep`: once for all WAV files, or once
+    /// for each, in their order. Record with the same gain at both places.
     #[arg(long, value_name = "SWEEP.toml", requires = "data")]
     played: Vec<PathBuf>,
     /// The sensor's channel in a WAV file, from 1: once for all WAV files, or once for each. Without it, the first.
@@ -46,7 +46,7 @@ pub(super) struct RecordingArgument {
 }
 
 impl RecordingArgument {
-    /// The value for recording `number` of `count`: one value holds for all recordings, or each has its own.
+    /// The value for recording `number` of `count`: one value applies to all recordings, or each has its own.
     fn of<'a, T>(name: &str, values: &'a [T], number: usize, count: usize) -> Result<Option<&'a T>, Failure> {
         match values.len() {
             0 => Ok(None),
@@ -77,7 +77,7 @@ fn decibel(text: &str) -> Result<f64, QuantityError> {
     plain(text, "dB")
 }
 
-/// Parses the word for what a sensor measures.
+/// Parses the name of the sensor's quantity.
 pub(super) fn kind(text: &str) -> Result<SensorKind, String> {
     let words = SensorKind::ALL.map(SensorKind::word);
     let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == text.trim());

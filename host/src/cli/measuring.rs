@@ -1,4 +1,4 @@
-//! A measurement with a device: for `measure` and `calibrate`.
+//! Measurements with a device, for `measure` and `calibrate`.
 
 use super::argument::{self, Typed};
 use super::device::{Device, LoadedDevice, run};
@@ -14,27 +14,27 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::{Measurement, SensorKind};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};
 
-/// Which frequencies.
+/// The measured frequencies.
 #[derive(Debug, Args)]
 pub(super) struct FrequenciesArgument {
-    /// The lowest frequency; without it, that of the band that calibrates the plate.
+    /// The lowest frequency; by default, that of the band that calibrates the plate.
     #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true)]
     from: Option<Typed<f64>>,
     /// The highest frequency.
     #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true)]
     to: Option<Typed<f64>>,
-    /// How many frequencies, 8 to 1600; without it, as many as calibrate the plate.
+    /// Number of frequencies, 8 to 1600; by default, as many as calibrate the plate.
     #[arg(long, value_parser = argument::count(POINTS.low as usize, POINTS.high as usize), allow_hyphen_values = true)]
     points: Option<usize>,
 }
 
-/// Which frequencies, and how they are measured.
+/// The measured frequencies, and the method.
 #[derive(Debug, Args)]
 pub(super) struct BandArgument {
     #[command(flatten)]
     frequencies: FrequenciesArgument,
-    /// One tone that glides through the band and a capture of the input, in place of a comb of tones at a time. It has less
-    /// noise, and leaves out what amplifier and sensor bend.
+    /// Use one tone that glides through the band and a capture of the input, instead of combs of tones. It
+    /// has less noise, and excludes the distortion of amplifier and sensor.
     #[arg(long)]
     sweep: bool,
 }
@@ -64,20 +64,20 @@ pub(super) fn place_on(plate: &Plate, place: &Typed<f64>) -> Result<f64, Failure
     place.within("--sensor", on_plate, Measure::Length, ", on the plate")
 }
 
-/// How a plate is measured.
+/// The method of a measurement.
 enum Method {
     Steps(Plan),
     Sweep(SweepPlan),
 }
 
-/// A device, and how it measures a plate.
+/// A device, and its method of measurement.
 pub(super) struct Measurer<'a> {
     pub(super) bench: LoadedDevice<'a>,
     method: Method,
 }
 
 impl<'a> Measurer<'a> {
-    /// Plans the measurement, and has the device hold the plate's table.
+    /// Plans the measurement, and uploads the plate's table.
     pub(super) fn new(
         device: &'a Device,
         plate: &'a Plate,
@@ -91,7 +91,7 @@ impl<'a> Measurer<'a> {
         let wanted = band.wanted(plate, level);
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
-        // What cannot be measured is said before the device gets a table.
+        // Refused before the table is uploaded.
         let steps = Plan::new(plate, &wanted, rate_hz, lock_ins).map_err(refused);
         let steps = if band.sweep { None } else { Some(steps?) };
         let bench = LoadedDevice::new(device, plate)?;
@@ -102,7 +102,8 @@ impl<'a> Measurer<'a> {
         Ok(Self { bench, method })
     }
 
-    /// The same device with one comb alone, over the whole band, or with the same sweep: for what changes meanwhile.
+    /// The same device with one comb only, over the whole band, or with the same sweep: for repeated
+    /// measurements.
     pub(super) fn short(&self) -> Self {
         let method = match &self.method {
             Method::Steps(plan) => Method::Steps(plan.of_one_comb()),
@@ -128,7 +129,7 @@ impl<'a> Measurer<'a> {
     }
 }
 
-/// How a device measures.
+/// A device and the options of its measurements.
 pub(super) struct ByDevice<'a> {
     pub(super) port: &'a PortArgument,
     pub(super) band: &'a BandArgument,
@@ -158,8 +159,8 @@ impl ByDevice<'_> {
     }
 }
 
-/// Measures with the same sensor at each of its places, one or two. The sensor of a rig is moved; a person is asked to move that
-/// of a device.
+/// Measures with the same sensor at each of its places, one or two. The sensor of a rig is moved
+/// automatically; for a device the user is asked to move it.
 pub(super) fn at_places(
     plate: &Plate,
     by: &ByDevice<'_>,
@@ -189,7 +190,7 @@ pub(super) fn at_places(
     places.iter().map(measure).collect()
 }
 
-/// Has the sensor stand at a place.
+/// Moves the sensor to a place, or asks the user to.
 fn put_sensor(device: &Device, rig: Option<&PreparedRig>, place_m: f64) -> Result<(), Failure> {
     if let Some(rig) = rig {
         return rig.hand().put_sensor(place_m).map_err(Failure::usage);
@@ -198,7 +199,7 @@ fn put_sensor(device: &Device, rig: Option<&PreparedRig>, place_m: f64) -> Resul
     let mut line = String::new();
     match device.during(|| std::io::stdin().read_line(&mut line)) {
         Ok(0) => Err(Failure::Failed(
-            "nobody says that the sensor stands: the standard input has ended".to_owned(),
+            "the sensor's place was not confirmed: the standard input has ended".to_owned(),
         )),
         Ok(_) => Ok(()),
         Err(error) => Err(Failure::Failed(format!("standard input: {error}"))),

@@ -11,7 +11,7 @@ use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place, show_si};
 use slipline_plate::texture::{Palette, TextureError};
 
-/// Boundaries, uniform over the span and each in the middle of its share.
+/// Number of boundaries, each in the middle of an equal share of the span.
 const BOUNDARIES: usize = 5;
 
 /// `merit`.
@@ -19,7 +19,7 @@ const BOUNDARIES: usize = 5;
 pub struct MeritArguments {
     #[command(flatten)]
     plate: PlateArgument,
-    /// One boundary, by its turning point (120mm) or its frequency (126Hz); without it, five over the span.
+    /// One boundary, by its turning point (120mm) or its frequency (126Hz); by default, five over the span.
     #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
     boundary: Option<Boundary>,
 }
@@ -70,7 +70,8 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
     })
 }
 
-/// The boundaries before which there is room for an even area; the error of the last one if there are none.
+/// Ratings of the boundaries before which there is room for an even area; if there are none, the error of the
+/// last one.
 fn over_span(plate: &Plate, palette: &Palette<'_>) -> Result<Vec<Merit>, Failure> {
     let (start_m, end_m) = plate.span_m();
     let at = |i: usize| start_m + (end_m - start_m) * (i as f64 + 0.5) / BOUNDARIES as f64;

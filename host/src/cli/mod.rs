@@ -1,8 +1,8 @@
-//! The command line: every use of Slipline but the window.
+//! The command line: every use of Slipline except the window.
 //!
-//! JSON numbers are SI and their names end in the unit. Exit code 0: done; 1: could not be done; 2: bad usage or a bad
-//! file (the message names it and the allowed range); 3: `check` was done and found red lights. Files that are there
-//! already are replaced with `--force` only.
+//! JSON numbers are SI and their names end in the unit. Exit codes: 0 done; 1 failed; 2 bad usage or a bad
+//! file (the message names it and the allowed range); 3 `check` is done and found red lights. Existing files
+//! are replaced with `--force` only.
 
 mod argument;
 mod calibrate;
@@ -61,13 +61,13 @@ use slipline_plate::calibrate::SensorKind;
 use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate};
 use std::path::PathBuf;
 
-/// How long one command may drive, in seconds: the device itself allows ten minutes.
+/// Longest drive of one command, in seconds: the device's own limit is ten minutes.
 const DRIVE_S: f64 = 600.0;
 
 const EXIT_CODES: &str = "\
 Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights.";
-const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line says how many; 1 and 2 as ever, see slipline --help.";
-const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; 1 and 2 as ever, see slipline --help.";
+const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
+const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; for 1 and 2 see slipline --help.";
 
 /// Drag the boundary on a tapered plate. With no command, the app opens.
 #[derive(Debug, Parser)]
@@ -121,7 +121,7 @@ pub enum Command {
     Texture(TextureArguments),
     /// Rate the sharpness, speed and number of a plate's boundaries: contrast, ripple, edge, switching, bits per second.
     Merit(MeritArguments),
-    /// Measure how a sensor on the plate, or the current of the drive, answers the device's tones.
+    /// Measure the response of a sensor on the plate, or of the drive's current, to the device's tones.
     Measure(MeasureArguments),
     /// Play a sweep twice for a separate recorder (a phone, an audio interface) with a sensor on the plate, and describe it.
     Sweep(SweepArguments),
@@ -134,14 +134,14 @@ pub enum Command {
     Figures(FiguresArguments),
 }
 
-/// Which device.
+/// The port of the device.
 #[derive(Debug, Args)]
 pub struct PortArgument {
     /// sim, a serial port's name, or unix:PATH.
     #[arg(long, value_name = "P")]
     port: Port,
-    /// With --port sim: the plate under the simulated device, if not the one that is named elsewhere. A preset's name, a
-    /// TOML file, or secret:SEED (a plate whose values are all off by a few per cent).
+    /// With --port sim: the plate under the simulated device, if it differs from the plate of the command. A
+    /// preset's name, a TOML file, or secret:SEED (a plate whose values all deviate by a few per cent).
     #[arg(long, value_name = "TRUTH")]
     actual_plate: Option<String>,
 }
@@ -149,12 +149,12 @@ pub struct PortArgument {
 /// Permission to arm a board without a brown-out level.
 #[derive(Debug, Args)]
 pub struct ArmingArgument {
-    /// Arm a board although it says that its brown-out level is not set.
+    /// Arm a board although it reports that its brown-out level is not set.
     #[arg(long)]
     despite_brown_out_level: bool,
 }
 
-/// Which plate.
+/// The plate.
 #[derive(Debug, Args)]
 pub struct PlateArgument {
     /// A preset's name or a TOML file.
@@ -162,10 +162,10 @@ pub struct PlateArgument {
     plate: String,
 }
 
-/// Which tones.
+/// The tones.
 #[derive(Debug, Args)]
 pub struct TonesArgument {
-    /// Where the boundary is to lie (120mm), or its frequency (126Hz).
+    /// Place of the boundary (120mm), or its frequency (126Hz).
     #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
     boundary: Option<Boundary>,
     /// One more tone: its boundary (where its wave turns, or its frequency) and its level (90mm:0.5). Up to 16 in all.
@@ -177,7 +177,7 @@ pub struct TonesArgument {
 }
 
 impl TonesArgument {
-    /// Each as (place in metres, level): the boundary first.
+    /// The tones as (place in metres, level), the boundary first.
     fn on(&self, plate: &Plate) -> Result<Vec<(f64, f64)>, Failure> {
         argument::tones(plate, self.boundary.as_ref(), self.level, &self.tones)
     }
@@ -196,14 +196,15 @@ pub struct DriveArguments {
     setup: Option<PathBuf>,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to drive, up to 600s; without it, until Ctrl-C, or 10 minutes: then the device stops by itself.
+    /// Duration of the drive, up to 600s; by default, until Ctrl-C, or 10 minutes: then the device stops by
+    /// itself.
     #[arg(long = "for", value_name = "TIME", value_parser = argument::seconds(0.0, DRIVE_S), allow_hyphen_values = true)]
     duration: Option<f64>,
-    /// How long the change takes, 5ms to 10s.
+    /// Duration of the change, 5ms to 10s.
     #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.005, 10.0), allow_hyphen_values = true, default_value = "20ms")]
     glide: f64,
-    /// When to begin: now, or with the first block of samples after the device's trigger input rises. Until then the
-    /// device waits, armed; Ctrl-C gives it up.
+    /// When to begin: now, or with the first block of samples after the device's trigger input rises. Until
+    /// then the device waits, armed; Ctrl-C cancels the drive.
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = Begin::Now)]
     at: Begin,
     /// Clear the device's latched faults first.
@@ -248,7 +249,7 @@ pub struct RespondArguments {
     /// All values are illustrative.
     #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
     finger: Option<FingerArgument>,
-    /// Draw the amplitude over x, as SVG or PNG by the file's ending.
+    /// Draw the amplitude over x, as SVG or PNG by the file's extension.
     #[arg(long, value_name = "F", value_parser = figure_file)]
     figure: Option<FigureFile>,
     #[command(flatten)]
@@ -278,15 +279,15 @@ pub struct TableArguments {
 pub struct SimulateArguments {
     #[command(flatten)]
     plate: PlateArgument,
-    /// The plate the waves run on, if not the one the table is made for.
+    /// The plate on which the waves run, if it differs from the table's plate.
     #[arg(long, value_name = "PLATE2")]
     actual_plate: Option<String>,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to drive at most, 10ms to 600s: it ends when the plate has settled and been measured for 2s.
+    /// Longest drive, 10ms to 600s: it ends when the plate has settled and been measured for 2s.
     #[arg(long, value_name = "S", value_parser = argument::seconds(0.01, MAX_SECONDS), allow_hyphen_values = true)]
     seconds: Option<f64>,
-    /// Leave the table's gains out: every tone at the same DAC amplitude.
+    /// Leave out the table's gains: every tone has the same DAC amplitude.
     #[arg(long)]
     no_table: bool,
     /// Run the whole sheet in two dimensions instead of the first width mode, and show where the two differ. For membranes
@@ -300,7 +301,7 @@ pub struct SimulateArguments {
     /// Write the envelope over x as CSV.
     #[arg(long, value_name = "F")]
     csv: Option<PathBuf>,
-    /// Draw the envelope over x, as SVG or PNG by the file's ending.
+    /// Draw the envelope over x, as SVG or PNG by the file's extension.
     #[arg(long, visible_alias = "png", value_name = "F", value_parser = figure_file)]
     figure: Option<FigureFile>,
     #[command(flatten)]
@@ -314,7 +315,7 @@ pub struct RecordArguments {
     plate: PlateArgument,
     #[command(flatten)]
     tones: TonesArgument,
-    /// How long to record, 1ms to 600s.
+    /// Duration of the recording, 1ms to 600s.
     #[arg(long, value_name = "S", value_parser = argument::seconds(0.001, MAX_SECONDS), allow_hyphen_values = true, default_value = "1s")]
     seconds: f64,
     /// The WAV file: one channel, 16 bits, at the device's sample rate.
@@ -329,13 +330,13 @@ pub struct RecordArguments {
 pub struct VerifyArguments {
     #[command(flatten)]
     port: PortArgument,
-    /// The plate whose table is used for it.
+    /// The plate whose table is used.
     #[arg(long, value_name = "PLATE", default_value = "membrane")]
     plate: String,
-    /// Tones that sound, 1 to 16.
+    /// Number of tones, 1 to 16.
     #[arg(long, value_parser = argument::count(1, MAX_TONES), allow_hyphen_values = true, default_value = "16")]
     tones: usize,
-    /// The longest stretch of codes per digest.
+    /// Longest window of codes per digest.
     #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
     window: Typed<f64>,
     #[command(flatten)]
@@ -345,24 +346,24 @@ pub struct VerifyArguments {
 /// `serve`.
 #[derive(Debug, Args)]
 pub struct ServeArguments {
-    /// At this Unix socket. A file of another kind is not replaced.
+    /// Serve at this Unix socket. A file of another kind is not replaced.
     #[arg(long, value_name = "PATH", required_unless_present = "pty", conflicts_with = "pty")]
     socket: Option<PathBuf>,
-    /// At a pseudo-terminal, which other programs open as a serial port; its path is printed.
+    /// Serve at a pseudo-terminal, which other programs open as a serial port; its path is printed.
     #[arg(long)]
     pty: bool,
     /// The device holds this plate's table from the start.
     #[arg(long, value_name = "PLATE")]
     plate: Option<String>,
-    /// The device drives this plate and measures it: its first input is a sensor at this place, from the driven end (30mm), its
-    /// second the drive's current.
+    /// The device drives this plate and measures it: its first input is a sensor at this place, from the
+    /// driven end (30mm), its second the drive's current.
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "plate")]
     sensor: Option<Typed<f64>>,
     /// What the sensor measures: displacement, velocity, acceleration or strain.
     #[arg(long, value_name = "KIND", value_parser = measured_file::kind, default_value = "displacement", requires = "sensor")]
     kind: SensorKind,
-    /// The actual plate, if not the named one: a preset's name, a TOML file, or secret:SEED (a plate whose values are
-    /// all off by a few per cent).
+    /// The actual plate, if it differs from the plate of --plate: a preset's name, a TOML file, or
+    /// secret:SEED (a plate whose values all deviate by a few per cent).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,
 }
@@ -372,13 +373,13 @@ pub struct ServeArguments {
 pub struct CheckArguments {
     #[command(flatten)]
     plate: PlateArgument,
-    /// One boundary; without it, the worst over the span.
+    /// One boundary; by default, the worst over the span.
     #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
     boundary: Option<Boundary>,
     /// The tone's level, 0 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "1")]
     level: f64,
-    /// The drive sits beside the centre line.
+    /// The drive acts beside the centre line.
     #[arg(long)]
     off_centre: bool,
 }

@@ -4,7 +4,7 @@ use super::failure::Failure;
 use slipline_model::atomic_file::said;
 use std::io::{BufWriter, Write};
 
-/// Prints `value` as one line of JSON, or else what `text` writes.
+/// Prints `value` as one line of JSON, or else the text of `text`.
 pub(super) fn print(
     as_json: bool,
     value: &serde_json::Value,
@@ -13,7 +13,7 @@ pub(super) fn print(
     let mut out = BufWriter::new(std::io::stdout().lock());
     let written = if as_json { writeln!(out, "{value}") } else { text(&mut out) };
     match written.and_then(|()| out.flush()) {
-        // The reader of the pipe has closed it: `slipline table | head` is no error.
+        // The reader of the pipe has closed it, as in `slipline table | head`: no error.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         result => result.map_err(|error| Failure::Failed(format!("standard output: {}", said(&error)))),
     }

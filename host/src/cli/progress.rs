@@ -7,7 +7,7 @@ use slipline_plate::{DriveTable, Plate, Progress};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A computation that is shorter than this shows no bar.
+/// Shortest computation with a progress bar.
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Steps of a bar: finer than the resolution of a terminal.
 const STEPS: u64 = 1000;
@@ -26,7 +26,7 @@ fn wipe(shown: &mut Option<ProgressBar>) {
     }
 }
 
-/// Removes the bar from the terminal and shows none afterwards: for the code that ends the program.
+/// Removes the bar from the terminal and prevents further ones: for the code that ends the program.
 pub(super) fn wipe_for_good() {
     let mut shown = shown();
     wipe(&mut shown);

@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
     let mut plate = argument::plate(&arguments.plate.plate)?;
     let equation = if arguments.paper_mode { Equation::Paper } else { Equation::Corrected };
     if arguments.paper_mode {
-        // The allowed frequencies are the paper's, too.
+        // The allowed frequencies are the paper's as well.
         plate = plate.in_vacuum().with_turning_width(TurningWidth::Plain);
     }
     let on_plate = format!(" on the plate {:?}", plate.name());
@@ -81,14 +81,14 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
     })
 }
 
-/// Where the field in two dimensions differs from that of the one-mode equation.
+/// Differences between the field in two dimensions and that of the one-mode equation.
 struct Differs {
     comparison: plane::Comparison,
     /// Magnitude of the reflection at the driven end, by the one-mode equation and in two dimensions.
     reflection: [Option<f64>; 2],
 }
 
-/// The field in two dimensions at the frequency of a field of the one-mode equation, and where they differ.
+/// The field in two dimensions at the frequency of a field of the one-mode equation, and their differences.
 fn in_two_dimensions(
     plate: &Plate,
     finger: Option<Finger>,

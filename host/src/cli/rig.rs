@@ -1,4 +1,4 @@
-//! The rig of the simulated device: the plate it stands on, and a sensor.
+//! The rig of the simulated device: its plate and a sensor.
 
 use super::{Failure, PortArgument, argument};
 use slipline_instrument::rig::{PreparedRig, RigOptions, secret};
@@ -6,12 +6,11 @@ use slipline_link::Port;
 use slipline_link::simulator::Options;
 use slipline_plate::Plate;
 
-/// What `--actual-plate` names beside files and presets.
+/// Value of `--actual-plate` for an unknown plate, besides files and presets.
 const SECRET: &str = "secret";
 
 impl PortArgument {
-    /// The rig of the simulated device that is to stand on another plate than the named one; `None` where nobody asked for
-    /// it.
+    /// The rig of the simulated device with the plate of `--actual-plate`; `None` without this option.
     pub(super) fn rig(&self, nominal: Option<&Plate>) -> Result<Option<PreparedRig>, Failure> {
         match self.truth(nominal)? {
             Some(truth) => prepared(&truth, &RigOptions::default()).map(Some),
@@ -19,8 +18,8 @@ impl PortArgument {
         }
     }
 
-    /// The rig of the simulated device with a sensor: on the named plate unless `--actual-plate` says otherwise. `None` for
-    /// another port.
+    /// The rig of the simulated device with a sensor: on the plate of the command or that of
+    /// `--actual-plate`. `None` for another port.
     pub(super) fn rig_with_sensor(
         &self,
         nominal: &Plate,
@@ -38,7 +37,7 @@ impl PortArgument {
         let Some(text) = &self.actual_plate else { return Ok(None) };
         if self.port != Port::Simulated {
             return Err(Failure::Usage(format!(
-                "--actual-plate says on which plate the simulated device stands: it goes with --port sim, not with {}",
+                "--actual-plate selects the plate of the simulated device: it requires --port sim, not {}",
                 self.port
             )));
         }
@@ -46,11 +45,13 @@ impl PortArgument {
     }
 }
 
-/// The plate that `--actual-plate` names: a file's, a preset, or one near the plate of the command.
+/// The plate of `--actual-plate`: a file, a preset, or one near the plate of the command.
 pub(super) fn actual_plate(text: &str, nominal: Option<&Plate>) -> Result<Plate, Failure> {
     let Some(seed) = seed(text)? else { return argument::plate(text) };
     let nominal = nominal.ok_or_else(|| {
-        Failure::Usage(format!("--actual-plate {text} is near the plate of a command, and this one has none"))
+        Failure::Usage(format!(
+            "--actual-plate {text} is drawn near the plate of the command, and this command has none"
+        ))
     })?;
     secret(nominal, seed).map_err(|error| Failure::Usage(format!("--actual-plate {text}: {error}")))
 }
@@ -106,7 +107,7 @@ mod tests {
             other => panic!("{other:?}"),
         };
         let message = refused(port("/dev/ttyACM0", Some("membrane")), Some(&nominal));
-        assert!(message.contains("--port sim, not with /dev/ttyACM0"), "{message}");
+        assert!(message.contains("--port sim, not /dev/ttyACM0"), "{message}");
         let message = refused(port("sim", Some("secret:-1")), Some(&nominal));
         assert!(message.contains("'secret:-1' for '--actual-plate'"), "{message}");
         assert!(refused(port("sim", Some("secret")), None).contains("has none"));

@@ -1,4 +1,4 @@
-//! `slipline calibrate --plan`: where the sensor should stand, before anything is measured.
+//! `slipline calibrate --plan`: proposed sensor places before a measurement.
 
 use super::{Failure, output};
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use slipline_plate::calibrate::{NearLimit, PairReach, PlaceWarning, Placing, Sen
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place};
 
-/// Prints the proposed places, what the pairs of places would reach, and what the pair `asked` for would.
+/// Prints the proposed places, the accuracy of pairs of places, and that of the pair `asked` for.
 pub(super) fn print(
     plate: &Plate,
     placing: &Placing,
@@ -23,7 +23,7 @@ pub(super) fn print(
     })
 }
 
-/// A pair of places that was asked for.
+/// A requested pair of places.
 struct Asked {
     reach: Option<PairReach>,
     warnings: Vec<PlaceWarning>,
@@ -83,8 +83,9 @@ fn lines<'a>(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Vec
     ];
     if let Some(asked) = asked {
         let there = asked.reach.as_ref();
-        let reaches = there.map_or_else(|| "nothing: the two places say too little".to_owned(), reach);
-        lines.push(("Places asked for", reaches));
+        let reaches =
+            there.map_or_else(|| "none: the two places do not determine the plate".to_owned(), reach);
+        lines.push(("Requested places", reaches));
         lines.extend(asked.warnings.iter().map(|warning| ("Warning", warning.to_string())));
     }
     lines
@@ -98,7 +99,7 @@ fn reach(pair: &PairReach) -> String {
     )
 }
 
-/// Of each first place the best second one.
+/// The best second place for each first one.
 fn table(places: &SensorPlaces) -> Vec<Vec<String>> {
     let mut rows = vec![["First place", "Second place", "Boundary", "Level"].map(str::to_owned).to_vec()];
     rows.extend(places.best_of_each_first().map(|pair| {

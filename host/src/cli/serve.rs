@@ -49,7 +49,7 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     let device = RealtimeDevice::new(simulated, system_clock());
     let device = Arc::new(Mutex::new(device));
     let triggered = Arc::clone(&device);
-    // It ends with the input, or with the program.
+    // It ends with the input or with the program.
     std::thread::spawn(move || {
         for _line in std::io::stdin().lines().map_while(Result::ok) {
             triggered.lock().unwrap_or_else(PoisonError::into_inner).raise_trigger();
@@ -67,7 +67,7 @@ fn rig(arguments: &ServeArguments, plate: &Plate, sensor: &Typed<f64>) -> Result
     prepared(truth.as_ref().unwrap_or(plate), &options)
 }
 
-/// A device that holds a plate's table in its flash.
+/// Options of a device that holds a plate's table in its flash.
 #[cfg(unix)]
 fn options(plate: &Plate) -> Result<slipline_link::simulator::Options, Failure> {
     use super::progress;
@@ -82,7 +82,7 @@ fn options(plate: &Plate) -> Result<slipline_link::simulator::Options, Failure> 
     Ok(Options { flash: loopback.flash(), ..Options::default() })
 }
 
-/// Refuses: this system has neither socket nor pseudo-terminal.
+/// Fails: this system has neither sockets nor pseudo-terminals.
 #[cfg(not(unix))]
 pub(super) fn run(_arguments: &ServeArguments, _as_json: bool) -> Result<(), Failure> {
     Err(Failure::Failed("serve needs a Unix socket or a pseudo-terminal; this system has neither".to_owned()))

@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         figure.write(&file, &envelope_figure(&result, plate.name()))?;
     }
 
-    // What is felt is measured, too; illustrative.
+    // The felt edges are computed from the measured fields, too; illustrative.
     let feeling = Feeling::default();
     let felt_edge_m = |felt: Option<Felt>| felt.and_then(|felt| felt.edge.place_m());
     let of_tone = |tone: &ToneResult| {
@@ -117,7 +117,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     })
 }
 
-/// The sheet of a plate, on all processors, or why it has none.
+/// The sheet of a plate, on all processors, or why the plate has none.
 fn sheet_of(plate: &Plate) -> Result<Solver, Failure> {
     let threads = available_parallelism().map_or(1, |count| count.get().min(64));
     match sheet_grid(plate, plate.band_hz().1, threads).cost(plate, f64::from(SAMPLE_RATE_HZ)) {
@@ -130,7 +130,7 @@ fn sheet_of(plate: &Plate) -> Result<Solver, Failure> {
     }
 }
 
-/// What a beat that is slower than the measured time leaves unknown.
+/// The quantities that a beat slower than the measured time leaves unknown.
 fn slow_beat(beat: SlowBeat, measured_s: f64) -> String {
     let (low_hz, high_hz) = beat.between_hz;
     let unknown =
@@ -145,10 +145,12 @@ fn slow_beat(beat: SlowBeat, measured_s: f64) -> String {
     )
 }
 
-/// Where a finger feels it, by the measured fields.
+/// The felt edge by the measured fields, as a sentence.
 fn felt_words(felt: Option<Felt>) -> String {
     match felt {
-        None => "What is felt is not known: two tones beat more slowly than was measured.".to_owned(),
+        None => {
+            "The felt edge is not known: the beat of two tones is slower than the measured time.".to_owned()
+        }
         Some(Felt { not_felt: Some(why), .. }) => {
             format!("A finger feels nothing: {} (illustrative).", why.reason())
         }

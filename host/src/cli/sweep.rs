@@ -21,13 +21,13 @@ pub struct SweepArguments {
     plate: PlateArgument,
     #[command(flatten)]
     frequencies: FrequenciesArgument,
-    /// The first sweep's level, as a share of full scale, 0.001 to 1; the second one has half of it.
+    /// Level of the first sweep, as a share of full scale, 0.001 to 1; the second sweep has half of it.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// How long one sweep takes, 10ms to 10s.
+    /// Duration of one sweep, 10ms to 10s.
     #[arg(long, value_name = "TIME", value_parser = argument::seconds(SWEEP_S.low, SWEEP_S.high), allow_hyphen_values = true, default_value = "4s")]
     time: f64,
-    /// Write the description of what was played: `calibrate --played` needs it with each recording.
+    /// Write the description of the sweep, which `calibrate --played` needs with each recording.
     #[arg(long, value_name = "SWEEP.toml")]
     out: PathBuf,
     #[command(flatten)]

@@ -25,7 +25,7 @@ pub struct TextureArguments {
     plate: PlateArgument,
     #[command(flatten)]
     wanted: WantedArgument,
-    /// Tones at most, 1 to 16.
+    /// Largest number of tones, 1 to 16.
     #[arg(long, value_parser = argument::count(1, TONES_MAX), allow_hyphen_values = true, default_value = "16")]
     tones: usize,
     /// Write a setup file that the app opens and `drive --setup` plays.
@@ -35,11 +35,11 @@ pub struct TextureArguments {
     force: ForceArgument,
 }
 
-/// What is wanted; one of these.
+/// The wanted texture; one of these.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct WantedArgument {
-    /// An even area from the driven end to where the finger feels it end (200mm).
+    /// An even area from the driven end to the place where the finger feels it end (200mm).
     #[arg(long, value_name = "X", value_parser = argument::place, allow_hyphen_values = true)]
     solid: Option<Typed<f64>>,
     /// The wanted RMS amplitude as breakpoints: lines of place in metres, comma, amplitude.
@@ -48,15 +48,15 @@ struct WantedArgument {
     /// The wanted RMS amplitude as the brightness of an image's middle row.
     #[arg(long, value_name = "FILE.png")]
     image: Option<PathBuf>,
-    /// The nodes of one tone, this far apart in the middle of its area (12mm).
+    /// The nodes of one tone, with this distance in the middle of its area (12mm).
     #[arg(long, value_name = "LENGTH", value_parser = argument::place, allow_hyphen_values = true)]
     stripes: Option<Typed<f64>>,
-    /// Two tones that beat: where, and how fast (120mm:180Hz).
+    /// Two tones that beat: place and beat frequency (120mm:180Hz).
     #[arg(long, value_name = "X:F", value_parser = argument::beat, allow_hyphen_values = true)]
     beat: Option<Beat>,
 }
 
-/// A texture and what it is called.
+/// A texture and its name.
 struct Named {
     what: String,
     made: Made,
@@ -77,13 +77,13 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
     })
 }
 
-/// Where a wish is from: an option and its text, or a file.
+/// Source of a wish: an option and its text, or a file.
 enum Source<'a> {
     Option(&'static str, String),
     File(&'a Path),
 }
 
-/// What is wanted, and where that is from.
+/// The wanted texture and its source.
 fn wish<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(Wish, Source<'a>), Failure> {
     let typed = |option, text: &str, wish| (wish, Source::Option(option, text.to_owned()));
     Ok(if let Some(place) = &wanted.solid {
@@ -234,7 +234,7 @@ fn lines(
     lines
 }
 
-/// What the tones are as a chord.
+/// The tones as a chord, in words.
 fn chord_words(chord: &ChordTexture, is_used: bool, is_solid: bool) -> String {
     let base = show_frequency(f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD));
     let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));

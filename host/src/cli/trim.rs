@@ -29,7 +29,7 @@ pub struct TrimArguments {
     port: PortArgument,
     #[command(flatten)]
     plate: PlateArgument,
-    /// Where the sensor stands, from the driven end (30mm).
+    /// Place of the sensor, from the driven end (30mm).
     #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true)]
     sensor: Typed<f64>,
     /// What the sensor measures: displacement, velocity, acceleration or strain.
@@ -40,7 +40,7 @@ pub struct TrimArguments {
     /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// Repeat with one comb of tones after the other for this time, up to 24h, and print the wave speed each time.
+    /// Repeat with one comb of tones for this time, up to 24h, and print the wave speed each time.
     #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
     watch: Option<f64>,
     /// Write the plate file with the last wave speed.

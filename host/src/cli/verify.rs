@@ -1,8 +1,8 @@
-//! `slipline verify`: does the device send the very codes the mirror says?
+//! `slipline verify`: checks that the device sends exactly the codes of the mirror.
 //!
-//! For each stage the device is told to make a CRC-32 of a window of its codes that lies ahead, something is done
-//! within the window, and the mirror renders the same window from what the device acknowledged. Equal digests are
-//! equal codes, every one of them, on any board.
+//! In each stage the device computes a CRC-32 of a future window of its codes, a request changes the drive
+//! within the window, and the mirror renders the same window from the changes that the device acknowledged.
+//! Equal digests mean equal codes, on any board.
 
 use super::device::Device;
 use super::{Failure, VerifyArguments, argument, output};
@@ -17,20 +17,21 @@ use slipline_plate::quantity::{Measure, Range};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A window begins so far ahead that the command is there before it, over the slowest link, in seconds.
+/// Time from the request to the window, in seconds, so that the command arrives before it over the slowest
+/// link.
 const AHEAD_S: f64 = 0.1;
-/// A stop has ramped out and the table has been taken up after so long.
+/// Time after which a stop has ramped down and the table has been taken up.
 const REST: Duration = Duration::from_millis(100);
 
-/// The digest of a window is known so long after its end at the latest, over the slowest link, in seconds.
+/// Latest time of a window's digest after the window's end, over the slowest link, in seconds.
 const KEPT_BEHIND_S: f64 = 5.0;
 
-/// What happens within a window.
+/// The change within a window.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     /// The tones start from silence.
     Start,
-    /// They sound on.
+    /// They continue.
     Steady,
     /// They glide to other places, three times.
     Drag,
@@ -85,7 +86,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
         let window = DigestWindow { from, count: (window_s * rate) as u32 };
         let patience = Duration::from_secs_f64(5.0 + 2.0 * window_s);
         let digest = device.digest(window, patience, || {
-            // To the beginning of the window, and a little into it.
+            // Until the window has begun.
             device.pause(Duration::from_secs_f64(AHEAD_S + 0.1 * window_s));
             act(stage, &device, &plate, count, window_s)
         })?;
@@ -97,7 +98,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     if compared.iter().all(Compared::is_equal) {
         Ok(())
     } else {
-        Err(Failure::Failed("the device's codes are not the mirror's".to_owned()))
+        Err(Failure::Failed("the device's codes differ from the mirror's".to_owned()))
     }
 }
 
@@ -137,9 +138,9 @@ fn act(
     Ok(())
 }
 
-/// The CRC-32 of a window that is over, from what the device has agreed to.
+/// The CRC-32 of a past window, from the changes that the device has accepted.
 fn mirror_digest(device: &Device, replay: &mut Replay, window: DigestWindow) -> Result<u32, Failure> {
-    // The thermal fold-back up to the window's end is known from the status after it.
+    // The status after the window contains the thermal fold-back up to its end.
     device.refresh()?;
     let snapshot = follow(device, replay)?;
     let crc = device.during(|| {

@@ -125,7 +125,7 @@ fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     let text =
         slipline(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm", "--sensor", "176mm"]);
     let text = String::from_utf8(text.stdout).unwrap();
-    for wanted in ["Sensor at", "Would reach", "Nearest place", "Places asked for", "Warning", "Second place"]
+    for wanted in ["Sensor at", "Would reach", "Nearest place", "Requested places", "Warning", "Second place"]
     {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
@@ -270,7 +270,7 @@ fn two_touches_give_places_and_no_levels() {
     let edge_m = |value: &Value| number(value, "edge_tolerance_m");
     assert!(edge_m(&open) > 3.0 * edge_m(&value) && edge_m(&value) < 2e-3, "{open} {value}");
     let text = String::from_utf8(slipline(&unknown).stdout).unwrap();
-    assert!(text.contains("nobody has measured") && text.contains("Felt edge"), "{text}");
+    assert!(text.contains("of an unknown drive") && text.contains("Felt edge"), "{text}");
 }
 
 #[test]

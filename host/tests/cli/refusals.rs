@@ -275,7 +275,7 @@ fn a_pipe_as_a_plate_file_is_refused_at_once_and_a_name_cannot_move_the_cursor()
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let message = failure(&["table", "--plate", pipe.to_str().unwrap()], 2);
     std::fs::remove_file(&pipe).unwrap();
-    assert!(message.contains("is a pipe or a device: save what it gives in a file"), "{message}");
+    assert!(message.contains("is a pipe or a device: save its output in a file"), "{message}");
     let moving = file("bad\u{1b}[2J.toml");
     std::fs::write(&moving, "colour = 3").unwrap();
     let message = failure(&["table", "--plate", moving.to_str().unwrap()], 2);

@@ -3,16 +3,16 @@
 /// A page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WizardPage {
-    /// The plate file, and what calipers say of the plate.
+    /// The plate file and the caliper measurements.
     #[default]
     Plate,
     /// Where to put the sensor first.
     FirstPlace,
-    /// What it answers there.
+    /// Its response there.
     FirstAnswer,
-    /// Where to put it then, and what it answers there.
+    /// Where to put it next, and its response there.
     SecondPlace,
-    /// The plate that comes of it, or why there is none.
+    /// The calibrated plate, or why the calibration was refused.
     Result,
 }
 
@@ -51,7 +51,7 @@ impl WizardPage {
         Self::ALL.get(self.number().checked_sub(2)?).copied()
     }
 
-    /// The sensor whose answer this page asks for: 0 or 1.
+    /// The sensor place whose response this page asks for: 0 or 1.
     #[must_use]
     pub const fn sensor(self) -> Option<usize> {
         match self {

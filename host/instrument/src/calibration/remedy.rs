@@ -1,19 +1,19 @@
-//! What helps when a calibration was refused.
+//! Remedies for a refused calibration.
 
 use super::page::WizardPage;
 use slipline_plate::calibrate::{CalibrateError, Measurement};
 
-/// Where the cause of a refusal is put right, and how.
+/// Where and how the cause of a refusal is removed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Remedy {
     /// On this page.
     Page(WizardPage),
-    /// By exchanging the two answers.
+    /// By swapping the two responses.
     Exchange,
 }
 
 impl Remedy {
-    /// The remedy for a calibration of these measurements that was refused.
+    /// The remedy for a refused calibration of these measurements.
     #[must_use]
     pub fn of(error: &CalibrateError, sensors: [&Measurement; 2]) -> Self {
         let at = |place_m: f64| {
@@ -55,11 +55,11 @@ impl Remedy {
         }
     }
 
-    /// What to do, in a sentence.
+    /// The instruction as a sentence.
     #[must_use]
     pub const fn sentence(self) -> &'static str {
         match self {
-            Self::Exchange => "Take the first answer for the second, and the second for the first.",
+            Self::Exchange => "Swap the two answers.",
             Self::Page(WizardPage::FirstPlace | WizardPage::FirstAnswer) => {
                 "Put the sensor at the first place again, see that its light is green, and measure there once more."
             }

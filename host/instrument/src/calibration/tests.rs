@@ -53,7 +53,7 @@ fn the_pages_follow_each_other_and_wait_for_the_answers() {
 #[test]
 fn calipers_move_the_places_and_impossible_ones_are_refused() {
     let mut calibration = calibration();
-    // Beyond the third width mode, which goes to 0.27 of the length, and before the last boundary.
+    // Beyond the third width mode, which propagates to 0.27 of the length, and before the last boundary.
     let of_plate = calibration.places_m();
     assert!(of_plate[0] >= 0.086 && of_plate[0] < of_plate[1] && of_plate[1] < 0.28, "{of_plate:?}");
     let of_file = calibration.calipers_of_file();
@@ -63,7 +63,7 @@ fn calipers_move_the_places_and_impossible_ones_are_refused() {
     assert_ne!(of_longer, of_plate);
     let refused = calibration.take_calipers(Some(Calipers { end_half_width_m: 0.5, ..of_file })).unwrap_err();
     assert!(refused.to_string().contains("end_half_width_m"), "{refused}");
-    assert_eq!(calibration.calipers(), Some(longer), "what was known stays");
+    assert_eq!(calibration.calipers(), Some(longer), "the earlier dimensions stay");
     assert_eq!(calibration.places_m(), of_longer);
     calibration.take_calipers(None).unwrap();
     assert_eq!(calibration.places_m(), of_plate);

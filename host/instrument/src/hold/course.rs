@@ -1,4 +1,4 @@
-//! The course of a level hold that is switched on: what to ask of the device next, and what ends it.
+//! Steps of a level hold that is switched on: the next request to the device, and the conditions that end it.
 
 use super::end::HoldEnd;
 use super::standing::Standing;
@@ -12,7 +12,7 @@ use slipline_model::sounding::{SoundingDrive, sounding};
 use slipline_plate::Plate;
 use std::sync::Arc;
 
-/// How often it is tried to listen to what sounds, where the device cannot for a moment.
+/// Attempts to listen while the device is temporarily unable to.
 const ATTEMPTS: u8 = 3;
 
 /// A hold that is switched on.
@@ -27,12 +27,12 @@ pub(super) struct Course {
     attempts: u8,
 }
 
-/// From where on the sensor can be listened to.
+/// From when the sensor can be listened to.
 #[derive(Clone, Copy, Debug)]
 enum Since {
-    /// From the first status after this one; none has been seen yet.
+    /// From the first status after this one; `None` if no status has been seen.
     NextStatus(Option<u64>),
-    /// From this index.
+    /// From this sample index.
     Index(u64),
 }
 
@@ -41,11 +41,11 @@ enum Stage {
     Waiting(Wait),
     Listening(Asked),
     Ordered(Asked),
-    /// With the first sample of its first window.
+    /// With the index of the first sample of its first window.
     Holding(Asked, u64),
 }
 
-/// What is waited for.
+/// What the hold waits for.
 #[derive(Clone, Copy, Debug)]
 enum Wait {
     Device,
@@ -53,11 +53,11 @@ enum Wait {
     Rest,
 }
 
-/// What was asked of the device.
+/// A request to listen or hold.
 #[derive(Debug)]
 struct Asked {
     plan: HoldPlan,
-    /// The number of what sounds.
+    /// The journal number of the drive.
     number: u64,
     /// Its tones: slot and frequency in Hz.
     tones: Vec<(u8, f64)>,
@@ -76,7 +76,7 @@ impl Course {
         }
     }
 
-    /// Whether the device holds, or may by what it was asked for.
+    /// Whether the device holds, or may hold because of a pending request.
     pub(super) const fn may_hold(&self) -> bool {
         matches!(self.stage, Stage::Ordered(_) | Stage::Holding(..))
     }
@@ -97,14 +97,14 @@ impl Course {
         asked.tones.iter().find(|(of, _)| *of == slot).map(|(_, hertz)| *hertz)
     }
 
-    /// The last request has this ticket.
+    /// Stores the ticket of the last request.
     pub(super) const fn sent(&mut self, ticket: Ticket) {
         if let Stage::Listening(asked) | Stage::Ordered(asked) = &mut self.stage {
             asked.ticket = Some(ticket);
         }
     }
 
-    /// Whether there is still what it was switched on for.
+    /// Ends the hold if the plate, table or device state for which it was switched on has changed.
     pub(super) fn check(&mut self, snapshot: &Snapshot, plate: &Arc<Plate>) -> Result<(), HoldEnd> {
         if !snapshot.is_connected() {
             return Err(HoldEnd::LinkLost);
@@ -126,7 +126,7 @@ impl Course {
         Ok(())
     }
 
-    /// What to ask of the device next.
+    /// The next request to the device.
     pub(super) fn turn(&mut self, snapshot: &Snapshot, rests: bool) -> Result<Option<Request>, HoldEnd> {
         let Some(since) = self.since(snapshot) else { return Ok(self.wait(Wait::Device)) };
         let Some(sounding) = sounding(snapshot) else { return Ok(self.wait(Wait::Sound)) };
@@ -135,8 +135,8 @@ impl Course {
             Stage::Listening(asked) | Stage::Ordered(asked) | Stage::Holding(asked, _) => Some(asked.number),
         };
         if number.is_some_and(|number| number != sounding.number) {
-            // Whatever was asked of the sound before does not count any more. The device has ended its hold. It is listened to
-            // with the next turn, so that everybody sees before that nothing is held.
+            // Pending requests belong to the previous drive and no longer count. The device has ended its
+            // hold. Listening begins with the next turn, so that callers first see that nothing is held.
             self.attempts = 0;
             return Ok(self.wait(Wait::Rest));
         }
@@ -174,7 +174,7 @@ impl Course {
         }
     }
 
-    /// Listens to what sounds.
+    /// Requests a window of the sounding tones.
     fn listen(
         &mut self,
         snapshot: &Snapshot,
@@ -192,7 +192,7 @@ impl Course {
         Ok(Some(request))
     }
 
-    /// Takes the outcome of the last request.
+    /// Handles the outcome of the last request.
     fn take(
         &mut self,
         outcome: &Outcome,
@@ -224,7 +224,7 @@ impl Course {
         }
     }
 
-    /// Has the device hold what it has heard.
+    /// Requests the hold of the measured amplitudes.
     fn order(&mut self, asked: Asked, listened: &Listened) -> Result<Option<Request>, HoldEnd> {
         let request = asked.plan.hold(listened).map_err(HoldEnd::Cannot)?;
         self.stage = Stage::Ordered(Asked { ticket: None, ..asked });
@@ -232,12 +232,13 @@ impl Course {
     }
 }
 
-/// What the device has told of the hold whose first window began at an index: what it told of an earlier one does not count.
+/// The reported state of the hold whose first window began at this index; reports on earlier holds are
+/// ignored.
 fn held_since(snapshot: &Snapshot, begin: u64) -> Option<&Held> {
     snapshot.hold.as_deref().filter(|held| held.begin >= begin)
 }
 
-/// Whether a hold goes on, as the device tells.
+/// Whether the device reports that the hold continues.
 fn goes_on(held: &Held) -> Result<Option<Request>, HoldEnd> {
     match held.progress {
         HoldProgress::On => Ok(None),
@@ -252,8 +253,8 @@ fn goes_on(held: &Held) -> Result<Option<Request>, HoldEnd> {
     }
 }
 
-/// Whether the device could not do it just then, so that it is worth another try: codes were lost, another change came
-/// between, or somebody else has listened.
+/// Whether the failure was temporary, so that another attempt is worthwhile: codes were lost, another change
+/// intervened, or another client has listened.
 const fn is_for_now(outcome: &Outcome) -> bool {
     matches!(
         outcome,

@@ -1,32 +1,32 @@
-//! Why a level hold has ended without the user's switch.
+//! Reasons why a level hold has ended without the user's switch.
 
 use super::HoldError;
 use super::words::state_words;
 use slipline_link::protocol::event::Faults;
 use slipline_link::{HoldLoss, HoldState, Refusal};
 
-/// Why a hold has ended. As text it is a reason without a capital and a full stop.
+/// Why a hold has ended. Its text is a reason without a capital and a full stop.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum HoldEnd {
     /// The user has stopped the drive.
     #[error("the drive was stopped")]
     Stopped,
-    /// The device mutes.
+    /// The device has muted its output.
     #[error("the device was disarmed")]
     Disarmed,
-    /// The device has stopped by itself.
+    /// The device has stopped with a fault.
     #[error("the device has stopped: {0}")]
     Fault(Faults),
-    /// There is no device any more.
+    /// The connection to the device is lost.
     #[error("the device went away")]
     LinkLost,
-    /// The screen shows another plate, or the device has got another table.
-    #[error("the plate is another one")]
+    /// The screen shows another plate, or the device has another table.
+    #[error("the plate was changed")]
     OtherPlate,
     /// A measurement needs the sensor.
     #[error("the sensor is needed to measure the plate")]
     Measured,
-    /// What sounds cannot be held.
+    /// The sounding tones cannot be held.
     #[error("{0}")]
     Cannot(HoldError),
     /// The device has refused to listen or to hold.
@@ -35,16 +35,16 @@ pub enum HoldEnd {
     /// The device's firmware does not know the command.
     #[error("the device's firmware is too old for it")]
     TooOld,
-    /// The device has ended it, and this program does not know why.
-    #[error("something else changed what sounds")]
+    /// The device has ended the hold for an unknown reason.
+    #[error("another command has changed the drive")]
     Disturbed,
-    /// The device trusts none of its answers any more.
+    /// The device has lost all tones.
     #[error("every tone was lost, and sounds at the drive's level: {0}")]
     Lost(String),
 }
 
 impl HoldEnd {
-    /// All tones are lost, each for its reason.
+    /// All tones are lost, each with its reason.
     pub(super) fn lost(losses: impl Iterator<Item = HoldLoss>) -> Self {
         let mut reasons: Vec<&str> = Vec::new();
         for loss in losses {
@@ -57,7 +57,7 @@ impl HoldEnd {
         Self::Lost(reasons.join("; "))
     }
 
-    /// Whether the user has not brought it about: it is told wherever the user looks.
+    /// Whether the end was not caused by the user, so that it is reported on every page.
     #[must_use]
     pub const fn is_trouble(&self) -> bool {
         !matches!(self, Self::Stopped | Self::Disarmed | Self::OtherPlate | Self::Measured)

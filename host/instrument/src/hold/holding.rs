@@ -1,16 +1,16 @@
-//! The level hold as a person switches it.
+//! The user's switch of the level hold.
 //!
 //! ```text
-//! on --> waits --what sounds rests--> listens --heard--> orders --taken--> the device holds
+//! on --> waits --the drive rests--> listens --heard--> orders --taken--> the device holds
 //!          ^                                                                     |
 //!          +---- something else sounds: a drag, another level, a chord ----------+
-//! any --> off: the switch, a stop, another plate, a fault, a lost device, what cannot be held, all tones lost
+//! any --> off: the switch, a stop, another plate, a fault, a lost device, tones that cannot be held, all tones lost
 //! ```
-//! It knows no clock and no port: the command line and the window run the same steps.
+//! It has no clock and no port: the command line and the window run the same steps.
 //!
-//! The device itself ends a hold with whatever is driven next, and falls back to the drive's levels when it loses a tone. So
-//! nothing here has to be quick for safety. What is held are amplitudes that were heard with nobody at the plate; after a stop
-//! nobody knows whether that is so any more, and the hold stays off until it is switched on again.
+//! The device itself ends a hold at the next drive, and returns a lost tone to its drive level, so nothing
+//! here is time-critical for safety. The held amplitudes were measured on an untouched plate. After a stop it
+//! is unknown whether the plate is untouched, so the hold stays off until it is switched on again.
 
 use super::course::Course;
 use super::end::HoldEnd;
@@ -20,7 +20,7 @@ use slipline_link::{HoldRequest, Outcome, Refusal, Request, Snapshot, Ticket};
 use slipline_plate::Plate;
 use std::sync::Arc;
 
-/// Tickets that are kept: the outcome of a request that does not count any more may come some turns later.
+/// Number of tickets kept: the outcome of a superseded request may arrive some turns later.
 const TICKETS: usize = 4;
 
 /// The level hold of one user. The default is off.
@@ -32,7 +32,7 @@ pub struct Holding {
     tickets: [Option<Ticket>; TICKETS],
 }
 
-/// The end of a hold that nobody wants any more.
+/// Release of a hold that the user has switched off.
 #[derive(Clone, Copy, Debug, Default)]
 enum Release {
     #[default]
@@ -42,21 +42,21 @@ enum Release {
 }
 
 impl Holding {
-    /// Switches it on for what sounds on this plate, and for what will, with this largest rise ([`MAX_RISE`](super::MAX_RISE)).
-    /// `since` is the index from which the sensor tells what it will tell later, where that is known; otherwise it is the
-    /// device's next status.
+    /// Switches the hold on for the present and later drives on this plate, with this largest rise
+    /// ([`MAX_RISE`](super::MAX_RISE)). `since` is the sample index from which the sensor's signal is valid,
+    /// if known; otherwise it is that of the device's next status.
     pub fn switch_on(&mut self, plate: &Arc<Plate>, max_rise_db: f64, since: Option<u64>) {
         self.end = None;
         self.course = Some(Course::new(plate, max_rise_db, since));
     }
 
-    /// Switches it off at the user's word: the levels return to those of the drive.
+    /// Switches it off at the user's request: the levels return to those of the drive.
     pub fn switch_off(&mut self) {
         self.put_off();
         self.end = None;
     }
 
-    /// Ends it because of something else that the user does.
+    /// Ends it because of another action of the user.
     pub fn end(&mut self, end: HoldEnd) {
         if self.is_on() {
             self.put_off();
@@ -76,7 +76,7 @@ impl Holding {
         self.course.is_some()
     }
 
-    /// Why it went off by itself, until it is switched on again.
+    /// Why it has ended by itself, until it is switched on again.
     #[must_use]
     pub const fn ended(&self) -> Option<&HoldEnd> {
         self.end.as_ref()
@@ -88,7 +88,7 @@ impl Holding {
         self.tickets.contains(&Some(ticket))
     }
 
-    /// How it stands.
+    /// Its state for display.
     #[must_use]
     pub fn standing<'a>(&'a self, snapshot: &'a Snapshot) -> Standing<'a> {
         match &self.course {
@@ -103,9 +103,9 @@ impl Holding {
         self.course.as_ref()?.frequency_hz(slot)
     }
 
-    /// Looks at what the link knows, and at the plate on the screen; returns a request to send, whose ticket
-    /// [`sent`](Self::sent) takes before the next turn. `rests` says that nothing is being changed: no line is dragged, no
-    /// slider is moved.
+    /// Evaluates the link's snapshot and the plate on the screen. Returns a request to send; its ticket must
+    /// be given to [`sent`](Self::sent) before the next turn. `rests` says that nothing is being changed: no
+    /// line is dragged and no slider is moved.
     pub fn turn(&mut self, snapshot: &Snapshot, plate: &Arc<Plate>, rests: bool) -> Option<Request> {
         if let Some(request) = self.release(snapshot) {
             return Some(request);
@@ -118,7 +118,7 @@ impl Holding {
         })
     }
 
-    /// The request that was returned last has this ticket.
+    /// Stores the ticket of the request that was returned last.
     pub fn sent(&mut self, ticket: Ticket) {
         self.tickets.rotate_right(1);
         self.tickets[0] = Some(ticket);
@@ -129,7 +129,7 @@ impl Holding {
         }
     }
 
-    /// Has the device end a hold that nobody wants, until it has done so.
+    /// Requests the end of a released hold until the device has confirmed it.
     fn release(&mut self, snapshot: &Snapshot) -> Option<Request> {
         let is_wanted = match self.release {
             Release::None => false,
@@ -148,7 +148,7 @@ impl Holding {
             return None;
         }
         if !snapshot.is_connected() {
-            // Without a device there is nothing to end.
+            // Without a device there is no hold to end.
             self.release = Release::None;
             return None;
         }

@@ -1,24 +1,24 @@
-//! How a level hold stands, as the user who has switched it on wants to know it.
+//! State of a level hold, as the user who has switched it on sees it.
 
 use super::end::HoldEnd;
 use slipline_link::HoldState;
 use slipline_link::protocol::hold::Held;
 use std::fmt;
 
-/// How the level hold stands.
+/// State of the level hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Standing<'a> {
-    /// Nobody wants it; or it has ended, and why.
+    /// Off; with the reason if it has ended by itself.
     Off(Option<&'a HoldEnd>),
-    /// It waits for the device's next word.
+    /// Waiting for the device's next status.
     Waiting,
-    /// Nothing sounds.
+    /// No tone sounds.
     Silent,
-    /// What sounds still changes: it is listened to when that rests.
+    /// The drive still changes; listening begins once it rests.
     Changing,
-    /// The untouched plate is listened to, for so many seconds in all.
+    /// Listening to the untouched plate; the total time in seconds.
     Listening(f64),
-    /// The device holds the levels; `None` until it has told how.
+    /// The device holds the levels; `None` until it has reported their state.
     Holding(Option<&'a Held>),
 }
 
@@ -30,7 +30,7 @@ impl fmt::Display for Standing<'_> {
             Self::Off(Some(end)) => write!(f, "Not held any more: {end}"),
             Self::Waiting => f.write_str("Waiting for the device"),
             Self::Silent => f.write_str("Waiting: nothing sounds"),
-            Self::Changing => f.write_str("Waiting until nothing is changed: then the levels are held anew"),
+            Self::Changing => f.write_str("Waiting until nothing is changed: then the levels are held again"),
             Self::Listening(for_s) => {
                 write!(f, "Listening for {for_s:.1} s: leave the plate untouched")
             }
@@ -45,7 +45,7 @@ impl fmt::Display for Standing<'_> {
     }
 }
 
-/// The state of the tone that stands worst.
+/// The state of the tone in the worst state.
 fn worst(held: &Held) -> HoldState {
     let rank = |state: &HoldState| match state {
         HoldState::Held => 0,

@@ -21,14 +21,15 @@ fn the_window_has_two_periods_and_tells_the_nearest_tones_apart() {
     // 24 pauses of 12 blocks.
     let short = plan("al-bending", &[(0, 21e3), (3, 25e3)]).unwrap();
     assert_eq!((short.blocks, short.listen(None).slots), (288, 0b1001));
-    // 2 / (loss factor * angular frequency), of the lowest tone.
+    // 2 / (loss factor * angular frequency) of the lowest tone.
     assert!((short.time_constant_s - 2.0 / (0.002 * TAU * 21e3)).abs() < 1e-9);
     assert!((short.recovery_s() - 5.0 * 288.0 * 128.0 / RATE_HZ).abs() < 1e-9);
     let low = plan("membrane", &[(0, 10.0)]).unwrap();
     assert_eq!(low.blocks, (0.2 * RATE_HZ / 128.0) as u16);
     let close = plan("membrane", &[(0, 100.0), (1, 104.0)]).unwrap();
     assert_eq!(close.blocks, (0.5_f64 * RATE_HZ / 128.0).ceil() as u16);
-    assert!((close.recovery_s() - 2.5).abs() < 1e-3, "two bins between two tones: half a second, five times");
+    // Two bins between two tones: a window of 0.5 s, five times.
+    assert!((close.recovery_s() - 2.5).abs() < 1e-3);
     // The first window waits for the plate: six time constants.
     let from = close.listen(Some(1000)).from.unwrap();
     assert_eq!(from, 1000 + (6.0 * close.time_constant_s * RATE_HZ).ceil() as u64);

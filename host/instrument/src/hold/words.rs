@@ -1,24 +1,24 @@
-//! What is said of a hold that the device has taken, and of its tones.
+//! Texts about an accepted hold and its tones.
 
 use slipline_link::protocol::hold::Held;
 use slipline_link::{HoldLimit, HoldLoss, HoldProgress, HoldState};
 
-/// What is to be said of a held tone.
+/// Report on one held tone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneWords {
     /// Its slot.
     pub slot: u8,
-    /// What is in force above its drive's level, dB.
+    /// The correction in force above its drive level, dB.
     pub correction_db: f64,
-    /// The amplitude that was measured last, codes.
+    /// The amplitude measured last, codes.
     pub amplitude_codes: f64,
-    /// Its state as a few words.
+    /// Its state in a few words.
     pub words: &'static str,
-    /// Whether it is where it should be, or on its way there.
+    /// Whether it is at its amplitude or approaches it.
     pub is_well: bool,
 }
 
-/// What is to be said of the tones of a hold, by their slots.
+/// Reports on the tones of a hold, by slot.
 pub fn words(held: &Held) -> impl Iterator<Item = ToneWords> + '_ {
     held.tones.iter().map(|tone| ToneWords {
         slot: tone.slot,
@@ -29,7 +29,7 @@ pub fn words(held: &Held) -> impl Iterator<Item = ToneWords> + '_ {
     })
 }
 
-/// A tone's state as a few words.
+/// A tone's state in a few words.
 #[must_use]
 pub const fn state_words(state: HoldState) -> &'static str {
     match state {
@@ -59,7 +59,7 @@ pub const fn progress_words(progress: HoldProgress) -> &'static str {
     match progress {
         HoldProgress::Off => "Nothing is held",
         HoldProgress::On => "The levels are held",
-        HoldProgress::Ended => "The hold has ended: something else changed what sounds",
+        HoldProgress::Ended => "The hold has ended: another command has changed the drive",
         HoldProgress::Lost => "The hold has lost all tones: they sound at the drive's levels",
     }
 }

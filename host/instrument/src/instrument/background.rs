@@ -16,7 +16,7 @@ use slipline_plate::check::Conditions;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Work that takes longer than this gets a bar and a Cancel button, in seconds.
+/// Work that takes longer than this gets a progress bar and a Cancel button, in seconds.
 const PATIENCE_S: f64 = 0.3;
 /// Time between two updates of the progress bar.
 const BAR: Duration = Duration::from_millis(100);
@@ -28,7 +28,7 @@ const USUAL_RATE_HZ: f64 = 400e3;
 pub(crate) struct Work {
     /// The part that the views show.
     pub(crate) shown: Background,
-    /// The plate, rate and choice for which the source was decided.
+    /// Plate, rate and choice for which the source of the wave was decided.
     decided: Option<(Arc<Plate>, f64, SourceChoice)>,
     frame: Option<Frame>,
     driven: Option<TimeDomainJob>,
@@ -269,7 +269,7 @@ impl Instrument {
             Some(Awaited::Sheet) => {
                 self.jobs.sheets.cancel();
                 self.background.shown.source =
-                    Some(FieldSource::Lines(Some("the sheet was given up".to_owned())));
+                    Some(FieldSource::Lines(Some("the sheet was cancelled".to_owned())));
             }
             Some(Awaited::Check) => self.jobs.checks.cancel(),
             None => {}

@@ -8,17 +8,17 @@ use slipline_plate::calibrate::Calipers;
 pub enum CalibrateIntent {
     /// Open the pages: a new calibration, or the one that was closed.
     Open,
-    /// Give the calibration up.
+    /// Discard the calibration.
     Cancel,
     /// Open this page.
     Page(WizardPage),
-    /// Take what calipers say, or the file's numbers.
+    /// Use these caliper measurements, or the file's dimensions.
     Calipers(Option<Calipers>),
-    /// Choose a file of the answer that the open page asks for.
+    /// Choose a file with the response that the open page asks for.
     OpenAnswer,
-    /// Take the measurement of this number for the answer at this place.
+    /// Use the measurement of this number as the response at this place.
     TakeAnswer(usize, u64),
-    /// Take each answer for the other one.
+    /// Swap the two responses.
     Exchange,
     /// Put the calibrated plate in the setup.
     Use,

@@ -1,4 +1,4 @@
-//! The calibration's pages: what is known, the answers, the fit in the background, the plate that comes of it.
+//! The calibration's pages: known dimensions, responses, the fit in the background, and the calibrated plate.
 
 use super::Instrument;
 use super::shown::CalibrateScene;
@@ -11,25 +11,25 @@ use std::sync::Arc;
 /// The state of the pages.
 #[derive(Default)]
 pub(crate) struct Calibrating {
-    /// The calibration under way; it stays while its pages are closed, and until it is given up or used.
+    /// The calibration under way. It stays while its pages are closed, until it is discarded or used.
     calibration: Option<CalibrationWizard>,
     asked: Option<CalibrateJob>,
     pub(crate) latest: Option<CalibrateDone>,
 }
 
 impl Calibrating {
-    /// The result of what was asked last.
+    /// The result of the latest job.
     fn current(&self) -> Option<&CalibrateDone> {
         self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref())
     }
 
-    /// Where the open page has the sensor stand, metres; `None` without a calibration, and on pages without a sensor.
+    /// Sensor place of the open page, metres; `None` without a calibration, and on pages without a sensor.
     pub(crate) fn place_m(&self) -> Option<f64> {
         let calibration = self.calibration.as_ref()?;
         Some(calibration.places_m()[calibration.step.sensor()?])
     }
 
-    /// Whether the open page has the sensor put in its place or measured.
+    /// Whether the user places the sensor or measures on the open page.
     pub(crate) fn has_sensor_in_hand(&self) -> bool {
         let step = self.calibration.as_ref().map(|calibration| calibration.step);
         matches!(step, Some(WizardPage::FirstPlace | WizardPage::FirstAnswer | WizardPage::SecondPlace))
@@ -46,7 +46,7 @@ impl Calibrating {
 }
 
 impl Instrument {
-    /// Carries out what the user asks for on the calibration's pages.
+    /// Carries out a request of the calibration's pages.
     pub fn perform_calibrate(&mut self, intent: CalibrateIntent) {
         if intent == CalibrateIntent::Open {
             return self.open_calibration();
@@ -57,7 +57,7 @@ impl Instrument {
             CalibrateIntent::Cancel => self.end_calibration(),
             CalibrateIntent::Page(step) => {
                 calibration.step = step;
-                // The sensor is where the pages want it.
+                // The sensor stands where the page asks for it.
                 if let Some(sensor) = step.sensor() {
                     self.live.draft.place_m = calibration.places_m()[sensor];
                 }
@@ -87,7 +87,7 @@ impl Instrument {
         self.update_calibration();
     }
 
-    /// Opens the pages: those that were closed, or new ones. Of another plate they begin with the first.
+    /// Opens the pages: the closed calibration, or a new one. One of another plate restarts at its first page.
     fn open_calibration(&mut self) {
         let plate = &self.setup.plate;
         let next = match self.calibrating.calibration.take() {
@@ -114,7 +114,8 @@ impl Instrument {
         }
     }
 
-    /// Takes a measurement that was opened for the answer that the open page asks for; whether it asks for one.
+    /// Uses an opened measurement as the response that the open page asks for; returns whether it asks for
+    /// one.
     pub(crate) fn answered(&mut self, number: u64) -> bool {
         let step = self.calibrating.calibration.as_ref().map(|calibration| calibration.step);
         let sensor = step.filter(|_| self.attention.is_calibration_open).and_then(WizardPage::sensor);
@@ -124,7 +125,7 @@ impl Instrument {
         sensor.is_some()
     }
 
-    /// Asks for the fit while the result's page is open.
+    /// Requests the fit while the result's page is open.
     fn update_calibration(&mut self) {
         let rate_hz = self.sample_rate_hz();
         let calibrating = &mut self.calibrating;

@@ -1,5 +1,5 @@
-//! The device as the app controls it: its port, the effects of a new snapshot, and the table and drive that it is
-//! sent. The [`autopilot`] decides when the app sends something without a user action.
+//! The device as the app controls it: its port, the effects of a new snapshot, and the table and drive that
+//! are sent to it. The [`autopilot`] decides when the app sends something without a user action.
 
 use super::{Instrument, TableJob, TableMade, TableState};
 use crate::autopilot;
@@ -71,7 +71,7 @@ impl Instrument {
         self.table.made().filter(|made| Arc::ptr_eq(&made.plate, &self.setup.plate))
     }
 
-    /// Tells the user what the device has refused, unless something here deals with that.
+    /// Reports a refusal of the device to the user, unless it is handled here.
     fn report_refusal(&mut self, ticket: Ticket, refusal: &Refusal) {
         if self.goes_by_rest(ticket, refusal) || self.live.awaits(ticket) || self.level.holding.awaits(ticket)
         {
@@ -86,7 +86,7 @@ impl Instrument {
         }
     }
 
-    /// Tells the user that the device stopped at the end of its drive time, and what to do.
+    /// Reports that the device stopped at the end of its drive time, and what to do.
     fn report_drive_time(&mut self) {
         let next = if autopilot::drive_clears_fault(&self.snapshot) {
             "Press Drive to go on."
@@ -96,7 +96,7 @@ impl Instrument {
         self.notices.stopped(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
     }
 
-    /// Tells the user that the link has ended the drive, because this window did not respond.
+    /// Reports that the link has ended the drive because this window did not respond.
     fn report_stall(&mut self) {
         self.autopilot.stopped();
         let next = if self.snapshot.is_simulated() { "Press" } else { "Arm it, then press" };
@@ -107,7 +107,7 @@ impl Instrument {
         ));
     }
 
-    /// Tells the user about faults that remain after they were cleared: their cause still exists.
+    /// Reports faults that remain after they were cleared: their cause still exists.
     fn report_remaining_faults(&mut self) {
         let Some(ticket) = self.clear_sent else { return };
         let Some(status) = self.snapshot.status else { return };
@@ -158,7 +158,7 @@ impl Instrument {
         });
     }
 
-    /// Takes a finished table, unless the screen shows another plate by now.
+    /// Stores a finished table, unless the screen shows another plate by now.
     pub(crate) fn take_table(&mut self) {
         let Some(table) = self.jobs.tables.take() else { return };
         let is_current = table.made().is_none_or(|made| Arc::ptr_eq(&made.plate, &self.setup.plate));
@@ -172,7 +172,8 @@ impl Instrument {
         }
     }
 
-    /// What plays the setup. A chord that the device would refuse whatever its loudness is played by the sum of its amplitudes.
+    /// The request form that plays the setup. A chord that the device would refuse at any loudness is played
+    /// as a drive, whose bound is the sum of its amplitudes.
     fn playing(&self) -> Sounding {
         let chosen = self.screen_table().map(|made| {
             texture::sounding(&self.setup, self.chord().cloned(), &made.device_table, &self.snapshot)
@@ -180,7 +181,7 @@ impl Instrument {
         chosen.and_then(Result::ok).unwrap_or_else(|| Sounding::Drive(edit::drive(&self.setup)))
     }
 
-    /// How many of the tones begin, end, or have another place than in this drive. A drag moves one.
+    /// Number of tones that begin, end, or have another place than in this drive. A drag moves one.
     fn tones_moved_from(&self, drive: &Drive) -> usize {
         let Some(made) = self.screen_table() else { return 0 };
         let place = |slot: u8| {
@@ -195,10 +196,11 @@ impl Instrument {
         let next = self.playing();
         let sounding = sounding::sounding(&self.snapshot).map(|sounding| sounding.played);
         let by_rest = match (&next, &sounding) {
-            // A chord begins in silence; what comes then waits for what fades. A chord's tones lie in other slots than those
-            // of a drive, so these would cross the plate on their way.
+            // A chord begins in silence; a following sound waits for its fade-out. A chord's tones lie in
+            // other slots than those of a drive and would glide across the plate.
             (Sounding::Chord(_), _) | (_, Some(Played::Chord(_) | Played::Comb(_))) => true,
-            // So would the tones of a texture, or of what is taken back or opened, and be too loud on the way.
+            // The tones of a texture, an undo or an opened setup would also glide across the plate, and might
+            // be too loud on the way.
             (_, Some(Played::Drive(drive))) => self.tones_moved_from(drive) > 1,
             (_, None) => false,
         };
@@ -210,9 +212,9 @@ impl Instrument {
         self.latest_drive = Some(ticket);
     }
 
-    /// Whether a refused drive is sent again from rest. The device refuses a glide that would be too loud on its way,
-    /// with the old levels at the new places, although the tones fit once they are there; without this the screen and
-    /// the plate would stay apart until somebody stops.
+    /// Whether a refused drive is sent again from rest. The device refuses a glide that would be too loud on
+    /// its way, with the old levels at the new places, although the tones fit at their targets. Without this
+    /// retry the screen and the plate would differ until the user stops the drive.
     fn goes_by_rest(&mut self, refused: Ticket, refusal: &Refusal) -> bool {
         let fits = self.table.headroom_sum(&self.setup) <= 1.0;
         let helps = autopilot::rest_helps(refusal);
@@ -221,7 +223,7 @@ impl Instrument {
         }
         self.link.send(Request::Stop);
         self.send_drive();
-        // If the device also refuses this one, the reason is another.
+        // If the device also refuses the drive from rest, the reason is another.
         self.drive_sent = None;
         true
     }

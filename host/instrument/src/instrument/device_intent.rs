@@ -1,21 +1,21 @@
-//! What the user asks of the device itself.
+//! Requests of the user to the device itself.
 
 use super::Instrument;
 use slipline_link::Request;
 use slipline_link::protocol::event::State;
 
-/// Something that the user asks of the device itself.
+/// A request of the user to the device itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviceIntent {
     /// End the connection.
     Disconnect,
-    /// Look for a lost device again, or do not.
+    /// Switch the automatic search for a lost device on or off.
     AutoReconnect(bool),
     /// Unmute the amplifier.
     Arm,
     /// Clear the faults whose causes are gone.
     ClearFaults,
-    /// Give the upload of a table up.
+    /// Cancel the upload of a table.
     CancelUpload,
     /// Read the table back and compare it.
     ReadBack,
@@ -28,7 +28,7 @@ pub enum DeviceIntent {
 }
 
 impl Instrument {
-    /// Carries out what the user asks of the device.
+    /// Carries out a request of the user to the device.
     pub fn perform_device(&mut self, intent: DeviceIntent) {
         let is_armed = self.snapshot.status.is_some_and(|status| status.state == State::Armed);
         if is_armed && matches!(intent, DeviceIntent::Store | DeviceIntent::Forget) {

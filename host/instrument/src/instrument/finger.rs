@@ -1,5 +1,5 @@
-//! The finger on the plate: a choice of the view, like the colours. It is not part of the setup, so it is neither saved
-//! nor undone, nothing of it is sent, and the drive does not change.
+//! The finger on the plate: a choice of the view, like the colours. It is not part of the setup, so it is
+//! neither saved nor undone. Nothing about it is sent to the device, and the drive does not change.
 
 use super::Instrument;
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
@@ -11,21 +11,21 @@ use slipline_plate::Finger;
 pub(crate) struct OnPlate {
     /// Which finger, if any.
     pub(crate) touch: Touch,
-    /// Where it is or was last, in metres from the driven end.
+    /// Its present or last place, in metres from the driven end.
     pub(crate) place_m: f64,
-    /// What it has met.
+    /// The amplitudes under it so far.
     pub(crate) trace: Trace,
 }
 
 impl Instrument {
-    /// The finger on the plate, if there is one: on a plate that cannot be touched there is none.
+    /// The finger on the plate, if there is one; a plate that cannot be touched has none.
     pub fn finger(&self) -> Option<Finger> {
         let plate = &self.setup.plate;
         let finger = self.finger.touch.at(self.finger.place_m.clamp(0.0, plate.length_m()))?;
         refusal(plate).is_none().then_some(finger)
     }
 
-    /// Puts a finger on the plate or takes it off. It begins where the selected tone has its peak.
+    /// Puts a finger on the plate, at the peak of the selected tone, or takes it off.
     pub fn touch(&mut self, touch: Touch) {
         if self.finger.touch == Touch::None {
             let wave = self.predicted().field.tone(self.selected);
@@ -48,7 +48,7 @@ impl Instrument {
         }
     }
 
-    /// Lifts the finger for a while; which one it was.
+    /// Lifts the finger temporarily; returns which one it was.
     pub fn lift_finger(&mut self) -> Touch {
         let touch = std::mem::take(&mut self.finger.touch);
         // The sheet did not follow the drive while the plate was touched.
@@ -57,13 +57,13 @@ impl Instrument {
         touch
     }
 
-    /// Puts the finger back that was lifted.
+    /// Puts a finger back after [`lift_finger`](Self::lift_finger).
     pub fn touch_again(&mut self, touch: Touch) {
         self.finger.touch = touch;
         self.solve_touched();
     }
 
-    /// Solves again what is predicted and what sounds.
+    /// Solves the predicted and the sounding field again.
     fn solve_touched(&mut self) {
         self.forget_prediction();
         let finger = self.finger();
@@ -75,7 +75,7 @@ impl Instrument {
         }
     }
 
-    /// Adds what the finger meets now to its trace; called only while the wave moves.
+    /// Adds the present amplitude under the finger to its trace; called only while the wave moves.
     pub(crate) fn trace_finger(&mut self, now_s: f64) {
         let plate = &self.setup.plate;
         let (Some(finger), Some(sounding)) = (self.finger(), self.playback.on(plate)) else { return };
@@ -83,7 +83,7 @@ impl Instrument {
         self.finger.trace.push(&Under { plate, field, felt, feeling }, &finger, now_s);
     }
 
-    /// Forgets what the finger has met: it was lifted, or the wave under it is another one.
+    /// Clears the trace: the finger was lifted, or the wave under it has changed.
     pub(crate) fn end_trace(&mut self) {
         self.finger.trace.clear();
     }

@@ -1,4 +1,4 @@
-//! The level hold: the user's switch, and what else the user does that ends it. What is asked of the device, and when, is in
+//! The level hold: the user's switch, and the user's actions that end it. The requests to the device are in
 //! [`Holding`].
 
 use super::Instrument;
@@ -7,14 +7,14 @@ use crate::hold::{HoldEnd, Holding, USUAL_RISE_DB};
 use slipline_link::Severity;
 use std::time::Duration;
 
-/// Time between two looks at how it goes.
+/// Time between two updates of its state.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The state of the level hold.
 pub(crate) struct LevelHold {
     pub(crate) holding: Holding,
     max_rise_db: f64,
-    /// It begins once the simulated device has its sensor.
+    /// Whether it begins once the simulated device has its sensor.
     pub(crate) awaits_rig: bool,
 }
 
@@ -37,7 +37,7 @@ impl Instrument {
         }
     }
 
-    /// Switches the hold on, or tells what hinders it; or switches it off.
+    /// Switches the hold on or reports the obstacle; or switches it off.
     pub fn switch_hold(&mut self, is_on: bool) {
         self.level.awaits_rig = false;
         if !is_on {
@@ -72,7 +72,7 @@ impl Instrument {
         is_looked_at.then_some("The calibration looks at the sensor: close its pages first.")
     }
 
-    /// Lets held tones rise so far. A hold that is on begins anew.
+    /// Sets the largest rise of held tones, dB. An active hold begins again.
     pub fn choose_max_rise(&mut self, decibels: f64) {
         self.level.max_rise_db = decibels;
         if self.level.holding.is_on() {
@@ -81,7 +81,7 @@ impl Instrument {
         }
     }
 
-    /// Ends the hold, if it is on, because of something else that the user does.
+    /// Ends the hold, if it is on, because of another action of the user.
     pub(crate) fn end_hold(&mut self, end: HoldEnd) {
         self.level.awaits_rig = false;
         if self.level.holding.is_on() {
@@ -90,7 +90,7 @@ impl Instrument {
         }
     }
 
-    /// Sends what the hold asks for, and tells it when it ends by itself.
+    /// Sends the hold's requests, and reports when it ends by itself.
     pub(crate) fn update_hold(&mut self) {
         if self.level.awaits_rig && self.is_rig_standing() {
             self.begin_hold();
@@ -113,7 +113,7 @@ impl Instrument {
         }
     }
 
-    /// Tells why the levels are not held any more, where the user has not meant that.
+    /// Reports why the levels are no longer held, unless the user has ended the hold.
     fn tell_end_of_hold(&mut self) {
         let Some(end) = self.level.holding.ended() else { return };
         let text = format!("The levels are not held any more: {end}.");

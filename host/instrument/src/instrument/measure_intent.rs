@@ -5,18 +5,18 @@ use crate::measure::circuit::TOLERANCE;
 use crate::measured_file::ForeignMetadata;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
 
-/// What is to be measured with the device.
+/// Settings of a measurement with the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasureDraft {
     /// Where the sensor stands, metres from the driven end.
     pub place_m: f64,
     /// What the sensor shows.
     pub kind: SensorKind,
-    /// What the amplitudes of all tones together may be, as a share of full scale.
+    /// Largest sum of all tones' amplitudes, as a share of full scale.
     pub level: f64,
-    /// Whether quiet tones tell first that the drive is on.
+    /// Whether quiet tones check first that the drive is on.
     pub is_checked: bool,
-    /// The drive as data sheets tell it; the rig of the simulated device tells its own.
+    /// The drive circuit by its data sheets; the rig of the simulated device states its own.
     pub drive: KnownDrive,
 }
 
@@ -34,33 +34,34 @@ impl Default for MeasureDraft {
     }
 }
 
-/// A request of the page of measurements. Measurements are named by their numbers.
+/// A request of the page of measurements. Measurements are referred to by their numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeasureIntent {
-    /// Choose one, and draw it.
+    /// Choose and draw one.
     Choose(u64),
-    /// Draw one, or draw it no more.
+    /// Draw one, or hide it.
     Show(u64, bool),
     /// Remove one from the list.
     Remove(u64),
     /// Choose a file of a measurement.
     OpenFile,
-    /// Tell what a file by another program does not.
+    /// Set the metadata that a file by another program lacks.
     Describe(ForeignMetadata),
-    /// Tell the channel of a recording.
+    /// Set the sensor's channel of a recording.
     Channel(usize),
-    /// Take that file as it was told.
+    /// Accept that file with the stated metadata.
     TakeAsked,
-    /// Leave that file.
+    /// Discard that file.
     LeaveAsked,
     /// Save one as CSV.
     Save(u64),
-    /// Change what is to be measured with the device.
+    /// Set what is to be measured with the device.
     Draft(MeasureDraft),
-    /// Measure it, for the calibration's place of this number if there is one.
+    /// Start the measurement, for the calibration's place of this number if there is one.
     Begin(Option<usize>),
-    /// Have the simulated device stand on a plate that is a few per cent off, which nobody knows; or on the one of the file.
+    /// Have the simulated device use an unknown plate, a few per cent off that of the file; or that of the
+    /// file.
     Secret(bool),
-    /// Give the measurement under way up.
+    /// Cancel the measurement under way.
     Cancel,
 }

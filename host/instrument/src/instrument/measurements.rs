@@ -19,13 +19,13 @@ pub(crate) struct Measures {
     shelf: Shelf,
     asked: Option<CompareJob>,
     pub(crate) latest: Option<Compared>,
-    /// A file by another program that waits for what it does not tell.
+    /// A file by another program whose metadata the user has to complete.
     foreign: Option<Asked>,
-    /// The description of the sweep that was opened last, for the recordings to come.
+    /// Name and description of the latest sweep, for the recordings that follow.
     sweep: Option<(String, Arc<PlayedSweep>)>,
 }
 
-/// Why a file that was asked about is no measurement of the list.
+/// Why a file by another program was not accepted as a measurement.
 #[derive(Debug, thiserror::Error)]
 enum NotTaken {
     #[error(transparent)]
@@ -40,7 +40,7 @@ impl Measures {
         self.shelf.entry(number)
     }
 
-    /// Adds a measurement to the list; its number.
+    /// Adds a measurement to the list; returns its number.
     pub(crate) fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, ShelfFull> {
         self.shelf.add(name, measurement)
     }
@@ -66,7 +66,7 @@ impl Instrument {
         }
     }
 
-    /// Carries out what the user asks for on the page of measurements.
+    /// Carries out a request of the page of measurements.
     pub fn perform_measure(&mut self, intent: MeasureIntent) {
         let shelf = &mut self.measures.shelf;
         match intent {
@@ -102,7 +102,8 @@ impl Instrument {
         }
     }
 
-    /// Takes a measurement's file, and opens its page. By another program, it is asked what the file does not tell.
+    /// Reads a measurement's file and opens its page. The user is asked for metadata that a file by another
+    /// program lacks.
     pub fn open_measurement(&mut self, name: &str, bytes: Vec<u8>) {
         if let Ok(text) = str::from_utf8(&bytes)
             && self.opened_sweep(name, text)
@@ -132,7 +133,7 @@ impl Instrument {
         }
     }
 
-    /// Where a sensor is taken to have stood: in the calibration it is where its pages have it put.
+    /// The assumed sensor place of a file: in a calibration that of its open page.
     fn asked_place_m(&self) -> f64 {
         self.calibrating.place_m().unwrap_or(self.live.draft.place_m)
     }
@@ -146,7 +147,8 @@ impl Instrument {
         }
     }
 
-    /// Takes the description of a sweep, for the recording that waits and for those to come; whether it is one.
+    /// Reads a sweep's description, for the waiting recording and later ones; returns whether the text is
+    /// one.
     pub fn opened_sweep(&mut self, name: &str, text: &str) -> bool {
         if !PlayedSweep::is_one(text) {
             return false;
@@ -168,7 +170,7 @@ impl Instrument {
         true
     }
 
-    /// Takes the file that waits, as it was told; what is wrong is said where it was told.
+    /// Accepts the waiting file with the stated metadata; an error is shown beside them.
     fn take_asked(&mut self) {
         let plate = &self.setup.plate;
         let Some(asked) = &mut self.measures.foreign else { return };
@@ -191,7 +193,7 @@ impl Instrument {
         }
     }
 
-    /// Takes what came of a recording.
+    /// Handles the result of reading a recording.
     pub(crate) fn take_recorded(&mut self, recorded: Recorded) {
         if let Some(Asked { content: AskedContent::Recording { is_read, .. }, .. }) =
             &mut self.measures.foreign
@@ -207,7 +209,7 @@ impl Instrument {
         self.take_asked_measurement(measured);
     }
 
-    /// The file that waits is done, or why not is said where it was told.
+    /// Closes the waiting file, or shows beside its metadata why it was refused.
     fn take_asked_measurement(&mut self, measured: Result<Measurement, ForeignError>) {
         let Some(asked) = self.measures.foreign.take() else { return };
         let taken = measured.map_err(NotTaken::from);

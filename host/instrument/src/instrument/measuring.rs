@@ -1,4 +1,4 @@
-//! A measurement with the connected device: one request after the other, and nothing waits for an answer. STOP, a fault, a
+//! A measurement with the connected device: one request after the other, without blocking. STOP, a fault, a
 //! lost device and another plate end it; its last request is a stop.
 
 use super::Instrument;
@@ -18,7 +18,7 @@ use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time between two looks at the progress.
+/// Time between two updates of the progress.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A measurement under way.
@@ -26,7 +26,7 @@ struct UnderWay {
     measuring: Run<AfterCheck<Measuring>>,
     plate: Arc<Plate>,
     name: String,
-    /// The calibration's place that it is for, 0 or 1.
+    /// The calibration's place that it measures, 0 or 1.
     answers: Option<usize>,
 }
 
@@ -35,13 +35,13 @@ struct UnderWay {
 pub(crate) struct Live {
     pub(crate) draft: MeasureDraft,
     run: Option<UnderWay>,
-    /// Why the last one was none.
+    /// Why the last measurement failed.
     failed: Option<String>,
     /// The rig of the simulated device.
     pub(crate) rig: Rig,
-    /// The looks at the sensor while it is put in its place.
+    /// Short captures of the input while the sensor is being placed.
     pub(crate) looks: Looks,
-    /// Runs so far: each has a name of its own.
+    /// Number of runs so far, for their names.
     count: u32,
 }
 
@@ -60,7 +60,7 @@ impl Live {
         }
     }
 
-    /// Whether the measurement under way deals with this request's outcome.
+    /// Whether the measurement under way handles this request's outcome.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.run.as_ref().is_some_and(|run| run.measuring.awaited() == Some(ticket))
             || self.looks.awaits(ticket)
@@ -71,7 +71,7 @@ impl Live {
     }
 }
 
-/// Why the device cannot carry a measurement out now.
+/// Why the device cannot carry out a measurement now.
 #[derive(Debug, thiserror::Error)]
 enum MeasuringRefused {
     #[error(transparent)]
@@ -89,7 +89,7 @@ enum MeasuringRefused {
 }
 
 impl Instrument {
-    /// Begins a measurement, or tells what hinders it.
+    /// Starts a measurement, or reports the obstacle.
     pub(crate) fn begin_measuring(&mut self, answers: Option<usize>) {
         if self.live.is_under_way() {
             return;
@@ -149,7 +149,7 @@ impl Instrument {
         Ok(AfterCheck::new(checking, measuring))
     }
 
-    /// Gives the measurement under way up.
+    /// Cancels the measurement under way.
     pub(crate) fn cancel_measuring(&mut self) {
         self.live.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
@@ -157,7 +157,7 @@ impl Instrument {
         }
     }
 
-    /// Hands over what the device has answered, and sends what comes next.
+    /// Passes the device's outcomes on, and sends the next request.
     pub(crate) fn update_measuring(&mut self) {
         self.take_rig();
         if self.update_signal() {
@@ -177,7 +177,7 @@ impl Instrument {
         self.wake_after(LOOK);
     }
 
-    /// Takes what was measured, or tells why nothing was.
+    /// Stores the measurement, or reports why it failed.
     fn measured(&mut self) {
         let Some(UnderWay { measuring, name, answers, .. }) = self.live.run.take() else { return };
         match measuring.finish() {
@@ -215,7 +215,7 @@ impl Instrument {
     }
 }
 
-/// Why nothing was measured.
+/// The message for a failed measurement.
 fn not_measured(error: &MeasureError) -> String {
     let MeasureError::NotOn(check) = error else { return format!("Not measured: {error}.") };
     if matches!(check, DriveCheck::TooQuiet { .. }) {

@@ -1,4 +1,4 @@
-//! The instrument: setup, history and the link's latest snapshot, what the device is asked for, and the work under way.
+//! The instrument: setup, history and the link's latest snapshot, the requests to the device, and the work under way.
 //!
 //! ```text
 //! shell --events--> Instrument --Request--> link
@@ -6,8 +6,8 @@
 //!   +-- Shown, Output-+ |
 //!                      Jobs (a thread each, or at once)
 //! ```
-//! A shell calls [`Instrument::attend`] and [`Instrument::turn`] for every frame, hands on what the user does, carries out the
-//! [`Output`]s and draws what is [`Shown`].
+//! A shell calls [`Instrument::attend`] and [`Instrument::turn`] for every frame, passes the user's actions
+//! on, carries out the [`Output`]s and draws what is [`Shown`].
 
 mod background;
 mod calibrate_intent;
@@ -69,7 +69,7 @@ pub struct Instrument {
     bench: Bench,
     attention: Attention,
     outputs: Vec<Output>,
-    /// The time after which it wants to be turned again.
+    /// The time after which [`turn`](Self::turn) must be called again.
     wake: Option<Duration>,
     setup: Setup,
     history: History,
@@ -94,7 +94,7 @@ pub struct Instrument {
     /// The plate and rate of the latest table request.
     table_asked: Option<(Arc<Plate>, u32)>,
     prediction: prediction::Prediction,
-    /// The felt edges, by slot and in metres, that the lines hold since the latest change that moved one.
+    /// Felt edges by slot, in metres, that the lines keep since the latest change that moved one.
     edges_m: Vec<(u8, f64)>,
     finger: finger::OnPlate,
     playback: Playback,
@@ -108,7 +108,7 @@ pub struct Instrument {
 }
 
 impl Instrument {
-    /// An instrument with this setup; it is connected to nothing.
+    /// An instrument with this setup, not connected to a device.
     #[must_use]
     pub fn new(link: Box<dyn Link>, jobs: Jobs, bench: Bench, setup: Setup) -> Self {
         let selected = setup.tones.first().map_or(0, |tone| tone.slot);
@@ -149,12 +149,12 @@ impl Instrument {
         }
     }
 
-    /// Takes what the shell shows and the user holds now.
+    /// Stores the state of the shell: what it shows, and what the user holds.
     pub fn attend(&mut self, attention: Attention) {
         self.attention = attention;
     }
 
-    /// Takes what link and jobs have reported since the last call.
+    /// Handles the reports of link and jobs since the last call.
     pub fn take_reports(&mut self) {
         self.update_snapshot();
         self.take_table();
@@ -162,7 +162,7 @@ impl Instrument {
         self.take_background();
     }
 
-    /// Goes on with what is under way: a replay, the level hold, a measurement, work for the screen.
+    /// Advances what is under way: a replay, the level hold, a measurement, work for the screen.
     pub fn turn(&mut self) {
         self.replay();
         self.update_hold();
@@ -174,12 +174,12 @@ impl Instrument {
         }
     }
 
-    /// What the shell is to do now, in order.
+    /// Actions for the shell, in order.
     pub fn take_outputs(&mut self) -> Vec<Output> {
         std::mem::take(&mut self.outputs)
     }
 
-    /// The time after which it wants to be turned again, if there is one.
+    /// The time after which [`turn`](Self::turn) must be called again, if any.
     pub fn take_wake(&mut self) -> Option<Duration> {
         self.wake.take()
     }
@@ -188,7 +188,7 @@ impl Instrument {
         self.wake = Some(self.wake.map_or(after, |wake| wake.min(after)));
     }
 
-    /// A press of pointer or key has begun another gesture: what follows is another step of undo.
+    /// A press of pointer or key has begun another gesture; changes from now on are another undo step.
     pub fn begin_gestures(&mut self, count: u64) {
         self.gesture += count;
     }
@@ -198,7 +198,7 @@ impl Instrument {
         self.selected = slot;
     }
 
-    /// Shows the other of the two setups that are compared.
+    /// Switches to the other of the two compared setups.
     pub fn switch_setups(&mut self) {
         let edit = self.compare.switch(&self.setup);
         self.edit(&edit);
@@ -211,7 +211,7 @@ impl Instrument {
         self.step_back_or_forth(name, setup);
     }
 
-    /// Makes the change again that was undone.
+    /// Repeats the change that was undone last.
     pub fn redo(&mut self) {
         let name = self.history.redo_name();
         let setup = self.history.redo(&self.setup);
@@ -236,17 +236,17 @@ impl Instrument {
         self.notices.dismiss(number);
     }
 
-    /// Removes the messages of successes: the user has gone on.
+    /// Removes the messages of successes: the user has moved on.
     pub fn successes_seen(&mut self) {
         self.notices.seen();
     }
 
-    /// Whether the replay begins again at its end.
+    /// Sets whether the replay repeats from its start.
     pub fn loop_replay(&mut self, is_looped: bool) {
         self.recorder.is_looped = is_looped;
     }
 
-    /// Has the texture page made of this draft.
+    /// Sets the draft of the texture page.
     pub fn draft_texture(&mut self, draft: WishDraft) {
         self.textures.draft(draft);
     }
@@ -270,7 +270,7 @@ impl Instrument {
         self.outputs.push(Output::Save { name: name.to_owned(), kind, extension, bytes });
     }
 
-    /// What it shows.
+    /// Everything that a shell shows.
     pub fn shown(&self) -> Shown<'_> {
         let prediction::Predicted { field, felt, lines } = self.predicted();
         let now = self.snapshot.status.map_or(0, |status| status.now);

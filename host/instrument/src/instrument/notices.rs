@@ -19,7 +19,7 @@ enum About {
     Hang,
     /// Why there is no connection, until there is one.
     Trouble,
-    /// Why Drive cannot act, until the device's state is another.
+    /// Why Drive cannot act, until the device's state changes.
     Obstacle,
     /// The latest success or failure.
     Latest,
@@ -86,7 +86,7 @@ impl Notices {
         self.put(About::Obstacle, text, true, Some(ERROR_S));
     }
 
-    /// Removes the message about the connection: there is one, or a new one is being made.
+    /// Removes the message about the connection: it exists, or a new attempt has begun.
     pub(crate) fn connected(&mut self) {
         self.end(About::Trouble);
     }
@@ -96,7 +96,7 @@ impl Notices {
         self.end(About::Refusal);
     }
 
-    /// Removes the messages about what has ended or prevented the last drive: the device sounds a newer one.
+    /// Removes the messages about the end or refusal of the last drive: the device sounds a newer one.
     pub(crate) fn driven(&mut self) {
         self.settle();
         self.end(About::Hang);
@@ -112,7 +112,7 @@ impl Notices {
         self.end(About::Obstacle);
     }
 
-    /// Removes the messages of successes: the user has gone on.
+    /// Removes the messages of successes: the user has moved on.
     pub(crate) fn seen(&mut self) {
         self.standing.retain(|(_, notice)| notice.is_error);
     }

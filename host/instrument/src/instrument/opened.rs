@@ -1,4 +1,4 @@
-//! Files that were opened: what a text is by its content, and what is said of it.
+//! Opened files: recognition of a text by its content, and the reports.
 
 use super::Instrument;
 use crate::recording::{Recording, RecordingError};
@@ -7,7 +7,7 @@ use slipline_model::response::is_measurement;
 use std::fmt::Display;
 
 impl Instrument {
-    /// Takes a recorded drag or a measurement; whether the text is one of them.
+    /// Opens a recorded drag or a measurement; returns whether the text is one of them.
     pub fn opened_table(&mut self, name: &str, text: &str) -> bool {
         if Recording::is_one(text) {
             self.open_recording(name, Recording::from_csv(text));

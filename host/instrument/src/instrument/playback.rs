@@ -1,5 +1,5 @@
-//! The playback of what the device sounds: the drive that it has acknowledged, the steady field of that drive on
-//! the plate, the codes that it sends, and the response of the simulated plate. The wave moves while something
+//! Playback of the current drive: the drive that the device has acknowledged, its steady field on the plate,
+//! the codes that the device sends, and the response of the simulated plate. The wave moves while a drive
 //! sounds.
 
 use super::Instrument;
@@ -13,8 +13,9 @@ use slipline_plate::Plate;
 use slipline_plate::feeling::Feeling;
 use std::sync::Arc;
 
-/// Time between two drives that the simulated plate is given during a drag, in seconds. A drag makes dozens a second;
-/// to compute the plate for each would take a part of a core, and most would be replaced before they are done.
+/// Least time between two drives passed to the simulated plate during a drag, in seconds. A drag makes dozens
+/// of drives a second; computing the plate for each would load a core, and most results would be obsolete
+/// before they are done.
 const BETWEEN_DRIVES_S: f64 = 0.3;
 
 /// The state of the playback.
@@ -26,9 +27,9 @@ pub(crate) struct Playback {
     pub(crate) waveform: Waveform,
     /// The latest result of the simulated plate; its drive may have ended.
     pub(crate) measured: Option<SimulatedField>,
-    /// What sounds, while the simulated plate has not been given it.
+    /// The current drive while it has not been passed to the simulated plate.
     unmeasured: Option<TimeDomainJob>,
-    /// When the simulated plate was given a drive, in seconds of the user's time.
+    /// When a drive was last passed to the simulated plate, in seconds of the user's time.
     given_s: f64,
     /// How long the wave has moved, in seconds of the user's time.
     pub(crate) wave_time_s: f64,
@@ -42,12 +43,12 @@ impl Playback {
         self.sounding.as_ref().filter(|sounding| Arc::ptr_eq(&sounding.plate, plate))
     }
 
-    /// Whether something is sent of which the codes are not known.
+    /// Whether the device sends codes that are not known.
     pub(crate) fn is_unknown(&self) -> bool {
         self.waveform.window().is_some() && !self.waveform.is_true()
     }
 
-    /// What sounds is felt in another way now.
+    /// Recomputes what is felt of the current drive.
     pub(crate) fn feel(&mut self, feeling: &Feeling) {
         if let Some(sounding) = &mut self.sounding {
             let tones: Vec<SteadyTone> = sounding.steady.tones.iter().map(|wave| wave.tone).collect();
@@ -76,8 +77,8 @@ impl Instrument {
         }
     }
 
-    /// Solves the field of the drive that the device has acknowledged, if it has changed, and passes the drive to
-    /// the simulated plate.
+    /// Solves the field of the drive that the device has acknowledged, if it has changed, and passes the
+    /// drive to the simulated plate.
     pub(crate) fn update_playback(&mut self) {
         let acknowledged = sounding::sounding(&self.snapshot);
         // At rest there is nothing to replay, but the change to rest itself must be replayed.
@@ -119,25 +120,25 @@ impl Instrument {
         self.run_sheet(job);
     }
 
-    /// The field of what sounds, if it was solved for the plate on the screen.
+    /// The field of the current drive, if it was solved for the plate on the screen.
     pub fn sounding_on_screen(&self) -> Option<&SteadyField> {
         self.playback.on(&self.setup.plate).map(|sounding| &sounding.steady)
     }
 
-    /// The result of the simulated plate, if it belongs to what sounds.
+    /// The result of the simulated plate, if it belongs to the current drive.
     pub fn current_measured(&self) -> Option<&SimulatedField> {
         let number = self.playback.sounding.as_ref()?.number;
         self.playback.measured.as_ref().filter(|measured| measured.number == number)
     }
 
-    /// The latest result of the simulated plate while it sounds, and whether it belongs to what sounds: during a drag the
-    /// points of the drive before stay.
+    /// The latest result of the simulated plate while a drive sounds, and whether it belongs to that drive:
+    /// during a drag the points of the previous drive stay.
     pub(crate) fn shown_measured(&self) -> Option<(&SimulatedField, bool)> {
         let number = self.playback.on(&self.setup.plate)?.number;
         self.playback.measured.as_ref().map(|measured| (measured, measured.number == number))
     }
 
-    /// Takes new results of the mirror and of the simulated plate.
+    /// Stores new results of the mirror and of the simulated plate.
     pub(crate) fn take_playback(&mut self) {
         if let Some(waveform) = self.jobs.waveforms.take()
             && (self.attention.is_animated || self.playback.waveform.window().is_none())
@@ -149,7 +150,8 @@ impl Instrument {
         }
     }
 
-    /// Shows the wave at this time, in seconds of the plate; whether there is one, which is to be paused then.
+    /// Shows the wave at this time, in seconds of the plate; returns whether there is a wave, which then must
+    /// be paused.
     pub fn scrub(&mut self, plate_time_s: f64) -> bool {
         let Some(sounding) = self.playback.on(&self.setup.plate).filter(|_| plate_time_s.is_finite()) else {
             return false;
@@ -159,7 +161,7 @@ impl Instrument {
         true
     }
 
-    /// Gives the simulated plate what sounds, at `now_s` of the user's time.
+    /// Passes the current drive to the simulated plate, at `now_s` of the user's time.
     pub(crate) fn measure(&mut self, now_s: f64) {
         let is_soon = now_s < self.playback.given_s + BETWEEN_DRIVES_S;
         if self.playback.sounding.is_none() {
@@ -173,7 +175,7 @@ impl Instrument {
         }
     }
 
-    /// Moves the wave on by `step_s` seconds of the user's time.
+    /// Advances the wave by `step_s` seconds of the user's time.
     pub fn move_on(&mut self, step_s: f64) {
         self.playback.is_scrubbed = false;
         self.playback.wave_time_s += step_s;

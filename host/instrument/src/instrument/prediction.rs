@@ -1,4 +1,5 @@
-//! What the setup would do on its plate. It is computed when it is looked at, and once for all changes before that.
+//! Prediction of the setup's response on its plate. It is computed on demand, once after any number of
+//! changes.
 
 use super::Instrument;
 #[cfg(test)]
@@ -11,12 +12,12 @@ use slipline_model::texture::chord_of;
 use slipline_plate::DriveTable;
 use std::cell::{Cell, OnceCell};
 
-/// What is known of the setup's tones. The default is that nothing has been looked at.
+/// Predicted quantities of the setup's tones. The default: nothing is computed yet.
 #[derive(Default)]
 pub(crate) struct Prediction {
     field: OnceCell<Predicted>,
     chord: OnceCell<Option<ChordRequest>>,
-    /// The places that the line of a tone can have, in metres.
+    /// Range of the selected tone's line, by slot, in metres.
     limits_m: Cell<Option<(u8, (f64, f64))>>,
 }
 
@@ -31,12 +32,12 @@ pub(crate) struct Predicted {
 }
 
 impl Instrument {
-    /// The setup, its table or the finger is another one.
+    /// Discards the prediction: the setup, its table or the finger has changed.
     pub(crate) fn forget_prediction(&mut self) {
         self.prediction = Prediction::default();
     }
 
-    /// What is predicted of the setup.
+    /// The prediction for the setup.
     pub(crate) fn predicted(&self) -> &Predicted {
         self.prediction.field.get_or_init(|| {
             #[cfg(test)]
@@ -75,14 +76,14 @@ impl Instrument {
         self.predicted().lines.iter().find(|line| line.slot == slot)
     }
 
-    /// Where the felt edge of the tone in a slot stays while levels change: where the user has put it, in metres.
+    /// Place of the felt edge that the line of a slot keeps while levels change, in metres.
     pub(crate) fn edge_m(&self, slot: u8) -> Option<f64> {
         let kept = self.edges_m.iter().find(|(of, _)| *of == slot).map(|(_, place_m)| *place_m);
         let line = || self.line(slot).filter(|line| line.holds == Holds::FeltEdge);
         kept.or_else(|| line().map(|line| line.place_m))
     }
 
-    /// The places that the line of the selected tone can have, in metres.
+    /// Range of the line of the selected tone, in metres.
     pub(crate) fn limits_m(&self) -> (f64, f64) {
         if let Some((slot, limits_m)) = self.prediction.limits_m.get()
             && slot == self.selected

@@ -1,4 +1,4 @@
-//! What a shell reads of an instrument, beside all that is [`Shown`](super::Shown).
+//! Read access for shells, in addition to [`Shown`](super::Shown).
 
 use super::{Background, DragRecorder, Instrument, Notice};
 use slipline_link::Snapshot;
@@ -13,7 +13,7 @@ impl Instrument {
         self.selected
     }
 
-    /// What the finger has met lately.
+    /// The recent amplitudes under the finger.
     #[must_use]
     pub const fn trace(&self) -> &Trace {
         &self.finger.trace
@@ -43,7 +43,7 @@ impl Instrument {
         &self.recorder
     }
 
-    /// Where the finger is or was last, in metres from the driven end.
+    /// The finger's present or last place, in metres from the driven end.
     #[must_use]
     pub fn finger_place_m(&self) -> f64 {
         self.finger.place_m
@@ -55,7 +55,7 @@ impl Instrument {
         self.playback.sounding.is_some()
     }
 
-    /// Whether something is sent of which the codes are not known.
+    /// Whether the device sends codes that are not known.
     #[must_use]
     pub fn is_waveform_unknown(&self) -> bool {
         self.playback.is_unknown()

@@ -1,5 +1,6 @@
-//! A drag that is recorded, and its replay. A replay goes the way of a drag: each move is an edit, held by the same limits
-//! and sent only if the plate is driven already. It arms nothing, and whatever ends the drive ends it.
+//! Recording and replay of a drag. A replay follows the path of a drag: each move is an edit within the same
+//! limits, and is sent only if the plate is driven already. It does not arm the device, and the end of the
+//! drive ends it.
 
 use super::Instrument;
 use crate::recording::Recording;
@@ -8,26 +9,27 @@ use std::time::Duration;
 
 /// Time between two moves of a replay.
 const STEP: Duration = Duration::from_millis(16);
-/// A pause between two frames longer than this, in seconds, does not count: a hidden window does not jump ahead.
+/// Frame intervals longer than this, in seconds, are not counted, so that a hidden window does not jump
+/// ahead.
 const GAP_S: f64 = 0.1;
 
-/// The recorder: the recording, and what is done with it.
+/// The recorder: the recording, and whether it is recorded or played.
 #[derive(Debug, Default)]
 pub struct DragRecorder {
     recording: Recording,
-    /// While it records: the time of the first move, once there is one.
+    /// While it records: the time of the first move, if there was one.
     begun: Option<Option<f64>>,
     playing: Option<Playing>,
-    /// Replays so far: each is a gesture.
+    /// Number of replays so far: each is a gesture.
     plays: u64,
-    /// Whether the replay begins again at its end.
+    /// Whether the replay repeats from its start.
     pub is_looped: bool,
 }
 
 /// A replay under way.
 #[derive(Debug)]
 struct Playing {
-    /// How much was played, in seconds; negative before the first move.
+    /// Time played, in seconds; negative before the first move.
     done_s: f64,
     /// The time of the last frame, in seconds of the window's clock.
     last_s: Option<f64>,
@@ -48,7 +50,7 @@ impl DragRecorder {
         self.begun.is_some()
     }
 
-    /// How much was played, in seconds, while it plays.
+    /// Time played, in seconds, while it plays.
     #[must_use]
     pub fn played_s(&self) -> Option<f64> {
         self.playing.as_ref().map(|playing| playing.done_s.max(0.0))
@@ -80,7 +82,7 @@ impl Instrument {
         self.recorder.playing = None;
     }
 
-    /// Takes a recording from a file.
+    /// Replaces the recording by one from a file.
     pub(crate) fn take_recording(&mut self, recording: Recording) {
         self.record(false);
         self.recorder.recording = recording;

@@ -1,4 +1,4 @@
-//! The rig of the simulated device: the plate that its sensor stands on, put together in the background.
+//! The rig of the simulated device: its plate and sensor, put together in the background.
 
 use super::Instrument;
 use super::MeasureDraft;
@@ -13,28 +13,28 @@ use std::sync::Arc;
 /// The rig of the simulated device.
 #[derive(Default)]
 pub(crate) struct Rig {
-    /// The plate that is really there; `None` for the one on the screen.
+    /// The plate of the rig; `None` for the one on the screen.
     truth: Option<Arc<Plate>>,
-    /// Plates drawn so far.
+    /// Number of unknown plates drawn so far.
     draws: u64,
-    /// The one that stands at the bench.
+    /// The rig on the bench.
     standing: Option<Stands>,
-    /// The measurement that begins once the rig is put together.
+    /// The measurement that starts once the rig is put together.
     pub(crate) awaited_for: Option<Option<usize>>,
-    /// The one that is being put together for a look at its sensor, or for another finger.
+    /// The rig that is being put together to show its sensor's signal, or for another finger.
     looked_for: Option<RigJob>,
-    /// One that cannot be put together: it is not asked for again unless the user does.
+    /// A rig that could not be put together: only the user can request it again.
     pub(crate) refused: Option<RigJob>,
 }
 
-/// A rig at the bench.
+/// The rig on the bench.
 struct Stands {
     job: RigJob,
     /// The hand that moves its sensor.
     hand: RigHand,
-    /// What the end of its input's range stands for.
+    /// Sensor value at the end of its input's range.
     full_scale: f64,
-    /// What a data sheet tells of its drive.
+    /// Data-sheet values of its drive.
     drive: KnownDrive,
 }
 
@@ -44,12 +44,12 @@ impl Rig {
         self.awaited_for.is_some()
     }
 
-    /// Whether it stands on a plate that nobody knows.
+    /// Whether its plate is unknown to the user.
     pub(crate) const fn is_secret(&self) -> bool {
         self.truth.is_some()
     }
 
-    /// What a data sheet tells of its drive.
+    /// Data-sheet values of its drive.
     pub(crate) fn known_drive(&self) -> Option<KnownDrive> {
         self.standing.as_ref().map(|standing| standing.drive)
     }
@@ -61,7 +61,7 @@ impl Rig {
 }
 
 impl Instrument {
-    /// Has the simulated device stand on a plate that nobody knows, or on the one on the screen.
+    /// Has the simulated device use an unknown plate, or the one on the screen.
     pub(crate) fn choose_truth(&mut self, is_secret: bool) {
         let rig = &mut self.live.rig;
         rig.truth = None;
@@ -88,7 +88,7 @@ impl Instrument {
         }
     }
 
-    /// Whether the rig that is wanted stands at the bench; its sensor is put where it is wanted.
+    /// Whether the wanted rig is on the bench; moves its sensor to the wanted place.
     pub(crate) fn is_rig_standing(&self) -> bool {
         let job = self.rig_job();
         let standing = self.live.rig.standing.as_ref().filter(|standing| standing.job.serves(&job));
@@ -103,19 +103,19 @@ impl Instrument {
         self.jobs.rigs.ask(self.rig_job());
     }
 
-    /// Whether the device is the simulated one of this program, whose inputs are wired to the rig.
+    /// Whether the device is this program's simulated device, whose inputs are wired to the rig.
     pub(crate) fn is_at_bench(&self) -> bool {
         self.snapshot.is_simulated() && self.snapshot.port == Some(Port::Simulated)
     }
 
-    /// Has the rig of a simulated device stand where its sensor is looked at.
+    /// Puts the rig of a simulated device on the bench for a look at its sensor.
     pub(crate) fn put_rig_up(&mut self) {
         if self.is_at_bench() && !self.is_rig_standing() {
             self.look_for_rig(self.rig_job());
         }
     }
 
-    /// Has a rig put together, unless that is under way or known to be in vain.
+    /// Requests a rig, unless it is being put together or is known to fail.
     fn look_for_rig(&mut self, job: RigJob) {
         let Rig { looked_for, refused, .. } = &mut self.live.rig;
         let is_known = [&*looked_for, &*refused].into_iter().flatten().any(|known| known.serves(&job));
@@ -125,8 +125,8 @@ impl Instrument {
         }
     }
 
-    /// While the level is held, has the finger on the screen touch the plate of the rig, too; and takes it off again, since what
-    /// is listened to is an untouched plate. Returns whether the plate is as it is wanted.
+    /// While the level is held, puts the finger of the screen on the rig's plate, too; takes it off again for
+    /// listening, which needs an untouched plate. Returns whether the plate is as wanted.
     pub(crate) fn touch_rig(&mut self) -> bool {
         if self.bench.is_passing_over() {
             return false;
@@ -142,7 +142,7 @@ impl Instrument {
         false
     }
 
-    /// Takes a rig that was put together, and begins what waits for it.
+    /// Puts a finished rig on the bench, and starts what waits for it.
     pub(crate) fn take_rig(&mut self) {
         let Some(RigPrepared { job, result }) = self.jobs.rigs.take() else { return };
         let looked_for = self.live.rig.looked_for.take();

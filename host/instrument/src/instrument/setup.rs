@@ -11,13 +11,13 @@ use slipline_plate::quantity::{show_place, ticks};
 use std::sync::Arc;
 
 impl Instrument {
-    /// Applies a change of the user's, records it for undo, and sends it at once if the plate is driven.
+    /// Applies a change by the user, records it for undo, and sends it at once if the plate is driven.
     pub fn edit(&mut self, edit: &Edit) {
         self.edit_by(Gesture { source: EditSource::User, number: self.gesture }, edit);
     }
 
-    /// Applies a change of any source's: the newest counts. It is sent only while the user has the plate driven, so no source
-    /// but the user arms a device or goes on after a stop.
+    /// Applies a change by any source; the newest change wins. It is sent only while the user has the plate
+    /// driven, so no source but the user arms a device or drives again after a stop.
     pub fn edit_by(&mut self, gesture: Gesture, edit: &Edit) {
         match edit::apply(&self.setup, edit) {
             Ok(next) if next == self.setup => {}
@@ -31,7 +31,7 @@ impl Instrument {
                         self.notices.post(remarks.join(" "));
                     }
                 }
-                // What these change moves the felt edges; the lines hold them.
+                // These edits move the felt edges; the lines keep them.
                 let mut edges_m = Vec::new();
                 if matches!(edit, Edit::Level { .. } | Edit::Master(_) | Edit::Feeling(_) | Edit::Add { .. })
                 {
@@ -47,7 +47,7 @@ impl Instrument {
         }
     }
 
-    /// Moves the line of the tone in a slot as the user's hand does, by way of these places in metres: a recording takes all of
+    /// Moves the line of a slot as a drag does, through these places in metres: a recording takes all of
     /// them, the plate the last.
     pub fn drag_line(&mut self, slot: u8, places_m: &[f64]) {
         let Some((&last_m, earlier_m)) = places_m.split_last() else { return };
@@ -67,14 +67,14 @@ impl Instrument {
         }
     }
 
-    /// What moves the line of the tone in a slot to a place in metres, or as near to it as it can be.
+    /// The edit that moves the line of a slot to a place in metres, or as near to it as allowed.
     pub(crate) fn line_move(&self, slot: u8, place_m: f64) -> Option<Edit> {
         let tone = self.setup.tone(slot).filter(|_| place_m.is_finite())?;
         let position_m = line::turning_point_m(&self.setup, tone, self.drive_table(), place_m);
         Some(Edit::Move { slot, position_m })
     }
 
-    /// Takes the setup of an undo or redo of the change with this name.
+    /// Applies the setup of an undo or redo of the change with this name.
     pub(crate) fn step_back_or_forth(&mut self, name: Option<&'static str>, setup: Option<Setup>) {
         let Some(setup) = setup else { return };
         if name == Some(edit::SWITCH) {
@@ -111,7 +111,7 @@ impl Instrument {
     }
 }
 
-/// Lowers the master until the tones fit the DAC even at the largest gain, which is 1, so that they can be dragged
+/// Lowers the master until the tones fit the DAC even at the largest gain, 1, so that they can be dragged
 /// anywhere. Returns the message to the user if the master was lowered.
 fn make_fit(setup: &mut Setup) -> Option<String> {
     let sum = setup.tones.iter().map(|tone| tone.level).sum::<f64>() * setup.master();
@@ -123,8 +123,8 @@ fn make_fit(setup: &mut Setup) -> Option<String> {
     Some(format!("Master lowered to {master} dB, so that {count} tones fit."))
 }
 
-/// Puts the line of the tone that was added last at `place_m`, in metres. Returns the message to the user if it cannot be
-/// there.
+/// Puts the line of the tone that was added last at `place_m`, in metres. Returns the message to the user if
+/// that place is not allowed.
 fn place_line(setup: &mut Setup, place_m: f64, table: Option<&DriveTable>) -> Option<String> {
     let tone = *setup.tones.last()?;
     let position_m = line::turning_point_m(setup, &tone, table, place_m);

@@ -1,5 +1,5 @@
-//! What passes between an instrument and its shell: the link it is given, what it must know of the shell, and what it has the
-//! shell do.
+//! Interface between an instrument and its shell: the link, the state of the shell that the instrument needs,
+//! and the actions that the shell carries out.
 
 use slipline_link::{Request, Snapshot, Ticket};
 use slipline_model::field::sheet::SourceChoice;
@@ -24,7 +24,7 @@ impl Link for slipline_link::native::Handle {
     }
 }
 
-/// What the shell shows and the user holds, as far as it decides what is done next.
+/// State of the shell that decides the next requests and work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Attention {
     /// The user's time, in seconds.
@@ -37,7 +37,7 @@ pub struct Attention {
     pub is_animated: bool,
     /// Whether a page is in front.
     pub has_page: bool,
-    /// Whether that is the calibration.
+    /// Whether that page is the calibration.
     pub is_calibration_open: bool,
     /// Whether the page of measurements is open.
     pub is_measurements_open: bool,
@@ -45,7 +45,7 @@ pub struct Attention {
     pub is_texture_open: bool,
     /// The source from which the wave is to be drawn.
     pub wave: SourceChoice,
-    /// Whether a real device gets a new table without being asked.
+    /// Whether a real device gets a new table automatically.
     pub uploads: bool,
 }
 
@@ -62,7 +62,7 @@ pub enum Page {
     Arm,
 }
 
-/// What the shell does for the instrument.
+/// An action that the shell carries out for the instrument.
 #[derive(Clone, Debug)]
 pub enum Output {
     /// Open a page.
@@ -73,13 +73,13 @@ pub enum Output {
     ChooseMeasurement,
     /// Have the user save a file.
     Save {
-        /// The name that is proposed.
+        /// The proposed name.
         name: String,
-        /// What it is, in a word.
+        /// Its kind, in a word.
         kind: &'static str,
-        /// The ending of its name.
+        /// The extension of its name.
         extension: &'static str,
-        /// What is in it.
+        /// Its content.
         bytes: Vec<u8>,
     },
 }

@@ -1,4 +1,4 @@
-//! What an instrument shows: the setup, the plate, the device, and how work stands.
+//! State of an instrument for display: the setup, the plate, the device, and the progress of work.
 
 use super::{DragRecorder, MeasureDraft};
 use crate::calibration::CalibrationWizard;
@@ -44,15 +44,15 @@ pub struct Shown<'a> {
     pub touch: Touch,
     /// The finger on the plate, if there is one.
     pub finger: Option<Finger>,
-    /// What the finger has met in the last seconds.
+    /// The amplitudes under the finger in the last seconds.
     pub trace: &'a Trace,
     /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
     pub predicted: &'a SteadyField,
-    /// What is felt of the setup's tones, by a finger that comes; `None` while `full_peak_m` is not known.
+    /// What a finger would feel of the setup's tones; `None` while `full_peak_m` is not known.
     pub felt: Option<&'a Felt>,
     /// The boundary line of each tone, in their order.
     pub lines: &'a [Line],
-    /// The places that the line of the selected tone can have, in metres.
+    /// Range of the line of the selected tone, in metres.
     pub limits_m: (f64, f64),
     /// The plate under the tones that the device has acknowledged and sounds.
     pub sounding: Option<&'a SteadyField>,
@@ -64,9 +64,10 @@ pub struct Shown<'a> {
     pub table: &'a TableState,
     /// The codes that the mirror has replayed.
     pub waveform: &'a Waveform,
-    /// The simulated plate once it has settled, and whether it did so under the tones that sound now.
+    /// The response of the simulated plate once it has settled, and whether it belongs to the tones that
+    /// sound now.
     pub measured: Option<(&'a SimulatedField, bool)>,
-    /// The lights, the designer and what the wave is drawn from.
+    /// The lights, the designer and the source of the wave.
     pub background: &'a Background,
     /// The texture page.
     pub texture: TextureScene<'a>,
@@ -76,7 +77,7 @@ pub struct Shown<'a> {
     pub hold: HoldScene<'a>,
     /// The calibration under way.
     pub calibration: Option<CalibrateScene<'a>>,
-    /// The plate and boundary that would be computed in two dimensions.
+    /// The plate and boundary for a computation in two dimensions.
     pub plane_job: Option<PlaneJob>,
     /// The sheet, if the wave is drawn from it.
     pub sheet: Option<&'a Frame>,
@@ -148,16 +149,16 @@ impl Background {
     }
 }
 
-/// The texture page: what is wanted, and what was made of it.
+/// The texture page: its draft and result.
 #[derive(Clone, Copy)]
 pub struct TextureScene<'a> {
-    /// What is wanted.
+    /// The wanted texture.
     pub draft: &'a WishDraft,
     /// The latest result.
     pub latest: Option<&'a Textured>,
-    /// Whether that is of the draft.
+    /// Whether the result belongs to the draft.
     pub is_current: bool,
-    /// Whether the user has given the draft up.
+    /// Whether the user has cancelled the draft.
     pub is_given_up: bool,
 }
 
@@ -166,30 +167,30 @@ pub struct TextureScene<'a> {
 pub struct MeasureScene<'a> {
     /// The measurements.
     pub shelf: &'a Shelf,
-    /// The chosen one beside the model of the plate on the screen; `None` until that is computed.
+    /// The chosen one compared with the model of the plate on the screen; `None` until that is computed.
     pub compared: Option<&'a Compared>,
-    /// A file by another program that waits for what it does not tell.
+    /// A file by another program that lacks metadata.
     pub asked: Option<&'a Asked>,
     /// The measurement with the device.
     pub live: LiveScene<'a>,
 }
 
-/// A file by another program that waits for what it does not tell.
+/// A file by another program whose metadata the user completes.
 #[derive(Clone, Debug)]
 pub struct Asked {
     /// The name of the file.
     pub name: String,
-    /// What is in it.
+    /// Its content.
     pub content: AskedContent,
-    /// What the user has stated so far.
+    /// The metadata stated so far.
     pub metadata: ForeignMetadata,
     /// The sensor's channel in a recording, from 1.
     pub channel: usize,
-    /// Why it was no measurement as it was stated last.
+    /// Why it was refused with the metadata stated last.
     pub refused: Option<String>,
 }
 
-/// What is in a file that waits.
+/// Content of a waiting file.
 #[derive(Clone, Debug)]
 pub enum AskedContent {
     /// Frequencies and responses.
@@ -198,7 +199,7 @@ pub enum AskedContent {
     Recording {
         /// The sound.
         wav: Arc<Wav>,
-        /// The name of the sweep's description, and what is in it; `None` while nobody has opened one.
+        /// Name and content of the sweep's description; `None` while none is open.
         sweep: Option<(String, Arc<PlayedSweep>)>,
         /// Whether it is being read.
         is_read: bool,
@@ -208,24 +209,25 @@ pub enum AskedContent {
 /// The measurement with the device.
 #[derive(Clone, Copy)]
 pub struct LiveScene<'a> {
-    /// What is to be measured.
+    /// The settings of the measurement.
     pub draft: &'a MeasureDraft,
-    /// The share that is done, 0..=1, while one is under way.
+    /// The share that is done, 0..=1, while a measurement is under way.
     pub progress: Option<f32>,
-    /// Whether it is still being checked that the drive is on.
+    /// Whether the check of the drive is under way.
     pub is_checking: bool,
-    /// Whether the rig of the simulated device states what the drive is.
+    /// Whether the rig of the simulated device states its drive circuit.
     pub is_drive_known: bool,
-    /// Why the last one was none, until the next one begins.
+    /// Why the last measurement failed, until the next one begins.
     pub failed: Option<&'a str>,
-    /// What the sensor shows now, while a page wants to know.
+    /// The present signal of the sensor, while a page shows it.
     pub signal: Option<Signal>,
-    /// Whether the simulated device stands on a plate that nobody knows.
+    /// Whether the simulated device uses an unknown plate.
     pub is_secret: bool,
 }
 
 impl<'a> MeasureScene<'a> {
-    /// How the chosen measurement differs from the plate's model, or why that cannot be said; `None` until it is computed.
+    /// The difference between the chosen measurement and the plate's model, or why it cannot be computed;
+    /// `None` until it is.
     #[must_use]
     pub fn result(&self) -> Option<Result<&'a Comparison, &'a CalibrateError>> {
         let chosen = self.shelf.chosen()?;
@@ -233,7 +235,7 @@ impl<'a> MeasureScene<'a> {
         Some(compared.result.as_ref())
     }
 
-    /// How the chosen measurement differs from the plate's model, where that is known.
+    /// The difference between the chosen measurement and the plate's model, if it is computed.
     #[must_use]
     pub fn comparison(&self) -> Option<&'a Comparison> {
         self.result()?.ok()
@@ -245,24 +247,24 @@ impl<'a> MeasureScene<'a> {
 pub struct HoldScene<'a> {
     /// The hold itself.
     pub holding: &'a Holding,
-    /// How it stands.
+    /// Its state.
     pub standing: Standing<'a>,
     /// Whether the device's inputs are wired to this program's simulated plate.
     pub has_rig: bool,
     /// Whether it begins once the simulated device has its sensor.
     pub is_put_up: bool,
-    /// How far above its drive's level a held tone may rise, in dB.
+    /// Largest rise of a held tone above its drive level, in dB.
     pub max_rise_db: f64,
-    /// Where the simulated device's sensor stands, in metres from the driven end.
+    /// Sensor place of the simulated device, in metres from the driven end.
     pub place_m: f64,
 }
 
 /// The calibration under way.
 #[derive(Clone, Copy)]
 pub struct CalibrateScene<'a> {
-    /// What is known so far, and the open page.
+    /// Known dimensions and responses, and the open page.
     pub calibration: &'a CalibrationWizard,
-    /// The calibrated plate, or why there is none; `None` until that is known.
+    /// The calibrated plate, or why the calibration was refused; `None` until that is known.
     pub result: Option<Result<&'a CalibrationResult, &'a Refused>>,
     /// The share of the fit that is done, 0..=1, while it is under way.
     pub progress: Option<f32>,
@@ -271,12 +273,12 @@ pub struct CalibrateScene<'a> {
 /// The state of the designer.
 #[derive(Clone, Debug, Default)]
 pub enum DesignState {
-    /// It was not opened yet.
+    /// It has not been opened.
     #[default]
     Closed,
-    /// It is being designed.
+    /// The design is under way.
     Making,
-    /// A plate, or the reason why there is none.
+    /// A plate, or why none was found.
     Ready(Arc<Designed>),
     /// It was cancelled.
     Cancelled,
@@ -330,6 +332,6 @@ pub struct Notice {
     pub is_error: bool,
     /// Incremented with every message, so that a repeated text counts as a new message.
     pub number: u64,
-    /// How long it is shown, in seconds; `None` means as long as it is true.
+    /// How long it is shown, in seconds; `None` while its cause lasts.
     pub lasts_s: Option<f64>,
 }

@@ -1,4 +1,5 @@
-//! What the sensor shows while its place is looked for: one short look at its input after the other, while a page wants it.
+//! The sensor's signal while its place is searched: repeated short captures of its input while a page shows
+//! them.
 
 use super::Instrument;
 use crate::hold::HoldEnd;
@@ -8,23 +9,23 @@ use slipline_link::{Outcome, Ticket};
 /// The input of the sensor.
 pub(crate) const SENSOR_INPUT: u8 = 0;
 
-/// The looks at the sensor's input.
+/// The captures of the sensor's input.
 #[derive(Default)]
 pub(crate) struct Looks {
     awaited: Option<Ticket>,
-    /// What the latest look has shown.
+    /// The signal of the latest capture.
     pub(crate) latest: Option<Signal>,
 }
 
 impl Looks {
-    /// Whether this request is a look.
+    /// Whether this request is a capture of the sensor's input.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.awaited == Some(ticket)
     }
 }
 
 impl Instrument {
-    /// Takes what the last look has shown, and looks again; whether looks go on.
+    /// Evaluates the last capture and requests the next; returns whether captures continue.
     pub(crate) fn update_signal(&mut self) -> bool {
         let is_wanted = self.attention.is_calibration_open
             && self.calibrating.has_sensor_in_hand()
@@ -40,7 +41,7 @@ impl Instrument {
         self.put_rig_up();
         let outcome = self.live.looks.awaited.and_then(|ticket| self.snapshot.outcome(ticket));
         if let Some(outcome) = outcome {
-            // What was refused shows nothing; the next look may.
+            // A refused capture gives no signal; the next one may.
             self.live.looks.latest =
                 if let Outcome::Listened(listened) = outcome { Some(Signal::of(listened)) } else { None };
             self.live.looks.awaited = None;

@@ -1,4 +1,4 @@
-//! The Drive button: it sends the tones, or tells the user the obstacle and what helps.
+//! The Drive button: it sends the tones, or states the obstacle and its remedy.
 
 use super::Instrument;
 use super::{Output, Page};
@@ -9,11 +9,11 @@ use slipline_link::protocol::version::Compatibility;
 use slipline_link::{LinkError, LinkState, Request};
 use slipline_model::jobs::table::TableState;
 
-/// The explanation of safe mode, and what helps.
+/// The explanation of safe mode, and its remedy.
 pub const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
     Take its power away and connect it again; if it comes back like this, flash its firmware.";
 
-/// Why Drive cannot act, and what helps.
+/// Why Drive cannot act, and its remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum Obstacle {
     #[error("No device is connected: press Connect first.")]
@@ -43,7 +43,7 @@ pub(crate) enum Obstacle {
     SafeMode,
     #[error("The plate has no table, so it cannot be driven: {0}")]
     NoTable(String),
-    #[error("The making of the plate's table was given up: press Make the table first.")]
+    #[error("The plate's table was cancelled: press Make the table first.")]
     TableGivenUp,
     #[error("The device holds no table, and the plate's is not made yet: wait, then upload it.")]
     TableUnfinished,

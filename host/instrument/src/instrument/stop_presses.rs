@@ -7,7 +7,7 @@ use slipline_link::Request;
 /// The second press counts within this time after the first, in seconds.
 const TWICE_S: f64 = 1.0;
 
-/// When STOP was pressed last.
+/// Time of the last press of STOP.
 #[derive(Default)]
 pub(crate) struct StopPresses {
     /// In seconds of the window's clock.
@@ -15,7 +15,7 @@ pub(crate) struct StopPresses {
 }
 
 impl StopPresses {
-    /// Takes a press; returns whether it is the second of two within [`TWICE_S`].
+    /// Records a press; returns whether it is the second of two within [`TWICE_S`].
     fn is_second(&mut self, now_s: f64) -> bool {
         let last_s = self.last_s.replace(now_s);
         last_s.is_some_and(|last_s| now_s - last_s <= TWICE_S)
@@ -32,11 +32,11 @@ impl Instrument {
         self.stop();
     }
 
-    /// Stops the drive for any source, and disarms a real device: the user alone drives again.
+    /// Stops the drive for every source and disarms a real device: only the user can drive again.
     pub fn stop(&mut self) {
         self.end_drive(Request::Stop);
-        // The simulated device stays armed: nothing real moves, and it is armed again without being asked. A device of
-        // another version takes no command but the stop.
+        // The simulated device stays armed: nothing real moves, and it would be armed again automatically. A
+        // device of another version accepts no command but the stop.
         let may_drive = self.snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
         if self.snapshot.is_connected() && !self.snapshot.is_simulated() && may_drive {
             self.link.send(Request::Disarm);
@@ -49,7 +49,7 @@ impl Instrument {
         self.link.send(Request::Disarm);
     }
 
-    /// Sends a stop; the drive is not wanted any more.
+    /// Sends a stop; the drive is no longer wanted.
     fn end_drive(&mut self, stop: Request) {
         self.autopilot.stopped();
         self.end_replay();

@@ -1,4 +1,4 @@
-//! An instrument on a simulated device in virtual time: what one frame costs, and whose word counts.
+//! An instrument on a simulated device in virtual time: the cost of a frame, and the precedence of sources.
 
 use super::*;
 use slipline_link::Sounding;
@@ -10,9 +10,9 @@ use std::rc::Rc;
 use std::thread::LocalKey;
 
 thread_local! {
-    /// Times that a chord was looked for.
+    /// Number of chords computed.
     pub(super) static CHORDS: Cell<u32> = const { Cell::new(0) };
-    /// Times that the field was solved.
+    /// Number of fields solved.
     pub(super) static FIELDS: Cell<u32> = const { Cell::new(0) };
 }
 
@@ -35,20 +35,20 @@ impl Link for Wired {
 
     fn snapshot(&self) -> Arc<Snapshot> {
         let loopback = self.0.loopback.borrow();
-        // The loopback counts none.
+        // The loopback does not count revisions.
         Arc::new(Snapshot { revision: loopback.samples(), ..loopback.view().clone() })
     }
 }
 
 impl Wire {
-    /// Lets the device go on for 10 ms, and the instrument after it.
+    /// Runs the device for 10 ms, then turns the instrument.
     fn turn(&self, instrument: &mut Instrument) {
         self.loopback.borrow_mut().pass(4_000, |_| ());
         instrument.take_reports();
         instrument.turn();
     }
 
-    /// What was sent of drives, stops and arming since the last call.
+    /// Drives, stops and arming requests since the last call.
     fn sent(&self) -> Vec<Request> {
         let mut sent = self.sent.take();
         sent.retain(|request| {
@@ -58,7 +58,7 @@ impl Wire {
     }
 }
 
-/// A membrane that is driven.
+/// An instrument that drives a membrane.
 fn driven() -> (Instrument, Rc<Wire>) {
     let loopback = RefCell::new(Loopback::connect(400_000).unwrap());
     let wire = Rc::new(Wire { loopback, sent: RefCell::default() });

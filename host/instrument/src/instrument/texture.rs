@@ -1,4 +1,4 @@
-//! The texture page: its draft is made while the page is open, what takes longer once the pointer is up.
+//! The texture page: its draft is computed while the page is open, and slow parts once the pointer is up.
 
 use super::shown::TextureScene;
 use super::{Instrument, Output, Page};
@@ -10,15 +10,15 @@ use slipline_model::texture::{Made, WishDraft, from_csv, from_png};
 use slipline_plate::Plate;
 use std::sync::Arc;
 
-/// What PNG files begin with.
+/// Signature at the start of PNG files.
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// The state of the texture page.
 pub(crate) struct Textures {
     draft: WishDraft,
-    /// The plate that the draft's places are of.
+    /// The plate to which the draft's places belong.
     plate: Arc<Plate>,
-    /// The latest wish that a job was asked for, and whether the rest of it was, too.
+    /// The latest wish for which a job was requested, and whether that included the slow parts.
     asked: Option<(TextureWish, bool)>,
     pub(crate) latest: Option<Textured>,
     is_given_up: bool,
@@ -35,13 +35,13 @@ impl Textures {
         self.is_given_up = false;
     }
 
-    /// The user does not wait for the draft any more.
+    /// Cancels the draft.
     pub(crate) fn give_up(&mut self) {
         self.is_given_up = true;
         self.asked = None;
     }
 
-    /// What was wanted last, if it is made.
+    /// The texture of the draft, if it is computed.
     fn current(&self) -> Option<&Textured> {
         let (asked, _) = self.asked.as_ref()?;
         self.latest.as_ref().filter(|latest| latest.wish == *asked)
@@ -58,7 +58,7 @@ impl Textures {
 }
 
 impl Instrument {
-    /// Asks for the texture of the draft while its page is open, and for the rest once the pointer is up.
+    /// Requests the texture of the draft while its page is open, and its slow parts once the pointer is up.
     pub(crate) fn update_texture(&mut self) {
         if !self.attention.is_texture_open {
             return;
@@ -92,7 +92,7 @@ impl Instrument {
         self.textures.current()?.result.as_ref().ok().cloned()
     }
 
-    /// Puts the texture that was made in the setup.
+    /// Puts the computed texture into the setup.
     pub fn play_texture(&mut self) {
         let Some(made) = self.made_texture() else { return };
         self.edit(&made.edit());
@@ -103,7 +103,7 @@ impl Instrument {
         }
     }
 
-    /// Has the texture that was made saved as a setup.
+    /// Has the shell save the computed texture as a setup.
     pub fn save_texture(&mut self) {
         let Some(made) = self.made_texture() else { return };
         match edit::apply(&self.setup, &made.edit()) {
@@ -115,7 +115,7 @@ impl Instrument {
         }
     }
 
-    /// Draws the texture by a profile from a file, and opens its page.
+    /// Draws the texture from a profile file, and opens its page.
     pub fn take_profile(&mut self, name: &str, bytes: &[u8]) {
         let profile = if bytes.starts_with(PNG_SIGNATURE) {
             from_png(bytes, self.setup.plate.length_m())

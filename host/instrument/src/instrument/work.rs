@@ -15,7 +15,8 @@ use slipline_model::jobs::texture::{self, TextureJob, Textured};
 use slipline_model::waveform::{self, Waveform, WaveformJob};
 use std::io;
 
-/// A line for each kind of work: its meaning, its queue, the job and its result, the name of its thread, and the work.
+/// One line per kind of work: its meaning, its queue, the job and its result, the name of its thread, and the
+/// work.
 macro_rules! jobs {
     ($(#[doc = $meaning:literal] $queue:ident: $job:ty => $done:ty, $thread:literal, $work:expr;)*) => {
         /// Work that takes longer than a frame. The shell decides where it runs: on threads, in workers, or at once.
@@ -54,7 +55,7 @@ jobs! {
     textures: TextureJob => Textured, "texture", texture::work;
     /// Compares measurements with the plate's model.
     comparisons: CompareJob => Compared, "compare", compare::work;
-    /// Recordings of the sweep, read.
+    /// Reads recordings of the sweep.
     recordings: RecordedJob => Recorded, "recorded", recorded::work;
     /// Fits plates to measurements.
     calibrations: CalibrateJob => CalibrateDone, "calibrate", calibrate::work;

@@ -1,4 +1,4 @@
-//! A calibration by two places of a sensor, in the background.
+//! A calibration from two places of a sensor, in the background.
 
 use crate::calibration::remedy::Remedy;
 use slipline_model::jobs::Task;
@@ -8,19 +8,19 @@ use slipline_plate::calibrate::{
 };
 use std::sync::Arc;
 
-/// The share of the work that the fit is.
+/// Share of the fit in the progress.
 const FIT_SHARE: f64 = 0.9;
 
-/// What is known of a plate, and what the sensor answered at two places of it.
+/// Known dimensions of a plate, and the sensor's responses at two places.
 #[derive(Clone, Debug)]
 pub struct CalibrateJob {
-    /// The plate as its file tells it.
+    /// The plate as its file states it.
     pub plate: Arc<Plate>,
-    /// What calipers say of it.
+    /// Its caliper measurements.
     pub calipers: Option<Calipers>,
-    /// The answers at the first and at the second place.
+    /// The responses at the first and at the second place.
     pub sensors: [Arc<Measurement>; 2],
-    /// The rate of the device whose table is judged, in Hz.
+    /// Sample rate of the device whose table is judged, in Hz.
     pub sample_rate_hz: f64,
 }
 
@@ -33,18 +33,18 @@ impl PartialEq for CalibrateJob {
     }
 }
 
-/// The plate that comes of it.
+/// The calibrated plate.
 #[derive(Clone, Debug)]
 pub struct CalibrationResult {
     /// The plate with its intervals.
     pub calibrated: Calibrated,
     /// The same plate, as a setup holds it.
     pub plate: Arc<Plate>,
-    /// What the table of the file would do on it.
+    /// Errors of the file's table on the calibrated plate.
     pub before: Departure,
 }
 
-/// Why there is none.
+/// A refused calibration.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused {
     /// The reason.
@@ -56,13 +56,14 @@ pub struct Refused {
 /// The result.
 #[derive(Clone, Debug)]
 pub struct CalibrateDone {
-    /// What was asked.
+    /// The job.
     pub job: CalibrateJob,
-    /// The plate, or why there is none.
+    /// The calibrated plate, or why it was refused.
     pub result: Result<Arc<CalibrationResult>, Refused>,
 }
 
-/// The work of the thread. The fit is not interrupted; `None` when the task was over before or after it.
+/// The work of the thread. The fit cannot be interrupted; `None` if the task was cancelled before or during
+/// it.
 #[must_use]
 pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
     if !task.report(0.0) {

@@ -8,20 +8,20 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::Measurement;
 use std::sync::Arc;
 
-/// A recording, and what was told of it.
+/// A recording and its metadata.
 #[derive(Clone, Debug)]
 pub struct RecordedJob {
-    /// The plate it is of.
+    /// The plate that was recorded.
     pub plate: Arc<Plate>,
     /// The recording.
     pub wav: Arc<Wav>,
-    /// What was played.
+    /// The sweep that was played.
     pub sweep: Arc<PlayedSweep>,
-    /// Where the sensor stood, what it showed, and its channel.
+    /// Place and kind of the sensor, and its channel.
     pub metadata: RecordingMetadata,
 }
 
-/// The measurement and what is to be told of it, in sentences; or why there is none.
+/// The measurement with its notes as sentences; or why the recording was refused.
 pub type Recorded = Result<(Measurement, Vec<String>), ForeignError>;
 
 /// The work of the thread: less than a second for the usual recording.

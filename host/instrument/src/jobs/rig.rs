@@ -1,4 +1,4 @@
-//! The rig of a simulated device, put together in the background: it takes up to a second.
+//! The rig of a simulated device, put together in the background; this takes up to a second.
 
 use crate::rig::{PreparedRig, RigError, RigOptions};
 use slipline_model::jobs::Task;
@@ -9,22 +9,23 @@ use std::sync::Arc;
 /// A rig to put together.
 #[derive(Clone, Debug)]
 pub struct RigJob {
-    /// The plate that is really there.
+    /// The plate of the rig.
     pub truth: Arc<Plate>,
-    /// What the sensor shows.
+    /// The quantity that the sensor shows.
     pub sensor: SensorKind,
-    /// Where it stands, metres from the driven end.
+    /// Sensor place, metres from the driven end.
     pub place_m: f64,
     /// The device's sample rate in Hz.
     pub sample_rate_hz: f64,
-    /// What the end of the input's range stands for, in the sensor's unit; `None` leaves room over what the plate does.
+    /// Sensor value at the end of the input's range, in the sensor's unit; `None` leaves headroom above the
+    /// plate's response.
     pub full_scale: Option<f64>,
     /// A finger that rests on the plate.
     pub finger: Option<Finger>,
 }
 
 impl RigJob {
-    /// Whether a rig of this job serves that one, too: only its sensor has to be moved.
+    /// Whether a rig of this job can serve the other one by moving its sensor.
     #[must_use]
     pub fn serves(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.truth, &other.truth)
@@ -37,13 +38,13 @@ impl RigJob {
 /// The result.
 #[derive(Clone, Debug)]
 pub struct RigPrepared {
-    /// What was asked.
+    /// The job.
     pub job: RigJob,
-    /// The rig, or why there is none.
+    /// The rig, or the error.
     pub result: Result<PreparedRig, RigError>,
 }
 
-/// The work of the thread. It is not interrupted; `None` when the task was over before or after it.
+/// The work of the thread. It cannot be interrupted; `None` if the task was cancelled before or during it.
 #[must_use]
 pub fn work(job: RigJob, task: &Task) -> Option<RigPrepared> {
     if !task.report(0.0) {

@@ -1,11 +1,11 @@
-//! A measurement that begins only if quiet tones have told that the drive is on.
+//! A measurement that begins only after a check with quiet tones has found that the drive is on.
 
 use super::dialogue::Dialogue;
 use super::drive_checking::DriveChecking;
 use super::error::MeasureError;
 use super::procedure::Procedure;
 
-/// What the check is of the whole, in the progress.
+/// Share of the check in the progress.
 const SHARE: f64 = 0.2;
 
 /// A procedure after a check of the drive.
@@ -15,7 +15,7 @@ pub struct AfterCheck<P> {
 }
 
 impl<P: Procedure> AfterCheck<P> {
-    /// The procedure after this check; at once if there is none, because nothing is known of the drive.
+    /// Runs the procedure after this check; at once without a check, where the drive circuit is not known.
     pub const fn new(checking: Option<DriveChecking>, procedure: P) -> Self {
         Self { checking, procedure }
     }

@@ -1,13 +1,13 @@
-//! From what the lock-ins told to a measurement: responses, their noise, the headroom of the input, and what is to be told about
-//! them.
+//! Evaluation of the lock-ins' results: responses, their noise, the headroom of the input, and warnings.
 //!
-//! The codes of full scale are 2048 to both sides. With an answer of `b sin(p + s)` codes to a tone of the amplitude a (1 = full
-//! scale) the response is H = b/(2048 a) e^(-js) e^(-j omega t0): a positive argument is a lag here. t0 is how much the
-//! device itself lags: half a sample, by the DAC's hold, less how long after its code's beginning an input is held. The hold's
-//! droop stays in H, as [`Measurement::sample_rate_hz`] tells.
+//! Full scale is 2048 codes to both sides. If the input measures `b sin(p + s)` codes for a tone of amplitude
+//! a (1 = full scale), the response is H = b/(2048 a) e^(-js) e^(-j omega t0); a positive argument of H is a
+//! lag. t0 is the device's own lag: half a sample by the DAC's hold, minus the time from the code's beginning
+//! to the sampling of the input. The hold's droop stays in H, as stated at [`Measurement::sample_rate_hz`].
 //!
-//! The noise is that of a window without tones, at the frequencies of the first comb: the root of the mean square of the five
-//! nearest. It falls with the root of a window's length. Rounding to codes leaves 1/sqrt(12) of one at least.
+//! The noise is measured in a window without tones, at the frequencies of the first comb: the RMS of the five
+//! frequencies nearest to a point. It falls with the square root of the window's length. Rounding to codes
+//! contributes at least 1/sqrt(12) code.
 
 use super::error::MeasureError;
 use super::loudness::Tone;
@@ -19,34 +19,34 @@ use slipline_plate::check::Colour;
 use slipline_plate::number_format::with_decimals;
 use std::f64::consts::TAU;
 
-/// Codes of an input from mid-scale to the end.
+/// Codes of an input from mid-scale to the end of its range.
 pub(super) const CODES: f64 = 2048.0;
 /// The last code of an input.
 pub(super) const LAST_CODE: u16 = 4095;
-/// An answer below this multiple of its noise is a weak one.
+/// A response below this multiple of its noise is weak.
 const WEAK: f64 = 10.0;
-/// Noise at an input below which the codes of weak tones stand still, codes RMS.
+/// Noise of an input below which weak tones do not change its codes, codes RMS.
 const DITHER: f64 = 0.4;
-/// Tones whose noise makes up that of a frequency.
+/// Number of noise frequencies averaged at a point.
 const NEIGHBOURS: usize = 5;
 
-/// The sensor that is measured.
+/// The measured sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensor {
     /// Its place, metres from the driven end.
     pub place_m: f64,
-    /// What it shows.
+    /// The quantity that it shows.
     pub kind: SensorKind,
     /// The device's input, from 0.
     pub input: u8,
 }
 
 impl Sensor {
-    /// How much later than the codes the answers are for the device's own reasons, seconds: the DAC holds each code for a sample,
-    /// half a sample on average, and the inputs are sampled `delay_ns` after the code is at its pin.
+    /// The device's own lag from codes to samples of an input, seconds: the DAC holds each code for a sample,
+    /// which is half a sample on average, and the inputs are sampled `delay_ns` after the code is at its pin.
     ///
     /// # Errors
-    /// [`MeasureError::NoInputs`] if the device has not as many inputs.
+    /// [`MeasureError::NoInputs`] if the device does not have this input.
     pub(super) fn lag_s(&self, inputs: &InputsReport, rate_hz: f64) -> Result<f64, MeasureError> {
         if self.input >= inputs.inputs {
             return Err(MeasureError::NoInputs);
@@ -55,12 +55,12 @@ impl Sensor {
     }
 }
 
-/// The answers of a window.
+/// The lock-ins' results of one window.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Window {
     /// The tones that sounded.
     pub(super) tones: Vec<Tone>,
-    /// Amplitude in codes and lead of each answer, as `b exp(js)`.
+    /// Amplitude in codes and lead of each tone at the input, as `b exp(js)`.
     pub(super) answers: Vec<Complex64>,
     /// The window's length, samples.
     pub(super) samples: u64,
@@ -69,7 +69,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// How far the input stayed below its full scale, dB; 0 where it is clipped.
+    /// Headroom of the input, dB; 0 where it is clipped.
     fn headroom_db(&self) -> f64 {
         let (lowest, highest) = self.span;
         if lowest == 0 || highest >= LAST_CODE {
@@ -80,34 +80,34 @@ impl Window {
     }
 }
 
-/// What is to be told of a measurement.
+/// A warning about a measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Warning {
     /// An input was at the end of its range.
     Clipped {
-        /// At so many frequencies.
+        /// Number of frequencies.
         count: usize,
     },
-    /// Less than 6 dB were free.
+    /// Less than 6 dB of headroom.
     Loud {
-        /// The least free amplitude, dB.
+        /// The smallest headroom, dB.
         headroom_db: f64,
     },
-    /// More than 40 dB were free.
+    /// More than 40 dB of headroom.
     Quiet {
-        /// The least free amplitude, dB.
+        /// The smallest headroom, dB.
         headroom_db: f64,
     },
-    /// Some answers do not stand out of the noise by 20 dB.
+    /// Some responses are less than 20 dB above the noise.
     Weak {
-        /// So many.
+        /// Their number.
         count: usize,
-        /// Of so many.
+        /// The number of all points.
         of: usize,
     },
     /// The input's code never changed.
     Stuck,
-    /// The input has too little noise for weak tones to move its codes.
+    /// The input has so little noise that weak tones do not change its codes.
     NoDither {
         /// Its noise, codes RMS.
         codes: f64,
@@ -115,7 +115,7 @@ pub enum Warning {
 }
 
 impl Warning {
-    /// What it means and what helps, in a sentence.
+    /// The warning and its remedy as a sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let decibel = |value: f64| format!("{} dB", with_decimals(value, 1));
@@ -147,16 +147,16 @@ impl Warning {
     }
 }
 
-/// A measurement and what is to be told of it.
+/// A measurement and its warnings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// The responses; 1 is the input's full scale over the DAC's.
     pub measurement: Measurement,
-    /// The least free amplitude of the input, dB.
+    /// The smallest headroom of the input, dB.
     pub headroom_db: f64,
     /// The noise of the input, codes RMS.
     pub noise_codes: f64,
-    /// What is to be told, the worst first.
+    /// The warnings, the worst first.
     pub warnings: Vec<Warning>,
 }
 
@@ -167,14 +167,14 @@ impl Measured {
         light(self.headroom_db)
     }
 
-    /// From the windows of all combs, and of the one without tones. `lag_s` is the device's own.
+    /// Evaluates the windows of all combs and the window without tones. `lag_s` is the device's own lag.
     pub(super) fn of(sensor: &Sensor, rate_hz: f64, lag_s: f64, quiet: &Window, windows: &[Window]) -> Self {
         let mut points = Vec::new();
         for window in windows {
             let headroom_db = window.headroom_db();
             for (tone, answer) in window.tones.iter().zip(&window.answers) {
                 let codes = noise_codes(quiet, tone.frequency_hz).max(12_f64.sqrt().recip());
-                // Of each part of b, by the mean of so many samples times a sine.
+                // The noise of each part of b, which is a mean of that number of samples times a sine.
                 let noise = codes * (2.0 / window.samples as f64).sqrt();
                 let scale = (CODES * tone.amplitude).recip();
                 points.push(MeasuredPoint {
@@ -193,7 +193,7 @@ impl Measured {
         Self::judged(sensor, rate_hz, points, noise_codes, is_stuck)
     }
 
-    /// What is to be told of these points; the noise is that of an input's codes.
+    /// Judges these points; the noise is that of an input's codes.
     pub(super) fn judged(
         sensor: &Sensor,
         rate_hz: f64,

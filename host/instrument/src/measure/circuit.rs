@@ -1,19 +1,20 @@
-//! The circuit from the DAC to the drive as data sheets tell it: how its numbers are typed, and what they may be.
+//! The circuit from the DAC to the drive, by its data sheets: parsing of its values, and their allowed
+//! ranges.
 
 use slipline_plate::quantity::{QuantityError, Range, plain};
 
-/// How far a resistance or a capacitance may be from a data sheet's, as a share of it.
+/// Accepted deviation of a resistance or a capacitance from its data sheet, relative.
 pub const TOLERANCE: f64 = 0.25;
-/// The amplitude of the amplifier's voltage at the DAC's full scale.
+/// Allowed amplitudes of the amplifier's voltage at the DAC's full scale.
 pub const AMPLIFIER: Range = Range::new(1e-3, 1e4, "V");
-/// The resistance of a voice coil.
+/// Allowed resistances of a voice coil.
 pub const COIL: Range = Range::new(0.01, 1e5, "ohm");
-/// The capacitance of a piezo.
+/// Allowed capacitances of a piezo.
 pub const PIEZO: Range = Range::new(1e-13, 1e-2, "F");
-/// The current at the end of the range of the input behind the shunt.
+/// Allowed currents at the end of the range of the shunt's input.
 pub const SHUNT: Range = Range::new(1e-9, 1e3, "A");
 
-/// A number with one of these units, or in the last of them.
+/// Parses a number with one of these units; a number alone is in the last unit.
 fn in_units(text: &str, units: &[(&'static str, f64)], unit: &'static str) -> Result<f64, QuantityError> {
     match units.iter().find(|(unit, _)| text.trim_end().ends_with(unit)) {
         Some((unit, scale)) => plain(text, unit).map(|number| number * scale),
@@ -21,7 +22,7 @@ fn in_units(text: &str, units: &[(&'static str, f64)], unit: &'static str) -> Re
     }
 }
 
-/// A voltage (`2 V`, `250mV`), in volts.
+/// Parses a voltage (`2 V`, `250mV`), in volts.
 ///
 /// # Errors
 /// [`QuantityError`]: no number, or another unit.
@@ -29,7 +30,7 @@ pub fn volt(text: &str) -> Result<f64, QuantityError> {
     in_units(text, &[("mV", 1e-3), ("kV", 1e3)], "V")
 }
 
-/// A resistance (`4ohm`, `1.2 kohm`), in ohm.
+/// Parses a resistance (`4ohm`, `1.2 kohm`), in ohms.
 ///
 /// # Errors
 /// [`QuantityError`]: no number, or another unit.
@@ -37,7 +38,7 @@ pub fn ohm(text: &str) -> Result<f64, QuantityError> {
     in_units(text, &[("mohm", 1e-3), ("kohm", 1e3)], "ohm")
 }
 
-/// A capacitance (`220 nF`), in farad.
+/// Parses a capacitance (`220 nF`), in farads.
 ///
 /// # Errors
 /// [`QuantityError`]: no number, or another unit.
@@ -45,7 +46,7 @@ pub fn farad(text: &str) -> Result<f64, QuantityError> {
     in_units(text, &[("pF", 1e-12), ("nF", 1e-9), ("uF", 1e-6), ("µF", 1e-6), ("mF", 1e-3)], "F")
 }
 
-/// A current (`1.65 A`, `500mA`), in ampere.
+/// Parses a current (`1.65 A`, `500mA`), in amperes.
 ///
 /// # Errors
 /// [`QuantityError`]: no number, or another unit.

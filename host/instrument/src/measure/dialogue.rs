@@ -10,10 +10,10 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::task::Poll;
 
-/// How often the device is asked how far it is until the codes are known that it has played by then.
+/// Status requests to the device, at most, until the codes that it has played are known.
 const LOOKS: u32 = 400;
 
-/// One procedure's dialogue with a device. All clones are the same one.
+/// One procedure's dialogue with a device. Clones share it.
 #[derive(Clone, Default)]
 pub struct Dialogue(Rc<RefCell<State>>);
 
@@ -21,25 +21,25 @@ pub struct Dialogue(Rc<RefCell<State>>);
 struct State {
     asked: Option<Request>,
     outcome: Option<Outcome>,
-    /// The device's sample index, by its last status.
+    /// The device's sample index in its last status.
     now: u64,
     codes: Option<Codes>,
     /// The plate's own table, while the device may hold another.
     own_table: Option<Arc<DeviceTable>>,
     progress: Progress,
     is_checking: bool,
-    /// Whether the last request was a stop, and was done.
+    /// Whether the last request was a stop and has been carried out.
     is_silent: bool,
 }
 
-/// How far a procedure is, in samples.
+/// Progress of a procedure, in samples.
 #[derive(Clone, Copy)]
 struct Progress {
     done: u64,
     all: u64,
-    /// What is under way: from which sample on, and how many.
+    /// First sample and number of samples of the present step.
     running: Option<(u64, u64)>,
-    /// The part of the whole, each 0 to 1.
+    /// The part of the whole, from share to share, each 0 to 1.
     part: (f64, f64),
 }
 
@@ -50,7 +50,7 @@ impl Default for Progress {
 }
 
 impl Dialogue {
-    /// Sends a request; its outcome.
+    /// Sends a request and returns its outcome.
     pub(super) async fn ask(&self, request: Request) -> Outcome {
         {
             let mut state = self.0.borrow_mut();
@@ -59,20 +59,22 @@ impl Dialogue {
         poll_fn(|_| self.0.borrow_mut().outcome.take().map_or(Poll::Pending, Poll::Ready)).await
     }
 
-    /// Sends a request; the sample index from which it shows. Any outcome but done is an error.
+    /// Sends a request and returns the sample index at which its effect begins. Any outcome except done is an
+    /// error.
     pub(super) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
         let outcome = self.ask(request).await;
         if let Outcome::Done { at } = outcome { Ok(at) } else { Err(ended_by(&outcome)) }
     }
 
-    /// Stops whatever sounds.
+    /// Stops the drive.
     pub(super) async fn stop(&self) -> Result<(), MeasureError> {
         self.done(Request::Stop).await?;
         self.0.borrow_mut().is_silent = true;
         Ok(())
     }
 
-    /// Has the device hold a table that is not its own, which it gets back at the end; the sample index from which it does.
+    /// Uploads another table, which is replaced by the device's own at the end; returns the sample index from
+    /// which it is in force.
     pub(super) async fn lend(
         &self,
         table: &Arc<DeviceTable>,
@@ -82,7 +84,7 @@ impl Dialogue {
         self.done(Request::Upload(Arc::clone(table))).await
     }
 
-    /// Waits until the device is past a sample.
+    /// Waits until the device has passed a sample.
     pub(super) async fn past(&self, sample: u64) -> Result<(), MeasureError> {
         while self.now() <= sample {
             self.done(Request::Refresh).await?;
@@ -90,7 +92,7 @@ impl Dialogue {
         Ok(())
     }
 
-    /// The codes that the device plays from a sample on, once they are known.
+    /// The codes that the device plays from a sample on; waits until they are known.
     pub(super) async fn codes(&self, from: u64, count: u64) -> Result<Vec<u16>, MeasureError> {
         let mut looks = 0;
         loop {
@@ -105,23 +107,25 @@ impl Dialogue {
         }
     }
 
-    /// The device's sample index, by its last status.
+    /// The device's sample index in its last status.
     pub(super) fn now(&self) -> u64 {
         self.0.borrow().now
     }
 
-    /// Replays what the device plays from now on; the latest `samples` codes are kept.
+    /// Starts a replay of the device's codes; the latest `samples` codes are kept.
     pub(super) fn replay(&self, samples: u64) {
         self.0.borrow_mut().codes = Some(Codes::new(samples));
     }
 
-    /// `done` samples of `all` are over; `running` has the first sample and the number of samples of what is under way.
+    /// Sets the progress: `done` of `all` samples; `running` has the first sample and the number of samples
+    /// of the present step.
     pub(super) fn mark(&self, done: u64, all: u64, running: Option<(u64, u64)>) {
         let progress = &mut self.0.borrow_mut().progress;
         *progress = Progress { done, all, running, ..*progress };
     }
 
-    /// What comes now is this part of the whole, from share to share; whether it checks the drive.
+    /// Declares that the next step is this part of the whole, from share to share, and whether it checks the
+    /// drive.
     pub(super) fn part(&self, from: f64, to: f64, is_checking: bool) {
         let mut state = self.0.borrow_mut();
         state.progress = Progress { part: (from, to), ..Progress::default() };

@@ -1,7 +1,8 @@
-//! "Is it on?": quiet tones far below the plate's cut-off, and what the current through the drive tells of it.
+//! Check whether the drive is on, with quiet tones far below the plate's cut-off, by the current through the
+//! drive.
 //!
 //! ```text
-//! Plan::of_drive --Measuring--> current --check_drive--> too quiet to tell? louder, up to a tenth of full scale, and longer
+//! Plan::of_drive --Measuring--> current --check_drive--> too weak to judge? louder, up to a tenth of full scale, and longer
 //!                                                    \-> DriveCheck: on, open, shorted, no amplifier, another drive
 //! ```
 
@@ -17,18 +18,18 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, Measurement, SensorKind, check_drive};
 use std::sync::Arc;
 
-/// The device's input that samples the current of the drive: the shunt.
+/// The device's input that samples the current through the drive, by a shunt.
 pub const CURRENT_INPUT: u8 = 1;
-/// What the first tones together are of full scale: -40 dB.
+/// Sum of the first tones' amplitudes, as a share of full scale: -40 dB.
 const QUIET: f64 = 0.01;
-/// What they are at most: -20 dB.
+/// Largest sum of the amplitudes: -20 dB.
 const LOUDEST: f64 = 0.1;
-/// How much louder than what is told to be just enough, dB.
+/// Margin added to the level or window that would just suffice, dB.
 const ROOM_DB: f64 = 2.0;
 /// Shortest and longest window, seconds.
 const WINDOW_S: (f64, f64) = (0.1, 2.0);
 
-/// How loud the tones are, and for how long they are measured.
+/// Level of the tones, and length of their window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Effort {
     level: f64,
@@ -38,7 +39,8 @@ struct Effort {
 impl Effort {
     const FIRST: Self = Self { level: QUIET, window_s: WINDOW_S.0 };
 
-    /// So many dB more of signal over noise: first by the level, then by the window; nothing if there is no more.
+    /// Raises signal over noise by this number of dB: first the level, then the window; `None` if both are at
+    /// their limits.
     fn more(self, louder_db: f64) -> Option<Self> {
         if self.level >= LOUDEST && self.window_s >= WINDOW_S.1 {
             return None;
@@ -51,29 +53,29 @@ impl Effort {
     }
 }
 
-/// The sensor that is the shunt: its place and its kind do not count.
+/// The shunt as a sensor; its place and kind are not used.
 #[must_use]
 pub const fn current_sensor() -> Sensor {
     Sensor { place_m: 0.0, kind: SensorKind::Displacement, input: CURRENT_INPUT }
 }
 
-/// What a drive is told to be, and what its current is in the device's input.
+/// The drive circuit by its data sheets, and the scale of its current in the device's input.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KnownDrive {
-    /// From the code to the drive.
+    /// The circuit from the code to the drive.
     pub circuit: DriveCircuit,
-    /// The current at the end of the input's range, ampere.
+    /// Current at the end of the input's range, ampere.
     pub full_scale_a: f64,
 }
 
-/// What was found of a drive.
+/// Result of a drive check.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CheckedDrive {
     /// Its state.
     pub check: DriveCheck,
-    /// The current that tells it, ampere per code.
+    /// The measured current, ampere per code.
     pub current: Measurement,
-    /// What the tones together were of full scale.
+    /// Sum of the tones' amplitudes, as a share of full scale.
     pub level: f64,
 }
 
@@ -87,7 +89,8 @@ pub struct DriveChecking {
 }
 
 impl DriveChecking {
-    /// A check with a device that must be armed and hold `table`, that of `plate`; its inputs are reported as `inputs`.
+    /// A check with a device that must be armed and hold `table`, the table of `plate`; `inputs` is the
+    /// device's report of its inputs.
     ///
     /// # Errors
     /// [`MeasureError::NoInputs`] if it has no input for the current.

@@ -12,37 +12,37 @@ pub enum MeasureError {
     #[error("{}", .0.in_suitable_units())]
     OutOfRange(#[from] OutOfRange),
     /// The device cannot measure.
-    #[error("this device has no input that is measured: its firmware or its board has none")]
+    #[error("this device has no input for measurements: its firmware or its board has none")]
     NoInputs,
-    /// More points than the band has room for.
+    /// The band has no room for this number of points.
     #[error("{points} frequencies from {} to {} are too close to be separated: ask for fewer, or for a wider band", show_frequency(*.low_hz), show_frequency(*.high_hz))]
     Crowded {
-        /// How many were asked for.
+        /// Number of points.
         points: usize,
         /// Lowest, Hz.
         low_hz: f64,
         /// Highest, Hz.
         high_hz: f64,
     },
-    /// The plate rings for too long for a sweep.
+    /// The plate rings too long for a sweep.
     #[error("the plate rings for {} s, too long for a sweep over this band: measure it by steps, or over a narrower band", with_decimals(*.seconds, 2))]
     Rings {
-        /// For so long.
+        /// Its ringing time.
         seconds: f64,
     },
-    /// What the device has played is not known code by code.
+    /// The codes that the device has played are not completely known.
     #[error("it is not known which codes the device has played: the link lost some of its reports")]
     Unknown,
-    /// The same sweep was not played twice.
+    /// The two sweeps were not played alike.
     #[error("the device turned its tones down between two sweeps: let it cool, or lower the level")]
     TurnedDown,
-    /// No device takes the table of the sweep.
+    /// The table of the sweep is not valid for a device.
     #[error(transparent)]
     Table(#[from] DeviceTableError),
     /// The device or the link refused a step.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// The link answered something else.
+    /// The link returned another outcome.
     #[error("the device does not measure: its firmware is too old")]
     TooOld,
     /// The link was lost.
@@ -51,22 +51,22 @@ pub enum MeasureError {
     /// The device stopped the tones; the text names its faults.
     #[error("the device stopped: {0}")]
     Fault(String),
-    /// Something else was played meanwhile.
+    /// Another drive was played meanwhile.
     #[error("the tones were stopped before they were measured")]
     Stopped,
-    /// Blocks of the inputs were lost again and again.
+    /// Blocks of the inputs were lost repeatedly.
     #[error("the inputs lost samples in {tries} windows one after the other: is the processor overloaded?")]
     Overrun {
-        /// How often the same comb was tried.
+        /// Number of attempts with the same comb.
         tries: u32,
     },
-    /// The drive is not on, or not the told one.
+    /// The drive is not on, or is not the stated one.
     #[error("{0}")]
     NotOn(DriveCheck),
-    /// The user gave it up.
+    /// The user cancelled it.
     #[error("cancelled")]
     Cancelled,
-    /// What was measured is no measurement.
+    /// The measured data are not a valid measurement.
     #[error(transparent)]
     Measurement(#[from] CalibrateError),
 }

@@ -1,34 +1,34 @@
-//! How loud the tones of a comb are: their amplitudes by the device's table, and phases that keep their sum low.
+//! Amplitudes of the tones of a comb by the device's table, and phases that keep their sum low.
 
 use super::plan::Comb;
 use slipline_link::DeviceTable;
 use slipline_link::protocol::table::Knot;
 use slipline_link::protocol::units::Gain;
 
-/// Levels on the wire from 0 to 1.
+/// Largest level on the wire, which stands for 1.
 const LEVELS: f64 = 65_535.0;
-/// Turns of a knot's step.
+/// Turns per unit of a knot's phase step.
 const STEP_TURNS: f64 = 1.0 / 4_294_967_296.0;
 
 /// A tone of a comb as it is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tone {
     pub(super) frequency_hz: f64,
-    /// Relative to the table's full scale.
+    /// Level relative to the table's full scale.
     pub(super) level: f64,
-    /// At its start, turns.
+    /// Phase at its start, turns.
     pub(super) phase_turns: f64,
-    /// At the DAC, as a share of full scale.
+    /// Amplitude at the DAC, as a share of full scale.
     pub(super) amplitude: f64,
 }
 
-/// The tones of a comb: all with the same peak on the plate, whose amplitudes add up to `level` at most, and none of which is
-/// above `level` itself.
+/// The tones of a comb: all have the same peak on the plate, their amplitudes add up to at most `level`, and
+/// none has a level above `level`.
 pub(super) fn tones(comb: &Comb, table: &DeviceTable, rate_hz: f64, level: f64) -> Vec<Tone> {
     let gains: Vec<(f64, f64)> =
         comb.frequencies_hz(rate_hz).map(|hz| (hz, gain(table, hz / rate_hz))).collect();
     let sum: f64 = gains.iter().map(|(_, gain)| gain).sum();
-    // Rounded down, so that no rounding takes the sum over.
+    // Rounded down, so that rounding cannot raise the sum above the level.
     let each = ((level / sum.max(1.0)) * LEVELS).floor().max(1.0) / LEVELS;
     let count = gains.len() as f64;
     let tone = |(place, (frequency_hz, gain)): (usize, (f64, f64))| Tone {
@@ -41,7 +41,8 @@ pub(super) fn tones(comb: &Comb, table: &DeviceTable, rate_hz: f64, level: f64) 
     gains.into_iter().enumerate().map(tone).collect()
 }
 
-/// The table's gain at so many turns a sample, that of its end beyond it, as the device takes it.
+/// The table's gain at a frequency in turns per sample; beyond the table that of its nearer end, as in the
+/// device.
 pub(super) fn gain(table: &DeviceTable, turns: f64) -> f64 {
     let of = |gain: Gain| f64::from(gain.0) / f64::from(Gain::FULL.0);
     if let Some(place) = table.place_of_turns(turns) {

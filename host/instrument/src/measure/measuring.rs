@@ -20,7 +20,7 @@ use slipline_link::{
 use slipline_plate::Complex64;
 use std::sync::Arc;
 
-/// The master level of a comb that is not heard: its amplitude is far below a code, and its phases run.
+/// Master level of a silent comb: its amplitude is far below a code while its phases run.
 const SILENT_DB: f64 = -96.0;
 
 /// A measurement.
@@ -29,17 +29,18 @@ pub struct Measuring {
     table: Arc<DeviceTable>,
     sensor: Sensor,
     lag_s: f64,
-    /// What the travel leaves of the level.
+    /// Factor on the level by which the tones stay within the actuator's travel.
     scale: f64,
     quiet: Option<Window>,
     windows: Vec<Window>,
 }
 
 impl Measuring {
-    /// A measurement with a device that must be armed and hold `table`; its inputs are reported as `inputs`.
+    /// A measurement with a device that must be armed and hold `table`; `inputs` is the device's report of
+    /// its inputs.
     ///
     /// # Errors
-    /// [`MeasureError::NoInputs`] if it has not as many inputs.
+    /// [`MeasureError::NoInputs`] if it does not have the sensor's input.
     pub fn new(
         plan: Plan,
         table: Arc<DeviceTable>,
@@ -50,12 +51,12 @@ impl Measuring {
         Ok(Self { plan, table, sensor, lag_s, scale: 1.0, quiet: None, windows: Vec::new() })
     }
 
-    /// Measures with a comb: the noise first, with the first one, silent.
+    /// Measures one comb; with the first comb it measures the noise before, at the silent level.
     async fn window(&mut self, dialogue: &Dialogue, comb: &Comb) -> Result<Window, MeasureError> {
         let combs = self.plan.combs.iter().take(self.windows.len());
         let done: u64 = combs.map(|comb| self.plan.samples_of(comb)).sum();
         let done = done + self.quiet.as_ref().map_or(0, |_| self.plan.quiet_samples());
-        // Silence need not settle.
+        // A silent comb need not settle.
         let settle = self.quiet.as_ref().map_or(0, |_| comb.settle_samples);
         let until_window = self.plan.rise_samples(comb) + settle;
         let mut tries = Tries::default();
@@ -75,7 +76,7 @@ impl Measuring {
             dialogue.mark(done, self.plan.samples(), Some(running));
             let mut heard = dialogue.ask(self.listen(comb, Some(at + until_window))).await;
             if is_late(&heard) {
-                // All tones had settled at that sample, so they have now.
+                // All tones had settled at the missed sample, so they have now.
                 heard = dialogue.ask(self.listen(comb, None)).await;
             }
             let Outcome::Listened(listened) = &heard else {
@@ -105,13 +106,13 @@ impl Measuring {
         }))
     }
 
-    /// A window from a sample on; without one from now on.
+    /// Requests a window from a sample on; with `None`, from now on.
     fn listen(&self, comb: &Comb, from: Option<u64>) -> Request {
         Request::Listen(ListenRequest {
             from,
             blocks: comb.period_blocks,
             shape: WindowShape::Rectangular,
-            // As many bits as tones, 16 at most.
+            // One bit per tone, 16 at most.
             slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
             input: self.sensor.input,
         })

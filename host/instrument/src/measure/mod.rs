@@ -1,4 +1,4 @@
-//! Measuring a plate with the device's own inputs: which tones, how loud, for how long, and what the answers tell.
+//! Measurement of a plate with the device's own inputs: choice of tones, levels and times, and evaluation.
 //!
 //! ```text
 //! Plate, Wanted --Plan------> combs --Measuring--> requests to the link
@@ -8,7 +8,8 @@
 //!                --PlayedSweep-> two of them ---Playing--> a recorder's WAV file --HeardSweep--> responses
 //! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on --AfterCheck--> Measuring
 //! ```
-//! Each is a [`Procedure`]: it knows no clock and no port, so the command line, the app and the tests [`Run`] the same steps.
+//! Each is a [`Procedure`] without a clock and a port, so the command line, the app and the tests [`Run`] the
+//! same steps.
 
 mod after_check;
 mod answers;

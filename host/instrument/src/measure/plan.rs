@@ -1,14 +1,17 @@
-//! Which tones are played to measure a plate, in which combs, and for how long.
+//! Plan of a measurement: its tones, their combs, and the time of each.
 //!
-//! A comb is up to 16 multiples of one base frequency f0 = 1/T, so that a window of the length T tells its tones apart exactly,
-//! by their distances and by their sums. The wanted frequencies are uniform in the logarithm. With K combs the first one gets
-//! the 1st, (K+1)th, (2K+1)th ... of them, and so on: neighbours in a comb are far apart, which lets T be short. The T of each
-//! comb is that one, from the shortest to a third more, whose multiples come nearest to what is wanted.
+//! A comb consists of up to 16 multiples of one base frequency f0 = 1/T. A window of length T then separates
+//! its tones exactly, since all their sums and differences are multiples of f0. The wanted frequencies are
+//! uniform in the logarithm. With K combs the first one gets the 1st, (K+1)th, (2K+1)th ... frequency, and so
+//! on: neighbours in a comb are far apart, which permits a short T. T of each comb is searched from the
+//! shortest possible value to a third more, for multiples that are nearest to the wanted frequencies.
 //!
-//! After a comb has begun, the plate's answer settles as exp(-t/tau), tau = 2/(eta omega), eta the loss factor and omega the
-//! lowest tone's: a tone just beside it rings longest. Nobody knows the loss of a plate that is not calibrated yet: after twice
-//! [`SETTLED`] tau 0.25 % (-52 dB) of it are left where the loss is half of what is told and the plate loses its waves by it alone;
-//! a driven end that takes waves in, as every matched one does, ends it sooner. Many combs settle for [`SETTLED`] tau alone.
+//! After a comb has begun, the plate's response settles as exp(-t/tau), tau = 2/(eta omega), with the loss
+//! factor eta and the lowest tone's omega: modes near that tone ring longest. The loss of a plate is
+//! uncertain before its calibration. After twice [`SETTLED`] tau, 0.25 % (-52 dB) of the transient remain
+//! even if the loss is half of the stated one and is the plate's only damping; a driven end that absorbs
+//! waves, as every matched one does, shortens the ringing. Measurements of many combs settle for [`SETTLED`]
+//! tau alone.
 
 use super::error::MeasureError;
 use slipline_link::BLOCK;
@@ -17,60 +20,64 @@ use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{Plate, limits};
 use std::f64::consts::TAU;
 
-/// Time constants of the plate before a window, at least: with as much loss as is told 0.25 % are left, with half of it 5 %.
+/// Time constants of the plate before a window, at least: 0.25 % of the transient remain with the stated
+/// loss, 5 % with half of it.
 pub const SETTLED: f64 = 6.0;
-/// Fewer combs than these, those of 200 points, settle for as long as these would together, each for twice as long at most.
+/// A plan of fewer combs than this, the number for 200 points, settles for as long in total as this number of
+/// combs would; each comb at most twice as long.
 const COMBS: f64 = 13.0;
-/// Longest time to settle, seconds: a plate that is told to have nearly no loss would take minutes.
+/// Longest time to settle, seconds: a plate whose stated loss is nearly zero would take minutes.
 const SETTLE_MAX_S: f64 = 5.0;
-/// Shortest time to settle, seconds: the filters of an input settle, too.
+/// Shortest time to settle, seconds: the filters of an input settle as well.
 const SETTLE_MIN_S: f64 = 2e-3;
-/// How long a comb rises, seconds, and its share of the time to settle: a slow rise excites less beside the tones.
+/// Limits of a comb's rise time, seconds, and its share of the time to settle: a slow rise excites less
+/// beside the tones.
 const RISE_S: (f64, f64) = (5e-3, 0.02);
 const RISE: f64 = 0.1;
 /// Shortest window, seconds: 2000 samples at 400 kS/s.
 const WINDOW_MIN_S: f64 = 5e-3;
 /// Longest window, seconds.
 const WINDOW_MAX_S: f64 = 5.0;
-/// A window longer than this share of the time to settle would rather be spent on another comb.
+/// Longest window as a share of the time to settle: more time is better spent on another comb.
 const WINDOW_OF_SETTLE: f64 = 0.25;
-/// How much longer than the shortest a comb's period may be to come near to what is wanted; and to be possible at all, where
-/// combs before it have taken its frequencies.
+/// How much longer than the shortest a comb's period may be: to come near the wanted frequencies; and to be
+/// possible at all where earlier combs have taken its frequencies.
 const SEARCH: f64 = 4.0 / 3.0;
 const SEARCH_MAX: f64 = 8.0;
-/// Least distance of two measured frequencies, relative: a file keeps six digits of them.
+/// Smallest relative distance of two measured frequencies: a file stores six digits.
 const APART: f64 = 1e-5;
-/// Highest tone over the sample rate, as the device takes it.
+/// Highest tone over the sample rate, the device's limit.
 pub(super) const HIGHEST: f64 = 0.45;
 /// Highest multiple of a base frequency.
 const HARMONIC_MAX: f64 = u16::MAX as f64;
-/// Multiples beside the nearest one, where that is taken.
+/// Offsets from the nearest multiple that are tried, in order, if it is taken.
 const STEPS_ASIDE: [f64; 5] = [0.0, -1.0, 1.0, -2.0, 2.0];
-/// Frequencies for each wavelength on the plate at the highest of them: the standing wave before the boundary swings at every
-/// sensor as often. `tests/calibration` of the plate crate shows that 60 and 150 suffice for the presets.
+/// Frequencies per wavelength on the plate at the highest frequency: at each sensor the response swings that
+/// often because of the standing wave before the boundary. `tests/calibration` of the plate crate shows that
+/// 60 and 150 suffice for the presets.
 const POINTS_PER_WAVE: f64 = 9.5;
-/// Frequencies of a measurement.
+/// Number of frequencies of a measurement.
 pub const POINTS: Range = Range::new(8.0, 1600.0, "");
-/// Levels that may be asked for: below, the answers drown.
+/// Levels that may be requested: below, the responses vanish in the noise.
 pub const LEVEL: Range = Range::new(1e-3, 1.0, "");
 
-/// What is to be measured.
+/// A requested measurement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wanted {
     /// Lowest frequency, Hz (0.5 Hz and more).
     pub low_hz: f64,
     /// Highest frequency, Hz (up to 0.45 of the sample rate).
     pub high_hz: f64,
-    /// How many frequencies, 8 to 1600.
+    /// Number of frequencies, 8 to 1600.
     pub points: usize,
-    /// What the amplitudes of all tones together may be, as a share of full scale, 0.001 to 1. No tone's peak on the plate is
-    /// above this share of the table's.
+    /// Largest sum of all tones' amplitudes, as a share of full scale, 0.001 to 1. No tone's peak on the
+    /// plate exceeds this share of the table's.
     pub level: f64,
 }
 
 impl Wanted {
-    /// What calibrates a plate: the band that a calibration needs, and as many frequencies as suffice (60 for the preset
-    /// `membrane`, 150 for `al-bending`), at half of full scale.
+    /// The measurement for a calibration of this plate: its band, a sufficient number of frequencies (60 for
+    /// the preset `membrane`, 150 for `al-bending`), at half of full scale.
     #[must_use]
     pub fn of(plate: &Plate) -> Self {
         let (low_hz, high_hz) = band_hz(plate);
@@ -97,13 +104,13 @@ impl Wanted {
 /// Tones that are played and measured together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comb {
-    /// The period, and the length of the window, in blocks of 128 samples.
+    /// The period, which is also the length of the window, in blocks of 128 samples.
     pub period_blocks: u16,
     /// The multiples of the base frequency, rising.
     pub harmonics: Vec<u16>,
-    /// From the rise's end to the window, samples.
+    /// Samples from the rise's end to the window.
     pub settle_samples: u64,
-    /// How long the tones rise, seconds.
+    /// Rise time of the tones, seconds.
     pub rise_s: f64,
 }
 
@@ -114,7 +121,7 @@ impl Comb {
         self.harmonics.iter().map(move |&harmonic| f64::from(harmonic) * base_hz)
     }
 
-    /// Samples of its window.
+    /// Length of its window, samples.
     #[must_use]
     pub fn window_samples(&self) -> u64 {
         BLOCK as u64 * u64::from(self.period_blocks)
@@ -126,17 +133,17 @@ impl Comb {
 pub struct Plan {
     /// The device's sample rate, Hz.
     pub rate_hz: f64,
-    /// What the amplitudes of all tones together may be, as a share of full scale.
+    /// Largest sum of all tones' amplitudes, as a share of full scale.
     pub level: f64,
-    /// In the order in which they are played.
+    /// The combs in the order in which they are played.
     pub combs: Vec<Comb>,
 }
 
 impl Plan {
-    /// The plan for a plate, a device's sample rate, and how many tones it measures at once.
+    /// The plan for a plate, a device's sample rate, and the number of tones that it measures at once.
     ///
     /// # Errors
-    /// [`MeasureError`]: a number out of its range, or more points than the band has room for.
+    /// [`MeasureError`]: a number is out of its range, or the band has no room for the points.
     pub fn new(plate: &Plate, wanted: &Wanted, rate_hz: f64, lock_ins: usize) -> Result<Self, MeasureError> {
         wanted.check(rate_hz)?;
         if lock_ins == 0 {
@@ -174,7 +181,8 @@ impl Plan {
             return Err(MeasureError::NoInputs);
         }
         let tones = drive_check_hz(plate, load);
-        // They are multiples of their distance: of that, the window has so many periods as make it long enough.
+        // The tones are multiples of their distance; the window has as many of its periods as it needs to be
+        // long enough.
         let base_hz = tones[1] - tones[0];
         let periods = (window_s * base_hz).ceil();
         let period_blocks =
@@ -190,21 +198,21 @@ impl Plan {
         Ok(Self { rate_hz, level, combs: tones.chunks(lock_ins).map(comb).collect() })
     }
 
-    /// The comb with the most tones alone: frequencies of the whole plan, over its whole band, in a fraction of its time.
+    /// The comb with the most tones alone: frequencies over the plan's whole band, in a fraction of its time.
     #[must_use]
     pub fn of_one_comb(&self) -> Self {
         let most = self.combs.iter().max_by_key(|comb| comb.harmonics.len());
         Self { combs: most.into_iter().cloned().collect(), ..*self }
     }
 
-    /// Samples that the device needs: of silence for the noise, and of rises, settling and windows. What the link and the
-    /// fading between the combs take comes on top.
+    /// Samples that the device needs: silence for the noise, and the rises, settling times and windows.
+    /// Delays of the link and the fades between combs are not included.
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.quiet_samples() + self.combs.iter().map(|comb| self.samples_of(comb)).sum::<u64>()
     }
 
-    /// Samples of silence, in which the first comb's phases run.
+    /// Samples of the silent first comb, before and during the noise window.
     pub(super) fn quiet_samples(&self) -> u64 {
         self.combs.first().map_or(0, |comb| self.rise_samples(comb) + comb.window_samples())
     }
@@ -214,7 +222,7 @@ impl Plan {
         self.rise_samples(comb) + comb.settle_samples + comb.window_samples()
     }
 
-    /// Samples in which a comb rises.
+    /// Samples of a comb's rise.
     pub(super) fn rise_samples(&self, comb: &Comb) -> u64 {
         (comb.rise_s * self.rate_hz).ceil() as u64
     }
@@ -224,18 +232,18 @@ fn crowded(wanted: &Wanted) -> MeasureError {
     MeasureError::Crowded { points: wanted.points, low_hz: wanted.low_hz, high_hz: wanted.high_hz }
 }
 
-/// How fast a plate's answer to tones from a frequency on dies out as exp(-t/tau), seconds. Below its cut-off a plate has no
-/// waves that ring: what rings then is the cut-off.
+/// Time constant of the decay exp(-t/tau) of a plate's response to tones at this frequency and above,
+/// seconds. Below its cut-off a plate has no waves that ring: the cut-off itself rings then.
 pub(super) fn time_constant_s(plate: &Plate, lowest_hz: f64) -> f64 {
     2.0 / (plate.spec().loss_factor.max(1e-4) * TAU * lowest_hz.max(plate.cut_off_hz()))
 }
 
-/// The time in which a plate's answer to tones from a frequency on settles, seconds.
+/// Settling time of a plate's response to tones at this frequency and above, seconds.
 fn settle_s(plate: &Plate, lowest_hz: f64) -> f64 {
     (SETTLED * time_constant_s(plate, lowest_hz)).clamp(SETTLE_MIN_S, SETTLE_MAX_S)
 }
 
-/// The comb of these tones; nothing if they are too close to each other.
+/// The comb of these tones; `None` if they are too close to each other.
 fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &[f64]) -> Option<Comb> {
     let (lowest_hz, highest_hz) = (*tones_hz.first()?, *tones_hz.last()?);
     let settle_s = settle_s(plate, lowest_hz);
@@ -253,7 +261,7 @@ fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &
         let base_hz = rate_hz / (BLOCK as f64 * f64::from(period_blocks));
         let harmonics = harmonics(tones_hz, base_hz, HIGHEST * rate_hz, taken)?;
         let found = || harmonics.iter().map(|&harmonic| f64::from(harmonic) * base_hz);
-        // Relative, as the distance of two points is.
+        // Relative errors, as the distance of two points is relative.
         let missed: f64 = found().zip(tones_hz).map(|(hz, wanted)| (hz / wanted - 1.0).powi(2)).sum();
         Some((missed, period_blocks, harmonics))
     };
@@ -264,7 +272,8 @@ fn comb(plate: &Plate, wanted: &Wanted, rate_hz: f64, tones_hz: &[f64], taken: &
     Some(Comb { period_blocks, harmonics, settle_samples: (settle_s * rate_hz).ceil() as u64, rise_s })
 }
 
-/// The multiples of a base frequency that are nearest to these tones: rising, up to `highest_hz`, and none of which is taken.
+/// The multiples of a base frequency that are nearest to these tones: rising, up to `highest_hz`, without the
+/// taken ones.
 fn harmonics(tones_hz: &[f64], base_hz: f64, highest_hz: f64, taken: &[f64]) -> Option<Vec<u16>> {
     let mut found: Vec<u16> = Vec::with_capacity(tones_hz.len());
     for hz in tones_hz {

@@ -1,5 +1,5 @@
-//! The one course of all procedures with a device: it asks for requests, takes their outcomes, looks at what the link knows, and
-//! leaves the device silent and with its own table.
+//! The common driver of all procedures with a device: it sends their requests, handles the outcomes, watches
+//! the link for faults, and leaves the device silent and with its own table.
 
 use super::dialogue::Dialogue;
 use super::error::MeasureError;
@@ -8,48 +8,48 @@ use slipline_link::{LinkState, Outcome, Request, Snapshot, Ticket};
 use std::pin::Pin;
 use std::task::{Context, Poll, Waker};
 
-/// What is done with a device, one request after the other, without a clock and without a port.
+/// A sequence of requests to a device, without a clock and without a port.
 pub trait Procedure: 'static {
-    /// The answers of the device.
+    /// The recorded outcomes of the device.
     type Heard;
-    /// What it ends with.
+    /// Its result.
     type Found;
 
-    /// Sends one request after the other; the last one is a stop. After an error [`Run`] sends it.
+    /// Sends its requests, the last of which is a stop. After an error [`Run`] sends that stop.
     ///
     /// # Errors
-    /// [`MeasureError`]: why it cannot go on.
+    /// [`MeasureError`]: why it cannot continue.
     fn carry_out(self, dialogue: Dialogue) -> impl Future<Output = Result<Self::Heard, MeasureError>>;
 
-    /// What the answers say. It may take seconds; the device is silent by then.
+    /// Evaluates the outcomes. This may take seconds; the device is silent by then.
     ///
     /// # Errors
-    /// [`MeasureError`]: why they say nothing.
+    /// [`MeasureError`]: why they give no result.
     fn found(heard: Self::Heard) -> Result<Self::Found, MeasureError>;
 }
 
-/// What to do next.
+/// The next step.
 #[derive(Debug, Clone)]
 pub enum NextStep {
-    /// Send this request, and hand its outcome over by [`Run::take`].
+    /// Send this request, and pass its outcome to [`Run::take`].
     Ask(Request),
     /// The outcome of the last request is awaited.
     Wait,
-    /// It is over: call [`Run::finish`].
+    /// The procedure has ended: call [`Run::finish`].
     Ended,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stage {
     Running,
-    /// Something went wrong: whatever sounds is stopped.
+    /// After an error: the drive is stopped.
     Stopping,
     /// The device gets its own table back, if it may hold another.
     Restoring,
     Ended,
 }
 
-/// A procedure under way. Whatever goes wrong, what sounds is stopped before it ends.
+/// A procedure under way. After any error the drive is stopped before the procedure ends.
 ///
 /// ```text
 /// loop: watch(snapshot) -> step() -> Ask: send it | Wait: take(outcome), when it is there | Ended: finish()
@@ -65,7 +65,7 @@ pub struct Run<P: Procedure> {
 }
 
 impl<P: Procedure> Run<P> {
-    /// A procedure that begins with the next step.
+    /// Starts the procedure at the next step.
     pub fn of(procedure: P) -> Self {
         let dialogue = Dialogue::default();
         Self {
@@ -79,7 +79,7 @@ impl<P: Procedure> Run<P> {
         }
     }
 
-    /// Hands over what the device has answered, and sends what comes next; whether it goes on.
+    /// Passes the device's outcomes on and sends the next request; returns whether the procedure continues.
     pub fn turn(&mut self, snapshot: &Snapshot, mut send: impl FnMut(Request) -> Ticket) -> bool {
         self.watch(snapshot);
         loop {
@@ -101,7 +101,7 @@ impl<P: Procedure> Run<P> {
         self.awaited
     }
 
-    /// What to do next.
+    /// The next step.
     pub fn step(&mut self) -> NextStep {
         if self.is_asked {
             return NextStep::Wait;
@@ -135,7 +135,8 @@ impl<P: Procedure> Run<P> {
         NextStep::Ask(request)
     }
 
-    /// Takes the outcome of the last request. That of one before a cancellation or a fault does not count any more.
+    /// Handles the outcome of the last request. The outcome of a request before a cancellation or a fault is
+    /// ignored.
     pub fn take(&mut self, outcome: &Outcome) {
         if !std::mem::take(&mut self.is_asked) {
             return;
@@ -153,8 +154,8 @@ impl<P: Procedure> Run<P> {
         }
     }
 
-    /// Looks at what the link knows: a fault or a lost device ends the procedure. Call it until the end: a fault explains why
-    /// the tones were stopped.
+    /// Evaluates the link's snapshot: a fault or a lost device ends the procedure. Must be called until the
+    /// end, since a fault explains why the tones were stopped.
     pub fn watch(&mut self, snapshot: &Snapshot) {
         self.dialogue.follow(snapshot);
         let faults = snapshot.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
@@ -168,7 +169,7 @@ impl<P: Procedure> Run<P> {
         }
     }
 
-    /// Gives it up: the next step is a stop.
+    /// Cancels the procedure: the next step is a stop.
     pub fn cancel(&mut self) {
         if self.stage == Stage::Running {
             self.fail(MeasureError::Cancelled);
@@ -194,10 +195,10 @@ impl<P: Procedure> Run<P> {
         self.dialogue.is_checking()
     }
 
-    /// What was found.
+    /// Its result.
     ///
     /// # Errors
-    /// [`MeasureError`]: why nothing was.
+    /// [`MeasureError`]: why there is none.
     pub fn finish(self) -> Result<P::Found, MeasureError> {
         match self.error {
             Some(error) => Err(error),

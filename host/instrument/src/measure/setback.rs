@@ -1,26 +1,27 @@
-//! Outcomes with which a procedure does not go on as planned: too late, too loud, lost samples; and how often it tries again.
+//! Outcomes after which a procedure must repeat a step: too late, too loud, lost samples; and the limit of
+//! attempts.
 
 use super::error::MeasureError;
 use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
 use slipline_link::{Outcome, Refusal};
 
-/// How often the same thing is tried.
+/// Attempts at the same step.
 pub(super) const TRIES: u32 = 4;
-/// What is left of the travel that a device allows: its numbers are rounded.
+/// Margin to the travel that a device allows: its numbers are rounded.
 const TRAVEL: f64 = 0.99;
 
-/// The tries of one thing.
+/// The attempts at one step.
 #[derive(Debug, Default)]
 pub(super) struct Tries(u32);
 
 impl Tries {
-    /// It is tried again because of this error, unless that was the last try.
+    /// Counts an attempt that failed with this error; fails if it was the last one.
     pub(super) fn again(&mut self, error: MeasureError) -> Result<(), MeasureError> {
         self.0 += 1;
         if self.0 >= TRIES { Err(error) } else { Ok(()) }
     }
 
-    /// The same because of samples that the inputs have lost; anything else ends the procedure.
+    /// Counts an attempt in which the inputs have lost samples; any other outcome ends the procedure.
     pub(super) fn lost(&mut self, outcome: &Outcome) -> Result<(), MeasureError> {
         if matches!(outcome, Outcome::Refused(Refusal::InputLost { .. })) {
             self.again(MeasureError::Overrun { tries: self.0 + 1 })
@@ -29,7 +30,8 @@ impl Tries {
         }
     }
 
-    /// How much quieter it is tried again for the actuator's travel; anything else ends the procedure.
+    /// The factor on the level for the next attempt, if the actuator's travel was exceeded; any other outcome
+    /// ends the procedure.
     pub(super) fn quieter(&mut self, outcome: &Outcome) -> Result<f64, MeasureError> {
         let share = quieter(outcome).filter(|_| self.0 < TRIES);
         self.0 += 1;
@@ -37,7 +39,7 @@ impl Tries {
     }
 }
 
-/// Why an outcome that nobody can go on with ends a procedure.
+/// The error for an outcome after which a procedure cannot continue.
 pub(super) fn ended_by(outcome: &Outcome) -> MeasureError {
     match outcome {
         Outcome::Refused(refusal) => MeasureError::Refused(refusal.clone()),
@@ -50,7 +52,7 @@ pub(super) fn ended_by(outcome: &Outcome) -> MeasureError {
     }
 }
 
-/// Whether a request came after the index that it names.
+/// Whether a request arrived after the sample index that it states.
 pub(crate) const fn is_late(outcome: &Outcome) -> bool {
     matches!(
         outcome,
@@ -58,7 +60,8 @@ pub(crate) const fn is_late(outcome: &Outcome) -> bool {
     )
 }
 
-/// How much quieter the tones must be for the actuator's travel; nothing if that did not refuse them.
+/// The factor on the level that the actuator's travel requires; `None` if the travel was not the reason for a
+/// refusal.
 pub(super) fn quieter(outcome: &Outcome) -> Option<f64> {
     let Outcome::Refused(Refusal::Device(DeviceRefusal::Travel { allowed_per_mille, .. })) = outcome else {
         return None;

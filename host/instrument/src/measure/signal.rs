@@ -1,4 +1,4 @@
-//! What an input shows right now: how full it is, and whether anything is connected to it.
+//! Present signal of an input: its level, and whether anything is connected to it.
 
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{BLOCK, ListenRequest, Listened, Request, WindowShape};
@@ -9,10 +9,10 @@ use slipline_plate::number_format::with_decimals;
 const HALF_RANGE: f64 = 2047.5;
 /// The highest code.
 const HIGHEST: u16 = 4095;
-/// Length of a look: long enough for a tap on the plate, short enough to follow it. Seconds.
+/// Length of one capture, seconds: long enough for a tap on the plate, short enough to follow it.
 const LOOK_S: f64 = 0.12;
 
-/// The lowest and the highest code of an input over a moment.
+/// The lowest and the highest code of an input within one capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Signal {
     /// The lowest code.
@@ -22,7 +22,8 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// The request for a look at an input, which measures no tone; `None` if the device has not as many inputs.
+    /// The request for a short capture of an input without tones; `None` if the device does not have this
+    /// input.
     #[must_use]
     pub fn look(inputs: &InputsReport, input: u8, rate_hz: f64) -> Option<Request> {
         let blocks = (LOOK_S * rate_hz / BLOCK as f64).clamp(1.0, f64::from(u16::MAX)) as u16;
@@ -35,7 +36,7 @@ impl Signal {
         }))
     }
 
-    /// What a look has shown.
+    /// The signal of a capture.
     #[must_use]
     pub const fn of(listened: &Listened) -> Self {
         Self { lowest: listened.lowest, highest: listened.highest }
@@ -47,13 +48,13 @@ impl Signal {
         f64::from(self.highest.saturating_sub(self.lowest)) / (2.0 * HALF_RANGE)
     }
 
-    /// The same in dB of full scale; minus infinity for an input that shows one code.
+    /// The same in dB of full scale; minus infinity for an input whose code does not change.
     #[must_use]
     pub fn level_db(&self) -> f64 {
         20.0 * self.share().log10()
     }
 
-    /// Red for an input that shows one code or is clipped, green otherwise.
+    /// Red for an input whose code does not change or that is clipped, green otherwise.
     #[must_use]
     pub fn colour(&self) -> Colour {
         if self.is_stuck() || self.is_clipped() { Colour::Red } else { Colour::Green }
@@ -67,7 +68,7 @@ impl Signal {
         self.lowest == 0 || self.highest == HIGHEST
     }
 
-    /// What it is, in a sentence.
+    /// The signal described in a sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         if self.is_stuck() {

@@ -1,13 +1,14 @@
 //! A recording of the sweep as a measurement of a plate.
 //!
-//! The recorder does not know when the device began, so its responses lag by any time. The ratio of two places needs magnitudes
-//! alone, and no time. One sensor's fit takes a lag of -2 to 12 periods of the highest frequency: the lag tau that puts the
-//! phases nearest to those of the plate's file is where
+//! The recorder does not know when the device began, so its responses have an unknown lag. The ratio of two
+//! places uses magnitudes only and does not depend on it. The fit of one sensor accepts a lag of -2 to 12
+//! periods of the highest frequency. The lag tau that brings the phases nearest to those of the plate file's
+//! model is where
 //!
 //! ```text
 //! | sum over f of w H P*/|H P| e^(-j omega tau) |,   w = |H|^2/(|H|^2 + noise^2)
 //! ```
-//! is largest, P the file's own response there; it is taken out but for [`LAG_PERIODS`].
+//! is largest, with P the model's response; it is removed except for [`LAG_PERIODS`].
 
 use super::{ForeignError, band, sensor};
 use crate::measure::{HeardSweep, PlayedSweep};
@@ -16,28 +17,28 @@ use slipline_plate::calibrate::{Measurement, SensorKind, predicted};
 use slipline_plate::{Complex64, Plate};
 use std::f64::consts::TAU;
 
-/// What is left of the lag, in periods of the highest frequency: so the fit's own range is around it.
+/// Remaining lag, in periods of the highest frequency, within the range of the fit.
 const LAG_PERIODS: f64 = 4.0;
-/// Lags that are tried in a period of the highest frequency.
+/// Candidate lags per period of the highest frequency.
 const TRIED: f64 = 10.0;
-/// Lags that are tried, in times that the plate rings.
+/// Range of the candidate lags, in ring times of the plate.
 const LAGS: (f64, f64) = (-1.0, 0.25);
 
-/// What a person tells of a recording.
+/// Metadata of a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RecordingMetadata {
-    /// Where the sensor stood, metres from the driven end.
+    /// Sensor place, metres from the driven end.
     pub place_m: f64,
-    /// What it showed; `None` while nobody has said.
+    /// The quantity that the sensor shows; `None` while it is not stated.
     pub kind: Option<SensorKind>,
     /// Its channel in the file, from 1.
     pub channel: usize,
 }
 
-/// The measurement of a recording of a sweep, and what is to be told of it, in sentences.
+/// The measurement from a recording of a sweep, with notes as sentences.
 ///
 /// # Errors
-/// [`Untold`]: what is missing, out of its range, or wrong with the recording.
+/// [`ForeignError`]: what is missing, out of its range, or wrong with the recording.
 pub fn recorded(
     plate: &Plate,
     wav: &Wav,
@@ -57,7 +58,7 @@ pub fn recorded(
     Ok((measurement, notes))
 }
 
-/// Takes the unknown lag out.
+/// Removes the unknown lag.
 fn align(plate: &Plate, measurement: &mut Measurement, ring_s: f64) -> Result<(), ForeignError> {
     let file = predicted(plate, measurement)?;
     let unit = |(point, file): (&slipline_plate::calibrate::MeasuredPoint, &Option<Complex64>)| {

@@ -1,5 +1,5 @@
-//! A blocking client: each call ends when the device has answered. While it waits, pauses or computes by these calls, it gives
-//! the signs of life that the link wants while the device is armed.
+//! A blocking client: each call returns after the device has answered. While it waits, pauses or computes in
+//! these calls, it gives the signs of life that the link requires while the device is armed.
 
 use super::ClientError;
 use crate::Link;
@@ -20,23 +20,23 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Time limit for opening a port and the handshake; usually the link gives up earlier.
+/// Time limit for opening a port and the handshake; usually the link fails earlier.
 const CONNECTING: Duration = Duration::from_secs(5);
 /// Time limit of a request. The longest is a table over a slow link: 47 chunks of a few milliseconds each, and
 /// repeats.
 const PATIENCE: Duration = Duration::from_secs(30);
-/// Time between two looks at the device.
+/// Time between two updates of the device's state.
 const GLANCE: Duration = Duration::from_millis(50);
-/// Looks until what sounds must have faded.
+/// Updates within which the drive must have faded.
 const FADING: usize = 100;
 
-/// A link that a program waits for: the link's thread, or in tests a link in virtual time.
+/// A link whose outcomes a program awaits: the link's thread, or in tests a link in virtual time.
 pub trait BlockingLink: Link {
-    /// Waits up to `patience` for a request's end; gives signs of life meanwhile.
+    /// Waits up to `patience` for a request's outcome, with signs of life.
     fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome>;
-    /// Sleeps; gives signs of life meanwhile.
+    /// Sleeps, with signs of life.
     fn pause(&self, time: Duration);
-    /// Says that this program is alive.
+    /// Signals that this program is alive.
     fn sign_of_life(&self);
 }
 
@@ -67,12 +67,12 @@ impl BlockingLink for Worker {
 /// A device in use. When it is dropped with the link's thread, the device is stopped and disarmed.
 pub struct Client<W = Worker> {
     link: W,
-    /// How often this program had been held up when the device was armed.
+    /// Number of stalls of this program when the device was armed.
     stalls_before: Cell<u32>,
 }
 
 impl Client {
-    /// A client that is connected to nothing; the simulated device is wired to `rig`, if there is one.
+    /// A client without a connection; the simulated device is wired to `rig`, if there is one.
     ///
     /// # Errors
     /// [`ClientError::Thread`].
@@ -90,7 +90,7 @@ impl Client {
         self.link.handle()
     }
 
-    /// What stops the drive from another thread.
+    /// A function that stops the drive from another thread.
     pub fn stopper(&self) -> impl Fn() + Send + 'static {
         let handle = self.link.handle();
         move || {
@@ -100,7 +100,7 @@ impl Client {
 }
 
 impl<W: BlockingLink> Client<W> {
-    /// A client of this link.
+    /// A client on this link.
     pub const fn over(link: W) -> Self {
         Self { link, stalls_before: Cell::new(0) }
     }
@@ -125,17 +125,17 @@ impl<W: BlockingLink> Client<W> {
         self.link.snapshot()
     }
 
-    /// Says that this program is alive: for a loop of its own.
+    /// Signals that this program is alive, from a loop of the caller.
     pub fn sign_of_life(&self) {
         self.link.sign_of_life();
     }
 
-    /// Sleeps.
+    /// Sleeps, with signs of life.
     pub fn pause(&self, time: Duration) {
         self.link.pause(time);
     }
 
-    /// Computes something on a thread of its own, while this one gives signs of life.
+    /// Computes on another thread, while this one gives signs of life.
     pub fn during<R: Send>(&self, compute: impl FnOnce() -> R + Send) -> R {
         thread::scope(|scope| {
             let (running, ended) = channel::<()>();
@@ -164,10 +164,10 @@ impl<W: BlockingLink> Client<W> {
         }
     }
 
-    /// Makes sure that the device may be armed: its brown-out level is set.
+    /// Checks that the device may be armed: its brown-out level is set.
     ///
     /// # Errors
-    /// [`ClientError::Unguarded`], with what its user must know.
+    /// [`ClientError::Unguarded`], with the warning for the user.
     pub fn may_be_armed(&self) -> Result<(), ClientError> {
         let warning = self.snapshot().maintenance.as_ref().and_then(upkeep::before_arming);
         warning.map_or(Ok(()), |warning| Err(ClientError::Unguarded(warning)))
@@ -176,16 +176,16 @@ impl<W: BlockingLink> Client<W> {
     /// Arms the device.
     ///
     /// # Errors
-    /// Any of a request: refused, lost, late, held up.
+    /// A request's error: refused, lost, late, held up.
     pub fn arm(&self) -> Result<(), ClientError> {
         self.stalls_before.set(self.snapshot().driver_stalls);
         self.perform(Request::Arm).map(drop)
     }
 
-    /// Disarms the device, and waits until what sounded has faded: it is armed again in silence only.
+    /// Disarms the device, and waits until its output has faded: the device can be armed in silence only.
     ///
     /// # Errors
-    /// Any of a request.
+    /// A request's error.
     pub fn disarm(&self) -> Result<(), ClientError> {
         self.perform(Request::Disarm)?;
         for _ in 0..FADING {
@@ -201,45 +201,45 @@ impl<W: BlockingLink> Client<W> {
     /// Clears the faults whose causes are gone.
     ///
     /// # Errors
-    /// Any of a request.
+    /// A request's error.
     pub fn clear_faults(&self) -> Result<(), ClientError> {
         self.perform(Request::ClearFaults).map(drop)
     }
 
-    /// Makes sure that the device holds this table.
+    /// Uploads this table, unless the device holds it already.
     ///
     /// # Errors
-    /// Any of a request.
+    /// A request's error.
     pub fn use_table(&self, table: Arc<DeviceTable>) -> Result<(), ClientError> {
         self.perform(Request::Upload(table)).map(drop)
     }
 
-    /// Has this sound; the sample index at which it begins.
+    /// Starts a drive, chord or comb; returns the sample index at which it begins.
     ///
     /// # Errors
-    /// Any of a request.
+    /// A request's error.
     pub fn play(&self, sounding: Sounding) -> Result<u64, ClientError> {
         self.perform_at(Request::Play(sounding))
     }
 
-    /// Ramps to silence; the sample index at which the ramp begins.
+    /// Ramps to silence; returns the sample index at which the ramp begins.
     ///
     /// # Errors
-    /// Any of a request.
+    /// A request's error.
     pub fn stop(&self) -> Result<u64, ClientError> {
         self.perform_at(Request::Stop)
     }
 
-    /// Has the device report its state; its sample index.
+    /// Requests the device's status; returns its sample index.
     ///
     /// # Errors
-    /// Any of a request.
+    /// A request's error.
     pub fn refresh(&self) -> Result<u64, ClientError> {
         self.perform_at(Request::Refresh)
     }
 
-    /// Has the device make a digest of a window of its codes that lies ahead, while `act` does something; waits up to `patience`
-    /// for the digest after that.
+    /// Requests a digest of a future window of the device's codes, runs `act` meanwhile, and then waits up to
+    /// `patience` for the digest.
     ///
     /// # Errors
     /// Those of `act`, [`ClientError::Refused`] and [`ClientError::NoDigest`].
@@ -258,10 +258,11 @@ impl<W: BlockingLink> Client<W> {
         }
     }
 
-    /// Arms the device, runs a procedure to its end, and disarms the device. `watch` gets the share that is done, 0 to 1.
+    /// Arms the device, runs a procedure to its end, and disarms the device. `watch` receives the progress, 0
+    /// to 1.
     ///
     /// # Errors
-    /// [`ClientError::Procedure`] and any of a request.
+    /// [`ClientError::Procedure`] and a request's errors.
     pub fn run<P: Procedure>(
         &self,
         procedure: P,
@@ -285,7 +286,7 @@ impl<W: BlockingLink> Client<W> {
         Ok(found)
     }
 
-    /// Sends what a level hold asks for now, while nobody moves its tones.
+    /// Sends the pending requests of a level hold whose tones rest.
     pub fn turn_hold(&self, holding: &mut Holding, plate: &Arc<Plate>) {
         while let Some(request) = holding.turn(&self.snapshot(), plate, true) {
             holding.sent(self.link.send(request));
@@ -306,7 +307,7 @@ impl<W: BlockingLink> Client<W> {
         let ticket = self.link.send(request);
         match self.link.wait(ticket, PATIENCE) {
             Some(Outcome::Refused(refusal)) => {
-                // A device that was disarmed refuses to be driven; this is why.
+                // A disarmed device refuses to be driven; the stall is the reason.
                 self.check_attended()?;
                 Err(refusal.into())
             }

@@ -1,19 +1,19 @@
-//! Why a client could not do what it was asked for.
+//! Errors of the client.
 
 use crate::measure::MeasureError;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE};
 
-/// Why a client could not do what it was asked for.
+/// Why a client's request failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// This computer has no thread for the link.
+    /// The system cannot start the link's thread.
     #[error(transparent)]
     Thread(#[from] std::io::Error),
-    /// There is no device, or none that answers the handshake.
+    /// There is no device, or it does not answer the handshake.
     #[error("{0} does not answer")]
     NoAnswer(Port),
-    /// The device, or the link in its place, refuses.
+    /// The device, or the link on its behalf, refuses.
     #[error(transparent)]
     Refused(#[from] Refusal),
     /// The link has stopped and disarmed the device, because this program gave no sign of life.
@@ -22,28 +22,28 @@ pub enum ClientError {
         SIGN_PATIENCE.as_secs_f64()
     )]
     HeldUp,
-    /// Firmware and program do not fit each other.
+    /// Firmware and program are incompatible.
     #[error("{}", .0.sentence())]
     Mismatch(Compatibility),
-    /// The board must not be armed before its user knows this.
+    /// The board must not be armed before its user has read this warning.
     #[error("{0}")]
     Unguarded(&'static str),
-    /// The connection was lost, for this reason.
+    /// The connection was lost for this reason.
     #[error(transparent)]
     Lost(LinkError),
-    /// The device is not there any more.
+    /// The device is no longer connected.
     #[error("the device went away")]
     Gone,
     /// There was no answer in time.
     #[error("the device did not answer in time")]
     Late,
-    /// The answer belongs to something else.
-    #[error("the device did something else instead")]
+    /// The outcome belongs to another request.
+    #[error("the device's reply belongs to another request")]
     Unexpected,
-    /// The digest of a window of codes did not come.
+    /// The digest of a window of codes was not received.
     #[error("the device gave no digest")]
     NoDigest,
-    /// A procedure found nothing.
+    /// A procedure failed.
     #[error(transparent)]
     Procedure(#[from] MeasureError),
 }

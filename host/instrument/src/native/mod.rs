@@ -1,4 +1,4 @@
-//! The instrument on this computer: a blocking client of a device, for programs that do one thing after the other.
+//! The instrument on this computer: a blocking client of a device, for sequential programs.
 
 mod client;
 mod error;

@@ -7,7 +7,7 @@ pub(super) const LARGEST: u16 = 4095;
 
 /// The code of a signal in units of full scale (1 is one end of the range), with `noise` in codes.
 pub(super) fn code(signal: f64, noise: f64) -> u16 {
-    // The cast ends at 0 by itself, and makes 0 of what is not a number.
+    // The cast saturates at 0, and converts NaN to 0.
     ((HALF + HALF * signal + noise).round() as u16).min(LARGEST)
 }
 

@@ -3,7 +3,7 @@
 use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{LineError, SenseError};
 
-/// Why a rig cannot be put together, or its sensor not be moved.
+/// Why a rig cannot be put together, or its sensor cannot be moved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RigError {
     /// An option is out of range.
@@ -12,7 +12,7 @@ pub enum RigError {
     /// The plate cannot be simulated in time.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// The sensor cannot stand there.
+    /// The sensor cannot stand at this place.
     #[error(transparent)]
     Sense(#[from] SenseError),
 }

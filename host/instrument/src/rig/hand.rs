@@ -1,4 +1,4 @@
-//! What a person does at a rig while it runs.
+//! Actions of a person at a running rig.
 
 use super::bench::{Bench, lock};
 use super::converter::LARGEST;
@@ -8,7 +8,7 @@ use super::parts::Parts;
 use slipline_plate::quantity::{OutOfRange, Range};
 use std::sync::{Arc, Mutex};
 
-/// A person at the rig. Cloning is cheap; any thread may hold one.
+/// A person at the rig. Clones act on the same rig, from any thread.
 #[derive(Debug, Clone)]
 pub struct RigHand {
     parts: Arc<Parts>,
@@ -20,8 +20,8 @@ impl RigHand {
         Self { parts, bench }
     }
 
-    /// Puts the sensor on a mark, metres from the driven end. It takes some milliseconds to compute, on the thread that
-    /// calls it.
+    /// Puts the sensor on a mark, metres from the driven end. The computation takes some milliseconds on the
+    /// calling thread.
     ///
     /// # Errors
     /// [`RigError`]: the mark is not on the plate. The sensor stays where it was.
@@ -39,10 +39,11 @@ impl RigHand {
         lock(&self.bench).place_m
     }
 
-    /// Breaks something, or with `None` mends everything.
+    /// Sets a fault; `None` removes all faults.
     ///
     /// # Errors
-    /// [`RigError::OutOfRange`] for how far a sensor is off its mark, for the code of a stuck converter, or for the current of another motor.
+    /// [`RigError::OutOfRange`] for the distance of a sensor from its mark, the code of a stuck converter, or
+    /// the current of another motor.
     pub fn set_fault(&self, fault: Option<RigFault>) -> Result<(), RigError> {
         match fault {
             Some(RigFault::OffItsMark(off_m)) => {
@@ -64,7 +65,7 @@ impl RigHand {
         Ok(())
     }
 
-    /// What is broken.
+    /// The present fault.
     #[must_use]
     pub fn fault(&self) -> Option<RigFault> {
         lock(&self.bench).fault

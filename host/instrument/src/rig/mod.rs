@@ -1,13 +1,13 @@
-//! The simulated rig at the inputs of a simulated device: amplifier, plate, a sensor that somebody has put on it, and the
-//! shunt in the drive's current.
+//! The simulated rig at the inputs of a simulated device: amplifier, plate, a sensor on it, and the shunt in
+//! the drive's current.
 //!
 //! ```text
 //! DAC codes --> amplifier --> true plate as resonators --> sensor at a place --> gain, delay --+--> noise, 12 bits
 //!                  |               (slipline_plate)                                            |
 //!                  +--> motor: current through the shunt ---------------------------------------+
 //! ```
-//! The plate need not be the one that the host knows: with [`secret`] nobody knows it. A [`RigHand`] does at the rig what a
-//! person does: it moves the sensor, pulls a plug.
+//! The plate may differ from the one that the host assumes: [`secret`] draws an unknown one. A [`RigHand`]
+//! acts as a person at the rig: it moves the sensor or pulls a plug.
 
 mod bench;
 mod converter;
@@ -30,10 +30,10 @@ pub use prepared::PreparedRig;
 use slipline_plate::truth::{Random, near};
 use slipline_plate::{Plate, PlateError};
 
-/// A plate a few per cent off the nominal one, by [`near`]: the same for the same seed.
+/// A plate a few per cent off the nominal one, drawn by [`near`]; equal seeds give equal plates.
 ///
 /// # Errors
-/// [`PlateError`] if no plate near this one keeps the limits of plates.
+/// [`PlateError`] if no plate near this one is within the limits of plates.
 pub fn secret(nominal: &Plate, seed: u64) -> Result<Plate, PlateError> {
     let mut random = Random::new(seed);
     let mut drawn = near(nominal, &mut random);
@@ -41,13 +41,13 @@ pub fn secret(nominal: &Plate, seed: u64) -> Result<Plate, PlateError> {
         if drawn.is_ok() {
             break;
         }
-        // Next to a limit only some draws are plates.
+        // Near a limit not every draw is a valid plate.
         drawn = near(nominal, &mut random);
     }
     drawn
 }
 
-/// Draws after which no further one is tried.
+/// Largest number of draws.
 const TRIALS: usize = 16;
 
 #[cfg(test)]

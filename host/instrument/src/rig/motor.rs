@@ -1,4 +1,4 @@
-//! The motor between the amplifier and the driven end, as the shunt in its current sees it.
+//! The motor between the amplifier and the driven end, and its current through the shunt.
 //!
 //! With time as e^(-j omega t), U the amplifier's voltage and v the velocity of the driven end:
 //!
@@ -6,20 +6,21 @@
 //! voice coil   I = (U - Bl v)/Re,           force Bl I      the file's resistance holds (Bl)^2/Re
 //! piezo        I = -j omega C U + N v,      force N U
 //! ```
-//! An actuator of the plate file stands before both, as the amplifier's own response: it scales U.
+//! The actuator of a plate file, if any, is modelled in front of both as the amplifier's own response: it
+//! scales U.
 
 use slipline_plate::{Complex64, DriveEnd, Plate};
 use std::f64::consts::TAU;
 
-/// Below this frequency a plate has a voice coil, above it a piezo.
+/// Plates below this frequency have a voice coil, plates above it a piezo.
 const COIL_BELOW_HZ: f64 = 1e3;
 /// Re of a voice coil, ohm.
 const COIL_OHM: f64 = 4.0;
-/// Share of the file's resistance that is the coil's damping by its amplifier.
+/// Share of the file's resistance that is the coil's electrical damping.
 const ELECTRICAL_SHARE: f64 = 0.5;
 /// Voltage of a piezo at DAC full scale.
 const PIEZO_V: f64 = 60.0;
-/// A piezo's own current over what the free wave's motion adds to it.
+/// Ratio of a piezo's capacitive current to the current by the free wave's motion.
 const CAPACITIVE: f64 = 6.0;
 
 /// How a motor turns current and voltage into force and motion.
@@ -32,7 +33,7 @@ pub enum Transducer {
         /// Bl, N/A.
         force_factor_n_per_a: f64,
     },
-    /// A piezo: a capacitance that pushes.
+    /// A piezo: a capacitance that exerts a force.
     Piezo {
         /// C, farad.
         capacitance_f: f64,
@@ -44,17 +45,17 @@ pub enum Transducer {
 /// A motor behind an amplifier of constant voltage.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motor {
-    /// What it is.
+    /// Its kind and values.
     pub transducer: Transducer,
     /// The amplifier's voltage at DAC full scale.
     pub full_scale_v: f64,
 }
 
 impl Motor {
-    /// A motor that pushes this plate with the force that its file tells: a voice coil of 4 ohm, half of whose resistance
-    /// is its own damping, or from 1 kHz on a piezo.
+    /// A motor that exerts the force of the plate file on this plate: a voice coil of 4 ohm, whose electrical
+    /// damping is half of the file's resistance, or from 1 kHz on a piezo.
     ///
-    /// A plate file without a source tells no force: its motor has that of the wave which full scale moves.
+    /// A plate file without a source states no force: its motor has the force of the wave at full scale.
     #[must_use]
     pub fn of(plate: &Plate) -> Self {
         let (low_hz, high_hz) = plate.band_hz();
@@ -63,7 +64,8 @@ impl Motor {
         let source = if let DriveEnd::Source(source) = plate.spec().drive_end { Some(source) } else { None };
         let at_hz = source.map_or(omega / TAU, |source| source.at_frequency_hz);
         let impedance = plate.wave_impedance_n_s_per_m(at_hz).filter(|z| *z > 0.0);
-        // What launches a wave of full scale: 2 omega Z. An unknown Z of 1 N s/m changes the scale of force alone.
+        // Force that launches a wave of full scale: 2 omega Z. An unknown Z of 1 N s/m changes the scale of
+        // force only.
         let force_n = 2.0 * TAU * at_hz * impedance.unwrap_or(1.0) * metres;
         if high_hz >= COIL_BELOW_HZ {
             let force_factor_n_per_v = force_n / PIEZO_V;
@@ -73,7 +75,7 @@ impl Motor {
         }
         let resistance = source.map(|source| source.impedance.resistance_n_s_per_m).filter(|r| *r > 0.0);
         let electrical = ELECTRICAL_SHARE * resistance.or(impedance).unwrap_or(1.0);
-        // A source without any resistance has a coil that hardly damps.
+        // A source without resistance has a coil with little damping.
         let damps = source.is_none() || resistance.is_some();
         let force_factor_n_per_a = (electrical * COIL_OHM).sqrt() * if damps { 1.0 } else { 0.03 };
         Self {
@@ -82,7 +84,7 @@ impl Motor {
         }
     }
 
-    /// Shares of the plate's cut-off between which it is judged whether the drive is on: the plate holds it there.
+    /// Band of the drive check, as shares of the plate's cut-off: there the plate hardly moves.
     pub(super) const fn held(&self) -> (f64, f64) {
         match self.transducer {
             Transducer::Coil { .. } => (0.02, 0.12),
@@ -90,8 +92,8 @@ impl Motor {
         }
     }
 
-    /// The current per code of 1, in ampere, where the driven end moves with `velocity` (m/s per code of 1); `amplifier`
-    /// is the response of the plate file's actuator.
+    /// The current per code of 1, in ampere, if the driven end moves with `velocity` (m/s per code of 1);
+    /// `amplifier` is the response of the plate file's actuator.
     #[must_use]
     pub fn current_a(&self, frequency_hz: f64, amplifier: Complex64, velocity: Complex64) -> Complex64 {
         let voltage = amplifier * self.full_scale_v;

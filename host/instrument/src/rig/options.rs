@@ -1,4 +1,4 @@
-//! How a rig is put together.
+//! Options of a rig.
 
 use super::error::RigError;
 use slipline_plate::Finger;
@@ -9,28 +9,28 @@ use slipline_plate::quantity::OutOfRange;
 pub mod limits {
     use slipline_plate::quantity::Range;
 
-    /// What the end of the input's range stands for, in the sensor's unit.
+    /// Sensor value at the end of the input's range, in the sensor's unit.
     pub const FULL_SCALE: Range = Range::new(1e-15, 1e12, "");
-    /// How late a sensor and its amplifier are.
+    /// Delay of a sensor and its amplifier.
     pub const SENSOR_DELAY: Range = Range::new(0.0, 1e-3, "s");
-    /// RMS of the noise at an input, in codes.
+    /// RMS noise of an input, in codes.
     pub const NOISE: Range = Range::new(0.0, 100.0, "LSB");
 }
 
-/// A rig: where the sensor stands and what it is. The default is a healthy one.
+/// Place and properties of the sensor. The default is a healthy rig.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigOptions {
     /// The sensor's place on the centre line, metres from the driven end (0 to the plate's length).
     pub place_m: f64,
-    /// What the sensor's signal is proportional to.
+    /// The quantity to which the sensor's signal is proportional.
     pub sensor: SensorKind,
-    /// What the end of the input's range stands for: metres, m/s, m/s^2 or strain (1e-15 to 1e12). `None` leaves 12 dB
-    /// over what a tone of the table reaches at level 1.
+    /// Sensor value at the end of the input's range, in metres, m/s, m/s^2 or strain (1e-15 to 1e12). `None`
+    /// leaves 12 dB of headroom above a tone of the table at level 1.
     pub full_scale: Option<f64>,
-    /// How late the sensor and its amplifier are, seconds (0 to 1 ms). The device does not know it.
+    /// Delay of the sensor and its amplifier, seconds (0 to 1 ms). The device does not know it.
     pub sensor_delay_s: f64,
-    /// RMS of the noise at each input, in codes (0 to 100). Half a code or more makes an input as linear as its mean is
-    /// long; without noise the steps of 12 bits stay.
+    /// RMS noise of each input, in codes (0 to 100). Noise of half a code or more linearizes the averages of
+    /// an input; without noise the steps of 12 bits remain.
     pub noise_lsb: f64,
     /// Seed of the noise: the same seed gives the same noise.
     pub seed: u64,
@@ -53,7 +53,7 @@ impl Default for RigOptions {
 }
 
 impl RigOptions {
-    /// Refuses what is out of range on any plate.
+    /// Refuses values that are out of range for any plate.
     pub(super) fn check(&self) -> Result<(), RigError> {
         if let Some(full_scale) = self.full_scale {
             OutOfRange::check("sensor full scale", full_scale, limits::FULL_SCALE)?;

@@ -1,4 +1,4 @@
-//! What does not change while a rig runs.
+//! Constant parts of a running rig.
 
 use super::error::RigError;
 use super::fault::RigFault;
@@ -12,14 +12,14 @@ pub(super) struct Parts {
     pub(super) options: RigOptions,
     /// The current through the shunt.
     pub(super) current: Output,
-    /// What the ends of both inputs' ranges stand for: the sensor's unit, ampere.
+    /// Values at the ends of both inputs' ranges: in the sensor's unit, and in ampere.
     pub(super) full_scale: [f64; 2],
-    /// Samples by which the sensor is late, and the rest of its delay in seconds.
+    /// Sensor delay: whole samples and the remaining fraction in seconds.
     pub(super) late: (usize, f64),
 }
 
 impl fmt::Debug for Parts {
-    /// The plate by its name: the rest is some thousand numbers.
+    /// Shows the plate by its name; the other fields are some thousand numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("Parts");
         debug
@@ -30,7 +30,7 @@ impl fmt::Debug for Parts {
 }
 
 impl Parts {
-    /// What the sensor shows that is put on a mark.
+    /// The output of the sensor on a mark.
     pub(super) fn sensor_at(&self, place_m: f64, fault: Option<RigFault>) -> Result<Output, RigError> {
         let length_m = self.plate.plate().length_m();
         let off_m = match fault {

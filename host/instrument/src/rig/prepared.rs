@@ -1,4 +1,4 @@
-//! A rig that is put together: what takes time to compute is done.
+//! A rig whose lengthy computations are done.
 
 use super::bench::Bench;
 use super::error::RigError;
@@ -13,17 +13,18 @@ use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
 use slipline_plate::{Complex64, Plate, SensedPlate};
 use std::sync::{Arc, Mutex};
 
-/// Room over what a tone of the table reaches at level 1: 12 dB, for a table that was made for another plate.
+/// Headroom above a tone of the table at level 1: 12 dB, for tables that were made for another plate.
 const ROOM: f64 = 4.0;
 /// The shunt's range over the largest current of a full-scale tone in the band.
 const SHUNT_ROOM: f64 = 1.25;
-/// How far the current at rest is from a data sheet's: of a coil by its resistance; of a piezo by what the plate's motion adds,
-/// up to a half where it is soft below its cut-off, as the simulated ones are.
+/// Accepted relative deviation of the current at rest from its data sheet: for a coil by its resistance; for
+/// a piezo by the plate's motion, up to a half on plates that are soft below their cut-off, as the simulated
+/// ones are.
 const TOLERANCES: [f64; 2] = [0.25, 0.6];
-/// Frequencies at which the current is looked at for that.
+/// Number of frequencies at which the largest current is searched.
 const CURRENTS: u32 = 64;
 
-/// A rig, ready for devices. Cloning is cheap; all devices of one share its bench.
+/// A rig, ready for devices. Clones, and all devices connected to them, share its bench.
 ///
 /// ```
 /// use slipline_link::simulator::{Options, SimulatedDevice};
@@ -44,7 +45,8 @@ pub struct PreparedRig {
 }
 
 impl PreparedRig {
-    /// Puts a rig together on a true plate, for a device of this sample rate. It takes a moment to compute.
+    /// Puts a rig together on a true plate, for a device of this sample rate. The computation takes up to a
+    /// second.
     ///
     /// # Errors
     /// [`RigError`] names the option that is out of range, or why the plate cannot be simulated in time.
@@ -52,7 +54,7 @@ impl PreparedRig {
         options.check()?;
         let plate = SensedPlate::new(truth, options.finger.as_ref(), sample_rate_hz)?;
         let samples = options.sensor_delay_s * sample_rate_hz;
-        // The rest is a share of one sample.
+        // The remaining fraction of a sample.
         let late = (samples as usize, samples.fract() / sample_rate_hz);
         let motor = Motor::of(truth);
         let amplifier =
@@ -90,7 +92,7 @@ impl PreparedRig {
         self.parts.plate.plate()
     }
 
-    /// What the end of the sensor's range stands for, in metres, m/s, m/s^2 or strain.
+    /// Sensor value at the end of the input's range, in metres, m/s, m/s^2 or strain.
     #[must_use]
     pub fn sensor_full_scale(&self) -> f64 {
         self.parts.full_scale[0]
@@ -102,7 +104,7 @@ impl PreparedRig {
         self.parts.plate.steady(&self.parts.current, frequency_hz)
     }
 
-    /// What a data sheet tells of the drive, and the shunt's range.
+    /// Data-sheet values of the drive, and the shunt's range.
     #[must_use]
     pub fn known_drive(&self) -> KnownDrive {
         let motor = Motor::of(self.truth());
@@ -115,7 +117,7 @@ impl PreparedRig {
         KnownDrive { circuit, full_scale_a: self.shunt_full_scale_a() }
     }
 
-    /// What the end of the shunt's range stands for, in ampere.
+    /// Current at the end of the shunt's range, in ampere.
     #[must_use]
     pub fn shunt_full_scale_a(&self) -> f64 {
         self.parts.full_scale[1]

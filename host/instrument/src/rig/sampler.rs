@@ -1,4 +1,4 @@
-//! The rig in time: what its two inputs sample.
+//! The rig in the time domain: samples of its two inputs.
 
 use super::bench::{Bench, lock};
 use super::converter::{HALF, code};
@@ -10,14 +10,14 @@ use slipline_plate::Resonators;
 use slipline_plate::truth::Random;
 use std::sync::{Arc, Mutex};
 
-/// One device at the rig.
+/// One device connected to the rig.
 pub(super) struct Sampler {
     parts: Arc<Parts>,
     bench: Arc<Mutex<Bench>>,
     resonators: Resonators,
-    /// The sensor's last signals, those that its delay has not let through yet.
+    /// Ring buffer of the sensor's signals during its delay.
     late: Vec<f64>,
-    /// The oldest of them.
+    /// Index of the oldest signal in it.
     oldest: usize,
     random: Random,
 }
@@ -34,7 +34,7 @@ impl Sampler {
         }
     }
 
-    /// Delays the sensor's signal by its whole samples.
+    /// Delays the sensor's signal by whole samples.
     fn delay(&mut self, signals: &mut [f64]) {
         if self.late.is_empty() {
             return;
@@ -52,7 +52,7 @@ impl SimulatedInputs for Sampler {
     }
 
     fn delay_ns(&self) -> i32 {
-        // They are held as each code leaves.
+        // Inputs are sampled when each code leaves the DAC.
         0
     }
 
@@ -73,7 +73,7 @@ impl SimulatedInputs for Sampler {
         signals[0].iter_mut().for_each(|signal| *signal *= gain / full_scale);
         signals[1].iter_mut().for_each(|signal| *signal /= full_scale_a);
         match fault {
-            // What rings on in the plate moves the motor, but there is no circuit.
+            // The ringing plate moves the motor, but the circuit is open.
             Some(RigFault::OpenMotor) => signals[1] = [0.0; BLOCK],
             Some(RigFault::ShortedMotor) => signals[1] = drive(if muted { 0.0 } else { RigFault::TOO_MUCH }),
             _ => {}

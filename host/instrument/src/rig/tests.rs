@@ -15,7 +15,8 @@ fn rig(plate: &Plate, options: RigOptions) -> PreparedRig {
     PreparedRig::new(plate, &options, RATE_HZ).expect("a rig")
 }
 
-/// Plays so many blocks of a tone (codes of this amplitude) and returns the codes of both inputs; `first` counts samples.
+/// Plays a number of blocks of a tone with this amplitude in codes and returns the codes of both inputs;
+/// `first` counts samples.
 fn play(inputs: &mut dyn SimulatedInputs, hz: f64, codes: f64, first: usize, blocks: usize) -> [Vec<u16>; 2] {
     let mut heard = [Vec::new(), Vec::new()];
     let mut sensed = [[0; BLOCK]; 2];
@@ -32,7 +33,7 @@ fn play(inputs: &mut dyn SimulatedInputs, hz: f64, codes: f64, first: usize, blo
     heard
 }
 
-/// The amplitude H of Re(H e^(-j omega t_n)) in codes; `hz` has whole periods in the codes.
+/// The amplitude H of Re(H e^(-j omega t_n)) in codes; `hz` must have whole periods in the codes.
 fn amplitude(codes: &[u16], hz: f64, first: usize) -> Complex64 {
     let turned = codes.iter().zip(first..).map(|(&code, n)| {
         Complex64::cis(TAU * (hz * n as f64 / RATE_HZ).fract()) * (f64::from(code) - 2048.0)
@@ -46,7 +47,7 @@ fn level_db(codes: &[u16]) -> f64 {
     10.0 * (square + 1e-9).log10()
 }
 
-/// The velocity of the driven end and its field, per code of 1, by the frequency domain; without the codes' hold.
+/// Velocity of the driven end and field, per code of 1, in the frequency domain; without the codes' hold.
 fn steady(plate: &Plate, hz: f64, points: usize) -> Vec<Complex64> {
     let field = respond(plate, hz, points, Equation::Corrected).expect("in range").amplitude;
     let drive = plate.drive_response(hz) * plate.spec().full_scale_m;
@@ -100,7 +101,7 @@ fn codes_of_sensor_and_shunt_are_what_the_frequency_domain_says_of_a_secret_plat
 #[test]
 fn the_power_that_the_shunt_measures_is_what_coil_source_and_plate_lose() {
     let mut spec = preset("membrane").expect("a preset").spec().clone();
-    // Straight across, k^2 = K^2 - (pi/2W)^2 and nothing else.
+    // Plain width: k^2 = K^2 - (pi/2W)^2 without further terms.
     spec.turning_width = TurningWidth::Plain;
     let impedance = Impedance { resistance_n_s_per_m: 0.22, mass_kg: 1e-4, stiffness_n_per_m: 60.0 };
     let source = Source { impedance, at_frequency_hz: 140.0, slope: None, lead_in: None };
@@ -160,7 +161,7 @@ fn a_sensor_that_is_moved_sees_the_plate_where_it_stands_then() {
     let refused = hand.put_sensor(0.5).expect_err("beyond the end").to_string();
     assert!(refused.starts_with("sensor place = ") && refused.contains("0 to 0.34 m"), "{refused}");
     assert_eq!(hand.place_m(), 0.1);
-    // A millimetre off: the codes of that place, the mark of this one.
+    // A millimetre off: the codes of the shifted place, the mark of the present one.
     hand.set_fault(Some(RigFault::OffItsMark(0.001))).expect("a fault");
     let heard = play(&mut *inputs, hz, 1500.0, first, blocks);
     let exact = field[1010] * hold(hz) * 1500.0 / rig.sensor_full_scale();
@@ -240,7 +241,8 @@ fn a_muted_amplifier_lets_the_plate_die_out_and_the_noise_is_as_told_and_repeats
     assert_ne!(play(&mut *reseeded.inputs(), 25e3, 1500.0, 0, 3), again);
 }
 
-/// Far below the cut-off the shunt sees the motor and little of the plate, so that a healthy rig is found on.
+/// Far below the cut-off the shunt's current is mainly the motor's, so a healthy rig's drive is found to be
+/// on.
 #[test]
 fn every_preset_and_its_secrets_have_a_rig_whose_drive_is_on() {
     for preset in presets() {

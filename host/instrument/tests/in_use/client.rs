@@ -1,4 +1,5 @@
-//! The blocking client sends what an instrument sends: table, drive, measurement, level hold and stop.
+//! The blocking client sends the same requests as an instrument: table, drive, measurement, level hold and
+//! stop.
 
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use crate::session::{Session, setup};
@@ -15,7 +16,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
-/// Time between two looks at an outcome.
+/// Time between two checks for an outcome.
 const LOOK: Duration = Duration::from_millis(1);
 
 impl BlockingLink for SteppedLink {
@@ -37,8 +38,9 @@ impl BlockingLink for SteppedLink {
     fn sign_of_life(&self) {}
 }
 
-/// The requests that a device acts on by sound or measurement, without the sample indices at which they begin, which depend on
-/// when they are sent, and without the amplitude that a hold has measured: its sensor stands at another rig. Arming is a window's own act on a real device only, a program's before each drive.
+/// The requests by which a device drives or measures. Left out are the sample indices at which they begin,
+/// which depend on the time of sending, and the amplitude of a hold, whose sensor stands at another rig.
+/// Arming is left out, too: a window arms a real device only, a program before each drive.
 fn acts(sent: &[Request]) -> Vec<String> {
     let is_act = |request: &&Request| {
         !matches!(
@@ -51,7 +53,7 @@ fn acts(sent: &[Request]) -> Vec<String> {
     acts
 }
 
-/// A look at an input, to show how full it is.
+/// A short capture of an input, which shows its level.
 fn is_look(request: &Request) -> bool {
     matches!(request, Request::Listen(listen) if listen.from.is_none())
 }

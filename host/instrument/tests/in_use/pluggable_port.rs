@@ -18,16 +18,16 @@ use std::time::Duration;
 struct PluggablePort {
     device: SimulatedDevice,
     is_plugged: bool,
-    /// The answer to every drive, in the device's place.
+    /// Refusal of every drive, in place of the device's answer.
     refusal: Option<Refusal>,
     from_host: Decoder,
     refused: Vec<u8>,
-    /// Of all codes that the device has sent: FNV-1a.
+    /// FNV-1a hash of all codes that the device has sent.
     digest: u64,
 }
 
 impl PluggablePort {
-    /// Has the device send this number of blocks.
+    /// Runs the device for this number of blocks.
     fn send(&mut self, blocks: u64) {
         let digest = &mut self.digest;
         self.device.advance(blocks, |sent| {
@@ -101,19 +101,19 @@ impl Opener for PluggableOpener {
     }
 }
 
-/// In place of the link worker: the connection, stepped by the test in virtual time.
+/// Replacement of the link worker: the connection, stepped by the test in virtual time.
 pub(crate) struct SteppedWorker {
     pub(crate) connection: Connection<PluggableOpener>,
     port: Arc<Mutex<PluggablePort>>,
     now: Duration,
     tickets: u64,
     pub(crate) sent: Vec<Request>,
-    /// The window's event loop does not turn: nobody answers the link's questions.
+    /// The window's event loop hangs: it gives the link no signs of life.
     pub(crate) is_hung: bool,
 }
 
 impl SteppedWorker {
-    /// A simulated device, perhaps with inputs, at its port, and a link that nobody has asked for anything yet.
+    /// A simulated device, perhaps with inputs, at its port, and an idle link.
     pub(crate) fn new(is_plugged: bool, inputs: Option<Box<dyn SimulatedInputs>>) -> Self {
         let device = match inputs {
             Some(inputs) => SimulatedDevice::with_inputs(Options::default(), inputs),
@@ -138,7 +138,7 @@ impl SteppedWorker {
         Self { connection, port, now: Duration::ZERO, tickets: 0, sent: Vec::new(), is_hung: false }
     }
 
-    /// Pulls the cable, or puts it in again; the device restarts.
+    /// Pulls the cable or plugs it in; the device restarts.
     pub(crate) fn plug(&self, is_plugged: bool) {
         let mut port = self.port.lock().unwrap();
         port.is_plugged = is_plugged;
@@ -152,12 +152,12 @@ impl SteppedWorker {
         self.port.lock().unwrap().digest
     }
 
-    /// Has every drive refused from now on, or taken again.
+    /// Refuses every drive from now on, or accepts them again.
     pub(crate) fn refuse_drives(&self, refusal: Option<Refusal>) {
         self.port.lock().unwrap().refusal = refusal;
     }
 
-    /// Lets the device and the link go on.
+    /// Runs the device and the link.
     pub(crate) fn advance(&mut self, time: Duration) {
         const STEP: Duration = Duration::from_millis(1);
         let end = self.now + time;

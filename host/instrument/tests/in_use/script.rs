@@ -1,47 +1,48 @@
-//! A user's script that a window and an instrument without one carry out alike: the same requests, the same codes.
+//! A user's script for a window and for an instrument without one: both must send the same requests and
+//! codes.
 
 use super::session::Session;
 use slipline_instrument::calibration::WizardPage;
 use slipline_instrument::{CalibrateIntent, MeasureIntent};
 use slipline_link::Request;
 
-/// What a user does.
+/// Actions of a user.
 pub(crate) trait Hands {
     /// Waits, in milliseconds.
     fn pass(&mut self, ms: u64);
     /// Moves the line of the first tone to this place, in millimetres.
     fn move_line(&mut self, mm: u32);
-    /// Takes the latest change back.
+    /// Undoes the latest change.
     fn undo(&mut self);
-    /// Makes it again.
+    /// Redoes it.
     fn redo(&mut self);
     /// Presses Drive.
     fn drive(&mut self);
     /// Presses STOP.
     fn stop(&mut self);
-    /// Opens the page of textures, which takes 300 ms, plays the one that it shows, and closes the page.
+    /// Opens the page of textures (300 ms), plays the shown texture, and closes the page.
     fn play_a_texture(&mut self);
-    /// Has the level held; to find the switch takes 400 ms.
+    /// Switches the level hold on (400 ms to find the switch).
     fn hold(&mut self);
-    /// Begins to record what lines do, or ends it.
+    /// Starts or ends a recording of the lines.
     fn record(&mut self, records: bool);
-    /// Plays what was recorded.
+    /// Replays the recording.
     fn replay(&mut self);
-    /// Opens the calibration, which takes 900 ms, and measures at both its places; each page takes 600 ms, each measurement
-    /// 9000. Uses the plate of its result, which takes 600 ms.
+    /// Opens the calibration (900 ms) and measures at both its places (600 ms a page, 9000 ms a measurement).
+    /// Uses the plate of its result (600 ms).
     fn calibrate(&mut self);
-    /// Opens the page of measurements, which takes 300 ms, has the simulated device stand on a plate that nobody knows, and
-    /// begins to measure it.
+    /// Opens the page of measurements (300 ms), has the simulated device use an unknown plate, and starts to
+    /// measure it.
     fn measure_a_secret(&mut self);
-    /// Puts the cable in, or pulls it.
+    /// Plugs the cable in, or pulls it.
     fn plug(&mut self, is_plugged: bool);
     /// A digest of all codes that the device has sent.
     fn digest(&self) -> u64;
-    /// What was sent since the last call.
+    /// The requests since the last call.
     fn take_sent(&mut self) -> Vec<Request>;
 }
 
-/// Carries the script out; what was sent, in words, and the digest of all codes after each wait.
+/// Carries out the script; returns the requests in words, and the digest of all codes after each wait.
 pub(crate) fn play(hands: &mut impl Hands) -> Vec<String> {
     let mut seen = Vec::new();
     let mut pass = |hands: &mut _, ms| pass(hands, ms, &mut seen);
@@ -88,7 +89,7 @@ pub(crate) fn play(hands: &mut impl Hands) -> Vec<String> {
     hands.record(false);
     hands.replay();
     hands.pass(1000);
-    // A window's frames take time of their own, which the recording has: the same moves, not at the same samples.
+    // The recording includes the duration of a window's frames: the same moves, at other samples.
     seen.extend(hands.take_sent().iter().map(in_words));
     seen
 }
@@ -99,7 +100,7 @@ fn pass(hands: &mut impl Hands, ms: u64, seen: &mut Vec<String>) {
     seen.push(format!("codes {:016x}", hands.digest()));
 }
 
-/// A request in words; of a table its check sum.
+/// A request in words; a table by its checksum.
 fn in_words(request: &Request) -> String {
     match request {
         Request::Upload(table) => format!("Upload({:08x})", table.crc()),
@@ -107,7 +108,8 @@ fn in_words(request: &Request) -> String {
     }
 }
 
-/// After each act the instrument is turned, as it is in the frames in which a window sees the act, before time goes on.
+/// After each action the instrument is turned before time advances, as in the frames in which a window
+/// handles the action.
 impl Hands for Session {
     fn pass(&mut self, ms: u64) {
         Self::pass(self, ms);

@@ -22,14 +22,14 @@ pub(crate) struct Session {
     pub(crate) saved: Vec<String>,
 }
 
-/// A membrane whose line holds the turning point, as the window's tests begin.
+/// A membrane whose line holds the turning point, as at the start of the window's tests.
 pub(crate) fn setup() -> Setup {
     let plate = slipline_plate::preset("membrane").unwrap();
     Setup { boundary: BoundaryMode::TurningPoint, ..Setup::new(plate.into()) }
 }
 
 impl Session {
-    /// With [`setup`], connected.
+    /// A session with [`setup`], connected.
     pub(crate) fn new() -> Self {
         let setup = setup();
         let bench = Bench::default();
@@ -42,7 +42,7 @@ impl Session {
         Self { instrument, worker, attention, saved: Vec::new() }
     }
 
-    /// Lets time pass, a turn of the instrument every [`TURN`].
+    /// Advances time, with a turn of the instrument every [`TURN`].
     pub(crate) fn pass(&mut self, ms: u64) {
         for _ in 0..ms.div_ceil(TURN.as_millis() as u64) {
             self.worker.borrow_mut().advance(TURN);
@@ -71,7 +71,7 @@ impl Session {
         self.instrument.attend(self.attention);
     }
 
-    /// The kinds of requests since the last call, but for notes, in order; equal neighbours as one.
+    /// The kinds of requests since the last call, without notes, in order; equal neighbours once.
     pub(crate) fn sent(&self) -> Vec<String> {
         let sent = std::mem::take(&mut self.worker.borrow_mut().sent);
         let words = sent.iter().filter(|request| !matches!(request, Request::Note(..)));
@@ -101,7 +101,7 @@ impl Session {
             .map_or_else(String::new, |it| it.text.clone())
     }
 
-    /// Drives, and has the level held.
+    /// Drives, then holds the level.
     pub(crate) fn hold_level(&mut self) {
         self.instrument.start();
         self.pass(1000);

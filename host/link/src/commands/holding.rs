@@ -10,11 +10,11 @@ use slipline_protocol::hold::{Held, HoldProgress, HoldSetting};
 use slipline_protocol::units::SampleIndex;
 use std::time::Duration;
 
-/// Time between two requests of the hold's state.
+/// Time between two requests for the hold's state.
 const PERIOD: Duration = Duration::from_millis(100);
 
 impl CommandQueue {
-    /// The device has taken a hold, or the end of one.
+    /// The device has accepted a hold, or the end of one.
     pub(super) fn holds(
         &mut self,
         setting: &HoldSetting,
@@ -28,12 +28,12 @@ impl CommandQueue {
             return;
         }
         recorder.acknowledge(at, Change::Hold);
-        // The lock-ins are the hold's now.
+        // The hold uses the lock-ins from now on.
         self.drop_tasks(recorder, |job| matches!(job, Job::ListenRead(_)));
         self.read_hold(now);
     }
 
-    /// Takes the reported state of the hold; asks again as long as it is on.
+    /// Stores the reported state of the hold; requests it again as long as the hold is on.
     pub(super) fn held(&mut self, task: &Task, reply: Held, recorder: &mut Recorder, now: Duration) {
         let at = reply.begin;
         match reply.progress {

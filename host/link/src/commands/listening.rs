@@ -14,17 +14,17 @@ use slipline_protocol::units::SampleIndex;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time after which a result that is not ready when it should be is asked for again.
+/// Time after which a result that is late is requested again.
 const PAUSE: Duration = Duration::from_millis(5);
-/// Samples from an input block to its report. The device's clock is that of the block that it renders next; a block then waits,
-/// plays, is sampled, and is reported in the turn after that.
+/// Samples from an input block to its report. The device's clock is that of the block that it renders next; a
+/// block then waits, plays, is sampled, and is reported in the following turn.
 const BEHIND: u64 = 4 * BLOCK_SAMPLES;
 
 impl CommandQueue {
-    /// The device measures from an index on: asks for the answer when the window is over.
+    /// The device measures from an index on: the result is requested at the window's end.
     pub(super) fn listens(&mut self, task: &Task, at: SampleIndex, recorder: &mut Recorder, now: Duration) {
         let Job::Listen(request) = task.job else { return };
-        // The device has forgotten the last measurement.
+        // The device has discarded the previous measurement.
         self.drop_tasks(recorder, |job| matches!(job, Job::ListenRead(_)));
         let end = at.saturating_add(BLOCK_SAMPLES * u64::from(request.blocks));
         let listened = Listened::begun(at, request.blocks);
@@ -32,7 +32,7 @@ impl CommandQueue {
         self.read_after(end, Task::new(task.ticket, Job::ListenRead(Box::new(reading))), recorder, now);
     }
 
-    /// The device captures from an index on: asks for the values when they should all be there.
+    /// The device captures from an index on: the values are requested at the capture's end.
     pub(super) fn captures(&mut self, task: &Task, at: SampleIndex, recorder: &mut Recorder, now: Duration) {
         let Job::Capture(request) = task.job else { return };
         self.drop_tasks(recorder, |job| matches!(job, Job::CaptureRead(_)));
@@ -42,19 +42,20 @@ impl CommandQueue {
         self.read_after(end, Task::new(task.ticket, Job::CaptureRead(Box::new(reading))), recorder, now);
     }
 
-    /// Asks when the samples up to an index should be ready to be read, by the clock in the latest status.
+    /// Requests a result when the samples up to an index should be complete, by the clock in the latest
+    /// status.
     fn read_after(&mut self, end: SampleIndex, mut task: Task, recorder: &Recorder, now: Duration) {
         let end = end.saturating_add(BEHIND);
         let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
         let clock = recorder.view.status.map_or(end, |status| status.now);
         let left = end.saturating_sub(clock) as f64 / f64::from(rate.max(1));
-        // No measurement lasts for hours; a number that is too large waits for ever, and the session's end drops it.
+        // No measurement lasts for hours; too large a number waits until the session's end drops it.
         let over = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
         task.not_before = recorder.view.status_time.saturating_add(over).max(now);
         self.tasks.push_back(task);
     }
 
-    /// Takes a part of a measurement.
+    /// Stores a part of a measurement.
     pub(super) fn listened(
         &mut self,
         mut task: Task,
@@ -86,7 +87,7 @@ impl CommandQueue {
         recorder.finish(task.ticket, Outcome::Listened(listened));
     }
 
-    /// Takes values of a capture.
+    /// Stores values of a capture.
     pub(super) fn captured(
         &mut self,
         mut task: Task,

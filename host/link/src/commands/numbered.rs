@@ -1,4 +1,4 @@
-//! Replies to numbered commands: how the task or the upload that sent one goes on.
+//! Replies to numbered commands, and the next step of their task or upload.
 
 use super::queue::{CommandQueue, Next};
 use super::task::{Current, Job, Stage, Task};
@@ -18,16 +18,16 @@ use slipline_protocol::units::SampleIndex;
 use slipline_protocol::{Command, Event, refusal};
 use std::time::Duration;
 
-/// A drive that came before the device took up the last one is sent again after so long: three blocks of 128 codes
-/// at 400 kS/s.
+/// Time after which a drive is sent again that arrived before the device had taken up the previous one: three
+/// blocks of 128 codes at 400 kS/s.
 const DRIVE_PAUSE: Duration = Duration::from_millis(1);
-/// A digest is asked for this often until its window is over.
+/// Time between two requests for a digest until its window is over.
 const DIGEST_PAUSE: Duration = Duration::from_millis(20);
-/// A numbered command is given a new number so often before the device counts as lost.
+/// Renumbering attempts before the device is considered lost.
 const RENUMBERINGS: u32 = 3;
 
 impl CommandQueue {
-    /// Takes the reply to a numbered command.
+    /// Evaluates the reply to a numbered command.
     pub(super) fn numbered(
         &mut self,
         command: Command,
@@ -76,7 +76,7 @@ impl CommandQueue {
                 return self.accepted(task, command, accepted.at, recorder, now);
             }
             Event::Refused(_) | Event::Table(_) if task.is_overtaken => {
-                // Refused, or lost and something harmless took its place: the stop is what counts.
+                // Refused; or lost, and a harmless command took its number: the stop prevails.
                 recorder.finish(task.ticket, Outcome::Superseded);
             }
             Event::Refused(refusal::Refusal::Busy(Busy::CommitPending | Busy::DriveActive))
@@ -89,13 +89,14 @@ impl CommandQueue {
             {
                 self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + DRIVE_PAUSE, ..task });
             }
-            // The user has not asked for it and will not try again, so the link does.
+            // Not requested by the user, who will therefore not retry; the link retries.
             Event::Refused(refusal::Refusal::Busy(_))
                 if matches!(task.job, Job::ArmUnasked) && task.tries < BUSY_TRIES =>
             {
                 self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
             }
-            // A device that was just disarmed takes some milliseconds until its amplifier is off, and a ramp some more.
+            // A device that was just disarmed takes some milliseconds to switch its amplifier off; a ramp
+            // takes longer.
             Event::Refused(refusal::Refusal::Busy(Busy::DriveActive))
                 if matches!(command, Command::Store | Command::Forget)
                     && task.tries < BUSY_TRIES
@@ -123,7 +124,7 @@ impl CommandQueue {
             }
             Event::Trigger(report) => {
                 recorder.trigger(report);
-                // A fault that stands may have ended what began.
+                // A present fault may have ended the drive that began.
                 let fault = recorder.view.status.filter(|status| status.state == State::Fault);
                 if let Some(status) = fault.filter(|_| self.channel.pending_stop().is_none()) {
                     recorder.stopped_by_itself(status.first_fault_at);
@@ -153,7 +154,8 @@ impl CommandQueue {
         Next::Continue
     }
 
-    /// The last change is being taken up, or a stop ramps out: the drive is sent again soon, unless a newer one waits.
+    /// The previous change is being taken up, or a stop is ramping down: the drive is sent again soon, unless
+    /// a newer one waits.
     fn try_drive_again(&mut self, mut task: Task, recorder: &mut Recorder, now: Duration) {
         if self.tasks.iter().any(|waiting| waiting.job.sounds()) {
             recorder.superseded();
@@ -169,7 +171,7 @@ impl CommandQueue {
         if self.closing.is_some() && *command == Command::Disarm {
             return Next::Close;
         }
-        // Who asks for a window whose beginning has passed asks again for one from now on.
+        // A client whose window has already begun requests another from now on.
         let is_late = matches!(command, Command::Listen(_))
             && matches!(refusal, Refusal::Device(refusal::Refusal::OutOfRange { field: Field::ApplyAt, .. }));
         if is_late {
@@ -226,7 +228,7 @@ impl CommandQueue {
                     self.tasks.push_back(Task::new(None, Job::Send(Command::Maintenance)));
                 }
             }
-            // They change nothing that is in the journal, or are not sent as tasks.
+            // They do not change the journal, or are not sent as tasks.
             Command::Maintenance
             | Command::SetTravelLimit(_)
             | Command::TravelLimit
@@ -253,13 +255,13 @@ impl CommandQueue {
             Command::MeasureCoil(_) => {}
         }
         recorder.finish(task.ticket, Outcome::Done { at });
-        // A drag changes the status little: the keep-alives tell it soon enough.
+        // A drag changes the status little; the keep-alives report it soon enough.
         let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
         self.status_stale |= !(is_dragging && matches!(task.job, Job::Play(Sounding::Drive(_))));
         Next::Continue
     }
 
-    /// Notes a drive, a chord or a comb that the device has accepted.
+    /// Records a drive, a chord or a comb that the device has accepted.
     fn sounds(&mut self, task: &Task, played: Played, at: SampleIndex, recorder: &mut Recorder) {
         let waits = played.apply() == Apply::AtTrigger;
         if waits {
@@ -274,7 +276,7 @@ impl CommandQueue {
         self.status_stale |= waits;
     }
 
-    /// Asks what became of a drive that has waited for the trigger input, if that is not known.
+    /// Requests the outcome of a drive that waited for the trigger input, if it is not known.
     pub(super) fn ask_for_trigger(&mut self, recorder: &Recorder) {
         let asks = |task: &Task| matches!(task.job, Job::Send(Command::Trigger));
         let is_asked =
@@ -292,7 +294,7 @@ impl CommandQueue {
         self.tasks.push_back(task);
     }
 
-    /// Arms the device if that needs no request of the user.
+    /// Arms the device if no request of the user is needed.
     fn arm_unasked(&mut self, recorder: &Recorder) {
         if recorder.view.may_arm_unasked() {
             self.tasks.push_front(Task::new(None, Job::ArmUnasked));

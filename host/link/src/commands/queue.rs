@@ -1,9 +1,9 @@
-//! Which command goes to the device next.
+//! Selection of the next command to the device.
 //!
-//! Tasks are sent in order, one numbered command at a time. An upload runs beside them, a step whenever the channel is
-//! free. A stop goes out at once and overtakes what it would undo ([`Job::yields_to`]): what has not been sent is
-//! dropped, what has been sent is never sent again, and what is asked for later waits until the stop is answered, since
-//! the stop's repeat would undo it.
+//! Tasks are sent in order, one numbered command at a time. An upload runs beside them, one step whenever the
+//! channel is free. A stop is sent at once and overtakes the jobs that it would undo ([`Job::yields_to`]):
+//! unsent jobs are dropped, sent ones are never repeated, and later ones wait until the stop is answered,
+//! since a repeat of the stop would undo them.
 
 use super::task::{Current, Job, Stage, Task};
 use super::upload::{Upload, Uploads};
@@ -17,16 +17,16 @@ use slipline_protocol::Command;
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// A disconnect waits so long for the device's answers; after that the dead-man stops the device.
+/// Longest wait of a disconnect for the device's replies; afterwards the dead-man stops the device.
 const CLOSING: Duration = Duration::from_millis(400);
 
-/// What the connection has to do next.
+/// The connection's next step.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Next {
     Continue,
     /// Stopped and disarmed: close the port.
     Close,
-    /// Close, and look for it again.
+    /// Close the port, and look for the device again.
     Lose(LinkError),
 }
 
@@ -43,14 +43,14 @@ pub(crate) struct CommandQueue {
     upload_turn: bool,
     pub(super) keep_alive_due: Duration,
     pub(super) status_wanted: Vec<Ticket>,
-    /// Something has changed that the status tells, so it is asked for before the next keep-alive.
+    /// A change has occurred that the status reports, so the status is requested before the next keep-alive.
     pub(super) status_stale: bool,
     pub(super) renumberings: u32,
     pub(super) closing: Option<Duration>,
 }
 
 impl CommandQueue {
-    /// Begins with a hello.
+    /// Starts a session with a hello.
     pub(crate) fn begin(nonce: [u8; 4], keeps_frames: bool, connect: Option<Ticket>, now: Duration) -> Self {
         let mut channel = Channel::new(nonce, keeps_frames);
         let hello = channel.hello();
@@ -90,7 +90,7 @@ impl CommandQueue {
         self.stage != Stage::Hello
     }
 
-    /// Takes a request for the device.
+    /// Queues a request to the device.
     pub(crate) fn request(
         &mut self,
         ticket: Ticket,
@@ -99,7 +99,7 @@ impl CommandQueue {
         now: Duration,
     ) {
         let limited = self.stage == Stage::Limited;
-        // What a device of a foreign version can be asked for, too.
+        // Requests that a device of another version accepts, too.
         let is_for_any_version = matches!(
             request,
             Request::Stop | Request::EmergencyStop | Request::Refresh | Request::Bootloader
@@ -137,7 +137,7 @@ impl CommandQueue {
             Request::Listen(listen) => Job::Listen(listen),
             Request::Capture(capture) => Job::Capture(capture),
             Request::Hold(hold) => Job::Hold(hold),
-            // The connection deals with these itself.
+            // The connection handles these itself.
             Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
                 return;
             }
@@ -151,14 +151,14 @@ impl CommandQueue {
         self.send_stop(command, now);
     }
 
-    /// Sends a stop; an emergency stop that waits for its answer is sent again, not replaced by less.
+    /// Sends a stop; an unanswered emergency stop is sent again instead of a weaker stop.
     fn send_stop(&mut self, command: Command, now: Duration) {
         let unanswered = self.channel.pending_stop().filter(|stop| **stop == Command::EmergencyStop);
         let command = unanswered.cloned().unwrap_or(command);
         self.channel.send(command, now);
     }
 
-    /// Drops what has not been sent of these, and makes sure that none is sent again.
+    /// Drops unsent jobs of this kind, and prevents the repetition of sent ones.
     fn overtake(&mut self, recorder: &mut Recorder, which: impl Fn(&Job) -> bool) {
         self.drop_tasks(recorder, &which);
         if let Some(Current::Task(task)) = &mut self.current
@@ -182,7 +182,7 @@ impl CommandQueue {
         });
     }
 
-    /// Stops the drive and disarms; [`Next::Close`] follows soon. A closing that is under way goes on as it is.
+    /// Stops the drive and disarms; [`Next::Close`] follows. A closing under way continues unchanged.
     pub(crate) fn leave(&mut self, recorder: &mut Recorder, now: Duration) {
         if self.closing.is_some() {
             return;
@@ -197,8 +197,8 @@ impl CommandQueue {
         self.closing = Some(now + CLOSING);
     }
 
-    /// Stops and disarms, since whoever drives does not answer any more. What would sound, arm or clear a fault is
-    /// dropped; an upload goes on. A closing does the same already.
+    /// Stops and disarms, since the driving program no longer responds. Jobs that would sound, arm or clear a
+    /// fault are dropped; an upload continues. A closing already does the same.
     pub(crate) fn abandon(&mut self, recorder: &mut Recorder, now: Duration) {
         if self.closing.is_some() {
             return;
@@ -208,7 +208,7 @@ impl CommandQueue {
         self.tasks.push_front(Task::new(None, Job::Send(Command::Disarm)));
     }
 
-    /// Ends the session: whatever has been asked for will not be done.
+    /// Ends the session; pending requests end with `outcome`.
     pub(crate) fn end(mut self, recorder: &mut Recorder, outcome: &Outcome) {
         if let Some(Current::Task(task)) = self.current.take() {
             recorder.finish(task.ticket, outcome.clone());
@@ -225,7 +225,7 @@ impl CommandQueue {
         }
     }
 
-    /// Repeats what is overdue and sends what is due.
+    /// Repeats overdue commands and sends due ones.
     pub(crate) fn send_due(&mut self, recorder: &mut Recorder, now: Duration) -> Next {
         if self.channel.tick(now).is_err() {
             return Next::Lose(LinkError::Silent);
@@ -257,7 +257,7 @@ impl CommandQueue {
         Next::Continue
     }
 
-    /// When [`CommandQueue::send_due`] has something to do next.
+    /// When [`CommandQueue::send_due`] must be called next.
     pub(crate) fn deadline(&self) -> Duration {
         let mut deadline = self.keep_alive_due;
         deadline = deadline.min(self.channel.deadline().unwrap_or(deadline));
@@ -270,8 +270,9 @@ impl CommandQueue {
         deadline
     }
 
-    /// The tasks of which the next one is chosen: the first, and before it those that ask for a result, which let the others
-    /// pass until it may be there. None passes one that waits for a stop's answer.
+    /// Candidates for the next task: the first one that requests no result, and the requests for results
+    /// before it, which let others pass until the result may be there. No task passes one that waits for a
+    /// stop's reply.
     fn candidates(&self) -> impl Iterator<Item = (usize, &Task)> {
         let first = self.tasks.iter().position(|task| !task.job.asks_for_result());
         let is_held = |task: &Task| self.channel.pending_stop().is_some_and(|stop| task.job.yields_to(stop));
@@ -279,7 +280,7 @@ impl CommandQueue {
         self.tasks.iter().enumerate().take(count).filter(move |(_, task)| !is_held(task))
     }
 
-    /// Sends the next thing that is due; returns whether there was one.
+    /// Sends the next due command; returns whether there was one.
     fn send_next(&mut self, recorder: &mut Recorder, now: Duration) -> bool {
         let due = self.candidates().find(|(_, task)| now >= task.not_before).map(|(at, _)| at);
         let upload_due = self.uploads.current().is_some_and(|upload| now >= upload.not_before);
@@ -339,7 +340,7 @@ impl CommandQueue {
     }
 }
 
-/// Ends a task that cannot be put into the device's units; the next one may be sent.
+/// Ends a task that cannot be converted to the device's units; the next one may be sent.
 fn refuse(task: &Task, error: DriveError, recorder: &mut Recorder) -> bool {
     recorder.finish(task.ticket, Outcome::Refused(error.into()));
     true

@@ -1,4 +1,4 @@
-//! What has been read so far of a measurement or a capture.
+//! Parts of a measurement or a capture that have been read so far.
 
 use crate::listen::{CaptureRequest, Captured, ListenRequest, Listened};
 use slipline_protocol::listen::{CapturePart, ListenPart};
@@ -12,7 +12,7 @@ pub(super) struct ListenReading {
 }
 
 impl ListenReading {
-    /// What to ask for next.
+    /// The part to request next.
     pub(super) const fn part(&self) -> ListenPart {
         ListenPart { input: self.request.input, first_slot: self.first_slot }
     }
@@ -26,7 +26,7 @@ pub(super) struct CaptureReading {
 }
 
 impl CaptureReading {
-    /// What to ask for next.
+    /// The part to request next.
     pub(super) fn part(&self) -> CapturePart {
         // At most 4096 values.
         CapturePart { first: self.captured.values.len() as u16 }

@@ -1,5 +1,5 @@
-//! What a device's replies mean, and what to send because of them: the handshake, the status, stops. `numbered` has the
-//! commands that the tasks and uploads send.
+//! Evaluation of a device's replies and the commands that follow: the handshake, the status, stops.
+//! `numbered` evaluates the replies to tasks and uploads.
 
 use super::queue::{CommandQueue, Next};
 use super::task::{Job, Stage, Task};
@@ -21,10 +21,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 impl CommandQueue {
-    /// Takes bytes from the device.
+    /// Decodes bytes from the device and evaluates the replies.
     pub(crate) fn receive(&mut self, bytes: &[u8], recorder: &mut Recorder, now: Duration) -> Next {
         for answer in self.channel.receive(bytes, now) {
-            // A device that is busy erasing says nothing about the link.
+            // The round trip of a device that is erasing its flash does not characterize the link.
             if !matches!(answer.command, Command::Store | Command::Forget) {
                 recorder.round_trip(answer.round_trip);
             }
@@ -36,7 +36,7 @@ impl CommandQueue {
         Next::Continue
     }
 
-    /// Takes one reply.
+    /// Evaluates one reply.
     fn take_reply(&mut self, answer: Answer, recorder: &mut Recorder, now: Duration) -> Next {
         let Answer { command, reply, .. } = answer;
         let event = match reply {
@@ -97,7 +97,7 @@ impl CommandQueue {
         }
     }
 
-    /// The device and what it holds is known: the connection stands.
+    /// The device and its table are known: the connection is established.
     pub(super) fn connected(&mut self, at: u64, recorder: &mut Recorder) {
         recorder.view.error = None;
         recorder.link(LinkState::Connected);
@@ -111,7 +111,7 @@ impl CommandQueue {
         recorder.fold_back(&FoldbackSteps::between(before, &status, &Timing::at(rate)));
         recorder.status(status);
         self.ask_for_trigger(recorder);
-        // A stop of the user's that is not answered yet may be why.
+        // A stop by the user that is not answered yet may be the cause.
         if status.state == State::Fault && self.channel.pending_stop().is_none() {
             recorder.stopped_by_itself(status.first_fault_at);
         }
@@ -123,7 +123,7 @@ impl CommandQueue {
         }
     }
 
-    /// Takes the reply to a stop.
+    /// Evaluates the reply to a stop.
     fn stopped(&mut self, command: &Command, event: &Event, recorder: &mut Recorder) {
         let outcome = match accepted_at(event) {
             Ok(at) => {
@@ -139,7 +139,8 @@ impl CommandQueue {
         self.status_stale = true;
     }
 
-    /// Takes the reply to a keep-alive or a request for the status. After any other, the next keep-alive asks again.
+    /// Evaluates the reply to a keep-alive or a status request. After any other event the next keep-alive
+    /// repeats the request.
     fn reported(&mut self, event: &Event, recorder: &mut Recorder) {
         if let Event::Status(status) = event {
             self.take_status(*status, recorder);
@@ -151,7 +152,7 @@ impl CommandQueue {
     }
 }
 
-/// The index at which the device does what it was asked for, or why it does not.
+/// The index at which the device carries out the command, or its refusal.
 fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
     match event {
         Event::Accepted(accepted) => Ok(accepted.at),

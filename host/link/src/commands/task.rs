@@ -1,4 +1,4 @@
-//! What is to be sent to a device: one task for each request, in order.
+//! Commands to be sent to a device: one task for each request, in order.
 
 use super::reading::{CaptureReading, ListenReading};
 use super::upload::Upload;
@@ -9,10 +9,10 @@ use crate::sounding::Sounding;
 use slipline_protocol::Command;
 use std::time::Duration;
 
-/// One thing to send.
+/// What a task sends.
 #[derive(Clone, Debug)]
 pub(super) enum Job {
-    /// A command that is complete as it is.
+    /// A complete command.
     Send(Command),
     /// Arm a device that may be armed without the user's request.
     ArmUnasked,
@@ -31,12 +31,12 @@ pub(super) enum Job {
 }
 
 impl Job {
-    /// Whether it makes the device sound: a newer such job takes its place.
+    /// Whether it makes the device sound: a newer such job replaces it.
     pub(super) const fn sounds(&self) -> bool {
         matches!(self, Self::Play(_))
     }
 
-    /// Whether it asks for a result that may not be there yet: others go before it.
+    /// Whether it requests a result that may not be ready: other jobs are sent before it.
     pub(super) const fn asks_for_result(&self) -> bool {
         matches!(self, Self::DigestRead | Self::ListenRead(_) | Self::CaptureRead(_) | Self::HoldRead)
     }
@@ -63,7 +63,7 @@ impl Job {
 /// Whether a stop, an emergency stop or a disarm undoes this command.
 const fn is_undone_by(command: &Command, stop: &Command) -> bool {
     match command {
-        // These have jobs of their own; sent as they are, they would sound, too.
+        // These have jobs of their own; sent as plain commands they would sound, too.
         Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_) => true,
         Command::Arm | Command::ClearFaults => matches!(stop, Command::EmergencyStop),
         // They neither sound nor arm.
@@ -103,12 +103,12 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
 
 #[derive(Clone, Debug)]
 pub(super) struct Task {
-    /// None for what the link does by itself.
+    /// `None` for tasks that the link creates by itself.
     pub(super) ticket: Option<Ticket>,
     pub(super) job: Job,
     pub(super) tries: u32,
     pub(super) not_before: Duration,
-    /// A stop came after it had been sent: whatever the answer, it is not sent again.
+    /// A stop was sent after it: it is not repeated, whatever the reply.
     pub(super) is_overtaken: bool,
 }
 
@@ -118,17 +118,17 @@ impl Task {
     }
 }
 
-/// What waits for the answer of the numbered lane.
+/// The sender that awaits the reply in the numbered lane.
 #[derive(Clone, Debug)]
 pub(super) enum Current {
     Task(Box<Task>),
     Upload,
 }
 
-/// How far the handshake has come.
+/// Progress of the handshake.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// The hello is out.
+    /// The hello is sent.
     Hello,
     /// The hello is answered; status and table are being read.
     Reading,

@@ -1,5 +1,6 @@
-//! The upload of a table: it is sent step by step (begin, chunks, commit), unless the device holds it already. The device's
-//! table counts as known once the digest that is read back is the digest of this table.
+//! The upload of a table: it is sent step by step (begin, chunks, commit), unless the device holds it
+//! already. The device's table is considered known once the digest that is read back equals that of this
+//! table.
 
 use crate::journal::Change;
 use crate::log::Severity;
@@ -19,11 +20,11 @@ pub(super) const BUSY_PAUSE: Duration = Duration::from_millis(5);
 /// Most attempts of a step while the device is busy: a glide to a new table takes 20 ms.
 pub(super) const BUSY_TRIES: u32 = 200;
 
-/// The plate file limits the travel, and the device's firmware is older than that.
+/// The plate file limits the travel, but the device's firmware does not support this limit.
 const TRAVEL_NOT_LIMITED: &str =
     "The device does not limit the actuator's travel: its firmware is too old for it.";
 
-/// The step that is sent next, or waits for its reply.
+/// The step that is sent next or awaits its reply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     /// The limit of the actuator's travel, before any tone uses the new table.
@@ -43,9 +44,10 @@ pub(super) struct Upload {
     pub(super) table: Arc<DeviceTable>,
     pub(super) step: Step,
     pub(super) tries: u32,
-    /// The step is not sent before this time.
+    /// Earliest time of the next step.
     pub(super) not_before: Duration,
-    /// No other upload was under way when it began: what the device holds is in force, and may be this table.
+    /// No other upload was under way when it began, so the table on the device is in force and may be this
+    /// one.
     may_be_held: bool,
 }
 
@@ -59,7 +61,7 @@ impl Upload {
         match self.step {
             Step::Limit => Command::SetTravelLimit(TravelSetting { limit: self.table.travel_limit() }),
             Step::Begin => Command::TableBegin(self.table.header()),
-            // No chunk begins past the end: `advance` goes on to the commit there.
+            // No chunk begins past the end: `advance` proceeds to the commit there.
             Step::Chunk { first } => {
                 self.table.chunk(first).map_or(Command::TableCommit, Command::TableChunk)
             }
@@ -98,12 +100,12 @@ impl Upload {
 #[derive(Debug, Default)]
 pub(super) struct Uploads(Option<Upload>);
 
-/// What the reply to a step asks of the queue.
+/// What the queue must do after the reply to a step.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct AfterStep {
-    /// To be sent before anything else.
+    /// A command to be sent before anything else.
     pub(super) command: Option<Command>,
-    /// Something happened that shows in the status.
+    /// Whether the status has changed.
     pub(super) is_status_stale: bool,
 }
 
@@ -113,7 +115,7 @@ impl Uploads {
         self.0.as_ref()
     }
 
-    /// Begins an upload, in the place of one that is under way, unless the device needs none.
+    /// Begins an upload, which replaces one under way, unless the device holds the table already.
     pub(super) fn begin(&mut self, upload: &Upload, recorder: &mut Recorder) {
         let needs_limit = !recorder.view.limits_travel_for(&upload.table);
         if upload.table.travel_limit().is_some() && !recorder.view.can_limit_travel() {
@@ -132,7 +134,7 @@ impl Uploads {
         recorder.touch();
     }
 
-    /// Gives up the upload under way; what to send for it, if there is one.
+    /// Cancels the upload under way; returns the command to be sent for it, if any.
     pub(super) fn cancel(&mut self, ticket: Option<Ticket>, recorder: &mut Recorder) -> Option<Command> {
         let Some(upload) = self.0.take() else {
             recorder.finish(ticket, Outcome::Done { at: 0 });
@@ -143,12 +145,12 @@ impl Uploads {
         Some(Command::TableAbort)
     }
 
-    /// The session is over: gives up the upload and returns its ticket.
+    /// The session is over: cancels the upload and returns its ticket.
     pub(super) fn end(&mut self) -> Option<Ticket> {
         self.0.take().map(|upload| upload.ticket)
     }
 
-    /// Takes the reply to a step.
+    /// Evaluates the reply to a step.
     pub(super) fn take_reply(&mut self, event: Event, recorder: &mut Recorder, now: Duration) -> AfterStep {
         let mut after = AfterStep::default();
         // Cancelled or replaced while a step was under way.
@@ -179,7 +181,7 @@ impl Uploads {
             (Event::Accepted(accepted), Step::Commit) => {
                 upload.advance();
                 recorder.acknowledge(accepted.at, Change::Table(upload.table.clone()));
-                // Before anything else: a drive would still be placed by the span of the table before.
+                // Before anything else: a drive would still be placed by the span of the previous table.
                 after.command = Some(upload.command());
             }
             (Event::Table(report), Step::Verify) => {
@@ -226,13 +228,14 @@ impl Uploads {
     }
 }
 
-/// Whether the digest that was read back last is the one of this table.
+/// Whether the digest that was read back last is that of this table.
 fn is_held(upload: &Upload, recorder: &Recorder) -> bool {
     recorder.view.table.active == Some(upload.table.header())
 }
 
-/// A table that the device holds from before this session, as after a restart with a stored one, need not be sent.
-/// From now on it is known, so that the mirror can follow; for this the device has to be silent.
+/// Recognizes a table that the device holds from before this session, such as a stored one after a restart;
+/// it need not be sent. From now on it is known, so that the mirror can follow; this requires a silent
+/// device.
 fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
     let silent = recorder
         .view
@@ -248,8 +251,8 @@ fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
     true
 }
 
-/// After the limit of the travel has changed: the device may hold the table from before this session, or from an upload
-/// that was known already.
+/// Whether the device holds the table after its travel limit has changed: from before this session, or from
+/// an upload that was known already.
 fn is_held_already(upload: &Upload, recorder: &mut Recorder) -> bool {
     let known = recorder.view.confirmed_table.as_ref();
     if is_held(upload, recorder) && known.is_some_and(|known| known.crc() == upload.table.crc()) {
@@ -279,7 +282,7 @@ mod tests {
         Upload::new(Ticket(number), Arc::new(table))
     }
 
-    /// A silent device that holds this upload's table from before.
+    /// A silent device that already holds this upload's table.
     fn holding(upload: &Upload) -> Recorder {
         let mut recorder = Recorder::default();
         recorder.status(Status::default());

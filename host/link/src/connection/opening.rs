@@ -11,14 +11,14 @@ use crate::snapshot::LinkState;
 use crate::transport::Opener;
 use std::time::Duration;
 
-/// A session that lives shorter than this was ended by another program rather than by a restart...
+/// A session shorter than this was probably ended by another program, not by a restart...
 const SHORT_LIFE: Duration = Duration::from_secs(5);
-/// ...if this many in a row are that short: two programs that take a device from each other would stop its drive again and
-/// again.
+/// ...if this many consecutive sessions are that short: two programs that take a device from each other would
+/// stop its drive repeatedly.
 const SHORT_LIVES: u32 = 3;
 
 impl<O: Opener> Connection<O> {
-    /// After a reconnection: is it the same device?
+    /// After a reconnection: checks that it is the same device.
     pub(super) fn verify_identity(&mut self) -> Next {
         let Some(rediscovery) = &mut self.rediscovery else { return Next::Continue };
         let Some(unit) = self.recorder.view.identity.as_ref().map(|identity| identity.unit) else {
@@ -49,7 +49,7 @@ impl<O: Opener> Connection<O> {
         if was_first || self.short_lives >= SHORT_LIVES {
             self.recorder.link(LinkState::Disconnected);
         } else if was_seeking {
-            // A port that is there but does not answer yet: it may still be starting.
+            // A port that exists but does not answer yet may still be starting.
             self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
             self.still_missing(error);
         } else {
@@ -104,7 +104,7 @@ impl<O: Opener> Connection<O> {
         Ok(())
     }
 
-    /// Looks for the lost device or the missing port once.
+    /// Looks once for the lost device or the missing port.
     pub(super) fn look(&mut self, now: Duration) {
         self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
         let ports = self.opener.list();
@@ -118,8 +118,8 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Reports why the awaited port cannot be used yet: it may be there by now, but busy or silent. For a device that has
-    /// answered before, its loss stays the reason.
+    /// Reports why the awaited port cannot be used yet: it may exist by now, but be busy or silent. For a
+    /// device that has answered before, its loss remains the reason.
     fn still_missing(&mut self, error: LinkError) {
         let state = LinkState::Reconnecting(error.clone());
         if self.waits_for_port && self.recorder.view.link != state {

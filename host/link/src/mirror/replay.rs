@@ -3,10 +3,10 @@
 //! ```text
 //! journal entries --> [ gap? ] --> Mirror --> the latest codes, and from which index on they are exact
 //! ```
-//! It is the only follower of the journal. What the waveform's display and `slipline verify` say of the codes therefore
-//! agrees, also where entries are missing or name no exact index:
+//! It is the only follower of the journal, so the waveform's display and `slipline verify` agree about the
+//! codes, also where entries are missing or have no exact index:
 //!
-//! | what happened | from where the codes are exact again |
+//! | event | index from which the codes are exact again |
 //! |---|---|
 //! | a step of the thermal fold-back was dropped or is not exact | the next known step, once the renderer has settled |
 //! | entries of any kind were dropped, or the device stopped by itself | the next silence |
@@ -31,10 +31,10 @@ use std::collections::VecDeque;
 
 /// After a stop the device is silent within this many seconds: every ramp is shorter.
 const SILENT_AFTER_S: f64 = 0.2;
-/// Samples between a table and the change after it: each is taken up at a block of its own.
+/// Samples between a table and the following change: each is taken up at a block of its own.
 const AHEAD: u64 = 8 * BLOCK as u64;
 
-/// Follows the journal of one device after the other; keeps the latest codes.
+/// Follows the journal of one device after another; keeps the latest codes.
 ///
 /// ```
 /// use slipline_link::mirror::replay::{DeviceHistory, Replay};
@@ -64,20 +64,20 @@ pub struct Replay {
     keep: usize,
     sample_rate_hz: u32,
     mirror: Option<Mirror>,
-    /// The number of the latest entry that was taken.
+    /// The number of the latest entry replayed.
     latest: u64,
     /// The device ramps to silence from here, or is silent; `None` while tones may sound.
     silent_since: Option<SampleIndex>,
     exactness: Exactness,
     codes: VecDeque<u16>,
-    /// The latest drive out of silence begins here.
+    /// Index at which the latest drive from silence begins.
     drive_began: SampleIndex,
-    /// What the device plays up to here is known.
+    /// Index up to which the device's output is known.
     now: SampleIndex,
 }
 
 impl Replay {
-    /// A replay that keeps so many of the latest codes. It knows no device yet.
+    /// A replay that keeps this number of the latest codes. It knows no device yet.
     #[must_use]
     pub const fn new(keep: usize) -> Self {
         Self {
@@ -93,14 +93,14 @@ impl Replay {
         }
     }
 
-    /// Replays what is new, up to the index that the device has reached.
+    /// Replays new entries, up to the index that the device has reached.
     pub fn follow(&mut self, history: &DeviceHistory) {
         if self.sample_rate_hz != history.sample_rate_hz {
             *self = Self { sample_rate_hz: history.sample_rate_hz, ..Self::new(self.keep) };
         }
         for (place, entry) in history.journal.iter().enumerate() {
             if self.mirror.is_none() {
-                // Before the first entry of all there is nothing; before that of a session, only the fold-back.
+                // The first entry of all has no predecessors; that of a session only needs the fold-back.
                 let is_complete = entry.number == 1 || entry.change == Change::Session;
                 self.begin(history, entry.at, is_complete);
                 if entry.number != 1 {
@@ -114,7 +114,7 @@ impl Replay {
             self.take(entry);
             self.latest = entry.number;
         }
-        // A stop that is not known yet may begin in the block before.
+        // A stop that is not known yet may begin in the previous block.
         self.now = history.now.saturating_sub(BLOCK as u64);
         self.catch_up_foldback(history);
         let until = self.silent_from().map_or(self.now, |silent| silent.min(self.now));
@@ -128,33 +128,33 @@ impl Replay {
         (first + before as u64, codes.range(before..).copied())
     }
 
-    /// The latest codes, oldest first, with the index of the first one. Behind them there is silence, if
+    /// The latest codes, oldest first, with the index of the first one. After them the device is silent, if
     /// [`Replay::is_silent`].
     fn codes(&self) -> (SampleIndex, &VecDeque<u16>) {
         let next = self.mirror.as_ref().map_or(0, Mirror::now);
         (next.saturating_sub(self.codes.len() as u64), &self.codes)
     }
 
-    /// Whether the device has been silent for so long that every ramp is over.
+    /// Whether the device has been silent longer than any ramp lasts.
     #[must_use]
     pub fn is_silent(&self) -> bool {
         self.silent_from().is_some_and(|silent| self.now > silent)
     }
 
-    /// The index from which the codes are those of the device, every one of them; `None` while they may differ.
+    /// The index from which all codes equal those of the device; `None` while they may differ.
     #[must_use]
     pub fn exact_since(&self) -> Option<SampleIndex> {
         self.exactness.since().filter(|_| self.mirror.as_ref().is_some_and(Mirror::is_true))
     }
 
-    /// The codes of a window that the device has sent; `None` if they are not all known exactly, or not kept any more.
+    /// The codes of a window that the device has sent; `None` if they are not all exact, or no longer kept.
     pub fn exact_codes(&self, from: SampleIndex, count: u32) -> Option<impl Iterator<Item = u16>> {
         let end = from.checked_add(u64::from(count))?;
         let (first, codes) = self.codes();
         let rendered = first + codes.len() as u64;
         let is_known = end <= rendered || (end <= self.now && self.is_silent());
         let is_exact = self.exact_since().is_some_and(|since| since <= from);
-        // Behind the codes there is silence, so a window may also begin there.
+        // After the codes there is silence, so a window may also begin there.
         let is_kept = from >= first;
         (is_known && is_exact && is_kept).then(|| {
             (from..end).map(move |index| codes.get((index - first) as usize).copied().unwrap_or(MID_SCALE))
@@ -169,15 +169,15 @@ impl Replay {
         self.exactness = Exactness::beginning(at, is_silent);
         let mut mirror = Mirror::new(self.sample_rate_hz, at.saturating_sub(AHEAD));
         if let Some(table) = &history.table {
-            // Nothing has been rendered: it cannot come too late.
+            // No block has been rendered, so it cannot be too late.
             let _ = mirror.acknowledge_table(table.knots().into(), mirror.now());
             mirror.render(at, |_, _| {});
         }
         self.mirror = Some(mirror);
     }
 
-    /// Entries are missing. Those that left the journal's front may have been anything; within it only steps of the
-    /// thermal fold-back are ever dropped.
+    /// Entries are missing. Those dropped at the journal's front may have been of any kind; elsewhere only
+    /// steps of the thermal fold-back are dropped.
     fn miss(&mut self, history: &DeviceHistory, at: SampleIndex, at_front: bool) {
         if at_front {
             self.begin(history, at, false);
@@ -186,11 +186,11 @@ impl Replay {
         }
     }
 
-    /// A step of the fold-back was missed: the status tells what is in force now.
+    /// A step of the fold-back was missed: the status reports the present value.
     fn catch_up_foldback(&mut self, history: &DeviceHistory) {
         let Some(mirror) = self.mirror.as_mut().filter(|_| self.exactness.misses_foldback()) else { return };
         let since = Timing::at(self.sample_rate_hz).limit_since(history.now).max(mirror.now());
-        // It begins with the mirror's next block at the earliest: it cannot come too late.
+        // It begins with the mirror's next block at the earliest, so it cannot be too late.
         let _ = mirror.acknowledge_limit(history.foldback_per_mille, since);
         self.exactness.foldback_known(since);
     }
@@ -202,7 +202,7 @@ impl Replay {
         if sounds && self.silent_since.take().is_some_and(|_| has_skipped) {
             self.drive_began = entry.at;
         }
-        // A change that comes too late, or that the renderer cannot take, shows in `Mirror::is_true`.
+        // A change that is too late, or that the renderer refuses, shows in `Mirror::is_true`.
         let _ = match &entry.change {
             Change::Session => {
                 // The device is silent, and may still hold its table.
@@ -237,14 +237,14 @@ impl Replay {
         }
     }
 
-    /// The index from which the device is silent, if a stop stands.
+    /// The index from which the device is silent, if the latest change is a stop.
     fn silent_from(&self) -> Option<SampleIndex> {
         let ramp = (SILENT_AFTER_S * f64::from(self.sample_rate_hz)) as u64;
         self.silent_since.map(|since| since.saturating_add(ramp).next_multiple_of(BLOCK as u64))
     }
 
-    /// If the device is known to be silent before the change at `at`, the mirror begins anew there: hours of silence
-    /// need not be rendered, and whatever was unknown before is over. Returns whether it is.
+    /// If the device is known to be silent before the change at `at`, the mirror restarts there: hours of
+    /// silence need not be rendered, and earlier unknown codes no longer matter. Returns whether it is silent.
     fn skip_silence(&mut self, at: SampleIndex) -> bool {
         let Some(silent) = self.silent_from().filter(|silent| silent.saturating_add(AHEAD) < at) else {
             return false;
@@ -260,7 +260,8 @@ impl Replay {
             mirror.silence(target);
             let skipped = (mirror.now() - rendered).min(self.keep as u64) as usize;
             self.codes.extend(std::iter::repeat_n(MID_SCALE, skipped));
-            // Nothing is rendered yet: a step of the fold-back in this silence may be told only after the change.
+            // No block is rendered yet: a step of the fold-back in this silence may be reported only after
+            // the change.
         }
         true
     }
@@ -274,7 +275,7 @@ impl Replay {
                 codes.drain(..codes.len() - keep);
             }
         });
-        // What was not exact goes as soon as there is something that is.
+        // Inexact codes are dropped as soon as exact ones exist.
         if mirror.is_true()
             && let Some(since) = self.exactness.since()
         {

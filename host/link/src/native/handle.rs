@@ -14,7 +14,7 @@ pub(super) struct Inbox {
     pub(super) quit: bool,
 }
 
-/// What the worker's thread and the handles share.
+/// State shared by the worker's thread and the handles.
 pub(super) struct Shared {
     pub(super) inbox: Mutex<Inbox>,
     pub(super) snapshot: Mutex<Arc<Snapshot>>,
@@ -22,16 +22,16 @@ pub(super) struct Shared {
     pub(super) waker: mio::Waker,
     /// The connection's time.
     pub(super) clock: Clock,
-    /// When the latest sign of life was given, in microseconds of that time; 0 before the first.
+    /// When the latest sign of life was given, in microseconds of that clock; 0 before the first.
     sign_us: AtomicU64,
     pub(super) ask: Mutex<Ask>,
 }
 
-/// Asks the driver (the loop that uses the device) for a sign of life.
+/// Requests a sign of life from the driver (the loop that uses the device).
 type Ask = Box<dyn Fn() + Send>;
 
 impl Shared {
-    /// With nothing asked for and nothing known; `waker` wakes the worker's thread, which lives by `clock`.
+    /// Without requests and state; `waker` wakes the worker's thread, which uses `clock`.
     pub(super) fn new(waker: mio::Waker, clock: Clock) -> Self {
         Self {
             inbox: Mutex::default(),
@@ -61,7 +61,7 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sends requests and looks at snapshots. Cloning is cheap; any thread may hold one.
+/// Sends requests and reads snapshots. Clones are cheap and can be used on any thread.
 #[derive(Clone)]
 pub struct Handle(Arc<Shared>);
 
@@ -76,12 +76,13 @@ impl Handle {
         self.wake();
     }
 
-    /// Wakes the worker to do what is due by its clock. A worker that cannot be woken wakes by itself for the next keep-alive.
+    /// Wakes the worker for the steps that are due by its clock. If that fails, the worker wakes for the next
+    /// keep-alive.
     pub fn wake(&self) {
         let _ = self.0.waker.wake();
     }
 
-    /// Hands a request over and returns at once.
+    /// Queues a request and returns at once.
     pub fn send(&self, request: Request) -> Ticket {
         let mut inbox = lock(&self.0.inbox);
         inbox.last.0 += 1;
@@ -92,8 +93,9 @@ impl Handle {
         ticket
     }
 
-    /// Gives a sign of life of the thread that controls the device. Only that thread may call it, from the loop that also
-    /// takes the user's stop. While the device is armed it is due every [`SIGN_PERIOD`](crate::SIGN_PERIOD).
+    /// Gives a sign of life of the thread that controls the device. Only that thread may call it, from the
+    /// loop that also handles the user's stop. While the device is armed it is due every
+    /// [`SIGN_PERIOD`](crate::SIGN_PERIOD).
     pub fn sign_of_life(&self) {
         self.0.sign_us.store((self.0.clock)().as_micros() as u64, Ordering::Relaxed);
     }
@@ -104,19 +106,20 @@ impl Handle {
         self.0.latest_sign()
     }
 
-    /// Sets what asks the controlling thread for a sign of life, for a thread that sleeps until it is woken. It is
-    /// called on the worker's thread while the device is armed, every [`SIGN_PERIOD`](crate::SIGN_PERIOD).
+    /// Sets the function that requests a sign of life from the controlling thread, if that thread sleeps
+    /// until it is woken. The function is called on the worker's thread while the device is armed, every
+    /// [`SIGN_PERIOD`](crate::SIGN_PERIOD).
     pub fn ask_for_signs(&self, ask: impl Fn() + Send + 'static) {
         *lock(&self.0.ask) = Box::new(ask);
     }
 
-    /// The newest picture of link and device.
+    /// The newest snapshot of link and device.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {
         lock(&self.0.snapshot).clone()
     }
 
-    /// Waits until a snapshot fits, or `patience` is over by the computer's clock.
+    /// Waits until `fits` accepts a snapshot, or `patience` is over by the computer's clock.
     #[must_use]
     pub fn wait_for<T>(&self, patience: Duration, mut fits: impl FnMut(&Snapshot) -> Option<T>) -> Option<T> {
         let end = Instant::now() + patience;
@@ -134,7 +137,7 @@ impl Handle {
         }
     }
 
-    /// Waits for a request's end. Not for a thread that paints.
+    /// Waits for a request's outcome. Not for a thread that draws.
     #[must_use]
     pub fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
         self.wait_for(patience, |snapshot| snapshot.outcome(ticket).cloned())

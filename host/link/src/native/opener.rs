@@ -11,7 +11,7 @@ use crate::transport::{Opener, Waker};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-/// The computer's monotonic clock, from now on.
+/// The computer's monotonic clock, starting now.
 #[must_use]
 pub fn system_clock() -> Clock {
     let since = Instant::now();
@@ -20,7 +20,7 @@ pub fn system_clock() -> Clock {
 
 impl Watch for RealtimeLine {}
 
-/// Wires a simulated device that is switched on to what its inputs sample.
+/// Creates the inputs of a simulated device that is switched on.
 type Wiring = Box<dyn FnMut() -> Box<dyn SimulatedInputs> + Send>;
 
 /// Opens ports of this computer. The simulated device is switched on at its first use and stays on.
@@ -37,14 +37,14 @@ impl Default for SystemOpener {
 }
 
 impl SystemOpener {
-    /// As the default one, with a simulated device that lives by this clock.
+    /// As the default one, with a simulated device that runs by this clock.
     #[must_use]
     pub const fn in_time_of(clock: Clock) -> Self {
         Self { simulated: None, wiring: None, clock }
     }
 
-    /// As the default one, whose simulated device has no inputs; this one's has those of `wiring`, which is called when the
-    /// device is switched on. Its sample rate is that of [`Options::default`].
+    /// As the default one, but its simulated device has the inputs of `wiring`, which is called when the
+    /// device is switched on. The sample rate is that of [`Options::default`].
     pub fn with_inputs(wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static) -> Self {
         Self { wiring: Some(Box::new(wiring)), ..Self::default() }
     }

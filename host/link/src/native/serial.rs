@@ -1,8 +1,8 @@
 //! A serial port as a transport: native USB (CDC-ACM) or a UART behind a USB bridge.
 //!
-//! The port is opened exclusively, raw, 8N1, with DTR set (some bridges pass nothing without it; nothing here relies
-//! on it). Reads and writes do not block (on Windows, only briefly). Where the system can signal the arrival of bytes (all
-//! but Windows), the worker sleeps until then; elsewhere it reads every few milliseconds.
+//! The port is opened exclusively, raw, 8N1, with DTR set, which some bridges need and Slipline does not.
+//! Reads and writes do not block (on Windows, only briefly). Where the system can signal the arrival of bytes
+//! (all but Windows), the worker sleeps until then; elsewhere it reads every few milliseconds.
 
 use super::watch::{Wakes, Watch};
 use crate::error::LinkError;
@@ -13,10 +13,10 @@ use std::io::{self, Read, Write};
 use std::path::Path;
 use std::time::Duration;
 
-/// The rate of boards that talk through a UART; native USB ignores it.
+/// The baud rate of boards with a UART; native USB ignores it.
 pub const BAUD_RATE: u32 = 921_600;
 
-/// Time limit of a read or a write. On Windows, zero would mean that a write waits for ever.
+/// Time limit of a read or a write. On Windows, zero would make a write wait without limit.
 const PATIENCE: Duration = Duration::from_millis(if cfg!(windows) { 2 } else { 0 });
 
 #[cfg(unix)]
@@ -30,13 +30,13 @@ pub struct Serial(Native);
 /// Opens a serial port by its system name.
 ///
 /// # Errors
-/// [`LinkError`]: no such port, in use, no permission, or what the system says.
+/// [`LinkError`]: no such port, in use, no permission, or another system error.
 pub fn open(name: &str) -> Result<Serial, LinkError> {
     let port = Port::Serial(name.to_owned());
     let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(PATIENCE);
     let native = Native::open(&builder).map_err(|error| {
         if matches!(error.kind, ErrorKind::NoDevice) && Path::new(name).exists() {
-            // The crate says "no device" for a port that another program has locked, too.
+            // The crate reports "no device" also for a port that another program has locked.
             LinkError::Busy(port.clone())
         } else if is_no_device(Path::new(name)) {
             LinkError::NotSerial(port.clone())
@@ -44,12 +44,13 @@ pub fn open(name: &str) -> Result<Serial, LinkError> {
             LinkError::opening(&port, &io::Error::from(error))
         }
     })?;
-    // Bytes that arrived for the program that had the port before.
+    // Discards bytes that arrived for the port's previous program.
     native.clear(serialport::ClearBuffer::All).ok();
     Ok(Serial(native))
 }
 
-/// Whether there is a file or a folder of that name. The system's own error (ENOTTY) does not say so clearly.
+/// Whether there is a file or a folder of that name. The system's own error (ENOTTY) does not distinguish
+/// this.
 fn is_no_device(path: &Path) -> bool {
     path.is_file() || path.is_dir()
 }
@@ -61,7 +62,7 @@ impl Transport for Serial {
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self.0.write(bytes)? {
-            // What Windows says when the time is over; a port that has gone is an error.
+            // Windows reports a time-out so; a removed port gives an error.
             0 => Err(io::ErrorKind::TimedOut.into()),
             count => Ok(count),
         }

@@ -5,9 +5,9 @@ use serialport::{SerialPortType, UsbPortInfo};
 
 /// Every port that exists now: the simulated device, then Slipline devices, then the other serial ports by name.
 ///
-/// macOS has two names for each port. Only the `cu.` one is listed: opening the `tty.` one waits for a carrier that
-/// never comes. Ports
-/// that cannot be listed (no permission) are left out; they can still be named.
+/// macOS has two names for each port. Only the `cu.` one is listed: opening the `tty.` one waits for a
+/// carrier, which is never signalled. Ports that cannot be listed (no permission) are omitted; they can still
+/// be named.
 #[must_use]
 pub fn list_ports() -> Vec<PortInfo> {
     let mut serial: Vec<PortInfo> = serialport::available_ports()
@@ -35,7 +35,7 @@ fn describe(name: String, kind: &SerialPortType) -> PortInfo {
 }
 
 fn is_ours(usb: &UsbPortInfo) -> bool {
-    // Some systems do not report the product's name; then vendor and product id must be enough.
+    // Some systems do not report the product's name; then vendor and product id must suffice.
     let name_fits = usb.product.as_deref().is_none_or(|product| product.starts_with(USB_PRODUCT_NAME));
     usb.vid == USB_VENDOR && usb.pid == USB_PRODUCT && name_fits
 }

@@ -17,26 +17,26 @@ use std::sync::{Arc, Mutex};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Time limit of a read; after it the server checks whether it must end.
+/// Time limit of a read; afterwards the server checks whether it must end.
 const READ_PATIENCE: Duration = Duration::from_millis(20);
-/// Time after which the rest is written to a stream that takes no more bytes now.
+/// Time after which the remaining bytes are written to a stream that is full now.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
 
-/// Why nothing can be offered at a path.
+/// Why the device cannot be served at a path.
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
-    /// A file of another kind is there.
+    /// The path is a file of another kind.
     #[error("{0} is there already and is not a socket; it is not replaced")]
     NotASocket(PathBuf),
-    /// Another program listens there.
+    /// Another program listens at the path.
     #[error("another program already serves at {0}")]
     InUse(PathBuf),
-    /// Something else the system said.
+    /// Another system error.
     #[error("{path}: {error}")]
     Io {
-        /// Where.
+        /// The path.
         path: PathBuf,
-        /// What.
+        /// The error.
         error: io::Error,
     },
 }
@@ -46,17 +46,17 @@ enum Place {
     Terminal(TTYPort),
 }
 
-/// A place at which a simulated device is offered. When it is dropped, a socket's file is removed.
+/// A path at which a simulated device is served. When it is dropped, a socket's file is removed.
 pub struct Server {
     place: Place,
     path: PathBuf,
 }
 
 impl Server {
-    /// Listens at a socket. One that a program left behind is replaced.
+    /// Listens at a socket. A stale socket of an earlier program is replaced.
     ///
     /// # Errors
-    /// [`ServeError`]: the path belongs to another file or another program, or what the system says.
+    /// [`ServeError`]: the path belongs to another file or another program, or another system error.
     pub fn at_socket(path: &Path) -> Result<Self, ServeError> {
         let io = |error| ServeError::Io { path: path.to_owned(), error };
         match std::fs::symlink_metadata(path) {
@@ -73,10 +73,10 @@ impl Server {
         Ok(Self { place: Place::Socket(listener), path: path.to_owned() })
     }
 
-    /// Makes a pseudo-terminal: to other programs it is a serial port.
+    /// Creates a pseudo-terminal: to other programs it is a serial port.
     ///
     /// # Errors
-    /// [`ServeError::Io`]: what the system says.
+    /// [`ServeError::Io`]: a system error.
     pub fn at_terminal() -> Result<Self, ServeError> {
         let failed = |error: serialport::Error| ServeError::Io {
             path: PathBuf::from("pseudo-terminal"),
@@ -84,12 +84,12 @@ impl Server {
         };
         let (mut master, slave) = TTYPort::pair().map_err(failed)?;
         master.set_timeout(READ_PATIENCE).map_err(failed)?;
-        // It is closed here, so that other programs can open it by its name; it keeps its settings.
+        // Closed here, so that other programs can open it by its name; it keeps its settings.
         let path = PathBuf::from(slave.name().unwrap_or_default());
         Ok(Self { place: Place::Terminal(master), path })
     }
 
-    /// Where programs find the device: the socket's or the terminal's path.
+    /// The path of the socket or the terminal, for other programs.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -98,15 +98,15 @@ impl Server {
     /// Serves the device until `ended` is set. Other holders of the shared device may set its pins meanwhile.
     ///
     /// # Errors
-    /// What the system says when the listening itself fails; a program that goes away is no error.
+    /// The system's error when listening fails; a program that disconnects is no error.
     pub fn serve(&mut self, device: Arc<Mutex<RealtimeDevice>>, ended: &AtomicBool) -> io::Result<()> {
-        // It is read right after it is written.
+        // The line is read right after it is written.
         let mut line = RealtimeLine::new(device, Waker::new(|| ()));
         while !ended.load(Ordering::Relaxed) {
             match &mut self.place {
                 Place::Terminal(master) => {
                     carry(master, &mut line, ended);
-                    // Nobody has the terminal open.
+                    // No program has the terminal open.
                     sleep(READ_PATIENCE);
                 }
                 Place::Socket(listener) => match listener.accept() {
@@ -128,14 +128,14 @@ impl Server {
 impl Drop for Server {
     fn drop(&mut self) {
         if let Place::Socket(_) = self.place {
-            // One that is gone already need not be removed.
+            // The file may have been removed already.
             let _ = std::fs::remove_file(&self.path);
         }
     }
 }
 
-/// Carries bytes between one program and the device until the program goes away. While it does not take the device's
-/// answers, nothing more is read from it.
+/// Transfers bytes between one program and the device until the program disconnects. While the program does
+/// not read the device's replies, no more bytes are read from it.
 fn carry(stream: &mut (impl Read + Write), line: &mut RealtimeLine, ended: &AtomicBool) {
     let mut buffer = [0; 1024];
     let mut answers: Vec<u8> = Vec::new();
@@ -147,7 +147,7 @@ fn carry(stream: &mut (impl Read + Write), line: &mut RealtimeLine, ended: &Atom
                 Err(error) if is_not_yet(&error) => continue,
                 Err(_) => return,
             };
-            // A simulated device takes everything.
+            // A simulated device accepts all bytes.
             let _ = line.write(received);
             while let Ok(count) = line.read(&mut buffer) {
                 answers.extend_from_slice(buffer.get(..count).unwrap_or_default());

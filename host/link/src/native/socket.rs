@@ -14,7 +14,7 @@ pub struct Socket(UnixStream);
 /// Connects to the socket at `path`.
 ///
 /// # Errors
-/// [`LinkError`]: nobody listens there, no permission, or what the system says.
+/// [`LinkError`]: no program listens there, no permission, or another system error.
 pub fn open(path: &Path) -> Result<Socket, LinkError> {
     UnixStream::connect(path)
         .map(Socket)

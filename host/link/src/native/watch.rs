@@ -1,15 +1,15 @@
-//! How the worker's poll learns that a transport has bytes to read.
+//! Registration of transports with the worker's poll, which wakes when bytes arrive.
 
 use crate::transport::Transport;
 use std::io;
 
-/// A transport that the worker can sleep on.
+/// A transport that can wake the worker.
 pub trait Watch: Transport {
-    /// Asks for `registry`'s poll to return with `token` when bytes arrive. The default is for a transport that calls
-    /// the [`Waker`](crate::transport::Waker) it was opened with.
+    /// Registers the transport so that `registry`'s poll returns with `token` when bytes arrive. The default
+    /// is for a transport that calls the [`Waker`](crate::transport::Waker) given when it was opened.
     ///
     /// # Errors
-    /// Whatever the system says.
+    /// A system error.
     fn watch(&mut self, _registry: &mio::Registry, _token: mio::Token) -> io::Result<Wakes> {
         Ok(Wakes::Itself)
     }
@@ -21,11 +21,11 @@ impl<T: Watch + ?Sized> Watch for Box<T> {
     }
 }
 
-/// Whether a transport signals that bytes have arrived.
+/// Whether a transport signals the arrival of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wakes {
-    /// It does: the poll it is registered with returns, or it calls its waker.
+    /// Yes: the poll it is registered with returns, or it calls its waker.
     Itself,
-    /// It does not: read it every few milliseconds.
+    /// No: it must be read every few milliseconds.
     Never,
 }

@@ -1,10 +1,11 @@
 //! The thread that owns the port.
 //!
-//! It sleeps until a request comes, bytes arrive or something is due. [`Handle::send`] and [`Handle::snapshot`] only
-//! take a lock that is held for a copy. When the worker is dropped, it stops and disarms the device first. If the
-//! program panics, [`stop_on_panic`] sends a stop; if that fails, too, the device's dead-man ends the drive. If the
-//! program hangs, it gives no sign of life ([`Handle::sign_of_life`]), and this thread stops and disarms the device. If
-//! this thread panics, the snapshot says so ([`LinkError::Crashed`]), and no later request is done.
+//! It sleeps until a request is sent, bytes arrive or a step is due. [`Handle::send`] and
+//! [`Handle::snapshot`] only take a lock that is held for a copy. When the worker is dropped, it stops and
+//! disarms the device first. If the program panics, [`stop_on_panic`] sends a stop; if that fails, too, the
+//! device's dead-man ends the drive. If the program hangs, it gives no sign of life
+//! ([`Handle::sign_of_life`]), and this thread stops and disarms the device. If this thread panics, the
+//! snapshot reports it ([`LinkError::Crashed`]), and no later request is carried out.
 
 use super::handle::{Handle, Shared, lock};
 use super::opener::{SystemOpener, system_clock};
@@ -25,17 +26,17 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// A port that cannot wake the worker is read this often.
+/// Time between two reads of a port that cannot wake the worker.
 const READ_PERIOD: Duration = Duration::from_millis(2);
-/// When the worker is dropped, the device has so long to acknowledge stop and disarm.
+/// Time that the device has to acknowledge stop and disarm when the worker is dropped.
 const QUIT_PATIENCE: Duration = Duration::from_millis(500);
-/// A thread that hangs in the system's port is left behind after so long: the program ends without it.
+/// Time after which a thread that hangs in the system's port is abandoned: the program ends without it.
 const HANG_PATIENCE: Duration = Duration::from_millis(1000);
 
 const WAKE: mio::Token = mio::Token(0);
 const PORT: mio::Token = mio::Token(1);
 
-/// The thread that owns the port; itself a [`Handle`] of it.
+/// The thread that owns the port; it dereferences to a [`Handle`].
 pub struct Worker {
     handle: Handle,
     clock: Clock,
@@ -43,11 +44,11 @@ pub struct Worker {
 }
 
 impl Worker {
-    /// Starts the worker on this computer's ports. `wake` is called, on the worker's thread, whenever something worth
-    /// a repaint has changed.
+    /// Starts the worker on this computer's ports. `wake` is called on the worker's thread after every change
+    /// that is worth a repaint.
     ///
     /// # Errors
-    /// What the system says when it gives no thread or no poll.
+    /// The system's error if it cannot create the thread or the poll.
     pub fn spawn(wake: impl Fn() + Send + 'static) -> io::Result<Self> {
         Self::spawn_with(SystemOpener::default(), wake)
     }
@@ -63,7 +64,8 @@ impl Worker {
         Self::spawn_in_time_of(system_clock(), opener, wake)
     }
 
-    /// Starts the worker on other ports and by another clock. It looks at the clock whenever it is woken ([`Handle::wake`]).
+    /// Starts the worker on other ports and with another clock, which it reads whenever it is woken
+    /// ([`Handle::wake`]).
     ///
     /// # Errors
     /// As [`Worker::spawn`].
@@ -82,18 +84,18 @@ impl Worker {
         connection.watch_driver();
         let of_thread = shared.clone();
         let thread = thread::Builder::new().name("link".to_owned()).spawn(move || {
-            // After a panic the connection is dropped with whatever it left incomplete.
+            // After a panic the connection is dropped, in whatever state it is.
             let run = AssertUnwindSafe(|| run(connection, poll, &of_thread, &wake));
             if catch_unwind(run).is_err() {
-                tell_crash(&of_thread);
+                publish_crash(&of_thread);
                 wake();
             }
         })?;
         Ok(Self { handle: Handle::of(shared), clock, thread: Some(thread) })
     }
 
-    /// Waits for a request's end; the caller controls the device and gives signs of life meanwhile. Not for a thread
-    /// that paints.
+    /// Waits for a request's outcome; the caller controls the device and gives signs of life meanwhile. Not
+    /// for a thread that draws.
     #[must_use]
     pub fn wait(&self, ticket: Ticket, patience: Duration) -> Option<Outcome> {
         self.alive(patience, |slice| self.handle.wait(ticket, slice))
@@ -107,8 +109,8 @@ impl Worker {
         });
     }
 
-    /// Calls `wait` until it finds something or this time is over by the worker's clock. It gets at most
-    /// [`SIGN_PERIOD`]; before each call the caller gives a sign of life.
+    /// Calls `wait` until it returns a result or this time is over by the worker's clock. Each call may wait
+    /// at most [`SIGN_PERIOD`]; before each the caller gives a sign of life.
     fn alive<T>(&self, time: Duration, mut wait: impl FnMut(Duration) -> Option<T>) -> Option<T> {
         let end = (self.clock)().saturating_add(time);
         loop {
@@ -121,7 +123,7 @@ impl Worker {
         }
     }
 
-    /// A way to send and look for other threads.
+    /// A handle for another thread.
     #[must_use]
     pub fn handle(&self) -> Handle {
         self.handle.clone()
@@ -148,7 +150,7 @@ impl Drop for Worker {
     }
 }
 
-/// Sends a stop when any thread of this program panics, then does what was done before.
+/// Sends a stop when any thread of this program panics, then calls the previous panic hook.
 pub fn stop_on_panic(handle: Handle) {
     let before = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
@@ -178,7 +180,7 @@ fn run<O: Opener<Transport: Watch>>(
         }
         if quit && quit_by.is_none() {
             quit_by = Some(now + QUIT_PATIENCE);
-            // Tickets are numbered from 1, so nobody waits for this one.
+            // Tickets are numbered from 1, so this one is awaited by no caller.
             connection.request(Ticket(0), Request::Disconnect, now);
         }
         connection.sign_of_life(shared.latest_sign());
@@ -206,14 +208,14 @@ fn run<O: Opener<Transport: Watch>>(
         match poll.poll(&mut events, timeout) {
             Ok(()) => {}
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            // A system that cannot wait any more: go on slowly.
+            // The system's poll has failed: continue by reading periodically.
             Err(_) => thread::sleep(READ_PERIOD),
         }
     }
 }
 
-/// Publishes the crash, so that nobody takes the last snapshot before it for the present one.
-fn tell_crash(shared: &Shared) {
+/// Publishes the crash, so that the last snapshot before it is not taken for the present one.
+fn publish_crash(shared: &Shared) {
     let mut recorder = Recorder::default();
     recorder.view = Snapshot::clone(&lock(&shared.snapshot));
     recorder.set_time(recorder.view.status_time);
@@ -230,7 +232,7 @@ fn random_nonces() -> Nonces {
     Box::new(move || {
         let mut nonce = [0; 4];
         if getrandom::fill(&mut nonce).is_err() {
-            // A system without random numbers: the sessions of this process differ all the same.
+            // A system without random numbers: the sessions of this process still differ.
             drawn = drawn.wrapping_add(1);
             nonce = (std::process::id().rotate_left(16) ^ drawn).to_le_bytes();
         }

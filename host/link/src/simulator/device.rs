@@ -4,8 +4,8 @@
 //! feed(bytes) -> [ Link::run ] -> take()          polled whenever bytes come and between blocks
 //! advance(n)  -> [ Renderer::run ] -> SentBlock   one block for each step of time
 //! ```
-//! It has no thread and no clock: it acts only when it is called, so every run can be repeated exactly. Faults of the
-//! hardware are injected at the peripherals, where they would arise.
+//! It has no thread and no clock: it acts only when it is called, so every run can be repeated exactly.
+//! Hardware faults are injected at the peripherals, where they would occur.
 
 use std::future::Future;
 use std::pin::Pin;
@@ -37,23 +37,23 @@ pub const WATCHDOG_MS: u32 = 300;
 type Shared = Arc<Mailbox<CriticalSectionRawMutex>>;
 type Task = Pin<Box<dyn Future<Output = ()> + Send>>;
 
-/// How a simulated device is made.
+/// Options of a simulated device.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Samples per second, in Hz.
     pub sample_rate_hz: u32,
     /// The index of its first sample.
     pub first_index: SampleIndex,
-    /// What is known of its coil.
+    /// The thermal state of its coil.
     pub heat: Heat,
     /// The flash's two slots.
     pub flash: MemoryFlash,
     /// The chip's unique id.
     pub unit: [u8; 12],
-    /// Whether it says that its brown-out reset level is set.
+    /// Whether it reports that its brown-out reset level is set.
     pub brown_out_guarded: bool,
-    /// Whether a rendered block waits for as long as the one before it plays, as in a board's ring: every command is heard
-    /// a block later, but a stop may begin in the block that waits.
+    /// Whether a rendered block waits for one block before it plays, as in a board's ring: every command
+    /// takes effect a block later, but a stop may begin in the waiting block.
     pub block_waits: bool,
 }
 
@@ -78,9 +78,9 @@ pub struct SentBlock<'a> {
     pub first: SampleIndex,
     /// The codes.
     pub codes: &'a [u16; BLOCK],
-    /// Whether the amplifier is muted meanwhile.
+    /// Whether the amplifier is muted during this block.
     pub muted: bool,
-    /// Whether a program begins with the first code: a board's trigger output rises then.
+    /// Whether a program begins with the first code: a board's trigger output then rises.
     pub begins: bool,
 }
 
@@ -129,7 +129,7 @@ pub struct SimulatedDevice {
 }
 
 impl SimulatedDevice {
-    /// A device just after power-on, before the first sample.
+    /// A device after power-on, before the first sample.
     #[must_use]
     pub fn new(options: Options) -> Self {
         Self::power_on(options, None)
@@ -201,15 +201,15 @@ impl SimulatedDevice {
             fed_at: now,
             asked_at: now,
         };
-        // The renderer sets the index before the link looks at it.
+        // The renderer sets the index before the link reads it.
         device.peripherals.lock().room = device.options.block_waits;
         poll(&mut device.renderer, &device.waker);
         poll(&mut device.link, &device.waker);
         device
     }
 
-    /// Resets the device: the flash and the record of crashes stay, everything else starts from its initial state, and the
-    /// index from 0.
+    /// Resets the device: the flash and the record of crashes are kept, the remaining state starts anew, and
+    /// the index starts from 0.
     pub fn restart(&mut self, cause: ResetCause) {
         let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };
         let kept = if cause == ResetCause::PowerOn { None } else { Some(self.kept.clone()) };
@@ -218,24 +218,24 @@ impl SimulatedDevice {
         *self = Self::start(options, boot, kept, inputs);
     }
 
-    /// Lets the firmware panic: its handler leaves a record and resets.
+    /// Makes the firmware panic: its handler stores a record and resets.
     pub fn panic(&mut self, message: &str) {
         self.kept = CrashRecord::crashed(ResetCause::Panic, self.kept.resets, &message);
         self.restart(ResetCause::Software);
     }
 
-    /// Gives the device bytes and lets it answer.
+    /// Passes bytes to the device and runs its link.
     pub fn feed(&mut self, bytes: &[u8]) {
         self.peripherals.lock().to_device.extend(bytes);
         self.poll_link();
     }
 
-    /// Moves what the device has sent to the end of `bytes`.
+    /// Appends the device's replies to `bytes`.
     pub fn take(&mut self, bytes: &mut Vec<u8>) {
         bytes.append(&mut self.peripherals.lock().from_device);
     }
 
-    /// Renders `blocks` blocks; `sink` gets each as it leaves for the DAC.
+    /// Renders `blocks` blocks; `sink` receives each as it leaves for the DAC.
     pub fn advance(&mut self, blocks: u64, mut sink: impl FnMut(SentBlock<'_>)) {
         for _ in 0..blocks {
             {
@@ -244,13 +244,13 @@ impl SimulatedDevice {
                 state.room = true;
             }
             poll(&mut self.renderer, &self.waker);
-            // The pin stands as it was set for this block until the next one is rendered.
+            // The pin keeps the state set for this block until the next one is rendered.
             let muted = self.is_muted();
             let (sent, begins) = {
                 let mut state = self.peripherals.lock();
                 let sent = state.sent.take();
                 if let (Some(codes), Some(inputs)) = (&sent, &mut state.inputs) {
-                    // The renderer hears of the block when it is over: at its next turn.
+                    // The renderer receives the input block after its end: at its next turn.
                     inputs.sample(codes, muted);
                 }
                 (sent, std::mem::take(&mut state.rises))
@@ -268,7 +268,7 @@ impl SimulatedDevice {
         if self.link_frozen {
             return;
         }
-        // After a stop the link lets the renderer look at it.
+        // After a stop the link lets the renderer run.
         loop {
             self.woken.0.store(false, Ordering::Relaxed);
             poll(&mut self.link, &self.waker);
@@ -308,7 +308,7 @@ impl SimulatedDevice {
         self.peripherals.lock().muted
     }
 
-    /// Whether the device has left for its bootloader.
+    /// Whether the device has restarted into its bootloader.
     #[must_use]
     pub fn is_in_bootloader(&self) -> bool {
         self.peripherals.lock().in_bootloader
@@ -316,7 +316,8 @@ impl SimulatedDevice {
 
     /// Whether the watchdog would have reset the device by now.
     ///
-    /// A device that is simulated at a low sample rate counts its ticks in long blocks: it gets the time of four ticks.
+    /// A device that is simulated at a low sample rate counts its ticks in long blocks; its limit is four
+    /// ticks.
     #[must_use]
     pub fn is_watchdog_starved(&self) -> bool {
         let period = Timing::at(self.options.sample_rate_hz).samples(WATCHDOG_MS);
@@ -329,7 +330,7 @@ impl SimulatedDevice {
         self.mailbox.pulses()
     }
 
-    /// What the flash holds.
+    /// The content of the flash.
     #[must_use]
     pub fn flash(&self) -> MemoryFlash {
         self.peripherals.lock().flash.clone()
@@ -341,37 +342,38 @@ impl SimulatedDevice {
         self.mailbox.view().waits()
     }
 
-    /// Raises the trigger input for a moment.
+    /// Raises the trigger input briefly.
     pub fn raise_trigger(&mut self) {
         self.peripherals.lock().has_risen = true;
     }
 
-    /// Lets the next block come too late.
+    /// Makes the next block late.
     pub fn inject_underrun(&mut self) {
         self.peripherals.lock().underrun = true;
     }
 
-    /// Drops the next `blocks` blocks of the inputs, as when the device has not taken them in time.
+    /// Drops the next `blocks` blocks of the inputs, as if the device had not read them in time.
     pub fn inject_overrun(&mut self, blocks: u32) {
         if let Some(inputs) = &mut self.peripherals.lock().inputs {
             inputs.lose(blocks);
         }
     }
 
-    /// Lets the amplifier's pin go low by itself, as it does some milliseconds after the last block in time.
+    /// Lets the amplifier's pin go low by itself, as it does some milliseconds after the last block that was
+    /// in time.
     pub fn inject_mute(&mut self) {
         let mut state = self.peripherals.lock();
         state.has_muted = !state.muted;
         state.muted = true;
     }
 
-    /// Whether the host has stopped reading: what the device sends is not taken.
+    /// Sets whether the host has stopped reading, so that the device's bytes are not taken.
     pub fn stall_transmit(&mut self, stalled: bool) {
         self.peripherals.lock().transmit_stalled = stalled;
         self.poll_link();
     }
 
-    /// Whether the thread side (the link) hangs; the interrupt side (the renderer) goes on.
+    /// Sets whether the thread side (the link) hangs; the interrupt side (the renderer) continues.
     pub fn freeze_link(&mut self, frozen: bool) {
         self.link_frozen = frozen;
         self.poll_link();
@@ -379,11 +381,11 @@ impl SimulatedDevice {
 }
 
 fn poll(task: &mut Task, waker: &Waker) {
-    // Apart from a task that puts itself off, nothing wakes it but the next call.
+    // Apart from a task that wakes itself, only the next call wakes it.
     let _ = task.as_mut().poll(&mut Context::from_waker(waker));
 }
 
-/// Notes that a task was woken: one that has put itself off would go on.
+/// Records that a task was woken: a task that has woken itself continues.
 #[derive(Default)]
 struct Woken(AtomicBool);
 

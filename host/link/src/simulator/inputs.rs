@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 use slipline_app::bank::BLOCK;
 use slipline_app::ports::{INPUTS, Overrun};
 
-/// Blocks that wait for the device application; when one more is sampled, the oldest is lost.
+/// Blocks that can wait for the device application; if one more is sampled, the oldest is lost.
 const RING_BLOCKS: usize = 4;
 
-/// What the inputs of a simulated device sample.
+/// Signals at the inputs of a simulated device.
 ///
 /// ```
 /// use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
@@ -34,25 +34,27 @@ const RING_BLOCKS: usize = 4;
 /// device.advance(10, |_| ());
 /// ```
 pub trait SimulatedInputs: Send {
-    /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
-    /// A constant.
+    /// Number of inputs, constant: 0 none, 1 the sensor, 2 the sensor and the drive current's shunt, in this
+    /// order.
     fn inputs(&self) -> usize;
 
-    /// How long after DAC code `n` is at its pin ADC code `n` is held, in nanoseconds, as
-    /// [`SenseStream::delay_ns`](slipline_app::ports::SenseStream::delay_ns): what the device states. A constant. What is sampled must have this delay too; filters outside the chip add theirs.
+    /// Time from DAC code `n` at its pin to the sampling of ADC code `n`, in nanoseconds, constant, as
+    /// [`SenseStream::delay_ns`](slipline_app::ports::SenseStream::delay_ns) states it.
+    /// [`sample`](Self::sample) must include this delay; filters outside the chip add theirs.
     fn delay_ns(&self) -> i32;
 
-    /// Samples one block: `codes` are those at the DAC's pin, which a late block makes a ramp to mid-scale; the amplifier is
-    /// `muted` meanwhile or not. Each row of `sensed` gets 12-bit codes, mid-scale 2048; rows of inputs that do not exist
-    /// are not looked at. Called for every block that the DAC plays, in their order.
+    /// Samples one block. `codes` are those at the DAC's pin, which a late block turns into a ramp to
+    /// mid-scale; `muted` is the state of the amplifier. Each row of `sensed` must be filled with 12-bit
+    /// codes, mid-scale 2048; rows of missing inputs are ignored. Called for every block that the DAC plays,
+    /// in order.
     fn sample(&mut self, codes: &[u16; BLOCK], muted: bool, sensed: &mut [[u16; BLOCK]; INPUTS]);
 }
 
-/// The inputs, and the blocks that they have sampled.
+/// The inputs, and their sampled blocks.
 pub(super) struct Inputs {
     source: Box<dyn SimulatedInputs>,
     sampled: VecDeque<Result<[[u16; BLOCK]; INPUTS], Overrun>>,
-    /// Number of the next blocks that are lost.
+    /// Number of the following blocks to be lost.
     to_lose: u32,
 }
 
@@ -69,12 +71,12 @@ impl Inputs {
         self.source.delay_ns()
     }
 
-    /// Takes the oldest block that waits.
+    /// Takes the oldest waiting block.
     pub(super) fn take(&mut self) -> Option<Result<[[u16; BLOCK]; INPUTS], Overrun>> {
         self.sampled.pop_front()
     }
 
-    /// Takes the source out; blocks that wait are gone.
+    /// Returns the source; waiting blocks are dropped.
     pub(super) fn into_source(self) -> Box<dyn SimulatedInputs> {
         self.source
     }
@@ -84,7 +86,7 @@ impl Inputs {
         self.to_lose = self.to_lose.saturating_add(blocks);
     }
 
-    /// Samples while these codes are played.
+    /// Samples one block while these codes are played.
     pub(super) fn sample(&mut self, codes: &[u16; BLOCK], muted: bool) {
         let mut block = [[0; BLOCK]; INPUTS];
         self.source.sample(codes, muted, &mut block);
@@ -97,7 +99,7 @@ impl Inputs {
             return;
         }
         self.sampled.push_back(Ok(block));
-        // Losses that are noted take no room of the ring.
+        // Recorded losses occupy no place in the ring.
         if self.sampled.iter().filter(|sampled| sampled.is_ok()).count() > RING_BLOCKS
             && let Some(oldest) = self.sampled.iter_mut().find(|sampled| sampled.is_ok())
         {

@@ -1,5 +1,5 @@
-//! Link and simulated device in virtual time: requests in, DAC codes out. It uses the worker's state machine and the
-//! device application that is flashed; nothing is implemented a second time.
+//! Link and simulated device in virtual time: requests in, DAC codes out. It uses the worker's state machine
+//! and the device application of the firmware; nothing is implemented twice.
 //!
 //! ```text
 //! Request -> Connection == bytes ==> SimulatedDevice -> DAC codes -> sink
@@ -23,10 +23,10 @@ use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Blocks a request may take: 20 s at 400 kS/s. Anything that takes so long has gone wrong.
+/// Blocks that a request may take: 20 s at 400 kS/s. A longer time indicates an error.
 const PATIENCE_BLOCKS: u64 = 62_500;
 
-/// Why the loopback did not do what it was asked.
+/// Why the loopback did not carry out a request.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LoopbackError {
     /// The device or the link refused.
@@ -70,19 +70,19 @@ impl Loopback {
     /// A connected, armed device with samples at this rate in Hz.
     ///
     /// # Errors
-    /// [`LoopbackError`] if the device does not let itself be armed.
+    /// [`LoopbackError`] if the device cannot be armed.
     pub fn connect(sample_rate_hz: u32) -> Result<Self, LoopbackError> {
         Self::connect_to(SimulatedDevice::new(Options { sample_rate_hz, ..Options::default() }))
     }
 
-    /// The same with a device that has a past: a table in its flash, a coil that counts as hot.
+    /// The same with a device that has a past: a table in its flash, or a warm coil.
     ///
     /// # Errors
-    /// [`LoopbackError`] if the device does not let itself be armed.
+    /// [`LoopbackError`] if the device cannot be armed.
     pub fn connect_to(device: SimulatedDevice) -> Result<Self, LoopbackError> {
         let device = Arc::new(Mutex::new(device));
         let opener = OneDevice(device.clone());
-        // One session of one device: any nonce will do.
+        // One session of one device: any nonce is unique.
         let connection = Connection::new(opener, Waker::new(|| ()), Box::new(|| *b"sim0"));
         let mut loopback = Self { connection, device, tickets: 0, blocks: 0 };
         loopback.perform(Request::Connect(Port::Simulated), |_| ())?;
@@ -90,7 +90,7 @@ impl Loopback {
         Ok(loopback)
     }
 
-    /// What the link knows.
+    /// The link's state.
     #[must_use]
     pub const fn view(&self) -> &Snapshot {
         self.connection.view()
@@ -102,8 +102,8 @@ impl Loopback {
         self.blocks * BLOCK as u64
     }
 
-    /// Hands a request over and lets time pass until it is done; returns the index from which it shows. `sink` gets
-    /// the codes of that time.
+    /// Sends a request and advances time until it is done; returns the index from which it takes effect.
+    /// `sink` receives the codes of that time.
     ///
     /// # Errors
     /// [`LoopbackError`] if it is refused or does not end.
@@ -126,32 +126,32 @@ impl Loopback {
         Err(LoopbackError::NoAnswer)
     }
 
-    /// Has the device hold this table.
+    /// Makes the device hold this table.
     ///
     /// # Errors
-    /// [`LoopbackError`], as of every request.
+    /// [`LoopbackError`], as for every request.
     pub fn use_table(&mut self, table: Arc<DeviceTable>) -> Result<(), LoopbackError> {
         self.perform(Request::Upload(table), |_| ()).map(drop)
     }
 
-    /// Has the device play these tones; the index at which they begin. `sink` gets the codes until then.
+    /// Plays these tones; returns the index at which they begin. `sink` receives the codes until then.
     ///
     /// # Errors
-    /// [`LoopbackError`], as of every request.
+    /// [`LoopbackError`], as for every request.
     pub fn play(&mut self, drive: DriveRequest, sink: impl FnMut(&[u16])) -> Result<u64, LoopbackError> {
         self.perform(Request::Play(Sounding::Drive(drive)), sink)
     }
 
-    /// Disarms the device, which does not write its flash else, and has it store its table there.
+    /// Disarms the device, which otherwise does not write its flash, and stores its table there.
     ///
     /// # Errors
-    /// [`LoopbackError`], as of every request.
+    /// [`LoopbackError`], as for every request.
     pub fn store(&mut self) -> Result<(), LoopbackError> {
         self.perform(Request::Disarm, |_| ())?;
         self.perform(Request::Store, |_| ()).map(drop)
     }
 
-    /// Hands a request over; [`Loopback::pass`] lets the time pass in which it is done, and the view tells how it ends.
+    /// Sends a request; [`Loopback::pass`] advances time until it is done, and the view has its outcome.
     pub fn hand_over(&mut self, request: Request) -> Ticket {
         self.tickets += 1;
         let ticket = Ticket(self.tickets);
@@ -160,23 +160,23 @@ impl Loopback {
         ticket
     }
 
-    /// Lets so many of the blocks that the device's inputs sample next be lost.
+    /// Drops the next `blocks` blocks that the device's inputs sample.
     pub fn inject_overrun(&mut self, blocks: u32) {
         lock(&self.device).inject_overrun(blocks);
     }
 
-    /// Raises the device's trigger input for a moment.
+    /// Raises the device's trigger input briefly.
     pub fn raise_trigger(&mut self) {
         lock(&self.device).raise_trigger();
     }
 
-    /// The device's flash as it is now.
+    /// The present content of the device's flash.
     #[must_use]
     pub fn flash(&self) -> MemoryFlash {
         lock(&self.device).flash()
     }
 
-    /// Lets so many samples pass (rounded up to blocks); `sink` gets their codes.
+    /// Advances time by this number of samples (rounded up to blocks); `sink` receives their codes.
     pub fn pass(&mut self, samples: u64, mut sink: impl FnMut(&[u16])) {
         for _ in 0..samples.div_ceil(BLOCK as u64) {
             self.pass_block(&mut sink);
@@ -196,7 +196,7 @@ impl Loopback {
     }
 }
 
-/// An opener of one device, whatever port is named.
+/// An opener of one device, for any port.
 struct OneDevice(Shared);
 
 impl Opener for OneDevice {

@@ -16,7 +16,7 @@ use slipline_app::ports::{
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
 
-/// What the data sheets of the boards' chips promise for each slot.
+/// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
 const ENDURANCE: u32 = 10_000;
 
 /// Two slots of flash in memory; erased bytes are `0xff`.
@@ -38,50 +38,50 @@ impl MemoryFlash {
     }
 }
 
-/// What the peripherals hold.
+/// State of the peripherals.
 pub(super) struct PeripheralState {
     pub(super) to_device: VecDeque<u8>,
     pub(super) from_device: Vec<u8>,
     pub(super) transmit_stalled: bool,
-    /// The DAC takes one more block.
+    /// The DAC accepts one more block.
     pub(super) room: bool,
     pub(super) sent: Option<[u16; BLOCK]>,
-    /// Whether a block waits while the one before it plays, as in a board's ring, and the one that does.
+    /// Whether a block waits while the previous one plays, as in a board's ring; and the waiting block.
     holds: bool,
     waiting: Option<Waiting>,
-    /// The trigger output rises with the block that was sent.
+    /// The trigger output rises with the block sent last.
     pub(super) rises: bool,
-    /// The trigger input has risen since the renderer last asked.
+    /// The trigger input has risen since the renderer's last check.
     pub(super) has_risen: bool,
     pub(super) underrun: bool,
-    /// The last code played, and whether the DAC is on its way to mid-scale by itself.
+    /// The last code played, and whether the DAC ramps to mid-scale by itself.
     last: u16,
     fading: bool,
     pub(super) muted: bool,
     /// The amplifier's pin has gone low by itself.
     pub(super) has_muted: bool,
-    /// What the ADC samples, if there is one.
+    /// The inputs sampled by the ADC, if there is one.
     pub(super) inputs: Option<Inputs>,
     pub(super) flash: MemoryFlash,
     pub(super) brown_out_guarded: bool,
     pub(super) in_bootloader: bool,
 }
 
-/// A block that the DAC has taken and does not play yet.
+/// A block that the DAC has accepted and does not play yet.
 struct Waiting {
     codes: [u16; BLOCK],
     late: bool,
-    /// Another block in its place came too late: the fade follows it.
+    /// A revision of it was late: the fade follows it.
     fade_follows: bool,
     rises: bool,
 }
 
-/// The peripherals as the device application sees them. Cloning is cheap; all clones are the same peripherals.
+/// The peripherals as the device application uses them. Clones refer to the same peripherals.
 #[derive(Clone)]
 pub(super) struct Peripherals(Arc<Mutex<PeripheralState>>);
 
 impl Peripherals {
-    /// The state after power came on, over a flash that holds what it held.
+    /// The state after power-on, with the content of this flash.
     pub(super) fn new(
         flash: MemoryFlash,
         brown_out_guarded: bool,
@@ -190,7 +190,7 @@ impl DacStream for Peripherals {
 }
 
 impl PeripheralState {
-    /// The DAC begins to play the block that waits.
+    /// The DAC begins to play the waiting block.
     pub(super) fn begin_block(&mut self) {
         if let Some(Waiting { codes, late, fade_follows, rises }) = self.waiting.take() {
             self.play(&codes, late);
@@ -199,12 +199,13 @@ impl PeripheralState {
         }
     }
 
-    /// Whether the DAC is on its own way to mid-scale and plays no block.
+    /// Whether the DAC ramps to mid-scale by itself and plays no block.
     fn fades(&self) -> bool {
         self.fading && self.last != MID_SCALE
     }
 
-    /// Plays a block or, if it is late or others before it were and the way to mid-scale is not over, the fade.
+    /// Plays a block; if it is late, or earlier blocks were and the ramp to mid-scale is not over, plays the
+    /// fade.
     fn play(&mut self, codes: &[u16; BLOCK], late: bool) {
         self.fading = late || self.fades();
         let mut played = *codes;

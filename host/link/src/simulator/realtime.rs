@@ -1,8 +1,8 @@
 //! The simulated device in real time.
 //!
-//! The device sends only answers, and its samples are known from the mirror. So a host sees no difference between
-//! a device that renders its samples in time and one that renders them when the next command comes. This one renders
-//! when a command comes: it needs no thread and no timer, and at rest it works only for the keep-alives.
+//! The device sends only replies, and its samples are known from the mirror. So a host cannot distinguish a
+//! device that renders its samples in time from one that renders them at the next command. This one renders
+//! at the next command: it needs no thread and no timer, and at rest it works only for the keep-alives.
 
 use super::device::SimulatedDevice;
 use crate::transport::{Transport, Waker, read_received};
@@ -12,14 +12,15 @@ use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// If no command came for longer (the computer had slept), the device skips the rest of the time. Two seconds are enough
-/// for the dead-man, which needs one second and its ramp; the coil's cooling beyond them is neglected.
+/// Longest time that is rendered at once. After a longer pause between commands (the computer slept) the
+/// device skips the rest. Two seconds include the dead-man, which needs one second and its ramp; further
+/// cooling of the coil is neglected.
 const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 
-/// The time since any fixed moment; it never goes back. The computer's, or one that a test turns.
+/// The time since a fixed moment, monotonic: the computer's clock, or a test's.
 pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
-/// A simulated device and how far its time has come.
+/// A simulated device and its present time.
 pub struct RealtimeDevice {
     device: SimulatedDevice,
     clock: Clock,
@@ -37,7 +38,7 @@ impl RealtimeDevice {
         Self { device, clock, since, blocks: 0 }
     }
 
-    /// Raises its trigger input now, for a moment.
+    /// Raises its trigger input briefly.
     pub fn raise_trigger(&mut self) {
         self.catch_up();
         self.device.raise_trigger();
@@ -49,7 +50,7 @@ impl RealtimeDevice {
         self.device.waits_for_trigger()
     }
 
-    /// The index of the next code to leave for the DAC, as of the last command or rise.
+    /// The index of the next code to leave for the DAC, at the last command or trigger.
     #[must_use]
     pub const fn now(&self) -> SampleIndex {
         self.device.now()
@@ -73,7 +74,7 @@ pub struct RealtimeLine {
 }
 
 impl RealtimeLine {
-    /// A line to this device; `waker` is called when it has answered.
+    /// A line to this device; `waker` is called when it has replied.
     #[must_use]
     pub const fn new(device: Arc<Mutex<RealtimeDevice>>, waker: Waker) -> Self {
         Self { device, received: Vec::new(), waker }

@@ -7,7 +7,7 @@ use crate::setup::{BoundaryMode, Setup};
 use crate::waveform::Waveform;
 use std::fmt::Write as _;
 
-/// Most codes of a waveform in a CSV file: 0.16 s at 400 kS/s.
+/// Largest number of codes of a waveform in a CSV file: 0.16 s at 400 kS/s.
 const CSV_CODES: usize = 1 << 16;
 
 /// The envelope over x as CSV in SI units, after a header that describes plate and tones. Theory and simulated

@@ -1,4 +1,4 @@
-//! What is seen, as files for others.
+//! Exports of the window's content as files.
 
 pub mod csv_wav;
 pub mod figures;

@@ -139,7 +139,7 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
     frame_counts(page, frames, damaged, overlong);
 }
 
-/// What a side has received.
+/// The frames that one side has received.
 fn frame_counts(page: &mut Page, whole: u32, damaged: u32, overlong: u32) {
     page.line("Frames received", whole);
     page.line("Frames damaged", damaged);
@@ -223,7 +223,7 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
         sum_per_mille,
         heat_per_mille,
         foldback_per_mille,
-        // These help a program that replays the codes, not a reader.
+        // For programs that replay the codes, not for a reader.
         foldback_before_per_mille: _,
         foldback_changes,
         table_crc,

@@ -1,5 +1,5 @@
-//! The displacement over the plate's surface, as window and figure colour it: from the 2-D sheet if it runs, else
-//! from the modal lines.
+//! The displacement over the plate's surface, for the colours of window and figure: from the 2-D sheet if it
+//! runs, else from the modal lines.
 
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{POINTS, SteadyField, interpolate};
@@ -32,7 +32,7 @@ pub fn slow_factor(steady: &SteadyField) -> f64 {
 /// The displacement of a [`Wave`] everywhere on the plate.
 pub struct DisplacementMap<'a> {
     wave: Wave<'a>,
-    /// On the centre line, at [`POINTS`] places; empty where it is not needed.
+    /// On the centre line, at [`POINTS`] places; empty if unused.
     centre_m: Vec<f64>,
 }
 

@@ -1,24 +1,24 @@
-//! What a finger feels along the plate under a steady field, by [`slipline_plate::feeling`].
+//! Sensation of a finger along the plate under a steady field, by [`slipline_plate::feeling`].
 //!
-//! It is computed from the plate's motion without the finger, because thresholds are stated for that motion; so the place
-//! does not depend on how hard one presses. Illustrative: fingers differ.
+//! It is computed from the plate's motion without the finger, because thresholds are stated for that motion;
+//! so a felt place does not depend on the finger's pressure. Illustrative: fingers differ.
 
 use crate::field::steady_field::{SteadyField, interpolate};
 use slipline_plate::feeling::{Feeling, FeltEdge, FeltTone};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::{Complex64, Plate};
 
-/// A place that is felt this many times as strongly as what is just felt is felt clearly: 6 dB.
+/// Strength over the threshold from which a place is clearly felt: 6 dB.
 const CLEARLY: f64 = 2.0;
 
-/// How a place is felt.
+/// Degree of sensation at a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Zone {
-    /// At least twice as strong as what is just felt.
+    /// At least twice the threshold.
     Clearly,
-    /// Just felt, up to twice as strong.
+    /// From the threshold to twice the threshold.
     Just,
-    /// Not felt.
+    /// Below the threshold.
     Not,
 }
 
@@ -47,10 +47,11 @@ impl Zone {
     }
 }
 
-/// Why nothing of a tone is felt.
+/// Why a tone is not felt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotFelt {
-    /// On an ultrasonic plate a tone below 20 kHz makes nothing slippery, and skin does not feel it as a vibration.
+    /// On an ultrasonic plate a tone below 20 kHz does not reduce friction, and skin does not feel it as a
+    /// vibration.
     BelowUltrasound,
     /// The amplitude is too low.
     TooWeak,
@@ -83,23 +84,23 @@ impl NotFelt {
     }
 }
 
-/// What is felt along a plate.
+/// Sensation along a plate.
 #[derive(Clone, Debug)]
 pub struct Felt {
     length_m: f64,
-    /// How strongly each place is felt, uniform from 0 to the plate's end: 1 is just felt.
+    /// Strength at places uniform from 0 to the plate's end; 1 is the threshold.
     pub strength: Vec<f64>,
-    /// Where it ends.
+    /// Where the sensation ends.
     pub edge: FeltEdge,
-    /// Half of the interval of that place on a calibrated plate, metres, from the uncertainty of the boundary and of the level.
-    /// `None` for a plate that is not calibrated, and where there is no edge.
+    /// Half of the interval of that place on a calibrated plate, metres, from the uncertainty of the boundary
+    /// and of the level. `None` for a plate that is not calibrated, and without an edge.
     pub tolerance_m: Option<f64>,
-    /// Why nothing is felt, if nothing is.
+    /// Why nothing is felt, if so.
     pub not_felt: Option<NotFelt>,
 }
 
 impl Felt {
-    /// What is felt of all tones of a field without a finger.
+    /// The sensation of all tones of a field without a finger.
     #[must_use]
     pub fn of(plate: &Plate, feeling: &Feeling, field: &SteadyField) -> Self {
         let tones: Vec<(f64, &[Complex64])> =
@@ -107,8 +108,8 @@ impl Felt {
         Self::of_tones(plate, feeling, &tones)
     }
 
-    /// What is felt of these tones: the frequency of each in Hz, and its displacement amplitude at places uniform from 0 to
-    /// the plate's end, in metres.
+    /// The sensation of these tones: the frequency of each in Hz, and its displacement amplitude at places
+    /// uniform from 0 to the plate's end, in metres.
     #[must_use]
     pub fn of_tones(plate: &Plate, feeling: &Feeling, tones: &[(f64, &[Complex64])]) -> Self {
         let squares: Vec<Vec<f64>> = tones
@@ -126,7 +127,7 @@ impl Felt {
         let tolerance_m = edge.place_m().and_then(|edge_m| {
             let boundary_m = plate.boundary_tolerance_m(edge_m)?;
             let level_db = plate.spec().calibration.as_ref()?.level_tolerance_db;
-            // Where it ends if the level is at an end of its interval.
+            // Shift of the edge if the level is at an end of its interval.
             let moved_m = |db: f64| {
                 let louder =
                     |squares: &Vec<f64>| squares.iter().map(|it| it * 10_f64.powf(0.1 * db)).collect();
@@ -142,7 +143,7 @@ impl Felt {
         Self { length_m: plate.length_m(), strength, edge, tolerance_m, not_felt }
     }
 
-    /// How strongly a place is felt; 0 off the plate.
+    /// Strength at a place; 0 off the plate.
     #[must_use]
     pub fn at(&self, x_m: f64) -> f64 {
         interpolate(&self.strength, x_m / self.length_m)
@@ -176,7 +177,7 @@ mod tests {
         let plate = slipline_plate::preset("membrane").unwrap();
         let felt = felt("membrane", &[150.0], 1e-5);
         let strongest = felt.strength.iter().copied().fold(0.0, f64::max);
-        // The mean under the contact is a little less than the peak.
+        // The mean under the contact is slightly below the peak.
         let over = 1e-5 / slipline_plate::sensation::threshold_m(150.0);
         assert!((0.97..1.0).contains(&(strongest / over)), "{strongest} {over}");
         assert!(felt.edge.place_m().unwrap() < plate.length_m());
@@ -200,7 +201,7 @@ mod tests {
             let tones = [SteadyTone { slot: 0, frequency_hz: 150.0, peak_m }];
             Felt::of(&plate, &Feeling::default(), &SteadyField::solve(&plate, &tones))
         };
-        assert_eq!(self::felt("membrane", &[150.0], 1e-5).tolerance_m, None, "nobody has measured it");
+        assert_eq!(self::felt("membrane", &[150.0], 1e-5).tolerance_m, None, "not calibrated");
         let edge_m = |peak_m: f64| felt(0.0, None, peak_m).edge.place_m().unwrap();
         // 1 % of wave speed is 1 % of 1/d, about 2.2 mm.
         let by_speed_m = felt(0.01, None, 1e-5).tolerance_m.unwrap();

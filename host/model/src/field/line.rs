@@ -1,4 +1,4 @@
-//! The boundary line of a tone: the one number for its place, in the window and in what is exported.
+//! The boundary line of a tone: its one place, in the window and in exports.
 //!
 //! ```text
 //! line holds the felt edge (default):  turning point <--> felt edge of the tone alone, at its level
@@ -12,19 +12,20 @@ use crate::setup::{BoundaryMode, Setup, ToneSetup};
 use slipline_plate::DriveTable;
 use slipline_plate::feeling::FeltEdge;
 
-/// A place is found if it is this near, in metres: a hundredth of the smallest step of the arrow keys.
+/// Largest error of a place that counts as found, in metres: a hundredth of the smallest step of the arrow
+/// keys.
 const CLOSE_M: f64 = 1e-6;
-/// Solutions that finding a place may take.
+/// Largest number of solutions in the search for a place.
 const TRIES: usize = 40;
 
-/// What is at the place of a line.
+/// The quantity at the place of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Holds {
-    /// The turning point, because that is what the user has chosen or because the tone's height is not known yet.
+    /// The turning point, because the user has chosen it or the tone's height is not known yet.
     TurningPoint,
     /// The felt edge.
     FeltEdge,
-    /// The plate's end: the tone is felt up to there.
+    /// The plate's end: the tone is felt up to the end.
     PlateEnd,
     /// The turning point, because the tone is not felt.
     Unfelt(NotFelt),
@@ -37,7 +38,7 @@ pub struct Line {
     pub slot: u8,
     /// Its place, in metres from the driven end.
     pub place_m: f64,
-    /// What is there.
+    /// The quantity at this place.
     pub holds: Holds,
 }
 
@@ -78,8 +79,8 @@ pub fn lines(setup: &Setup, field: Option<&SteadyField>) -> Vec<Line> {
     setup.tones.iter().map(|tone| Line::of_wave(setup, tone, wave(tone.slot))).collect()
 }
 
-/// The places of the line with the tone's turning point at either end of the plate's span, in metres. A tone that moves is
-/// no part of a chord.
+/// The places of the line with the tone's turning point at either end of the plate's span, in metres. A tone
+/// that moves is not part of a chord.
 #[must_use]
 pub fn limits_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>) -> (f64, f64) {
     let setup = &setup.without_chord();
@@ -88,10 +89,11 @@ pub fn limits_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>) -> 
     (at(start_m), at(end_m))
 }
 
-/// The turning point that puts the tone's line at `place_m`, or as near to it as the plate's span allows, in metres.
+/// The turning point that puts the tone's line at `place_m`, or as near to it as the plate's span allows, in
+/// metres.
 ///
-/// Where no felt edge is as near to the driven end, the line can only be that of a tone that is not felt, at its turning
-/// point.
+/// Nearer to the driven end than any felt edge, the line can only be at the turning point of a tone that is
+/// not felt.
 #[must_use]
 pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTable>, place_m: f64) -> f64 {
     let setup = &setup.without_chord();
@@ -101,7 +103,7 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTabl
         return clamped_m;
     }
     let line = |position_m| Line::of(setup, &ToneSetup { position_m, ..*tone }, table);
-    // How far the felt edge is beyond the wanted place: it rises with the turning point.
+    // Distance of the felt edge beyond the wanted place; it rises with the turning point.
     let off_m = |position_m| match line(position_m) {
         Line { holds: Holds::Unfelt(_), .. } => f64::NEG_INFINITY,
         Line { place_m: found_m, .. } => found_m - place_m,
@@ -122,7 +124,8 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTabl
         if high_m - low_m < CLOSE_M {
             break;
         }
-        // The secant of the latest two, or as if the edge kept its distance from the turning point.
+        // Secant through the latest two points; at first, as if the edge kept its distance from the turning
+        // point.
         let slope = latest.map_or(1.0, |(before_m, before)| (off - before) / (at_m - before_m));
         let next_m = at_m - off / slope;
         latest = off.is_finite().then_some((at_m, off));
@@ -136,15 +139,16 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTabl
             0.5 * (low_m + high_m)
         };
     }
-    // There is no such felt edge. The place itself, if a tone that turns there is not felt; else the nearest felt edge.
+    // There is no such felt edge: take the place itself if a tone that turns there is not felt, else the
+    // nearest felt edge.
     match line(clamped_m).holds {
         Holds::Unfelt(_) => clamped_m,
         _ => high_m,
     }
 }
 
-/// The setup with its lines at these places again, as far as they can be there: what the line holds stays where it is
-/// when a level changes. `places_m` has the places of tones' lines, by their slots.
+/// The setup with its lines moved back to these places, as far as possible: the quantity that the line holds
+/// keeps its place when a level changes. `places_m` has the places of tones' lines, by their slots.
 #[must_use]
 pub fn held(mut setup: Setup, places_m: &[(u8, f64)], table: Option<&DriveTable>) -> Setup {
     for i in 0..setup.tones.len() {

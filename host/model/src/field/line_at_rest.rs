@@ -3,7 +3,7 @@
 use slipline_plate::{Plate, TimeDomainLine};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The lines that are kept: of two plates that of the envelope, and that by which the sheet settles.
+/// Number of lines kept: for each of two plates that of the envelope, and that for the settling of the sheet.
 const KEPT: usize = 4;
 
 struct Built {
@@ -27,7 +27,7 @@ pub(super) fn line_at_rest(plate: &Arc<Plate>, rate_hz: f64, points: usize) -> O
     if let Some(found) = built().iter().find(is_it) {
         return Some(found.line.clone());
     }
-    // Nobody else waits while it is built.
+    // Built without the lock, so that no other thread waits.
     let line = TimeDomainLine::new(plate, rate_hz, points, 1).ok()?;
     let mut built = built();
     if built.len() >= KEPT {
@@ -41,7 +41,7 @@ pub(super) fn line_at_rest(plate: &Arc<Plate>, rate_hz: f64, points: usize) -> O
 mod tests {
     use super::*;
 
-    /// The largest displacement after a while at full scale.
+    /// The largest displacement after some time at full scale.
     fn swung(mut line: TimeDomainLine) -> Vec<f32> {
         line.push(&[1.0; 20_000]);
         line.envelope().maximum_m().to_vec()

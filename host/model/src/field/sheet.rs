@@ -81,7 +81,7 @@ impl Frame {
     }
 }
 
-/// A drive for a sheet, and how far its slow motion has come.
+/// A drive for a sheet, and the time of its slow motion.
 #[derive(Clone, Debug)]
 pub struct SheetJob {
     /// The drive and its plate.
@@ -91,9 +91,9 @@ pub struct SheetJob {
     pub time_s: f64,
 }
 
-/// The work of the sheet thread, which keeps the sheet from job to job. `None` when the plate has no sheet at the
-/// device's rate, or its codes could not be replayed. If the task is over during settling, the frame shows the
-/// state so far, and the next job continues from it.
+/// The work of the sheet thread, which keeps the sheet from job to job. `None` if the plate has no sheet at
+/// the device's rate, or its codes could not be replayed. If the task is cancelled during settling, the frame
+/// shows the state so far, and the next job continues from it.
 pub fn work() -> impl FnMut(SheetJob, &Task) -> Option<Frame> + Send {
     let mut run: Option<Run> = None;
     move |job, task| {
@@ -133,9 +133,9 @@ struct Run {
     /// Index of the code up to which the sheet must run. It is fractional because one frame of slow motion takes
     /// less than a block.
     due: f64,
-    /// Codes that the mirror has rendered and the sheet has not taken.
+    /// Codes rendered by the mirror that the sheet has not received.
     ahead: VecDeque<f32>,
-    /// Codes the sheet has taken.
+    /// Number of codes that the sheet has received.
     taken: u64,
 }
 
@@ -170,7 +170,7 @@ impl Run {
             self.table = Arc::clone(&job.table);
         }
         if let Played::Chord(_) = job.played {
-            // It begins in silence.
+            // A chord begins in silence.
             self.mirror.silence(now);
         }
         self.mirror.acknowledge_play(job.played.clone(), now + AHEAD).ok()?;
@@ -179,7 +179,8 @@ impl Run {
         Some(())
     }
 
-    /// Runs until the transient of the change has died down, then long enough to see the largest displacement.
+    /// Runs until the transient of the change has decayed, then long enough to record the largest
+    /// displacement.
     fn settle(&mut self, job: &TimeDomainJob, task: &Task) {
         let glide_s = f64::from(job.played.glide()) / self.rate_hz;
         let settle = AHEAD + ((glide_s + self.settle_s).min(time_domain::RUN_MAX_S) * self.rate_hz) as u64;
@@ -271,7 +272,7 @@ mod tests {
                 .map(|x| (frame.largest_m(x, 0.0) - steady.bound_at(x)).abs() / peak_m)
                 .fold(0.0, f64::max);
             assert!(worst < 0.08, "{x0}: {worst}");
-            // Across it is the first width mode: nothing at the edge, less than the middle between.
+            // Across the plate it is the first width mode: zero at the edge, smaller than the middle between.
             let half_m = plate.half_width_m(x0);
             let across = [0.0, 0.5, 1.0].map(|share| frame.largest_m(x0, share * half_m));
             assert!((across[1] / across[0] - 0.5f64.sqrt()).abs() < 0.08 && across[2] < 0.1 * across[0]);

@@ -32,13 +32,13 @@ use waves::Waves;
 
 /// Samples per second of the simulated device, in Hz.
 pub const SAMPLE_RATE_HZ: u32 = 400_000;
-/// Number of knots of a table: the most a device takes.
+/// Number of knots of a table: the largest that a device accepts.
 pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
 /// Number of places along the plate at which the field of a line is measured; a sheet is measured at its stations.
 pub const PLACES: usize = 513;
 /// The longest simulation, in seconds.
 pub const MAX_SECONDS: f64 = 600.0;
-/// Parts of a run after which the progress is told.
+/// Number of progress reports in a run.
 const PARTS: u64 = 200;
 
 /// A simulation to run.
@@ -52,9 +52,9 @@ pub struct Simulation<'a> {
     pub tones: &'a [(f64, f64)],
     /// Whether the table's gains are used; without them every tone is driven at the same DAC amplitude.
     pub has_gains: bool,
-    /// How long the drive lasts, in seconds; `None` means until the plate has settled and the window is full.
+    /// Duration of the drive, in seconds; `None` means until the plate has settled and the window is full.
     pub seconds: Option<f64>,
-    /// What solves the actual plate in time.
+    /// The solver of the actual plate in the time domain.
     pub solver: Solver,
     /// A finger that rests on the actual plate.
     pub finger: Option<Finger>,
@@ -66,7 +66,7 @@ pub enum SimulationError {
     /// No table can be made for the plate.
     #[error("no table can be made for this plate: {0}")]
     Table(#[from] TableError),
-    /// The table cannot be put into the device's units.
+    /// The table cannot be converted to the device's units.
     #[error(transparent)]
     DeviceTable(#[from] DeviceTableError),
     /// The played frequency does not fit the plate.
@@ -78,7 +78,7 @@ pub enum SimulationError {
     /// The plate has no sheet.
     #[error(transparent)]
     Sheet(#[from] SheetError),
-    /// Nobody wants the result any more.
+    /// The simulation was cancelled.
     #[error(transparent)]
     Stopped(#[from] Stopped),
     /// The sum of the tones exceeds the DAC's range.
@@ -102,17 +102,17 @@ pub struct ToneResult {
     pub predicted: Response,
     /// The predicted peak displacement, in metres.
     pub predicted_peak_m: Option<f64>,
-    /// Whether another tone is so near that the measured time does not tell the two apart. Then nothing is said of
-    /// what was measured of this tone alone.
+    /// Whether another tone is so near that the measured time does not resolve the two. Then no measured
+    /// results are given for this tone alone.
     pub is_blurred: bool,
     /// The tone's measured complex amplitude at each place, in metres.
     pub field_m: Vec<Complex64>,
     /// The measured peak; its amplitude is in metres.
     pub measured: Option<Peak>,
-    /// The place where the measured amplitude has fallen to the share of the peak that it has at the turning
-    /// point, in metres.
+    /// The place where the measured amplitude has fallen to the predicted ratio of turning point to peak,
+    /// in metres.
     pub measured_turning_point_m: Option<f64>,
-    /// Where the measured field differs from the predicted one.
+    /// Differences between the measured field and the predicted one.
     pub differs: plane::Comparison,
 }
 
@@ -125,8 +125,8 @@ pub struct Simulated {
     pub position_m: Vec<f64>,
     /// Largest displacement at each place while measured, in metres.
     pub maximum_m: Vec<f32>,
-    /// The two tones that beat most slowly, if that is too slow for the measured time. Then the RMS displacement is
-    /// that of the measured part of the beat, not of a whole one.
+    /// The two tones with the slowest beat, if the measured time is too short for it. Then the RMS
+    /// displacement is that of the measured part of the beat, not of a whole one.
     pub slow_beat: Option<SlowBeat>,
     /// RMS displacement at each place while measured, in metres.
     pub rms_m: Vec<f32>,
@@ -142,10 +142,10 @@ pub struct Simulated {
     pub peak_at_full_scale_m: f64,
 }
 
-/// The table for a plate, in both forms.
+/// The table for a plate, in physical and in device units.
 ///
 /// # Errors
-/// [`SimulationError`] if the plate or the rate allows none.
+/// [`SimulationError`] if no table is possible for the plate or the rate.
 pub fn table_for(
     plate: &Plate,
     sample_rate_hz: u32,
@@ -153,10 +153,10 @@ pub fn table_for(
     table_for_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
 }
 
-/// [`table_for`] with progress reports, and the possibility to stop it.
+/// [`table_for`] with progress reports and cancellation.
 ///
 /// # Errors
-/// As [`table_for`], and when it was stopped.
+/// As [`table_for`], and if it was cancelled.
 pub fn table_for_watched(
     plate: &Plate,
     sample_rate_hz: u32,
@@ -196,7 +196,7 @@ impl Simulation<'_> {
     /// Builds the table and runs.
     ///
     /// # Errors
-    /// [`SimulationError`]: what does not fit, and why.
+    /// [`SimulationError`]: the unsuitable value and the reason.
     pub fn run(&self) -> Result<Simulated, SimulationError> {
         let (table, _) = table_for(self.plate, SAMPLE_RATE_HZ)?;
         self.run_with(&table)
@@ -205,12 +205,12 @@ impl Simulation<'_> {
     /// Runs with a finished table.
     ///
     /// # Errors
-    /// [`SimulationError`]: what does not fit, and why.
+    /// [`SimulationError`]: the unsuitable value and the reason.
     pub fn run_with(&self, table: &DriveTable) -> Result<Simulated, SimulationError> {
         self.run_watched(table, &mut Progress::new(&mut |_| true))
     }
 
-    /// [`Simulation::run_with`] with progress reports, and the possibility to stop it.
+    /// [`Simulation::run_with`] with progress reports and cancellation.
     ///
     /// # Errors
     /// As [`Simulation::run_with`], and [`SimulationError::Stopped`].
@@ -230,7 +230,7 @@ impl Simulation<'_> {
         let frequencies: Vec<f64> = sounding.iter().map(|tone| tone.frequency_hz).collect();
         let mut waves = Waves::new(self.actual, self.finger.as_ref(), self.solver, rate_hz, &frequencies)?;
         let drive = DriveRequest::at(self.tones);
-        // With a limit of the travel the link makes the glide longer.
+        // With a travel limit the link extends the glide.
         let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(drive.glide_s);
         chain.perform(Request::Play(Sounding::Drive(drive)), |codes| waves.push(codes))?;
 
@@ -250,7 +250,7 @@ impl Simulation<'_> {
         let measuring = &mut progress.part(settled, 1.0);
         pass(&mut chain, in_samples(window_s), measuring, |codes| demodulator.push(&mut waves, codes))?;
 
-        // The counter travels in the status, which is read again after a request.
+        // The status contains the counter and is read again after a request.
         chain.perform(Request::Refresh, |_| ())?;
         let clipped_samples = chain.view().status.map_or(0, |status| status.counters.clips);
         let position_m = waves.positions_m().to_vec();
@@ -351,7 +351,7 @@ impl Simulation<'_> {
     }
 }
 
-/// Lets so many samples pass, rounded up to blocks, and tells how far it has come.
+/// Advances by a number of samples, rounded up to blocks, and reports the progress.
 fn pass(
     chain: &mut Loopback,
     samples: u64,

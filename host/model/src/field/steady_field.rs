@@ -28,9 +28,9 @@ pub struct ToneWave {
     pub turning_point_m: f64,
     /// Distance from the peak to the place where the amplitude is a tenth of it, in metres.
     pub edge_width_m: f64,
-    /// Where the peak is, in metres; `None` where loss, a near drive or a finger leaves none.
+    /// Place of the peak, in metres; `None` if loss, a near drive or a finger prevents a peak.
     pub peak_position_m: Option<f64>,
-    /// How high it is, in metres: less than the tone's own peak under a finger.
+    /// Height of the peak, in metres: under a finger less than the tone's own peak.
     pub peak_height_m: Option<f64>,
     /// Displacement amplitude at each of [`POINTS`] places, in metres: u = Re(f e^(-j omega t)).
     pub wave: Vec<Complex64>,
@@ -43,7 +43,7 @@ pub struct SteadyField {
     pub length_m: f64,
     /// The tones that enter the plate.
     pub tones: Vec<ToneWave>,
-    /// Largest displacement the sum can reach at each place, in metres.
+    /// Largest displacement that the sum can reach at each place, in metres.
     pub bound_m: Vec<f64>,
     /// Root mean square of the displacement at each place, in metres.
     pub rms_m: Vec<f64>,
@@ -56,8 +56,8 @@ impl SteadyField {
         Self::solve_touched(plate, tones, None)
     }
 
-    /// As [`Self::solve`], with a finger on the plate. The drive stays that of the untouched plate, because neither
-    /// table nor device knows of the finger. A finger that the solver refuses leaves every tone out.
+    /// As [`Self::solve`], with a finger on the plate. The drive stays that of the untouched plate, because
+    /// the finger affects neither table nor device. If the solver refuses the finger, no tone is solved.
     #[must_use]
     pub fn solve_touched(plate: &Plate, tones: &[SteadyTone], finger: Option<&Finger>) -> Self {
         let tones: Vec<ToneWave> = tones.iter().filter_map(|tone| solve_tone(plate, tone, finger)).collect();
@@ -92,8 +92,8 @@ impl SteadyField {
         self.tones.iter().map(|tone| between(&tone.wave, x_m / self.length_m).norm()).sum()
     }
 
-    /// The mean frequency at `x`, weighted by the power of each tone there, in Hz: the pitch that a finger would
-    /// feel.
+    /// The mean frequency at `x`, weighted by the power of each tone there, in Hz: the pitch felt by a
+    /// finger.
     #[must_use]
     pub fn frequency_at(&self, x_m: f64) -> f64 {
         let (mut weighted, mut total) = (0.0, 0.0);
@@ -107,7 +107,8 @@ impl SteadyField {
     }
 }
 
-/// The wave at `share` (0..=1) of the way along its uniform places, by the cubic through the four nearest; 0 off the plate.
+/// The wave at `share` (0..=1) of the range of its uniform places, by the cubic through the four nearest; 0
+/// off the plate.
 fn between(wave: &[Complex64], share: f64) -> Complex64 {
     if wave.len() < 4 || !(0.0..=1.0).contains(&share) {
         return Complex64::ZERO;
@@ -125,7 +126,7 @@ fn between(wave: &[Complex64], share: f64) -> Complex64 {
     wave[first..].iter().zip(weights).map(|(wave, weight)| wave * weight).sum()
 }
 
-/// The value at `share` (0..=1) of the way along uniform samples.
+/// The value at `share` (0..=1) of the range of uniform samples.
 #[must_use]
 pub fn interpolate(samples: &[f64], share: f64) -> f64 {
     if samples.is_empty() || !(0.0..=1.0).contains(&share) {
@@ -139,7 +140,7 @@ pub fn interpolate(samples: &[f64], share: f64) -> f64 {
 
 fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Option<ToneWave> {
     let response = respond(plate, tone.frequency_hz, POINTS, Equation::Corrected).ok()?;
-    // Without a peak the table sets the amplitude at the turning point, which is 66.28 % of an Airy peak.
+    // Without a peak the table defines the amplitude at the turning point, which is 66.28 % of an Airy peak.
     let reference =
         response.peak.as_ref().map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     let scale = if reference > 0.0 { tone.peak_m / reference } else { 0.0 };
@@ -158,8 +159,8 @@ fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Opti
 }
 
 impl SteadyTone {
-    /// A tone of a setup as the device plays it with this table, on the plate that the table was made for; one of a chord is
-    /// louder.
+    /// A tone of a setup as the device plays it with this table, on the plate for which the table is made; a
+    /// tone of a chord is louder by the chord's gain.
     #[must_use]
     pub fn of(setup: &Setup, tone: &ToneSetup, table: &DriveTable) -> Self {
         Self {
@@ -172,8 +173,8 @@ impl SteadyTone {
     }
 }
 
-/// The tones of a setup as the device plays them with the table of its plate. While that is not known, they have the shape
-/// that their places give, and a tone of level 1 has unit height.
+/// The tones of a setup as the device plays them with the table of its plate. Without a table they have the
+/// shape for their places, and a tone of level 1 has unit height.
 #[must_use]
 pub fn steady_tones(setup: &Setup, table: Option<&DriveTable>) -> Vec<SteadyTone> {
     let unit = |tone: &ToneSetup| SteadyTone {
@@ -185,7 +186,7 @@ pub fn steady_tones(setup: &Setup, table: Option<&DriveTable>) -> Vec<SteadyTone
     setup.tones.iter().map(steady).collect()
 }
 
-/// The unit in which a displacement of this size is written, and that unit in metres.
+/// The unit for a displacement of this size, and that unit in metres.
 #[must_use]
 pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
     match metres {
@@ -195,7 +196,7 @@ pub fn displacement_unit(metres: f64) -> (&'static str, f64) {
     }
 }
 
-/// The displacement that full colour stands for, in metres; `full_peak_m` is the table's peak at level 1.
+/// The displacement of full colour, in metres; `full_peak_m` is the table's peak at level 1.
 #[must_use]
 pub fn full_colour_m(sounding: Option<&SteadyField>, full_peak_m: f64) -> f64 {
     full_peak_m.max(sounding.map_or(0.0, SteadyField::highest_m)).max(1e-12)

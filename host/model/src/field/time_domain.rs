@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Places along the plate.
 const POINTS: usize = 128;
-/// Periods of the slowest tone that are recorded after the plate has settled.
+/// Recorded periods of the slowest tone, after the plate has settled.
 const TURNS: f64 = 6.0;
 /// The longest recording, in seconds: the maximum of a slower beat may be missed.
 const WATCH_MAX_S: f64 = 0.25;
@@ -32,7 +32,7 @@ const BLOCKS_AT_ONCE: u64 = 64;
 /// Largest displacement at places along the simulated plate.
 #[derive(Clone, Debug, Default)]
 pub struct SimulatedField {
-    /// Which acknowledged change it belongs to.
+    /// Journal number of the drive.
     pub number: u64,
     /// Places in metres.
     pub position_m: Vec<f64>,
@@ -45,9 +45,9 @@ pub struct SimulatedField {
 }
 
 impl SimulatedField {
-    /// Place and displacement of each point, in metres, as the predicted envelope has it: the largest of one tone, the mean
-    /// of several, which is sqrt 2 of the root mean square. In the time that is watched several tones do not reach the
-    /// largest that they could.
+    /// Place and displacement of each point, in metres, with the definition of the predicted envelope: for
+    /// one tone the largest displacement, for several the mean, which is sqrt 2 times the root mean square.
+    /// During the recording several tones do not reach their largest possible sum.
     pub fn points(&self) -> impl Iterator<Item = (f64, f64)> {
         let value = |i: usize| match self.tones {
             0 | 1 => self.maximum_m[i],
@@ -60,26 +60,27 @@ impl SimulatedField {
 /// A drive to simulate on a plate.
 #[derive(Clone, Debug)]
 pub struct TimeDomainJob {
-    /// Which acknowledged change it is.
+    /// Journal number of the drive.
     pub number: u64,
     /// The plate.
     pub plate: Arc<Plate>,
     /// The device's table.
     pub table: Arc<DeviceTable>,
-    /// What the device has accepted.
+    /// The drive, chord or comb that the device has accepted.
     pub played: Played,
     /// The device's bits per code.
     pub dac_bits: u8,
 }
 
-/// How long the settled plate is recorded to find its largest displacement, in seconds.
+/// Duration of the recording of the largest displacement, in seconds.
 pub(crate) fn watch_s(job: &TimeDomainJob) -> f64 {
     let tones = job.played.tones(&job.table);
     let slowest_hz = tones.iter().map(|tone| tone.frequency_hz).fold(f64::INFINITY, f64::min);
     if tones.len() > 1 { WATCH_MAX_S } else { (TURNS / slowest_hz).min(WATCH_MAX_S) }
 }
 
-/// How long the mean of several tones is recorded, in seconds: so many beats of the slowest beat, within limits.
+/// Duration of the recording of the mean of several tones, in seconds: a number of periods of the slowest
+/// beat, within limits.
 fn mean_s(job: &TimeDomainJob) -> f64 {
     let mut hertz: Vec<f64> =
         job.played.tones(&job.table).into_iter().map(|tone| tone.frequency_hz).collect();
@@ -89,8 +90,8 @@ fn mean_s(job: &TimeDomainJob) -> f64 {
     (TURNS / beat_hz).clamp(watch_s(job), MEAN_MAX_S)
 }
 
-/// Runs the drive on the plate until it has settled, then records the envelope. `None` when the plate cannot be
-/// simulated at the device's rate, the drive could not be replayed, or the task was over before the end.
+/// Runs the drive on the plate until it has settled, then records the envelope. `None` if the plate cannot be
+/// simulated at the device's rate, the drive could not be replayed, or the task was cancelled.
 #[must_use]
 pub fn run(job: &TimeDomainJob, task: &Task) -> Option<SimulatedField> {
     let rate = job.table.header().sample_rate_hz;
@@ -181,7 +182,7 @@ pub(crate) mod tests {
 
     #[test]
     fn the_simulated_plate_stands_where_the_solver_predicts_it() {
-        // The last is near 40 kHz, where the plate's own peak differs most from what its table is made for.
+        // The last is near 40 kHz, where the plate's own peak differs most from the table's.
         for (name, share) in [("membrane", 0.7), ("al-bending", 0.7), ("al-bending", 0.98)] {
             let plate = Arc::new(slipline_plate::preset(name).unwrap());
             let (start, end) = plate.span_m();

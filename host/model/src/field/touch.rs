@@ -1,4 +1,4 @@
-//! A finger on the plate in the app: its properties, and what it has met in the last seconds.
+//! A finger on the plate in the app: its properties, and the amplitudes under it in the last seconds.
 //!
 //! All values are illustrative: fingers differ, and so does what they feel.
 
@@ -9,15 +9,15 @@ pub use trace::{Met, TRACE_S, Trace, Under};
 
 use slipline_plate::{Finger, Plate};
 
-/// How the plate is touched.
+/// The kind of touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Touch {
-    /// Not at all.
+    /// No finger.
     #[default]
     None,
-    /// By a finger that strokes.
+    /// A finger that strokes.
     Light,
-    /// By a finger that presses.
+    /// A finger that presses.
     Firm,
 }
 
@@ -33,7 +33,7 @@ impl Touch {
     }
 }
 
-/// Why this plate cannot be touched, if it cannot: its file lacks the mass that moves with the wave.
+/// Why this plate cannot be touched, if so: its file lacks the mass that moves with the wave.
 #[must_use]
 pub fn refusal(plate: &Plate) -> Option<String> {
     let (low_hz, _) = plate.band_hz();

@@ -5,7 +5,7 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::{CalibrateError, Comparison, Measurement};
 use std::sync::Arc;
 
-/// A plate and what was measured.
+/// A plate and its measurement.
 #[derive(Clone, Debug)]
 pub struct CompareJob {
     /// The plate.
@@ -23,9 +23,9 @@ impl PartialEq for CompareJob {
 /// The result.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// What was compared.
+    /// The job.
     pub job: CompareJob,
-    /// How they differ, or why they cannot be compared.
+    /// Their differences, or why they cannot be compared.
     pub result: Result<Comparison, CalibrateError>,
 }
 

@@ -6,7 +6,7 @@ use slipline_plate::design::{Design, DesignError, Edge, Material, Request, Wave,
 use slipline_plate::{PlateError, Progress};
 use std::sync::Arc;
 
-/// How the sheet carries the wave.
+/// The type of wave and edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Bending, edges simply supported.
@@ -35,7 +35,7 @@ impl Kind {
     }
 }
 
-/// How the stretch of a membrane is specified.
+/// Definition of a membrane's stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stretch {
     /// Wave speed in m/s.
@@ -44,7 +44,7 @@ pub enum Stretch {
     Tension(f64),
 }
 
-/// The requirements of a plate. `None` leaves a value to the library.
+/// The requirements of a plate. `None` selects the library's value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Draft {
     /// The plate's name.
@@ -53,19 +53,19 @@ pub struct Draft {
     pub material: &'static str,
     /// The sheet's thickness in metres.
     pub thickness_m: f64,
-    /// How it carries the wave.
+    /// Its type of wave and edges.
     pub kind: Kind,
-    /// A bending plate without shear and rotary inertia.
+    /// Whether a bending plate is without shear and rotary inertia.
     pub thin: bool,
     /// A membrane's stretch.
     pub stretch: Stretch,
     /// The boundary's lowest and highest frequency in Hz.
     pub band_hz: (f64, f64),
-    /// From the driven end to the narrow end, in metres.
+    /// Distance from the driven end to the narrow end, in metres.
     pub length_m: f64,
-    /// From the driven end to the nearest boundary, in metres.
+    /// Distance from the driven end to the nearest boundary, in metres.
     pub start_margin_m: Option<f64>,
-    /// From the farthest boundary to the narrow end, in metres.
+    /// Distance from the farthest boundary to the narrow end, in metres.
     pub end_margin_m: Option<f64>,
     /// Loss factor.
     pub loss_factor: Option<f64>,
@@ -100,7 +100,7 @@ impl Draft {
     /// The draft as a request to the plate library.
     ///
     /// # Errors
-    /// [`PlateError`] when the library has no such material.
+    /// [`PlateError`] if the library has no such material.
     pub fn request(&self) -> Result<Request, PlateError> {
         let mut material = Material::named(self.material)?;
         if let Some(loss_factor) = self.loss_factor {
@@ -133,11 +133,11 @@ impl Draft {
 pub struct Designed {
     /// The draft.
     pub draft: Draft,
-    /// The plate, or why there is none.
+    /// The plate, or why none was found.
     pub result: Result<Arc<Design>, PlateError>,
 }
 
-/// Designs the plate; `None` when the task was over before it was done.
+/// Designs the plate; `None` if the task was cancelled.
 #[must_use]
 pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
     if task.is_over() {

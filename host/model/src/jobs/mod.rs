@@ -28,7 +28,7 @@ impl Task {
         !self.is_over()
     }
 
-    /// Whether the job must end now, because it was cancelled or a newer one was asked for.
+    /// Whether the job must end now, because it was cancelled or a newer one was requested.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.is_over.load(Ordering::Relaxed)
@@ -45,10 +45,10 @@ impl Task {
 
 /// Runs jobs of one kind, one at a time, and keeps the newest result.
 ///
-/// [`JobQueue::threaded`] runs them on its own thread; [`JobQueue::inline`] runs them at once in the caller's
-/// thread, which makes tests repeatable. The work returns `None` when a job has no result, for example because its
-/// [`Task`] was over. A job that panics on the thread has no result either, and the thread goes on with the next
-/// job.
+/// [`JobQueue::threaded`] runs them on its own thread; [`JobQueue::inline`] runs them at once on the caller's
+/// thread, which makes tests repeatable. The work returns `None` if a job has no result, for example because
+/// its [`Task`] was cancelled. A job that panics on the thread has no result either, and the thread continues
+/// with the next job.
 pub struct JobQueue<Job, Done> {
     runner: Runner<Job, Done>,
     done: Receiver<(u64, Option<Done>)>,
@@ -91,14 +91,14 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         let queue_name = name.to_owned();
         thread::Builder::new().name(name.to_owned()).spawn(move || {
             while let Ok(mut next) = queue.recv() {
-                // Jobs that were asked for in the meantime make the older ones obsolete.
+                // Newer jobs make the older ones obsolete.
                 while let Ok(newer) = queue.try_recv() {
                     next = newer;
                 }
                 let (number, job, task) = next;
                 tracing::debug!("{queue_name}: job {number} begins");
                 let done = catch_unwind(AssertUnwindSafe(|| work(job, &task))).unwrap_or(None);
-                let end = if done.is_some() { "is done" } else { "was given up or failed" };
+                let end = if done.is_some() { "is done" } else { "was cancelled or failed" };
                 tracing::debug!("{queue_name}: job {number} {end}");
                 if finished.send((number, done)).is_err() {
                     return;
@@ -120,7 +120,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         Self { runner, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
     }
 
-    /// Asks for a job. The task of an older job that still runs is ended.
+    /// Requests a job. The task of an older job that still runs is ended.
     pub fn ask(&mut self, job: Job) {
         self.task.end();
         self.task = Arc::default();
@@ -144,7 +144,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         newest
     }
 
-    /// How much of the newest job is done, 0..=1; `None` when nothing is being done.
+    /// The share of the newest job that is done, 0..=1; `None` while no job runs.
     #[must_use]
     pub fn progress(&self) -> Option<f32> {
         (self.ended < self.asked).then(|| self.task.share())

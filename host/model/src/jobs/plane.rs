@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 /// Places along the plate: more than ten per wavelength, so that every node is found.
 const POINTS: usize = 2049;
-/// Shift of the peak below which the sentence calls the place the same, in metres.
+/// Largest shift of the peak that the sentence calls the same place, in metres.
 const SAME_PLACE_M: f64 = 0.05e-3;
-/// Difference of the level below which the sentence calls it the same, in dB.
+/// Largest difference of the level that the sentence calls the same, in dB.
 const SAME_LEVEL_DB: f64 = 0.05;
-/// Share of the one-mode equation in the work.
+/// Share of the one-mode equation in the progress.
 const ONE_MODE_SHARE: f64 = 0.1;
 
 /// A plate and a boundary to compute in two dimensions.
@@ -37,14 +37,15 @@ impl PartialEq for PlaneJob {
 /// The result.
 #[derive(Clone, Debug)]
 pub struct PlaneChecked {
-    /// What was computed.
+    /// The job.
     pub job: PlaneJob,
-    /// Where the field in two dimensions differs from that of the one-mode equation, or why it was not computed.
+    /// Differences between the field in two dimensions and that of the one-mode equation, or why it was not
+    /// computed.
     pub result: Result<Comparison, PlaneError>,
 }
 
-/// The work of the thread. A solution takes some milliseconds and is not interrupted; `None` when the task was over
-/// before or after it.
+/// The work of the thread. A solution takes some milliseconds and cannot be interrupted; `None` if the task
+/// was cancelled before or during it.
 #[must_use]
 pub fn work(job: PlaneJob, task: &Task) -> Option<PlaneChecked> {
     let result = compare(&job, task).transpose()?;

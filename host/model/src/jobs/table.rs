@@ -7,7 +7,7 @@ use slipline_link::table::DeviceTable;
 use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_of};
 use std::sync::Arc;
 
-/// Number of knots of a table: the most a device takes, because a resonant plate needs them.
+/// Number of knots of a table: the largest that a device accepts, because resonant plates need it.
 pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
 
 /// A table to compute.
@@ -17,7 +17,7 @@ pub struct TableJob {
     pub plate: Arc<Plate>,
     /// The device's sample rate in Hz.
     pub sample_rate_hz: f64,
-    /// The most knots the device takes.
+    /// The largest number of knots that the device accepts.
     pub max_knots: usize,
 }
 
@@ -30,7 +30,7 @@ pub struct TableMade {
     pub drive_table: DriveTable,
     /// The table in the device's units.
     pub device_table: Arc<DeviceTable>,
-    /// Change of the peak in dB when the plate's waves are 1 % faster than the table assumes.
+    /// Change of the peak in dB if the plate's waves are 1 % faster than the table assumes.
     pub sensitivity_db: Option<f64>,
 }
 
@@ -57,8 +57,8 @@ impl TableState {
         if let Self::Ready(made) = self { Some(made) } else { None }
     }
 
-    /// The largest possible sum of a setup's tones, as a share of the DAC's full scale. Gains count as 1 until the
-    /// table is finished.
+    /// The largest possible sum of a setup's tones, as a share of the DAC's full scale. Without a finished
+    /// table all gains count as 1.
     #[must_use]
     pub fn headroom_sum(&self, setup: &Setup) -> f64 {
         let gain = |x_m| self.made().map_or(1.0, |made| made.drive_table.gain(x_m));
@@ -66,8 +66,8 @@ impl TableState {
     }
 }
 
-/// Computes a table. This is fast for a usual plate and takes many times as long for a plate of many wavelengths.
-/// `None` when the task was over before the end.
+/// Computes a table. This is fast for a usual plate and takes many times as long for a plate of many
+/// wavelengths. `None` if the task was cancelled.
 #[must_use]
 pub fn make(job: TableJob, task: &Task) -> Option<TableState> {
     match build(job, &mut Progress::new(&mut |share| task.report(share))) {

@@ -13,9 +13,9 @@ use std::sync::Arc;
 pub struct TextureWish {
     /// The plate and its table.
     pub table: Arc<TableMade>,
-    /// What is wanted.
+    /// The wanted texture.
     pub wish: Wish,
-    /// Tones at most.
+    /// Largest number of tones.
     pub most: usize,
     /// How a finger feels.
     pub feeling: Feeling,
@@ -33,13 +33,13 @@ impl PartialEq for TextureWish {
 /// A texture to make.
 #[derive(Clone, Debug)]
 pub struct TextureJob {
-    /// What is wanted.
+    /// The wanted texture.
     pub wish: TextureWish,
-    /// Its tones, if they are made already and only the slower steps are left.
+    /// Its tones, if they are computed already and only the slower steps remain.
     pub begun: Option<Arc<Made>>,
 }
 
-/// Why there is no texture; numbers out of range are shown in the units that suit them.
+/// Why a texture was refused; numbers out of range are shown in suitable units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", match .0 {
     TextureError::OutOfRange(error) => error.in_suitable_units(),
@@ -50,9 +50,9 @@ pub struct TextureRefused(pub TextureError);
 /// The result of a job.
 #[derive(Clone, Debug)]
 pub struct Textured {
-    /// What was wanted.
+    /// The wish of the job.
     pub wish: TextureWish,
-    /// The texture, or why there is none.
+    /// The texture, or why it was refused.
     pub result: Result<Arc<Made>, TextureRefused>,
     /// RMS displacement of its tones at places uniform from 0 to the plate's end, in metres; empty if there is none.
     pub rms_m: Vec<f64>,
@@ -69,7 +69,7 @@ fn rms_m(palette: &Palette<'_>, made: &Made) -> Result<Vec<f64>, TextureError> {
     Ok(squares.into_iter().map(f64::sqrt).collect())
 }
 
-/// Does a job. `None` when it was over before the end.
+/// Carries out a job. `None` if it was cancelled.
 #[must_use]
 pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
     let TextureJob { wish, begun } = job;

@@ -4,7 +4,7 @@ use slipline_plate::Complex64;
 use slipline_plate::calibrate::Measurement;
 use std::f64::consts::{PI, TAU};
 
-/// Answers below this multiple of their noise have no phase.
+/// Responses below this multiple of their noise have no phase.
 pub const SHOWN_OVER_NOISE: f64 = 2.0;
 /// Standard deviations of a 95 % interval.
 const INTERVAL: f64 = 1.96;
@@ -20,7 +20,7 @@ pub struct Bode {
     pub noise_db: Vec<f64>,
     /// Half of the magnitude's 95 % interval due to noise, dB.
     pub spread_db: Vec<f64>,
-    /// Phase by which the sensor lags the drive, degrees, unwrapped; `None` where the answer is noise.
+    /// Phase by which the sensor lags the drive, degrees, unwrapped; `None` where the response is noise.
     pub phase_deg: Vec<Option<f64>>,
 }
 
@@ -47,7 +47,7 @@ impl Bode {
     }
 }
 
-/// A ratio in dB; one of 0 is the smallest number.
+/// A ratio in dB; that of a zero ratio is the smallest finite number.
 fn decibel(ratio: f64) -> f64 {
     20.0 * ratio.max(f64::MIN_POSITIVE).log10()
 }
@@ -58,7 +58,7 @@ pub fn levels_db(responses: &[Option<Complex64>]) -> Vec<Option<f64>> {
     responses.iter().map(|response| response.map(|response| decibel(response.norm()))).collect()
 }
 
-/// Arguments in degrees, each within half a turn of the one before it; absent values are skipped.
+/// Arguments in degrees, each within half a turn of the previous one; absent values are skipped.
 #[must_use]
 pub fn unwrapped_deg(responses: &[Option<Complex64>]) -> Vec<Option<f64>> {
     let mut last: Option<f64> = None;
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use slipline_plate::calibrate::{MeasuredPoint, SensorKind};
 
-    /// A delay of 3 ms and a level of 0.5, with noise of 0.05, and one answer that is noise.
+    /// A delay of 3 ms and a level of 0.5, with noise of 0.05, and one response that is noise.
     fn delayed() -> Measurement {
         let point = |i: u32| {
             let frequency_hz = 100.0 + 20.0 * f64::from(i);

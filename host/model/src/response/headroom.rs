@@ -26,7 +26,7 @@ pub struct Headroom {
 }
 
 impl Headroom {
-    /// That of a measurement.
+    /// The headroom of a measurement.
     #[must_use]
     pub fn of(measurement: &Measurement) -> Self {
         let known =
@@ -40,7 +40,7 @@ impl Headroom {
         self.least.map_or(Colour::Unchecked, |(db, _)| light(db))
     }
 
-    /// What the light says, and what to do.
+    /// The meaning of the light and its remedy.
     #[must_use]
     pub fn sentence(&self) -> String {
         let Some((db, frequency_hz)) = self.least else {

@@ -1,5 +1,5 @@
-//! Measured responses, as a page shows them: the list of them, their curves over the frequency, how full the input was, and
-//! whether they are those of the plate on the screen.
+//! Measured responses for display: their list, their curves over the frequency, the headroom of the input,
+//! and their agreement with the plate on the screen.
 //!
 //! ```text
 //! file, device --Measurement--> Shelf --> Bode (level, phase, noise) --> plots

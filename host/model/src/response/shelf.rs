@@ -11,9 +11,9 @@ pub const MEASUREMENTS_MAX: usize = 32;
 /// A measurement in the list.
 #[derive(Debug, Clone)]
 pub struct Entry {
-    /// Counted up with each measurement: it keeps its colour when others are removed.
+    /// Increases with each measurement: it keeps its colour when others are removed.
     pub number: u64,
-    /// The name of its file, or of the run.
+    /// The name of its file or of the run.
     pub name: String,
     /// The measurement.
     pub measurement: Arc<Measurement>,
@@ -23,7 +23,7 @@ pub struct Entry {
     pub is_shown: bool,
 }
 
-/// The list has no room.
+/// The list is full.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("{}", must_be(
     format_args!("{} measurements", MEASUREMENTS_MAX + 1),
@@ -40,10 +40,10 @@ pub struct Shelf {
 }
 
 impl Shelf {
-    /// Adds a measurement and chooses it. One of the same name whose numbers are the same is chosen instead.
+    /// Adds and chooses a measurement. If one of the same name and numbers exists, it is chosen instead.
     ///
     /// # Errors
-    /// When there are [`MEASUREMENTS_MAX`] already.
+    /// If there are [`MEASUREMENTS_MAX`] already.
     pub fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, ShelfFull> {
         let same = |entry: &&Entry| entry.name == name && *entry.measurement == measurement;
         if let Some(same) = self.entries.iter().find(same).map(|entry| entry.number) {
@@ -68,7 +68,7 @@ impl Shelf {
         &self.entries
     }
 
-    /// The one of this number.
+    /// The measurement of this number.
     #[must_use]
     pub fn entry(&self, number: u64) -> Option<&Entry> {
         self.entries.iter().find(|entry| entry.number == number)
@@ -80,7 +80,7 @@ impl Shelf {
         self.chosen.and_then(|number| self.entry(number))
     }
 
-    /// Chooses one, which is drawn then.
+    /// Chooses and draws a measurement.
     pub fn choose(&mut self, number: u64) {
         if self.entry(number).is_some() {
             self.chosen = Some(number);
@@ -88,14 +88,14 @@ impl Shelf {
         }
     }
 
-    /// Draws one, or draws it no more.
+    /// Draws or hides a measurement.
     pub fn show(&mut self, number: u64, is_shown: bool) {
         for entry in self.entries.iter_mut().filter(|entry| entry.number == number) {
             entry.is_shown = is_shown;
         }
     }
 
-    /// Removes one. If it was chosen, the newest of the others is.
+    /// Removes a measurement. If it was chosen, the newest of the others is chosen.
     pub fn remove(&mut self, number: u64) {
         self.entries.retain(|entry| entry.number != number);
         if self.chosen == Some(number) {

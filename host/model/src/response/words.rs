@@ -1,9 +1,9 @@
-//! The words about a measurement: whether a text is one, and whether it is of the plate on the screen.
+//! Texts about a measurement: recognition of its file, and its agreement with the plate on the screen.
 
 use slipline_plate::calibrate::Comparison;
 use slipline_plate::quantity::ticks;
 
-/// Whether a text claims to be a measurement: it has the head of the table, or the place of a sensor above it.
+/// Whether a text has the form of a measurement: the head of its table, or the place of a sensor above it.
 #[must_use]
 pub fn is_measurement(text: &str) -> bool {
     text.lines().take(100).map(str::trim).any(|line| {
@@ -13,7 +13,7 @@ pub fn is_measurement(text: &str) -> bool {
     })
 }
 
-/// Whether the measurement is of the plate that it was compared with, in a sentence; and whether it differs.
+/// The agreement of a measurement with the compared plate, as a sentence; and whether it differs.
 #[must_use]
 pub fn differs(comparison: &Comparison) -> (bool, String) {
     if comparison.count == 0 {

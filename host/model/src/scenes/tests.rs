@@ -6,8 +6,8 @@ use crate::jobs::Task;
 use slipline_plate::DriveTable;
 use slipline_plate::check::{Checker, Colour, Conditions};
 
-/// What is felt before a scene's last edge at the least, over what is felt one edge width further, dB; and whether all of
-/// it is felt clearly.
+/// Smallest strength before a scene's last edge over the strength one edge width beyond it, dB; and whether
+/// all of it is clearly felt.
 fn contrast_db(scene: &Scene) -> (f64, bool) {
     let setup = scene.setup().unwrap();
     let plate = &setup.plate;

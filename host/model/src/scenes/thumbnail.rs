@@ -1,4 +1,4 @@
-//! Small pictures of the scenes: the envelope and what is felt of it.
+//! Small pictures of the scenes: the envelope and its sensation.
 
 use super::SCENES;
 use crate::field::felt::{Felt, Zone};
@@ -13,19 +13,19 @@ const KNOTS: usize = 33;
 /// The usual sample rate, Hz.
 const SAMPLE_RATE_HZ: f64 = 400e3;
 
-/// What a small picture of a scene shows at places uniform from 0 to the plate's end.
+/// Content of a small picture of a scene at places uniform from 0 to the plate's end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Thumbnail {
     /// Half-width of the plate over its largest, 0 to 1.
     pub half_width: Vec<f32>,
-    /// Displacement over the largest anywhere, 0 to 1: of one tone the largest, of several the mean.
+    /// Displacement over the largest anywhere, 0 to 1: for one tone the largest, for several the mean.
     pub height: Vec<f32>,
-    /// How each place is felt.
+    /// The zone of each place.
     pub zones: Vec<Zone>,
 }
 
-/// The pictures of all [`SCENES`], in their order; one that cannot be drawn is empty. `None` when the task was over before
-/// the end.
+/// The pictures of all [`SCENES`], in their order; a picture that cannot be drawn is empty. `None` if the
+/// task was cancelled.
 #[must_use]
 pub fn thumbnails(task: &Task) -> Option<Vec<Thumbnail>> {
     let mut drawn = Vec::with_capacity(SCENES.len());
@@ -44,7 +44,7 @@ fn thumbnail(scene: &super::Scene) -> Option<Thumbnail> {
     let table = DriveTable::build(plate, SAMPLE_RATE_HZ, KNOTS).ok()?;
     let field = SteadyField::solve(plate, &steady_tones(&setup, Some(&table)));
     let felt = Felt::of(plate, &setup.feeling, &field);
-    // Of several tones the mean: what they could reach together lasts for a moment only.
+    // For several tones the mean: their largest possible sum lasts for a moment only.
     let envelope = if field.tones.len() > 1 { &field.rms_m } else { &field.bound_m };
     let highest_m = envelope.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let shares = (0..PLACES).map(|place| place as f64 / (PLACES - 1) as f64);

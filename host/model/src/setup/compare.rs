@@ -1,4 +1,4 @@
-//! Two setups to compare, A and B: one is on the screen, the other waits.
+//! Two setups to compare, A and B: one is on the screen, the other is kept.
 
 use crate::setup::Setup;
 use crate::setup::edit::Edit;
@@ -33,7 +33,7 @@ impl Side {
     }
 }
 
-/// Which of the two is on the screen, and the other one.
+/// The side on the screen, and the setup of the other side.
 #[derive(Clone, Debug, Default)]
 pub struct Compare {
     side: Side,
@@ -47,21 +47,21 @@ impl Compare {
         self.side
     }
 
-    /// The setup that waits on the other side; `None` before the first switch.
+    /// The setup kept on the other side; `None` before the first switch.
     #[must_use]
     pub const fn other(&self) -> Option<&Setup> {
         self.other.as_ref()
     }
 
-    /// Switches to the other side: keeps the present setup and returns the change that shows the other one. The first
-    /// switch begins B as a copy of A.
+    /// Switches to the other side: keeps the present setup and returns the change that shows the other one.
+    /// At the first switch B is a copy of A.
     pub fn switch(&mut self, present: &Setup) -> Edit {
         let next = self.other.replace(present.clone()).unwrap_or_else(|| present.clone());
         self.side = self.side.other();
         Edit::Switch(Box::new(next))
     }
 
-    /// A switch was undone, or done again; `left` is the setup that was on the screen until then.
+    /// A switch was undone or redone; `left` is the setup that was on the screen until then.
     pub fn undone(&mut self, left: Setup) {
         self.other = Some(left);
         self.side = self.side.other();

@@ -1,4 +1,4 @@
-//! What a user can change in a setup, the rule each change obeys, and what it asks of the device.
+//! Changes of a setup, their limits, and the resulting requests to the device.
 //!
 //! ```text
 //! view --Edit--> apply (limits) --> Setup --> drive --> DriveRequest --> link worker
@@ -18,21 +18,21 @@ use std::sync::Arc;
 pub enum Edit {
     /// Move a tone's turning point; a place outside the span is clamped to the span's end.
     Move {
-        /// Which tone.
+        /// The slot of the tone.
         slot: u8,
         /// The new place, in metres.
         position_m: f64,
     },
     /// Set a tone's level, 0..=1.
     Level {
-        /// Which tone.
+        /// The slot of the tone.
         slot: u8,
         /// The level, 0..=1.
         level: f64,
     },
-    /// Set the phase a tone starts with, in turns.
+    /// Set the phase with which a tone starts, in turns.
     Phase {
-        /// Which tone.
+        /// The slot of the tone.
         slot: u8,
         /// Any number of turns; only the fraction counts.
         turns: f64,
@@ -44,20 +44,20 @@ pub enum Edit {
     },
     /// Remove a tone. The last one cannot be removed.
     Remove {
-        /// Which tone.
+        /// The slot of the tone.
         slot: u8,
     },
     /// Set the master level, in dB.
     Master(f64),
     /// Set the glide time, in seconds.
     Glide(f64),
-    /// Choose which place the boundary lines hold.
+    /// Choose the place that the boundary lines hold.
     Boundary(BoundaryMode),
-    /// Set how a finger feels.
+    /// Set the parameters of a finger's sensation.
     Feeling(Feeling),
     /// Change the plate; the tones keep their places as far as its span allows.
     Plate(Arc<Plate>),
-    /// Play these tones, as a chord where they are so much louder in dB: what a texture is made of.
+    /// Play these tones of a texture, as a chord if its gain in dB is given.
     Texture {
         /// The tones; the first is the boundary.
         tones: Vec<ToneSetup>,
@@ -68,14 +68,14 @@ pub enum Edit {
     Replace(Box<Setup>),
     /// Start again with this setup.
     New(Box<Setup>),
-    /// Show the other of the two setups that are compared.
+    /// Show the other of the two compared setups.
     Switch(Box<Setup>),
 }
 
 /// Why a change was refused. The setup is unchanged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EditError {
-    /// A value is outside its range, or not a number. The field is named as the user knows it.
+    /// A value is outside its range, or not a number. The field has the name that the user sees.
     #[error("{}", .0.in_suitable_units())]
     OutOfRange(OutOfRange),
     /// There is no tone in this slot.
@@ -104,7 +104,7 @@ impl Edit {
             Self::Remove { .. } => "remove tone",
             Self::Master(_) => "master level",
             Self::Glide(_) => "glide",
-            Self::Boundary(_) => "what the line holds",
+            Self::Boundary(_) => "kind of boundary line",
             Self::Feeling(_) => "feeling",
             Self::Plate(_) => "plate",
             Self::Texture { .. } => "texture",
@@ -114,7 +114,7 @@ impl Edit {
         }
     }
 
-    /// The tone that it changes, if it changes a single one.
+    /// The tone that it changes, if it changes only one.
     pub(crate) const fn slot(&self) -> Option<u8> {
         match *self {
             Self::Move { slot, .. }
@@ -129,7 +129,7 @@ impl Edit {
 /// The setup after a change.
 ///
 /// # Errors
-/// [`EditError`], naming the field and its range; the setup given stays as it is.
+/// [`EditError`], naming the field and its range; the given setup stays unchanged.
 pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
     let mut next = setup.clone();
     match *edit {
@@ -173,8 +173,8 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             let (old_start, old_end) = setup.plate.span_m();
             let fits = setup.tones.iter().all(|tone| (start..=end).contains(&tone.position_m));
             for tone in &mut next.tones {
-                // Clamping would collect the tones at one end, so the tones keep their proportions on a plate with
-                // another span.
+                // Clamping would collect the tones at one end, so on a plate with another span the tones keep
+                // their proportions.
                 if !fits {
                     let share = (tone.position_m - old_start) / (old_end - old_start);
                     tone.position_m = (start + share * (end - start)).clamp(start, end);
@@ -183,7 +183,7 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             next.plate = Arc::clone(plate);
         }
         Edit::Texture { ref tones, chord_gain_db } => {
-            // As loud as it was made; of its tones none alone has an edge that is felt.
+            // The texture keeps its loudness; none of its tones alone has a felt edge.
             let (tones, boundary) = (tones.clone(), BoundaryMode::TurningPoint);
             return Ok(Setup { tones, boundary, master_db: 0.0, chord_gain_db, ..next });
         }
@@ -191,7 +191,7 @@ pub fn apply(setup: &Setup, edit: &Edit) -> Result<Setup, EditError> {
             return Ok((**setup).clone());
         }
     }
-    // Tones that have moved may be no multiples any more, and their peak is another.
+    // Tones that have moved may no longer be multiples, and their peak is another.
     if !matches!(edit, Edit::Master(_) | Edit::Glide(_) | Edit::Boundary(_) | Edit::Feeling(_)) {
         next.chord_gain_db = None;
     }
@@ -218,12 +218,12 @@ fn tone_mut(setup: &mut Setup, slot: u8) -> Result<&mut ToneSetup, EditError> {
     setup.tones.iter_mut().find(|tone| tone.slot == slot).ok_or(EditError::NoTone(slot))
 }
 
-/// Refuses what is no number; one beyond the range is taken.
+/// Refuses NaN and infinity; a number beyond the range is accepted.
 fn finite(field: &'static str, value: f64, range: Range) -> Result<(), EditError> {
     if value.is_finite() { Ok(()) } else { Err(EditError::OutOfRange(OutOfRange { field, value, range })) }
 }
 
-/// The value if it lies in the range; NaN never does.
+/// The value if it lies in the range; NaN does not.
 fn within(
     field: &'static str,
     value: f64,

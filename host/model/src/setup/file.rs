@@ -50,7 +50,7 @@ pub enum SetupFileError {
         /// The parser's message.
         message: String,
     },
-    /// A version this program does not know.
+    /// A version that this program does not know.
     #[error("slipline_setup = {0}: this program reads version {VERSION}; install a newer one")]
     Version(i64),
     /// The plate in the file is refused.
@@ -65,10 +65,10 @@ pub enum SetupFileError {
     /// The number of tones is wrong.
     #[error(transparent)]
     Tones(WrongCount),
-    /// A slot is out of range or named twice.
+    /// A slot is out of range or used twice.
     #[error("tones: slot {0} is named twice or outside 0 to 15")]
     Slot(i64),
-    /// The `holds` value is not known to this program.
+    /// The `holds` value is unknown.
     #[error("{}", must_be(format_args!("boundary.holds = {:?}", .0), "\"felt-edge\" or \"turning-point\""))]
     Holds(String),
 }
@@ -95,8 +95,8 @@ pub fn read(text: &str) -> Result<Opened, SetupFileError> {
         SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
     };
     let table: toml::Table = toml::from_str(text).map_err(syntax)?;
-    // Recognised by keys that only a setup has, so that a plate file with misspelt sections still gets the errors
-    // of a plate file.
+    // Recognized by keys that only a setup has, so that a plate file with misspelt sections still gets the
+    // errors of a plate file.
     let is_setup =
         ["slipline_setup", "tones", "plate", "boundary"].iter().any(|key| table.contains_key(*key));
     if !is_setup {

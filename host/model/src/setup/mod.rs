@@ -1,7 +1,7 @@
 //! The user's setup: the plate, the tones on it, the levels.
 //!
-//! A [`Setup`] is always valid: it is made from a valid plate and changed only through [`crate::setup::edit`], which holds
-//! the limits below.
+//! A [`Setup`] is always valid: it is made from a valid plate and changed only through
+//! [`crate::setup::edit`], which enforces the limits below.
 
 pub mod compare;
 pub mod edit;
@@ -24,7 +24,8 @@ pub const GLIDE_RANGE_S: (f64, f64) = (
     slipline_link::protocol::limits::MAX_GLIDE_MS as f64 * 1e-3,
 );
 
-/// How much louder than by the sum of its amplitudes a chord may be, in dB: the sum of sixteen is 12 dB above their RMS.
+/// Allowed gain of a chord over the sum of its amplitudes, in dB: the sum of sixteen is 12 dB above their
+/// RMS.
 pub const CHORD_GAIN_RANGE_DB: (f64, f64) = (0.0, 15.0);
 
 /// One tone: one peak on the plate.
@@ -41,10 +42,10 @@ pub struct ToneSetup {
     pub phase_turns: f64,
 }
 
-/// Which place the boundary line of a tone holds.
+/// The place that the boundary line of a tone holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BoundaryMode {
-    /// The felt edge: beyond it nothing of the tone is felt. See [`crate::field::line`].
+    /// The felt edge: beyond it the tone is not felt. See [`crate::field::line`].
     #[default]
     FeltEdge,
     /// The turning point x0 of the tone.
@@ -58,16 +59,16 @@ pub struct Setup {
     pub plate: Arc<Plate>,
     /// The tones in the order they were added; the first is the boundary.
     pub tones: Vec<ToneSetup>,
-    /// Scales all tones, in dB, -96..=0.
+    /// Master level of all tones, in dB, -96..=0.
     pub master_db: f64,
     /// The glide time of a change, in seconds.
     pub glide_s: f64,
-    /// Which place the boundary lines hold.
+    /// The place that the boundary lines hold.
     pub boundary: BoundaryMode,
-    /// How a finger feels. Illustrative: calibrate on your own plate.
+    /// Parameters of a finger's sensation. Illustrative: calibrate on your own plate.
     pub feeling: Feeling,
-    /// How much louder its tones may be together, in dB, where they are played as a chord, whose peak the device proves; `None`
-    /// if they are no chord, as after each change of a tone.
+    /// Gain of its tones in dB when they are played as a chord, whose peak the device computes; `None` if
+    /// they are not a chord, as after each change of a tone.
     pub chord_gain_db: Option<f64>,
 }
 
@@ -107,13 +108,13 @@ impl Setup {
         (self.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB)
     }
 
-    /// The factor by which its tones are louder as a chord; 1 if they are none.
+    /// The factor of its tones as a chord; 1 if they are not a chord.
     #[must_use]
     pub fn chord_factor(&self) -> f64 {
         10f64.powf(self.chord_gain_db.unwrap_or(0.0) / 20.0)
     }
 
-    /// The same tones by the sum of their amplitudes, as a change of one of them leaves them.
+    /// The same tones without a chord, as after a change of one of them.
     #[must_use]
     pub fn without_chord(&self) -> Self {
         Self { chord_gain_db: None, ..self.clone() }
@@ -131,7 +132,7 @@ impl Setup {
         10f64.powf(self.master_db / 20.0)
     }
 
-    /// The lowest slot that no tone has.
+    /// The lowest free slot.
     #[must_use]
     pub fn free_slot(&self) -> Option<u8> {
         (0..MAX_TONES as u8).find(|&slot| self.tone(slot).is_none())

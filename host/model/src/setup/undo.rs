@@ -1,47 +1,49 @@
-//! Undo and redo: what each gesture has changed, and what was undone.
+//! Undo and redo: the changes of each gesture, and the undone ones.
 
 use crate::setup::Setup;
 use crate::setup::edit::Edit;
 use std::sync::Arc;
 
-/// The most steps that are kept for undo.
+/// The largest number of steps kept for undo.
 const DEPTH: usize = 200;
 
-/// Where changes come from.
+/// Source of a change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EditSource {
     /// The user's pointer and keys.
     User,
-    /// A recorded drag that is played.
+    /// The replay of a recorded drag.
     Recording,
     /// A program, by its name.
     Program(&'static str),
 }
 
-/// One gesture of a source. Its equal changes are one step of undo; of a source other than the user, all tones together.
+/// One gesture of a source. Its changes of one kind are one step of undo; for a source other than the user,
+/// those of all tones together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gesture {
-    /// Whose it is.
+    /// Its source.
     pub source: EditSource,
-    /// Its number among those of the source: that of the press of pointer or key, for example.
+    /// Its number within the source, for example that of the press of pointer or key.
     pub number: u64,
 }
 
 /// A gesture, and the name and the tone of its change.
 type Key = (Gesture, &'static str, Option<u8>);
 
-/// What a gesture has changed.
+/// The change of a gesture.
 #[derive(Clone, Debug)]
 struct Step {
-    /// The setup without it, and with it.
+    /// The setup before and after it.
     from: Setup,
     to: Setup,
     name: &'static str,
-    /// Until its source begins another one, or something is undone.
+    /// The gesture to which further changes belong, until its source begins another one or a change is
+    /// undone.
     lasts: Option<Key>,
 }
 
-/// What can be undone, and what was.
+/// The steps that can be undone and redone.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<Step>,
@@ -49,13 +51,13 @@ pub struct History {
 }
 
 impl History {
-    /// Notes a change of the setup from `before` to `after`.
+    /// Records a change of the setup from `before` to `after`.
     pub fn note(&mut self, before: &Setup, after: &Setup, edit: &Edit, gesture: Gesture) {
         self.future.clear();
         let slot = edit.slot().filter(|_| gesture.source == EditSource::User);
         let key = Some((gesture, edit.name(), slot));
         if let Some(step) = self.past.iter_mut().rev().find(|step| step.lasts == key) {
-            // Without the gesture, the changes of other sources since then remain.
+            // Undoing the gesture must keep the later changes of other sources.
             step.from = with(before, &step.to, &step.from);
             step.to = after.clone();
             return;
@@ -85,13 +87,13 @@ impl History {
         Some(setup)
     }
 
-    /// The name of the change that undo would undo.
+    /// The name of the change that undo would revert.
     #[must_use]
     pub fn undo_name(&self) -> Option<&'static str> {
         self.past.last().map(|step| step.name)
     }
 
-    /// The name of the change that redo would redo.
+    /// The name of the change that redo would repeat.
     #[must_use]
     pub fn redo_name(&self) -> Option<&'static str> {
         self.future.last().map(|step| step.name)
@@ -175,7 +177,7 @@ mod tests {
                 present = next;
             }
         }
-        // The user's began later.
+        // The user's gesture began later.
         let back = history.undo(&present).unwrap();
         assert_eq!((back.tones[0].position_m, back.tones[0].level), (0.12, first.tones[0].level));
         let all = history.undo(&back).unwrap();

@@ -4,12 +4,12 @@ use super::{Partial, Sound};
 use crate::sounding::SoundingDrive;
 use slipline_link::PlayedTone;
 
-/// The highest frequency that is played, in Hz: sound cards, and the amplifiers behind them, are made for hearing;
-/// above it a boundary's level would depend on which one it is.
+/// The highest frequency that is played, in Hz: sound cards and amplifiers are made for hearing; above it a
+/// boundary's level would depend on the device in use.
 pub const HIGHEST_DRIVE_HZ: f64 = 1_000.0;
 
-/// What the device sends to its amplifier, up to [`HIGHEST_DRIVE_HZ`]: the tones with the table's gains, levels and
-/// master, and the share `foldback_per_mille` that the device's thermal limit leaves of them.
+/// The device's output to its amplifier, up to [`HIGHEST_DRIVE_HZ`]: the tones with the table's gains, levels
+/// and master, times the factor `foldback_per_mille` of the device's thermal limit.
 #[must_use]
 pub fn of_drive(sounding: &SoundingDrive, foldback_per_mille: u16) -> Sound {
     let left = f64::from(foldback_per_mille.min(1000)) / 1000.0;

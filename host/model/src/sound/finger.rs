@@ -1,21 +1,21 @@
-//! The sound of what a finger meets.
+//! Sound of the amplitudes under a finger.
 
 use super::{Partial, Pitch, Sound};
 use crate::field::steady_field::{POINTS, SteadyField, ToneWave};
 use crate::field::touch::{Met, mean_over_contact};
 use slipline_plate::{Finger, Plate};
 
-/// Amplitude of a tone that the finger meets at the height of level 1, as a share of full scale. The device's sum of
-/// levels is at most 1, so the tones of a drive stay below full scale.
+/// Amplitude of a tone whose height under the finger is that of level 1, as a share of full scale. The
+/// device's sum of levels is at most 1, so the tones of a drive stay below full scale.
 const LOUDNESS: f64 = 0.5;
 /// Amplitude of the noise of a fast finger on a plate at rest, as a share of full scale.
 const NOISE: f64 = 0.05;
-/// How fast a finger is that makes this noise, in metres per second; a slower one makes less.
+/// Speed of a finger that makes this noise, in metres per second; a slower one makes less.
 const FAST_M_PER_S: f64 = 0.1;
 
-/// What this finger meets on this plate: each tone with its amplitude under the finger, and the noise of the sliding,
-/// which is less where friction is less. `full_peak_m` is the table's peak at level 1, in metres; `met` is the latest
-/// of the finger's trace. The noise is illustrative.
+/// The sound at this finger on this plate: each tone with its amplitude under the finger, and the noise of
+/// the sliding, which is less where friction is less. `full_peak_m` is the table's peak at level 1, in
+/// metres; `met` is the latest point of the finger's trace. The noise is illustrative.
 #[must_use]
 pub fn at_finger(
     plate: &Plate,

@@ -1,21 +1,21 @@
-//! At which pitch a plate's tones are heard.
+//! Audible pitch of a plate's tones.
 
-/// Tones that are nearer than this beat with a frequency that is felt, in Hz: their difference is kept.
+/// Difference of two tones below which their beat is felt, in Hz: their difference is kept.
 const BEATS_HZ: f64 = 500.0;
-/// Tones above this are not heard by everybody, in Hz.
+/// Tones above this frequency are inaudible to some people, in Hz.
 const HEARD_HZ: f64 = 10_000.0;
-/// The top of a plate's band is shifted below this, in Hz: where the ear is most sensitive.
+/// The top of a plate's band is shifted below this frequency, in Hz, where the ear is most sensitive.
 const COMFORTABLE_HZ: f64 = 2_500.0;
 
-/// By how many octaves a plate's tones are shifted down. It is the same for all tones of a plate, so that intervals
-/// stay what they are and a boundary that moves is heard to move.
+/// The downward shift of a plate's tones in octaves. It is the same for all tones of a plate, so that
+/// intervals are kept and the pitch follows a moving boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pitch {
     octaves: u8,
 }
 
 impl Pitch {
-    /// For a plate whose band ends at this frequency, in Hz: not shifted if all of it is audible.
+    /// The shift for a plate whose band ends at this frequency, in Hz: zero if all of it is audible.
     #[must_use]
     pub fn of_band(highest_hz: f64) -> Self {
         let mut pitch = Self { octaves: 0 };
@@ -27,14 +27,14 @@ impl Pitch {
         pitch
     }
 
-    /// By what a frequency is divided: a power of two.
+    /// The divisor of frequencies: a power of two.
     #[must_use]
     pub fn factor(self) -> f64 {
         f64::from(self.octaves).exp2()
     }
 
-    /// The frequencies as they are heard, in Hz, in the same order. Of tones that beat, the lowest is shifted and the
-    /// others keep their distance from it, so that the beat is heard as it is felt.
+    /// The audible frequencies, in Hz, in the same order. Of tones that beat, the lowest is shifted and the
+    /// others keep their difference from it, so that the beat is heard at the rate at which it is felt.
     #[must_use]
     pub fn heard_hz(self, frequencies_hz: &[f64]) -> Vec<f64> {
         let mut order: Vec<usize> = (0..frequencies_hz.len()).collect();
@@ -43,7 +43,7 @@ impl Pitch {
         let mut lowest_hz = f64::NEG_INFINITY;
         for i in order {
             let frequency_hz = frequencies_hz[i];
-            // `false` for the first: it is infinitely far from none.
+            // `false` for the first: its distance is infinite.
             let beats = frequency_hz - lowest_hz < BEATS_HZ;
             if !beats {
                 lowest_hz = frequency_hz;

@@ -1,14 +1,14 @@
-//! Makes samples of a sound that changes.
+//! Samples of a changing sound.
 
 use super::{Partial, Sound};
 use slipline_link::protocol::limits::MAX_TONES;
 use std::f64::consts::TAU;
 
-/// Time constant with which amplitudes and frequencies follow, in seconds: shorter ones click.
+/// Time constant with which amplitudes and frequencies follow, in seconds; shorter ones cause clicks.
 const FOLLOW_S: f64 = 0.008;
 /// Below this amplitude a tone is silent: a twentieth of a step of 16 bits.
 const SILENT: f64 = 1e-6;
-/// Corner of the noise, in Hz: a fingertip that slides does not hiss.
+/// Corner frequency of the noise, in Hz: a sliding fingertip does not hiss.
 const NOISE_HZ: f64 = 1_500.0;
 
 /// One oscillator.
@@ -20,8 +20,8 @@ struct Voice {
     amplitude: f64,
 }
 
-/// Makes samples of a sound. What sounds changes without a click: amplitudes and frequencies follow with a time constant
-/// of 8 ms, and a tone keeps its phase.
+/// Generates samples of a sound. Changes cause no click: amplitudes and frequencies follow with a time
+/// constant of 8 ms, and a tone keeps its phase.
 #[derive(Clone, Debug)]
 pub struct Synth {
     rate_hz: f64,
@@ -32,7 +32,7 @@ pub struct Synth {
 }
 
 impl Synth {
-    /// Silent, at a rate of samples per second.
+    /// A silent synthesizer with this sample rate.
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
         let voices = [Voice::default(); MAX_TONES];
@@ -56,7 +56,7 @@ impl Synth {
         let follow = 1.0 - (-1.0 / (FOLLOW_S * self.rate_hz)).exp();
         let mut wanted = [None::<Partial>; MAX_TONES];
         for partial in &sound.partials {
-            // What cannot be sampled is not heard.
+            // Frequencies that cannot be sampled are left out.
             let is_heard = (0.0..0.45 * self.rate_hz).contains(&partial.frequency_hz);
             if let Some(voice) = wanted.get_mut(usize::from(partial.slot)).filter(|_| is_heard) {
                 *voice = Some(Partial { amplitude: scale * sane(partial.amplitude), ..*partial });
@@ -67,7 +67,7 @@ impl Synth {
             voice.add(wanted, follow, self.rate_hz, samples);
         }
         self.add_noise(scale * sane(sound.noise), follow, samples);
-        // Two amplitudes that change places may add up to more for some milliseconds.
+        // Two amplitudes that are exchanged may add up to more for some milliseconds.
         samples.iter_mut().for_each(|sample| *sample = sample.clamp(-1.0, 1.0));
     }
 
@@ -99,7 +99,7 @@ impl Voice {
             if wanted_amplitude == 0.0 {
                 return;
             }
-            // It begins at its own pitch.
+            // It starts at its own pitch.
             self.frequency_hz = wanted.map_or(0.0, |partial| partial.frequency_hz);
         }
         let wanted_hz = wanted.map_or(self.frequency_hz, |partial| partial.frequency_hz);

@@ -1,19 +1,20 @@
-//! How a setup sounds: as the sum of its tones, or as a chord, its tones as multiples of one base frequency, as loud as their
-//! peak allows.
+//! Playback of a setup: as the sum of its tones, or as a chord, whose tones are multiples of one base
+//! frequency and whose loudness is limited by its peak.
 
 use crate::setup::{Setup, edit};
 use slipline_link::protocol::command::Apply;
 use slipline_link::{ChordRequest, DeviceTable, HarmonicRequest, Refusal, Snapshot, Sounding};
 use slipline_plate::texture::CHORD_PERIOD;
 
-/// How far a tone's frequency may lie from a multiple, as a share of the base frequency: what a place on the wire is rounded by.
+/// Largest distance of a tone's frequency from a multiple, as a share of the base frequency: it covers the
+/// rounding of a place on the wire.
 const OFF: f64 = 0.25;
 
-/// What plays a setup on the device of a snapshot, which holds this table, its plate's: the setup's chord if there is one that
-/// the device can play, otherwise its tones.
+/// The request that plays a setup on the device of a snapshot, which holds this table of the setup's plate:
+/// the setup's chord if it has one that the device can play, otherwise its tones.
 ///
 /// # Errors
-/// What the device would refuse of the chord whatever its master level.
+/// What the device would refuse of the chord at any master level.
 pub fn sounding(
     setup: &Setup,
     chord: Option<ChordRequest>,
@@ -26,8 +27,9 @@ pub fn sounding(
     }
 }
 
-/// The chord of a setup on a device with this table. `None` if the setup is no chord, or if a tone of it is no multiple of the
-/// sample rate over [`CHORD_PERIOD`] there, because the device has another sample rate, for example.
+/// The chord of a setup on a device with this table. `None` if the setup is not a chord, or if a tone is not
+/// a multiple of the sample rate over [`CHORD_PERIOD`], for example because the device has another sample
+/// rate.
 #[must_use]
 pub fn chord_of(setup: &Setup, table: &DeviceTable) -> Option<ChordRequest> {
     setup.chord_gain_db?;

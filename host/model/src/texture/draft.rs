@@ -33,7 +33,7 @@ impl WishKind {
         }
     }
 
-    /// What it is, in a sentence.
+    /// Its description in a sentence.
     #[must_use]
     pub const fn sentence(self) -> &'static str {
         match self {
@@ -42,35 +42,35 @@ impl WishKind {
                 "The wanted RMS amplitude along the plate: drag its points, or press between them for another."
             }
             Self::Stripes => "The nodes of one tone, with this spacing in the middle of its area.",
-            Self::Beat => "Two tones that a finger feels rise and fall together, so many times a second.",
+            Self::Beat => "Two tones that a finger feels rise and fall together, at the beat frequency.",
         }
     }
 }
 
-/// The values of every kind; a kind that was left keeps its own.
+/// The values of every kind; each kind keeps its own while another is chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WishDraft {
-    /// Which kind is wanted.
+    /// The chosen kind.
     pub kind: WishKind,
-    /// Where an area ends, in metres.
+    /// Felt end of an area, in metres.
     pub felt_edge_m: f64,
-    /// The drawn amplitude: places in metres that rise, each with its amplitude, 0..=1.
+    /// The drawn amplitude: rising places in metres, each with its amplitude, 0..=1.
     pub profile: Vec<(f64, f64)>,
-    /// How far apart stripes are, in metres.
+    /// Distance of stripes, in metres.
     pub stripes_m: f64,
-    /// Where two tones beat, in metres.
+    /// Place of a beat, in metres.
     pub beat_place_m: f64,
-    /// How fast they beat, in Hz.
+    /// Beat frequency, in Hz.
     pub beat_hz: f64,
-    /// Tones at most, 1 to 16.
+    /// Largest number of tones, 1 to 16.
     pub most: usize,
 }
 
-/// Breakpoints that a drawn profile has at least.
+/// Smallest number of breakpoints of a drawn profile.
 pub const BREAKPOINTS_MIN: usize = 2;
-/// Breakpoints that a profile may have by drawing; a file may have more.
+/// Largest number of breakpoints of a drawn profile; a file may have more.
 pub const BREAKPOINTS_DRAWN_MAX: usize = 32;
-/// Distance of two breakpoints at least, in metres.
+/// Smallest distance of two breakpoints, in metres.
 const APART_M: f64 = 1e-3;
 
 impl Wish {
@@ -105,7 +105,7 @@ impl WishDraft {
         }
     }
 
-    /// What is wanted.
+    /// The wanted texture.
     #[must_use]
     pub fn wish(&self) -> Wish {
         match self.kind {
@@ -124,13 +124,14 @@ impl WishDraft {
         if let Some(point) =
             self.profile.get_mut(number).filter(|_| place_m.is_finite() && amplitude.is_finite())
         {
-            // Between neighbours that are as near as they can be it stays.
+            // Between neighbours at the smallest distance it keeps its place.
             let place_m = if low_m <= high_m { place_m.clamp(low_m, high_m) } else { point.0 };
             *point = (place_m, amplitude.clamp(0.0, 1.0));
         }
     }
 
-    /// Adds a breakpoint; returns its number. `None` if there are as many as may be, or one is there already.
+    /// Adds a breakpoint; returns its number. `None` if there is no room for more, or one exists at this
+    /// place.
     pub fn add_breakpoint(&mut self, (place_m, amplitude): (f64, f64), length_m: f64) -> Option<usize> {
         let is_near = |point: &(f64, f64)| (point.0 - place_m).abs() < APART_M;
         let is_refused = !(0.0..=length_m).contains(&place_m) || !amplitude.is_finite();
@@ -142,14 +143,14 @@ impl WishDraft {
         Some(number)
     }
 
-    /// Removes a breakpoint; the last two stay.
+    /// Removes a breakpoint; the last two cannot be removed.
     pub fn remove_breakpoint(&mut self, number: usize) {
         if self.profile.len() > BREAKPOINTS_MIN && number < self.profile.len() {
             self.profile.remove(number);
         }
     }
 
-    /// Takes a profile from a file: its largest amplitude becomes 1.
+    /// Uses a profile from a file; its largest amplitude becomes 1.
     pub fn take_profile(&mut self, breakpoints: &[(f64, f64)]) {
         let largest = breakpoints.iter().map(|&(_, amplitude)| amplitude).fold(0.0, f64::max);
         let scale = if largest > 0.0 { largest.recip() } else { 1.0 };

@@ -1,7 +1,7 @@
-//! From a texture that a user wants to tones, and how near they come to it.
+//! Computation of the tones for a wanted texture, and their error.
 //!
 //! ```text
-//! Wish --make--> Made: tones, how near they come, how near any number could --finished--> as a chord where that pays
+//! Wish --make--> Made: tones, their error, that of any number --finished--> as a chord where that pays
 //! ```
 //! The first step takes tens of milliseconds, so it follows a pointer; an area by its felt edge and the second step take
 //! some tenths of a second.
@@ -18,10 +18,10 @@ use slipline_plate::texture::{
 use slipline_plate::{Plate, Progress};
 use std::sync::Arc;
 
-/// What a user wants to be felt.
+/// The texture that a user wants to be felt.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wish {
-    /// An even area from the driven end to where the finger feels it end, in metres.
+    /// An even area from the driven end to the place where the finger feels it end, in metres.
     Solid(f64),
     /// The wanted RMS amplitude as breakpoints: places in metres, each with its amplitude in any unit.
     Profile(Vec<(f64, f64)>),
@@ -29,9 +29,9 @@ pub enum Wish {
     Stripes(f64),
     /// Two tones that beat.
     Beat {
-        /// Where they beat, in metres.
+        /// Place of the beat, in metres.
         place_m: f64,
-        /// How fast, in Hz.
+        /// Beat frequency, in Hz.
         beat_hz: f64,
     },
 }
@@ -88,19 +88,20 @@ impl Lack {
     }
 }
 
-/// Largest error of the RMS amplitude, relative to the largest wanted one, that is not visible in a drawn profile.
+/// Largest error of the RMS amplitude, relative to the largest wanted one, that is not visible in a drawn
+/// profile.
 const FINE: f64 = 0.05;
 /// Ripple of an area that a finger does not notice, dB.
 const EVEN_DB: f64 = 3.0;
 /// Contrast from which on an edge is clear, dB.
 const CLEAR_DB: f64 = 20.0;
-/// More tones are proposed where they would leave less than this share of the error.
+/// More tones are proposed if they would reduce the error below this share of it.
 const WORTH_IT: f64 = 0.8;
 
-/// Makes a texture of at most `most` tones (1 to 16); `feeling` decides where an area ends.
+/// Makes a texture of at most `most` tones (1 to 16); `feeling` determines where an area ends.
 ///
 /// # Errors
-/// [`TextureError`]: what does not fit, with what is allowed, or that the caller stopped it.
+/// [`TextureError`]: the unsuitable value and its range, or that the caller has cancelled it.
 pub fn make(
     palette: &Palette<'_>,
     wish: &Wish,
@@ -153,7 +154,7 @@ impl Made {
     /// error that any number of tones would leave.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if the plate does not answer, [`TextureError::Stopped`].
+    /// [`TextureError::Silent`] if the plate does not respond, [`TextureError::Stopped`].
     pub fn finished(self, palette: &Palette<'_>, progress: &mut Progress<'_>) -> Result<Self, TextureError> {
         let Some(Fitted { target, texture, .. }) = self.fitted else { return Ok(self) };
         progress.at(0.0)?;
@@ -164,7 +165,7 @@ impl Made {
         progress.at(0.4)?;
         let largest_square_error = least_largest_square_error(palette, &target)?;
         let texture = match &chord {
-            // As loud as the free tones, which may have been made quieter than the DAC allows.
+            // As loud as the free tones, which may have been lowered below the DAC's limit.
             Some((chord, true)) => chord.texture.as_loud_as(&texture),
             _ => texture,
         };

@@ -1,4 +1,4 @@
-//! Textures of the user: what is wanted, read from files, and the setup that plays it.
+//! Textures of the user: the wish, its files, and the setup that plays it.
 //!
 //! ```text
 //! CSV, PNG --> breakpoints (profile_file) --> Wish --making: slipline_plate::texture--> Made --> Setup --> chord, drive
@@ -19,7 +19,8 @@ use slipline_plate::Plate;
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
 
-/// These tones (16 at most; more are left out) as those of a setup: the last one, which makes the edge, is the boundary.
+/// These tones (16 at most; more are left out) as those of a setup: the last one, which forms the edge, is
+/// the boundary.
 fn tones_of(tones: &[TextureTone]) -> Vec<ToneSetup> {
     let tones = tones.iter().rev().take(MAX_TONES).zip(0..).map(|(tone, slot)| ToneSetup {
         slot,

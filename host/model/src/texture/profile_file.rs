@@ -6,7 +6,7 @@ use thiserror::Error;
 
 /// The largest profile file that is read, in bytes.
 pub const PROFILE_FILE_BYTES_MAX: usize = 1 << 20;
-/// Pixels of an image, at most: a row is all that is needed.
+/// Largest number of pixels of an image; only one row is used.
 const PIXELS_MAX: u64 = 1 << 22;
 
 /// Why a profile file was refused.
@@ -26,7 +26,7 @@ pub enum ProfileFileError {
         "no line is a breakpoint: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5"
     )]
     Empty,
-    /// Not a PNG image that can be read.
+    /// Not a readable PNG image.
     #[error("not a PNG image that can be read: {0}")]
     Png(#[from] png::DecodingError),
     /// The image has too few or too many pixels.
@@ -47,8 +47,9 @@ fn check_size(bytes: usize) -> Result<(), ProfileFileError> {
     WrongCount::check("the file", bytes, allowed).map_err(ProfileFileError::TooBig)
 }
 
-/// Breakpoints, one on each line: the place in metres from the driven end and the amplitude, of any unit, with a comma,
-/// a semicolon, a tab or blanks between. Lines that are empty or begin with `#`, and a first line of names, are passed over.
+/// Breakpoints, one per line: the place in metres from the driven end and the amplitude in any unit,
+/// separated by a comma, a semicolon, a tab or blanks. Lines that are empty or begin with `#`, and a first
+/// line of names, are skipped.
 ///
 /// # Errors
 /// [`ProfileFileError`]: too big, the first line that is not two numbers, or no line at all.
@@ -71,8 +72,8 @@ pub fn from_csv(text: &str) -> Result<Vec<(f64, f64)>, ProfileFileError> {
     if breakpoints.is_empty() { Err(ProfileFileError::Empty) } else { Ok(breakpoints) }
 }
 
-/// The middle row of an image as a profile from 0 to `length_m` metres: black is still, white vibrates most. Colours
-/// count by their brightness; what is transparent counts as black.
+/// The middle row of an image as a profile from 0 to `length_m` metres: black is still, white vibrates most.
+/// Colours count by their brightness; transparent pixels count as black.
 ///
 /// # Errors
 /// [`ProfileFileError`]: too big, not a PNG image, fewer than two pixels wide.
@@ -102,7 +103,7 @@ pub fn from_png(bytes: &[u8], length_m: f64) -> Result<Vec<(f64, f64)>, ProfileF
     Ok(row.into_iter().enumerate().map(|(at, value)| (at as f64 / last * length_m, value)).collect())
 }
 
-/// 0 to 1, of a pixel with its transparency last (ITU-R BT.709 for colours).
+/// Brightness of a pixel, 0 to 1, with its transparency last (ITU-R BT.709 for colours).
 fn brightness(pixel: &[u8]) -> f64 {
     let share = |value: u8| f64::from(value) / 255.0;
     match *pixel {

@@ -1,4 +1,4 @@
-//! WAV files of all forms, and damaged ones.
+//! WAV files of all formats, and damaged ones.
 
 use super::*;
 use hound::WavWriter;
@@ -89,7 +89,7 @@ fn no_bytes_make_it_panic() {
     let mut read = 0;
     for round in 0..6000 {
         let mut bytes = files[round % files.len()].clone();
-        // The head is damaged more often than the values, and sometimes the file is cut.
+        // The header is damaged more often than the values, and sometimes the file is truncated.
         for _ in 0..1 + below(4) {
             let place = if below(4) > 0 { below(72) } else { below(bytes.len()) };
             bytes[place] = [0, 1, 0xff, 0x80, below(256) as u8][below(5)];
@@ -102,6 +102,6 @@ fn no_bytes_make_it_panic() {
             read += usize::from(sound.is_ok());
         }
     }
-    // Some of the damage does not show.
+    // Some of the damage has no effect.
     assert!(read > 500, "{read}");
 }

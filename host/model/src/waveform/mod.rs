@@ -1,4 +1,4 @@
-//! What the device sends: the latest codes, replayed from the link's journal, and their spectrum.
+//! The device's output: the latest codes, replayed from the link's journal, and their spectrum.
 
 mod spectrum;
 
@@ -10,19 +10,19 @@ use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use spectrum::Spectrum;
 use std::sync::Arc;
 
-/// Seconds of codes that are kept: what a WAV holds.
+/// Duration of the codes that are kept, in seconds, as in a WAV file.
 const KEPT_S: f64 = 1.0;
-/// Codes that the replay keeps: that many seconds at the highest rate of a device, 1 MS/s.
+/// Codes that the replay keeps: this duration at the highest rate of a device, 1 MS/s.
 const KEPT_CODES: usize = 1_000_000;
-/// Fewer codes than this are not shown.
+/// Smallest number of codes that is shown.
 const LEAST_CODES: usize = 2 * BLOCK;
-/// Codes that the spectrum is made of, at most.
+/// Largest number of codes of a spectrum.
 const SPECTRUM_CODES: usize = 1 << 18;
-/// A spectrum is made anew after so much of a drive, in seconds: it is read, not watched like the codes, and costs the
-/// most.
+/// Time of a drive between two spectra, in seconds: a spectrum is read, not watched like the codes, and is
+/// the most expensive part.
 const SPECTRUM_EACH_S: f64 = 0.1;
 
-/// A stretch of the codes the device sends.
+/// A stretch of the codes that the device sends.
 #[derive(Clone, Debug)]
 pub struct CodeWindow {
     /// Index of the first code.
@@ -33,7 +33,7 @@ pub struct CodeWindow {
     pub codes: Arc<[u16]>,
 }
 
-/// What is known of the drive.
+/// Codes and spectrum of the drive.
 #[derive(Clone, Debug, Default)]
 pub struct Waveform {
     window: Option<CodeWindow>,
@@ -42,7 +42,7 @@ pub struct Waveform {
 }
 
 impl Waveform {
-    /// The latest codes; `None` before anything was driven.
+    /// The latest codes; `None` before the first drive.
     #[must_use]
     pub fn window(&self) -> Option<&CodeWindow> {
         self.window.as_ref()
@@ -79,7 +79,7 @@ impl Default for WaveformFollower {
 }
 
 impl WaveformFollower {
-    /// Replays what is new and returns what the device sends now.
+    /// Replays new entries and returns the device's present output.
     pub fn follow(&mut self, job: &WaveformJob) -> Waveform {
         self.replay.follow(job);
         let rate = f64::from(job.sample_rate_hz);
@@ -95,7 +95,7 @@ impl WaveformFollower {
         Waveform { window: Some(CodeWindow { first, sample_rate_hz: rate, codes }), spectrum, is_true }
     }
 
-    /// The spectrum of the last of these codes, of which `end` is the index of the next.
+    /// The spectrum of the last of these codes; `end` is the index after the last.
     fn spectrum_of(&mut self, codes: &[u16], end: u64, rate: f64) -> Arc<[Line]> {
         let fresh = (SPECTRUM_EACH_S * rate) as u64;
         if let Some((at, lines)) = &self.latest
@@ -110,10 +110,10 @@ impl WaveformFollower {
     }
 }
 
-/// The work of the thread that follows.
+/// The work of the following thread.
 pub fn work() -> impl FnMut(WaveformJob, &Task) -> Option<Waveform> + Send {
     let mut follower = WaveformFollower::default();
-    // A job is short, and the next one needs what this one did: it is never given up.
+    // A job is short, and the next one depends on its result, so it is never cancelled.
     move |job, _| Some(follower.follow(&job))
 }
 

@@ -13,13 +13,13 @@ pub struct Line {
     pub level_db: f64,
 }
 
-/// Bins below this one have a line each; above, a line holds as many more bins as its frequency is higher, so that
-/// slow and fast tones are both sharp.
+/// Bins below this one have a line each; above, the number of bins of a line grows with its frequency, so
+/// that slow and fast tones are both sharp.
 const SINGLE_BINS: usize = 800;
-/// Below this nothing is drawn, in dB: the noise of 12 bits spread over the bins.
+/// Level below which nothing is drawn, in dB: the noise of 12 bits spread over the bins.
 const FLOOR_DB: f64 = -140.0;
 
-/// Makes spectra; keeps the plan and the window of the last length.
+/// Computes spectra; keeps the plan and the window of the last length.
 pub(super) struct Spectrum {
     planner: RealFftPlanner<f64>,
     plan: Option<(Arc<dyn RealToComplex<f64>>, Vec<f64>)>,
@@ -74,11 +74,12 @@ impl Spectrum {
     }
 }
 
-/// How far a peak stands above the higher of the valleys beside it, in dB: less is noise.
+/// Smallest height of a peak above the higher of its neighbouring valleys, in dB; less is noise.
 const PROMINENCE_DB: f64 = 12.0;
 
-/// The peaks of a spectrum down to `floor_db`, at most `most`, the strongest first. Where the lines are evenly spaced,
-/// frequency and level are those of the parabola through a peak and its neighbours, so they are right between bins, too.
+/// The peaks of a spectrum down to `floor_db`, at most `most`, the strongest first. Where the lines are
+/// evenly spaced, frequency and level are those of the parabola through a peak and its neighbours, so they
+/// are correct between bins, too.
 #[must_use]
 pub fn peaks(lines: &[Line], floor_db: f64, most: usize) -> Vec<Line> {
     let level = |i: usize| lines[i].level_db;
@@ -120,7 +121,8 @@ fn between(lines: &[Line]) -> Line {
 
 /// The four-term Blackman-Harris window at `share` of its length: side lobes below -92 dB.
 fn blackman_harris(share: f64) -> f64 {
-    // The cosines of twice and three times the angle from that of the angle: a drive's first second has ten lengths.
+    // The cosines of twice and three times the angle are computed from that of the angle: in its first second
+    // a drive has ten window lengths.
     let first = (TAU * share).cos();
     let second = 2.0 * first * first - 1.0;
     let third = 2.0 * first * second - first;

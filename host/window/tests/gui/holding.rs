@@ -228,7 +228,7 @@ fn another_plate_ends_it() {
     app.wait(1500);
     app.window.get_by_role_and_label(Role::Button, "Boundary").click();
     app.wait(100);
-    assert!(!is_on(&app) && has(&app, "Not held any more: the plate is another one."));
+    assert!(!is_on(&app) && has(&app, "Not held any more: the plate was changed."));
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     app.wait(1500);
     assert!(!is_on(&app));

@@ -1,4 +1,5 @@
-//! The hold on a simulated device, in its own time; its sensor shows the drive itself, so that nothing has to settle.
+//! The hold on a simulated device in virtual time. Its sensor shows the drive itself, so nothing has to
+//! settle.
 
 use super::*;
 use slipline_link::simulator::loopback::Loopback;
@@ -10,7 +11,7 @@ use std::sync::LazyLock;
 use std::sync::atomic::{AtomicU16, Ordering};
 
 const RATE_HZ: u64 = 400_000;
-/// What the sensor shows of the drive, in percent.
+/// Sensor signal without a touch, percent of the drive.
 const FREE: u16 = 60;
 const TOUCHED: u16 = 30;
 const UNPLUGGED: u16 = 0;
@@ -38,7 +39,7 @@ impl SimulatedInputs for Sensor {
     fn sample(&mut self, codes: &[u16; 128], _muted: bool, sensed: &mut [[u16; 128]; 2]) {
         let shows = i32::from(self.shows.load(Ordering::Relaxed));
         for (sensed, &code) in sensed[0].iter_mut().zip(codes) {
-            // Enough of a dither that the input moves.
+            // Dither: the input must not look stuck.
             self.codes = self.codes.wrapping_add(1);
             let dither = if shows == 0 { 0 } else { (self.codes % 2) as i32 };
             *sensed = (2048 + (i32::from(code) - 2048) * shows / 100 + dither) as u16;
@@ -66,12 +67,12 @@ impl Bench {
         loopback.perform(Request::Upload(table.clone()), |_| ()).unwrap();
         let mut bench = Self { loopback, holding: Holding::default(), plate, shows, asked: Vec::new() };
         bench.drive(boundary_m, level);
-        // The glide is over, and the status tells of it.
+        // The glide is over and a status has reported it.
         bench.loopback.pass(RATE_HZ / 10, |_| ());
         bench
     }
 
-    /// The same, and the level is held.
+    /// The same with the level held.
     fn holding() -> Self {
         let mut bench = Self::driving(0.24, 0.3);
         bench.switch_on(12.0);
@@ -95,7 +96,7 @@ impl Bench {
         }
     }
 
-    /// Lets some tens of milliseconds pass, with a turn in each.
+    /// Runs the device for some tens of milliseconds per turn.
     fn pass(&mut self, turns: usize, rests: bool) {
         for _ in 0..turns {
             self.turn(rests);
@@ -117,7 +118,7 @@ impl Bench {
         self.until("held", |standing| standing.to_string().starts_with("Holding: the plate may be touched"));
     }
 
-    /// Waits until it is off; what it says then.
+    /// Waits until it is off; returns its reason.
     fn until_off(&mut self) -> HoldEnd {
         self.until("off", |standing| matches!(standing, Standing::Off(_)));
         self.holding.ended().cloned().expect("it says why")
@@ -127,7 +128,7 @@ impl Bench {
         self.holding.standing(self.loopback.view())
     }
 
-    /// What is in force above the drive's level, dB.
+    /// The correction in force above the drive's level, dB.
     fn correction_db(&self) -> f64 {
         let Standing::Holding(Some(held)) = self.standing() else { panic!("{:?}", self.standing()) };
         f64::from(held.tones[0].correction.0) / 100.0
@@ -137,7 +138,7 @@ impl Bench {
         self.shows.store(percent, Ordering::Relaxed);
     }
 
-    /// The requests since the last call, by a letter each: Listen, Hold, Off.
+    /// The requests since the last call, one letter each: Listen, Hold, Off.
     fn asked(&mut self) -> String {
         let letter = |request: Request| {
             if matches!(request, Request::Listen(_)) {
@@ -188,7 +189,7 @@ fn while_something_changes_nothing_is_asked_and_then_what_sounds_now_is_held() {
     assert_eq!((bench.asked().as_str(), bench.standing()), ("", Standing::Changing));
     bench.until_held();
     bench.asked();
-    // A drag: the device ends the hold with the first drive.
+    // During a drag the device ends the hold at the first drive.
     for place_m in [0.235, 0.23] {
         bench.drive(place_m, 0.3);
         bench.pass(2, false);
@@ -197,14 +198,14 @@ fn while_something_changes_nothing_is_asked_and_then_what_sounds_now_is_held() {
     }
     let before = bench.loopback.view().hold.clone();
     bench.until_held();
-    // What the device has told of the hold before is not the end of this one.
+    // A report on the previous hold does not end this one.
     let late = Snapshot { hold: before, ..bench.loopback.view().clone() };
     assert!(bench.holding.turn(&late, &bench.plate, true).is_none());
     assert_eq!(bench.holding.standing(&late), Standing::Holding(None));
     assert_eq!(bench.asked(), "LH");
     let hertz = bench.holding.frequency_hz(0).unwrap();
     assert!((hertz / bench.plate.frequency_for_boundary_hz(0.23) - 1.0).abs() < 1e-3);
-    // A change while it listens: that answer does not count.
+    // A change while it listens: the outcome of that window is ignored.
     bench.drive(0.24, 0.3);
     bench.until("it listens", |standing| matches!(standing, Standing::Listening(_)));
     bench.pass(3, true);
@@ -275,7 +276,7 @@ fn codes_that_were_lost_are_listened_to_again_but_not_for_ever() {
     bench.asked();
     bench.loopback.inject_overrun(1);
     bench.until_held();
-    // The first of the two comes after the index that it names: the plate has settled long ago.
+    // The first of the two is answered after the sample index it requested: the plate has settled by then.
     assert_eq!(bench.asked(), "LLH");
     bench.drive(0.23, 0.3);
     let mut listened = 0;
@@ -305,7 +306,7 @@ fn what_the_user_does_ends_it_and_the_device_is_released() {
     assert_eq!(bench.until_off(), HoldEnd::OtherPlate);
     bench.pass(1, true);
     assert_eq!(bench.asked(), "O");
-    // It was not on: nothing to end, nothing to say.
+    // It was not on: nothing to end or to report.
     bench.holding.switch_off();
     bench.holding.end(HoldEnd::Stopped);
     bench.pass(4, true);
@@ -328,8 +329,8 @@ fn a_device_that_is_muted_stopped_or_gone_ends_it() {
     bench.asked();
     let mut gone = bench.loopback.view().clone();
     gone.link = LinkState::Disconnected;
-    assert!(bench.holding.turn(&gone, &bench.plate, true).is_none(), "there is nobody to ask");
+    assert!(bench.holding.turn(&gone, &bench.plate, true).is_none(), "there is no device to ask");
     assert_eq!(bench.holding.ended(), Some(&HoldEnd::LinkLost));
     bench.pass(2, true);
-    assert_eq!(bench.asked(), "", "nor is anybody asked later");
+    assert_eq!(bench.asked(), "", "no request later either");
 }

@@ -1,4 +1,4 @@
-//! The procedure against a device that answers ideal numbers.
+//! The procedure with a device that returns ideal results.
 
 use super::*;
 use crate::measure::{NextStep, Run, Wanted, Warning};
@@ -16,23 +16,23 @@ const DELAY_NS: i64 = 1143;
 const INPUTS: InputsReport =
     InputsReport { inputs: 2, lock_ins: 16, delay_ns: DELAY_NS, lost_blocks: 0, now: 0 };
 
-/// What the plate answers: a lag that grows with the frequency and a magnitude that falls.
+/// The plate's response: a lag that grows with the frequency and a magnitude that falls.
 fn response(frequency_hz: f64) -> Complex64 {
     Complex64::from_polar(100.0 / frequency_hz, 0.01 * frequency_hz)
 }
 
-/// A device whose lock-ins tell exactly what the response makes of its tones.
+/// A device whose lock-ins return exactly the response to its tones.
 struct Ideal {
     now: u64,
     table: Arc<DeviceTable>,
-    /// The comb that sounds, from this index on.
+    /// The sounding comb, and the index at which it begins.
     sounds: Option<(u64, CombRequest)>,
-    /// Noise of each part of an answer, codes.
+    /// Noise of each part of a result, codes.
     noise: f64,
     gain: f64,
-    /// The sum of amplitudes that the actuator's travel allows.
+    /// Sum of amplitudes that the actuator's travel allows.
     travel: f64,
-    /// Settled before the window, samples; of each window that was measured with tones.
+    /// Samples of settling before each window with tones.
     settled: Vec<u64>,
     stops: usize,
     sums: Vec<f64>,
@@ -78,7 +78,7 @@ impl Ideal {
         Outcome::Done { at: self.now }
     }
 
-    /// Of each tone, by the table's gain or that of its nearer end.
+    /// Amplitude of each tone, by the table's gain or that of its nearer end.
     fn amplitudes(&self, comb: &CombRequest) -> Vec<f64> {
         let master = 10_f64.powf(comb.master_db / 20.0);
         let amplitude = |tone: &HarmonicRequest| {
@@ -103,7 +103,7 @@ impl Ideal {
         for ((slot, tone), amplitude) in comb.tones.iter().enumerate().zip(self.amplitudes(&comb)) {
             let turns = f64::from(tone.harmonic) / (128.0 * f64::from(comb.period_blocks));
             let hz = turns * f64::from(RATE_HZ);
-            // The hold's half sample, less the delay.
+            // The hold's half sample, minus the delay.
             let lag = TAU * hz * (0.5 / f64::from(RATE_HZ) - 1e-9 * DELAY_NS as f64);
             let answer = (response(hz) * Complex64::cis(lag)).conj() * 2048.0 * amplitude * self.gain;
             let noise = Complex64::from_polar(self.noise * 2_f64.sqrt(), 2.4 * slot as f64);
@@ -127,7 +127,7 @@ impl Ideal {
     }
 }
 
-/// The answers of a window, to be changed.
+/// The results of a window, for changes.
 fn heard(outcome: &mut Outcome) -> Option<&mut Listened> {
     if let Outcome::Listened(listened) = outcome { Some(Arc::make_mut(listened)) } else { None }
 }
@@ -146,7 +146,7 @@ fn planned(points: usize) -> (Measuring, Arc<DeviceTable>) {
     (Measuring::new(plan, table.clone(), sensor, &INPUTS).unwrap(), table)
 }
 
-/// Runs all steps; `change` may change an outcome.
+/// Runs all steps; `change` may modify an outcome.
 fn run(
     measuring: &mut Run<Measuring>,
     device: &mut Ideal,
@@ -201,7 +201,7 @@ fn the_response_of_an_ideal_device_is_found_to_the_last_digits() {
 fn the_noise_is_that_of_silence_and_of_the_windows_length() {
     let (measuring, table) = planned(60);
     let mut device = Ideal::new(&table);
-    // A code of noise over the first window: 2/N of its square is each part's.
+    // One code of noise in the first window: each part has 2/N of its square.
     let combs = measuring.plan.combs.clone();
     device.noise = (2.0 / combs[0].window_samples() as f64).sqrt();
     let tones = |comb: &Comb| loudness::tones(comb, &table, f64::from(RATE_HZ), measuring.plan.level);
@@ -209,7 +209,7 @@ fn the_noise_is_that_of_silence_and_of_the_windows_length() {
     let mut measuring = Run::of(measuring);
     run(&mut measuring, &mut device, |_, _| ());
     let measured = measuring.finish().unwrap();
-    // The silent comb adds next to nothing.
+    // The silent comb adds a negligible amount.
     assert!((measured.noise_codes - 1.0).abs() < 0.02, "{}", measured.noise_codes);
     for point in &measured.measurement.points {
         let mut tones =
@@ -337,7 +337,7 @@ fn a_refusal_a_fault_a_lost_link_and_a_cancel_end_with_a_stop_and_their_reason()
     assert_eq!(of(Outcome::DeviceTooOld).0, MeasureError::TooOld);
     assert_eq!(of(Outcome::NotConnected).0, MeasureError::Lost);
     assert_eq!(of(Outcome::Superseded).0, MeasureError::Stopped);
-    // A tone that was not followed: something else was played.
+    // A tone that was not followed: another drive was played.
     let stopped = ended(&mut |outcome, _| {
         if let Some(listened) = heard(outcome) {
             listened.answers[3] = None;

@@ -1,92 +1,94 @@
-//! From what was played and what was heard to responses, by deconvolution and a gate in time.
+//! Responses from played and recorded signals, by deconvolution and a gate in time.
 //!
-//! With X and Y the spectra of what was played and heard, both from rest to rest and both through the capture's filter, which
-//! so falls out:
+//! X and Y are the spectra of the played and the recorded signal, both from rest to rest and both through the
+//! capture's filter, which therefore cancels:
 //!
 //! ```text
 //! h(t) = F^-1 { W(f) Y X* / |X|^2 }                 W: 1 over the measured band, smoothly 0 at the sweep's ends
 //! H(f) = G{h}(f)/G{F^-1 W}(f),   G{h}(f) = sum over t of g(t) h(t) e^(j omega t)
 //!                                                   g: 1 while the plate rings, smoothly 0 before and after
 //! ```
-//! The gate takes away what the plate cannot have answered: the noise of the other times, and the harmonics that a bent
-//! amplifier or sensor makes. An exponential sweep from f1 to f2 in the time T passes f/k earlier than f, by T ln k/ln(f2/f1),
-//! so the k-th harmonic stands in h that long before t = 0 (A. Farina, "Simultaneous measurement of impulse response and
-//! distortion with a swept-sine technique", AES 108, 2000). A product with g in time blurs H by the inverse of g's length;
-//! W's edges are farther from the measured band than that, and what they still take from H the division gives back.
+//! The gate removes what cannot be the plate's response: noise at other times, and the harmonics of a
+//! nonlinear amplifier or sensor. An exponential sweep from f1 to f2 in the time T passes f/k earlier than f,
+//! by T ln k/ln(f2/f1), so in h the k-th harmonic lies that time before t = 0 (A. Farina, "Simultaneous
+//! measurement of impulse response and distortion with a swept-sine technique", AES 108, 2000).
+//! Multiplication by g in time smooths H over the inverse of g's length. W's edges lie farther from the
+//! measured band than that, and the division corrects their remaining effect.
 //!
-//! Each part of H has the noise of the values inside the gate: its variance is S/2 times the sum of g^2 over |X|^2, with S the
-//! noise's |N|^2 per value.
+//! The noise in each part of H is that of the values inside the gate: its variance is S/2 times the sum of
+//! g^2 over |X|^2, with S the noise's |N|^2 per value.
 
 use realfft::{RealFftPlanner, num_complex::Complex};
 use slipline_plate::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// Bins on each side whose noise makes up that of a frequency.
+/// Bins on each side that are averaged for the noise at a frequency.
 const NEIGHBOURS: usize = 8;
 
-/// What was played and heard, value by value from rest to rest, and the input's noise.
+/// The played and the recorded signal, from rest to rest, and the input's noise.
 pub(super) struct Recorded<'a> {
-    /// Played, less mid-scale.
+    /// Played values, minus mid-scale.
     pub(super) played: &'a [f64],
-    /// Heard at the same times, less the input's own offset.
+    /// Recorded values at the same times, minus the input's own offset.
     pub(super) heard: &'a [f64],
-    /// Heard in silence, less its mean.
+    /// Values recorded in silence, minus their mean.
     pub(super) noise: &'a [f64],
-    /// Least variance of a value: that of its rounding.
+    /// Smallest variance of a value: that of its rounding.
     pub(super) rounding: f64,
-    /// Values a second.
+    /// Values per second.
     pub(super) rate_hz: f64,
 }
 
-/// What is taken of the spectrum and of the impulse response.
+/// The gate in frequency (W) and in time (g).
 pub(super) struct Gate {
-    /// Where W rises from 0 to 1, Hz.
+    /// Band in which W rises from 0 to 1, Hz.
     pub(super) rises_hz: (f64, f64),
-    /// Where it falls to 0, Hz.
+    /// Band in which it falls to 0, Hz.
     pub(super) falls_hz: (f64, f64),
-    /// How long g is 1 after t = 0, seconds.
+    /// Time after t = 0 during which g is 1, seconds.
     pub(super) ring_s: f64,
-    /// How long it takes to fall to 0, seconds; before t = 0 it is 1 for half of that.
+    /// Time of g's fall to 0, seconds; before t = 0, g is 1 for half of that time.
     pub(super) fade_s: f64,
 }
 
-/// The response and its noise in each part.
+/// A response, and the noise in each of its parts.
 pub(super) type Answer = (Complex64, f64);
 
-/// 0 to 1, smoothly, over an interval.
+/// Smooth step from 0 to 1 over an interval.
 pub(super) fn smooth(at: f64, (low, high): (f64, f64)) -> f64 {
     let share = if high > low { ((at - low) / (high - low)).clamp(0.0, 1.0) } else { 1.0 };
     0.5 - 0.5 * (PI * share).cos()
 }
 
 impl Gate {
-    /// W.
+    /// W at a frequency.
     pub(super) fn band(&self, frequency_hz: f64) -> f64 {
         smooth(frequency_hz, self.rises_hz) * (1.0 - smooth(frequency_hz, self.falls_hz))
     }
 
-    /// g.
+    /// g at a time.
     fn time(&self, seconds: f64) -> f64 {
         let (fade, ring) = (self.fade_s, self.ring_s);
         smooth(seconds, (-1.5 * fade, -0.5 * fade)) * (1.0 - smooth(seconds, (ring, ring + fade)))
     }
 }
 
-/// The spectra of what was played and heard, from bin 0 to half of the rate, and the input's noise.
+/// The spectra of the played and the recorded signal, from bin 0 to half of the rate, and the input's noise.
 pub(super) struct Spectra<'a> {
-    /// Of what was played.
+    /// Spectrum of the played signal.
     pub(super) played: &'a [Complex<f64>],
-    /// Of what was heard.
+    /// Spectrum of the recorded signal.
     pub(super) heard: &'a [Complex<f64>],
-    /// Heard in silence, less its mean.
+    /// Values recorded in silence, minus their mean.
     pub(super) noise: &'a [f64],
-    /// Least variance of a value: that of its rounding.
+    /// Smallest variance of a value: that of its rounding.
     pub(super) rounding: f64,
-    /// Values a second, of what was heard.
+    /// Values per second of the recorded signal.
     pub(super) rate_hz: f64,
 }
 
-/// The responses at some frequencies, in time as e^(-j omega t); nothing where nothing was played at one of them.
+/// The responses at these frequencies, with time as e^(-j omega t); `None` if nothing was played at one of
+/// them.
 pub(super) fn responses(of: &Recorded<'_>, gate: &Gate, frequencies_hz: &[f64]) -> Option<Vec<Answer>> {
     let count = of.played.len().max(of.heard.len()).next_power_of_two().max(2);
     let (played, heard) = (spectrum(of.played, count)?, spectrum(of.heard, count)?);
@@ -94,7 +96,7 @@ pub(super) fn responses(of: &Recorded<'_>, gate: &Gate, frequencies_hz: &[f64]) 
     Spectra { played: &played, heard: &heard, noise, rounding, rate_hz }.responses(gate, frequencies_hz)
 }
 
-/// The spectrum of some values, as of so many with zeros behind them.
+/// Spectrum of these values, padded with zeros to `count` values.
 pub(super) fn spectrum(values: &[f64], count: usize) -> Option<Vec<Complex<f64>>> {
     let forward = RealFftPlanner::<f64>::new().plan_fft_forward(count);
     let mut padded = values.to_vec();
@@ -103,10 +105,10 @@ pub(super) fn spectrum(values: &[f64], count: usize) -> Option<Vec<Complex<f64>>
     forward.process(&mut padded, &mut bins).ok().map(|()| bins)
 }
 
-/// The values of a spectrum, over their number less than the transform has it.
+/// Inverse real FFT of a half spectrum, not divided by the number of values.
 pub(super) fn values(mut bins: Vec<Complex<f64>>) -> Option<Vec<f64>> {
     let count = 2 * (bins.len().checked_sub(1)?);
-    // A signal that is real has real values there.
+    // The first and last bin of a real signal are real.
     bins[0].im = 0.0;
     bins[count / 2].im = 0.0;
     let mut values = vec![0.0; count];
@@ -124,7 +126,7 @@ impl Spectra<'_> {
         (0..self.played.len()).map(|bin| gate.band(bin as f64 * self.bin_hz())).collect()
     }
 
-    /// h, times the number of its values; nothing where nothing was played in the band.
+    /// h, times the number of its values; `None` if nothing was played in the band.
     pub(super) fn impulse(&self, gate: &Gate) -> Option<Vec<f64>> {
         let band = self.band(gate);
         if band.iter().zip(self.played).any(|(weight, x)| *weight > 0.0 && x.norm_sqr() == 0.0) {
@@ -136,13 +138,13 @@ impl Spectra<'_> {
         values(band.iter().zip(self.played.iter().zip(self.heard)).map(weighed).collect())
     }
 
-    /// The responses at some frequencies; nothing where nothing was played at one of them.
+    /// The responses at these frequencies; `None` if nothing was played at one of them.
     pub(super) fn responses(&self, gate: &Gate, frequencies_hz: &[f64]) -> Option<Vec<Answer>> {
         let edges = values(self.band(gate).into_iter().map(Complex::from).collect())?;
         let edges = gated(&edges, gate, self.rate_hz);
         let gated = gated(&self.impulse(gate)?, gate, self.rate_hz);
         let energy: f64 = gated.iter().map(|(_, _, weight)| weight * weight).sum();
-        // The gate blurs 1/|X|^2 as it blurs H.
+        // The gate smooths 1/|X|^2 as it smooths H.
         let bin_hz = self.bin_hz();
         let blur = (bin_hz * gate.ring_s).recip().ceil() as usize;
         let noise = noise_spectrum(self.noise)?;
@@ -159,7 +161,7 @@ impl Spectra<'_> {
     }
 }
 
-/// G at a frequency in turns a value.
+/// G at a frequency in turns per value.
 fn sum(gated: &[(f64, f64, f64)], turns: f64) -> Complex64 {
     let term = |&(at, value, weight): &(f64, f64, f64)| {
         Complex64::cis(TAU * (turns * at).fract()) * (value * weight)
@@ -167,7 +169,7 @@ fn sum(gated: &[(f64, f64, f64)], turns: f64) -> Complex64 {
     gated.iter().map(term).sum()
 }
 
-/// What the gate leaves of the impulse response: the time in values, the value, and its weight.
+/// The gated impulse response: the time in values, the value, and its weight.
 fn gated(impulse: &[f64], gate: &Gate, rate_hz: f64) -> Vec<(f64, f64, f64)> {
     let count = impulse.len();
     let before = ((1.5 * gate.fade_s * rate_hz).ceil() as usize).min(count / 2);
@@ -179,13 +181,13 @@ fn gated(impulse: &[f64], gate: &Gate, rate_hz: f64) -> Vec<(f64, f64, f64)> {
     (0..before + after).map(at).filter(|(_, _, weight)| *weight > 0.0).collect()
 }
 
-/// |N|^2 per value of each bin.
+/// |N|^2 per value at each bin.
 fn noise_spectrum(noise: &[f64]) -> Option<Vec<f64>> {
     let bins = spectrum(noise, noise.len())?;
     Some(bins.iter().map(|bin| bin.norm_sqr() / noise.len() as f64).collect())
 }
 
-/// The mean of some quantity over the bins around a place.
+/// Mean of a quantity over the bins around a place.
 fn mean<T>(bins: &[T], place: f64, aside: usize, of: impl Fn(&T) -> f64) -> f64 {
     let middle = (place.round() as usize).min(bins.len() - 1);
     let around = &bins[middle.saturating_sub(aside)..(middle + aside + 1).min(bins.len())];

@@ -1,12 +1,13 @@
-//! A recording of the sweep by a device of its own, with a clock of its own: a phone, an audio interface.
+//! A recording of the sweep by a separate recorder with its own clock: a phone, an audio interface.
 //!
 //! ```text
 //! Sound, PlayedSweep --finding--> where both sweeps are
 //!                    --clock----> the recorder's rate: its values between the two sweeps over the device's time
 //!                    --reference, deconvolution, gate--> responses, noise --two levels--> whether the gain was fixed
 //! ```
-//! Everything is computed in the device's time. The beginning of the response is not known: it is put where the plate's
-//! ring begins. Levels are those of the file's full scale over the DAC's: the recorder's gain is in them.
+//! All computations are in the device's time. The time at which the plate's response begins is not known: it
+//! is estimated as the onset of the ring. Responses are the file's full scale over the DAC's, and include the
+//! recorder's gain.
 
 mod clock;
 mod finding;
@@ -26,89 +27,90 @@ use slipline_plate::quantity::{must_be, show_frequency};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
-/// Highest frequency that is taken over the recorder's rate; above, its filter begins.
+/// Highest evaluated frequency over the recorder's rate; above it the recorder's filter begins.
 const HIGHEST: f64 = 0.45;
-/// Where W falls, over the recorder's rate, if the sweep goes on above.
+/// Band in which W falls, over the recorder's rate, if the sweep continues above.
 const FALLS: (f64, f64) = (0.46, 0.49);
-/// How far a recorder's clock may be from the device's, as a share.
+/// Largest relative deviation of a recorder's clock from the device's.
 const CLOCK: f64 = 1e-3;
-/// Least coherence of two recordings of one sweep.
+/// Smallest coherence of two recordings of one sweep.
 const COHERENT: f64 = 0.3;
-/// A top that is flat for so large a share of the period is a clipped one. Of a sine at 40 dB below full scale in 16 bits,
-/// 4 % are.
+/// Share of a period from which a flat top is a clipped one. A sine at 40 dB below full scale in 16 bits is
+/// flat for 4 %.
 const FLAT: f64 = 0.08;
-/// How long the ends of a window fade, over the time to ring.
+/// Fade of a window's ends, as a share of the ring time.
 const FADE: f64 = 0.25;
-/// A ring begins where it reaches this share of its peak.
+/// Share of its peak at which a ring begins.
 const ONSET: f64 = 0.1;
-/// Fewest equal values of a flat top.
+/// Smallest number of equal values in a flat top.
 const FLAT_LEAST: usize = 4;
 
-/// What a recording tells.
+/// Responses from a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeardSweep {
-    /// The responses: the file's full scale over the DAC's, from the moment on at which the plate begins to answer.
+    /// The responses: the file's full scale over the DAC's, with time from the beginning of the plate's
+    /// response.
     pub points: Vec<MeasuredPoint>,
     /// The sample rate of the DAC, Hz: its hold is in the responses.
     pub dac_rate_hz: f64,
-    /// When the plate begins to answer the first sweep, seconds of the recording.
+    /// Beginning of the plate's response to the first sweep, seconds of the recording.
     pub begin_s: f64,
-    /// How much faster the recorder's clock runs than the device's, as a share.
+    /// Relative deviation of the recorder's clock from the device's, positive if it runs faster.
     pub clock: f64,
-    /// Its standard deviation.
+    /// Standard deviation of `clock`.
     pub clock_deviation: f64,
-    /// Frequencies that were played and are above 0.45 of the recorder's rate.
+    /// Number of played frequencies above 0.45 of the recorder's rate.
     pub left_out: usize,
     /// 0.45 of the recorder's rate, Hz.
     pub highest_hz: f64,
 }
 
-/// Why a recording tells nothing.
+/// Why a recording was refused.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum HeardError {
     /// The recording is shorter than a sweep, or all its values are the same.
     #[error("the recording is shorter than the sweep, or silent")]
     Silent,
-    /// No sweep stands out.
+    /// No sweep was found.
     #[error("the sweep is not in the recording: is it the right channel, and the description of this sweep?")]
     NotFound,
-    /// The second sweep does not stand out.
-    #[error("only one of the two sweeps is in the recording, at {} s: record both in one file, without a gain that is turned meanwhile", with_decimals(*.begin_s, 2))]
+    /// The second sweep was not found.
+    #[error("only one of the two sweeps is in the recording, at {} s: record both in one file, at a fixed gain", with_decimals(*.begin_s, 2))]
     OnlyOne {
         /// Where it begins, seconds.
         begin_s: f64,
     },
-    /// The end is missing.
+    /// The end of the second sweep is missing.
     #[error("the recording ends {} s before the second sweep has rung out: let it run until the device has stopped", with_decimals(*.missing_s, 2))]
     TooShort {
-        /// What is missing, seconds.
+        /// Missing time, seconds.
         missing_s: f64,
     },
-    /// Both sweeps were not recorded alike.
+    /// The two sweeps were not recorded alike.
     #[error(
         "the two sweeps in the recording are not alike: did anything move, or does the recorder suppress noise?"
     )]
     Unlike,
-    /// The clocks are too different.
+    /// The clocks differ too much.
     #[error("{0}")]
     Clock(String),
     /// The gain was not fixed.
-    #[error("the sweep at half the level is recorded {} dB too {} near {}: the recorder changes its gain, or bends. Switch automatic gain, limiter and noise suppression off, or lower its gain", with_decimals(.decibel.abs(), 1), if *.decibel > 0.0 { "loud" } else { "quiet" }, show_frequency(*.frequency_hz))]
+    #[error("the sweep at half the level is recorded {} dB too {} near {}: the recorder changes its gain, or distorts. Switch automatic gain, limiter and noise suppression off, or lower its gain", with_decimals(.decibel.abs(), 1), if *.decibel > 0.0 { "loud" } else { "quiet" }, show_frequency(*.frequency_hz))]
     Gain {
-        /// How much louder it is than half of the first one, dB.
+        /// Level of the second sweep over half of the first one, dB.
         decibel: f64,
-        /// Where it is worst, Hz.
+        /// Frequency of the largest difference, Hz.
         frequency_hz: f64,
     },
-    /// Too few frequencies are below what the recorder takes.
+    /// Too few frequencies lie within the recorder's band.
     #[error("{count} of the frequencies are below {}, 0.45 of the recorder's rate: at least {} are needed. Record at a higher rate", show_frequency(*.highest_hz), POINTS.least)]
     Band {
-        /// How many are.
+        /// Their number.
         count: usize,
         /// 0.45 of the recorder's rate, Hz.
         highest_hz: f64,
     },
-    /// The description does not tell what was played.
+    /// The description of the sweep cannot be rendered.
     #[error(transparent)]
     Played(#[from] MeasureError),
 }
@@ -117,7 +119,7 @@ impl HeardSweep {
     /// Reads a recording of a sweep.
     ///
     /// # Errors
-    /// [`HeardError`]: what is wrong with it, and what helps.
+    /// [`HeardError`]: what is wrong with it, and the remedy.
     pub fn new(sound: &Sound, sweep: &PlayedSweep) -> Result<Self, HeardError> {
         let chirp = sweep.chirp();
         let highest_hz = HIGHEST * sound.rate_hz;
@@ -138,13 +140,14 @@ impl HeardSweep {
         let rate_hz = sound.rate_hz;
         let samples = |samples: u64| samples as f64 / chirp.rate_hz * rate_hz;
         let apart = samples(sweep.apart).round() as usize;
-        // Where it begins is known to a ring; what is more is faded, so that a hum stays in its bins.
+        // The beginning is known to within a ring; the remaining window is faded, so that a hum stays in its
+        // bins.
         let fade = (FADE * chirp.ring_s * rate_hz) as usize + 16;
         let clocks_s = CLOCK * sweep.apart as f64 / chirp.rate_hz;
         let slack = ((chirp.ring_s + clocks_s) * rate_hz) as usize + fade;
         let at = finding::begin(sound, &loud, &gate, [samples(chirp.samples) as usize, apart, slack])?;
 
-        // Both from a slack before to a slack after.
+        // Both windows extend from a slack before to a slack after the sweep.
         let length = (samples(chirp.samples) + chirp.tail_s() * rate_hz) as usize + 2 * slack;
         let needed = (at + apart + length).saturating_sub(2 * slack);
         if needed > sound.values.len() {
@@ -166,7 +169,7 @@ impl HeardSweep {
             spectrum(&values, count).ok_or(HeardError::Silent)
         };
         let (one, other) = (part(at)?, part(at + apart)?);
-        // The answer begins a slack before at the earliest.
+        // The response begins at most a slack earlier.
         let between = |begin: usize| {
             let from = begin + length - 2 * slack;
             let end = (begin + apart).saturating_sub(slack).min(sound.values.len());
@@ -196,7 +199,7 @@ impl HeardSweep {
             let bin_hz = true_hz / count as f64;
             let bins = ((gate.falls_hz.1 / bin_hz).ceil() as usize + 2).min(count / 2 + 1);
             let mut played = reference.spectrum(bin_hz, bins);
-            // A recorder has fewer values in the same time than the device has codes.
+            // A recorder takes fewer values in the same time than the device plays codes.
             played.iter_mut().for_each(|x| *x *= true_hz / chirp.rate_hz);
             played.resize(count / 2 + 1, Complex::default());
             played
@@ -222,7 +225,7 @@ impl HeardSweep {
             .zip(&answers)
             .map(|(&frequency_hz, &(response, noise))| {
                 let swing = response.norm() * sweep.level * sweep.gain(frequency_hz) + offset.abs();
-                // Floating point has no end.
+                // Floating point has no end of range.
                 let headroom_db = sound.end.map(|_| headroom_db(swing));
                 MeasuredPoint { frequency_hz, response, noise: noise.max(1e-30), headroom_db }
             })
@@ -247,13 +250,13 @@ impl HeardSweep {
         })
     }
 
-    /// How many answers are of an input at its end.
+    /// Number of responses for which the input was at the end of its range.
     #[must_use]
     pub fn clipped(&self) -> usize {
         self.points.iter().filter(|point| point.headroom_db == Some(0.0)).count()
     }
 
-    /// What is to be told of it, in sentences.
+    /// Notes about the recording, as sentences.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let ppm = |share: f64, decimals: usize| with_decimals(1e6 * share, decimals);
@@ -281,15 +284,15 @@ impl HeardSweep {
     }
 }
 
-/// The spectrum of what comes so many values earlier.
+/// Spectrum of the signal advanced by this number of values.
 fn earlier(bins: &[Complex<f64>], by: f64) -> Vec<Complex<f64>> {
     let count = 2 * (bins.len() - 1);
     let turn = |bin: usize| Complex::cis(TAU * (bin as f64 * by / count as f64).fract());
     bins.iter().enumerate().map(|(bin, value)| value * turn(bin)).collect()
 }
 
-/// Where a ring begins, among the first places: where its impulse response first reaches a share of its peak, within a ring before
-/// that.
+/// Onset of a ring among the first places: where the impulse response first reaches a share of its peak,
+/// within one ring before the peak.
 fn onset(impulse: &[f64], places: usize, ring: usize) -> usize {
     let size = |place: &usize| impulse[*place].abs();
     let places = places.min(impulse.len());
@@ -297,8 +300,8 @@ fn onset(impulse: &[f64], places: usize, ring: usize) -> usize {
     (peak.saturating_sub(ring)..peak).find(|place| size(place) > ONSET * size(&peak)).unwrap_or(peak)
 }
 
-/// The places at which a recording is at its end: at the file's last values, or at flat tops of its largest and lowest value.
-/// `played_hz` is what is played at a place.
+/// Places where a recording is at the end of its range: at the file's largest values, or at flat tops of its
+/// largest and lowest value. `played_hz` is the frequency played at a place.
 fn clipped(sound: &Sound, played_hz: impl Fn(usize) -> f64) -> Vec<usize> {
     let (low, high) = sound.values.iter().fold((0.0_f64, 0.0_f64), |(a, b), &v| (a.min(v), b.max(v)));
     let mut places = Vec::new();

@@ -1,4 +1,4 @@
-//! An exponential sweep: one tone that glides through the band, and a capture of what the input saw.
+//! An exponential sweep: one tone that glides through the band, and a capture of the input's samples.
 //!
 //! ```text
 //! Plate, table, Wanted --SweepPlan--> how long, how many captures
@@ -6,11 +6,12 @@
 //!      captures of the input ---------+
 //!      codes that the device played --+--deconvolution--> Measured
 //! ```
-//! The sweep is a table of its own, whose places have exponentially rising frequencies, and whose gains are those of the
-//! plate's table but at both ends, where they fade to nothing. So a tone that waits at its first place is not heard, and one
-//! glide plays the whole sweep, from rest to rest. At the end the device gets its own table back.
+//! The sweep has a table of its own, whose places have exponentially rising frequencies. Its gains are those
+//! of the plate's table except at both ends, where they fade to zero. So a tone that waits at its first place
+//! is silent, and one glide plays the whole sweep, from rest to rest. At the end the device's own table is
+//! restored.
 //!
-//! For a recorder that is no part of the device the same sweep is played twice, and described:
+//! For a separate recorder the same sweep is played twice and described:
 //! ```text
 //! Plate, table, Wanted --PlayedSweep--Playing--> device ... plate, sensor, phone ... WAV file
 //!                           | TOML                                                     |

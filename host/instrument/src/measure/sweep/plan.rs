@@ -1,12 +1,13 @@
-//! How a sweep is played and captured: its band, its time, its captures.
+//! Plan of a sweep: its band, its duration, its captures.
 //!
 //! ```text
 //! captures |<------ 4096 values ------>|<------ 4096 values ------>|      one of them each time that the sweep is played
 //! sweep    |<------------ T ----------------->|<-- ring and gate ->|
 //! ```
-//! A capture has 4096 values of 2^k codes each. k is the largest one that keeps the sweep's highest frequency below 0.49 of
-//! the values' rate. The sweep and the time in which the plate rings on must fit into the captures. The device has the memory
-//! for one capture, so with more than one the same sweep is played again, code by code, and the next stretch is captured.
+//! A capture has 4096 values of 2^k codes each. k is the largest one that keeps the sweep's highest frequency
+//! below 0.49 of the values' rate. The sweep and the plate's ring time must fit into the captures. The device
+//! has memory for one capture; if there are more, the same sweep is played again, code by code, and the next
+//! stretch is captured.
 
 use super::super::error::MeasureError;
 use super::super::plan::Wanted;
@@ -17,27 +18,28 @@ use slipline_plate::Plate;
 
 /// Values of a capture.
 pub(super) const VALUES: u16 = 4096;
-/// Most codes of a value, as a binary logarithm.
+/// Largest number of codes per value, as a binary logarithm.
 const LOG2_CODES_MAX: u8 = 10;
-/// Highest frequency of the sweep over the rate of the values: below a half, so that it is no other one's alias.
+/// Highest frequency of the sweep over the rate of the values: below a half, so that no alias falls into the
+/// band.
 const OF_VALUES: f64 = 0.49;
-/// Least share of a capture that the sweep takes.
+/// Smallest share of a capture that the sweep occupies.
 const LEAST_SHARE: f64 = 0.5;
-/// Captures of one measurement.
+/// Largest number of captures of one measurement.
 const CAPTURES_MAX: f64 = 64.0;
 /// The longest sweep, seconds: the device's longest glide.
 pub(super) const LONGEST_S: f64 = MAX_GLIDE_MS as f64 * 1e-3;
 
-/// How a sweep is played and captured.
+/// Plan of a sweep and its captures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPlan {
     /// The sweep.
     pub chirp: Chirp,
     /// The binary logarithm of the codes of a captured value.
     pub log2_codes: u8,
-    /// How many captures there are.
+    /// Number of captures.
     pub captures: u16,
-    /// How long a glide must be for the actuator's travel, seconds.
+    /// Shortest glide for the actuator's travel, seconds.
     pub(super) glide_s: f64,
 }
 
@@ -45,8 +47,8 @@ impl SweepPlan {
     /// The plan for a plate, its table, and a device's sample rate.
     ///
     /// # Errors
-    /// [`MeasureError::OutOfRange`], and [`MeasureError::Rings`] if the plate rings for so long that more than 64 captures
-    /// were needed.
+    /// [`MeasureError::OutOfRange`], and [`MeasureError::Rings`] if the plate's ring time requires more than
+    /// 64 captures.
     pub fn new(
         plate: &Plate,
         table: &DeviceTable,
@@ -80,7 +82,7 @@ impl SweepPlan {
         self.chirp.rate_hz / f64::from(1_u32 << self.log2_codes)
     }
 
-    /// Samples that the device needs: of silence for the noise, and of the sweeps up to the end of each one's capture.
+    /// Samples that the device needs: silence for the noise, and each sweep up to the end of its capture.
     #[must_use]
     pub fn samples(&self) -> u64 {
         let captures = u64::from(self.captures);
@@ -117,7 +119,7 @@ mod tests {
                     && plan.chirp.ends_hz.0 > 0.4 * plan.chirp.wanted.low_hz
             );
             assert!(plan.captures <= captures && plan.samples() as f64 / RATE_HZ < most_s, "{name}");
-            // A block changes the frequency by half of what the device can.
+            // A block changes the frequency by half of the device's limit.
             let ends = [plan.chirp.samples as f64 - 128.0, plan.chirp.samples as f64];
             let change = plan.chirp.frequency_hz(ends[1]) - plan.chirp.frequency_hz(ends[0]);
             assert!(change < 0.51 * RATE_HZ / 1024.0, "{name}: {change} Hz");

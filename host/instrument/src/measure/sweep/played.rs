@@ -1,4 +1,4 @@
-//! A sweep that is played twice for a recorder that is no part of the device, and what must be known of it afterwards.
+//! A sweep that is played twice for a separate recorder, and its description.
 //!
 //! ```text
 //! tone 1   |silent|<--- sweep, level ---->|ring ... silence|                                          slot 0
@@ -6,9 +6,9 @@
 //!          0      lead                           |        lead + apart
 //!                                                lead + samples + pause
 //! ```
-//! All begin at the first sample of a block, and all times are parts of the description: so it tells every code. The recorder's
-//! clock comes from the time between the two sweeps, its gain from the ratio of their levels, and its noise from the
-//! silence between them.
+//! Each tone and sweep begins at the first sample of a block, and the description contains all times, so it
+//! determines every code. The recorder's clock follows from the time between the two sweeps, its gain from
+//! the ratio of their levels, and its noise from the silence between them.
 
 mod file;
 
@@ -28,15 +28,15 @@ use slipline_link::{BLOCK, DeviceTable, DriveRequest, Request, Sounding, ToneReq
 use slipline_plate::Plate;
 use slipline_plate::quantity::{OutOfRange, Range};
 
-/// The second sweep's level over the first one's.
+/// Level of the second sweep over that of the first.
 pub const QUIETER: f64 = 0.5;
-/// How long one sweep may take, seconds.
+/// Allowed duration of one sweep, seconds.
 pub const SWEEP_S: Range = Range::new(0.01, LONGEST_S, "s");
-/// Silence between the first sweep's ring and the second sweep, seconds: what is heard in it is the noise.
+/// Silence between the first sweep's ring and the second sweep, seconds: the noise is measured in it.
 const SILENCE_S: f64 = 1.0;
-/// From a silent tone to its glide, seconds: in this time the host sends a request.
+/// Time from a silent tone to its glide, seconds; the host sends a request within it.
 const LEAD_S: f64 = 0.5;
-/// The peak that a table names where nobody reads it, metres.
+/// Peak stated in a table whose peak is not used, metres.
 const ANY_PEAK_M: f64 = 1e-6;
 
 /// One sweep, played twice: the second time at half the level.
@@ -55,29 +55,30 @@ const ANY_PEAK_M: f64 = 1e-6;
 pub struct PlayedSweep {
     /// The sweep.
     pub(super) chirp: Chirp,
-    /// The first one's level, as a share of the table's full scale.
+    /// Level of the first sweep, as a share of the table's full scale.
     pub(super) level: f64,
-    /// From a silent tone to its glide, samples.
+    /// Samples from a silent tone to its glide.
     pub(super) lead: u64,
-    /// From the first sweep's end to the second tone, samples.
+    /// Samples from the first sweep's end to the second tone.
     pub(super) pause: u64,
-    /// From the first sweep's beginning to the second one's, samples.
+    /// Samples from the first sweep's beginning to the second one's.
     pub(super) apart: u64,
-    /// How loud the sweep is at each knot of its table, over the level.
+    /// Gain of the sweep at each knot of its table, over the level.
     pub(super) gains: Vec<f64>,
 }
 
-/// What both sweeps are at the DAC, over its full scale, each from its beginning on.
+/// Codes of both sweeps at the DAC, over its full scale, each from the sweep's beginning.
 pub(super) struct Codes {
     pub(super) first: Vec<f64>,
     pub(super) second: Vec<f64>,
 }
 
 impl PlayedSweep {
-    /// The sweep over a plate's band, in so many seconds.
+    /// The sweep over a plate's band with this duration, seconds.
     ///
     /// # Errors
-    /// [`MeasureError::OutOfRange`]: a number out of its range; [`MeasureError::Rings`] if the device cannot play it so slowly.
+    /// [`MeasureError::OutOfRange`]: a number is out of its range; [`MeasureError::Rings`] if the sweep is
+    /// too slow for the device.
     pub fn new(
         plate: &Plate,
         table: &DeviceTable,
@@ -100,7 +101,7 @@ impl PlayedSweep {
 
     /// The shortest time from the first sweep to the second one, samples.
     fn least_apart(&self) -> u64 {
-        // Where a recorder hears the sweep begin is known to within a ring, and its window fades.
+        // A recorder knows a sweep's beginning to within a ring, and its window fades.
         let silence = (self.chirp.tail_s() + 1.5 * self.chirp.ring_s + SILENCE_S) * self.chirp.rate_hz;
         self.chirp.samples + silence as u64
     }
@@ -121,25 +122,25 @@ impl PlayedSweep {
         &self.chirp
     }
 
-    /// The first sweep's level, as a share of the table's full scale.
+    /// Level of the first sweep, as a share of the table's full scale.
     #[must_use]
     pub const fn level(&self) -> f64 {
         self.level
     }
 
-    /// From the first sweep's beginning to the second one's, seconds.
+    /// Time from the first sweep's beginning to the second one's, seconds.
     #[must_use]
     pub fn apart_s(&self) -> f64 {
         self.apart as f64 / self.chirp.rate_hz
     }
 
-    /// Seconds from the first tone until the plate has rung after the second sweep.
+    /// Time from the first tone to the end of the ring after the second sweep, seconds.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         self.end() as f64 / self.chirp.rate_hz
     }
 
-    /// How loud the sweep is at a frequency, over its level: between the knots as the device has it.
+    /// Gain of the sweep at a frequency, over its level; interpolated between knots as in the device.
     pub(super) fn gain(&self, frequency_hz: f64) -> f64 {
         let (first, last) = self.chirp.ends_hz;
         let knots = self.gains.len() - 1;
@@ -149,13 +150,13 @@ impl PlayedSweep {
         self.gains[below] * (1.0 - share) + self.gains[below + 1] * share
     }
 
-    /// The sample after which the plate has rung out.
+    /// The sample at which the plate has stopped ringing.
     pub(super) fn end(&self) -> u64 {
         let tail = (self.chirp.tail_s() * self.chirp.rate_hz).ceil() as u64;
         (self.lead + self.apart + self.chirp.samples + tail).next_multiple_of(BLOCK as u64)
     }
 
-    /// The requests: when each begins, its slot, its level, the end of the table it goes to, and its glide in samples.
+    /// The drives of both tones and both glides.
     pub(super) fn score(&self) -> [Move; 4] {
         let tone = |slot: u8, at: u64, level: f64| {
             let (first, last) = table::ENDS_M;
@@ -169,10 +170,10 @@ impl PlayedSweep {
         [a, b, c, d]
     }
 
-    /// All codes from the first tone to the end, as the device application makes them.
+    /// All codes from the first tone to the end, as the device application generates them.
     pub(super) fn rendered(&self) -> Result<Vec<u16>, MeasureError> {
         let table = table::with_gains(&self.chirp, &self.gains, ANY_PEAK_M)?;
-        // A table is in force some blocks before the first tone.
+        // The table is in force some blocks before the first tone.
         let begin = 64 * BLOCK as u64;
         let mut mirror = Mirror::new(self.chirp.rate_hz as u32, 0);
         let known = mirror.acknowledge_table(table.knots().into(), 0);
@@ -204,18 +205,18 @@ impl PlayedSweep {
 /// A drive of the sweep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Move {
-    /// Samples after the first tone.
+    /// Start, samples after the first tone.
     pub(super) at: u64,
     pub(super) slot: u8,
     pub(super) level: f64,
-    /// An end of the table, metres.
+    /// Target: an end of the table, metres.
     pub(super) to_m: f64,
-    /// Samples.
+    /// Duration of the glide, samples.
     pub(super) glide: u64,
 }
 
 impl Move {
-    /// As it is asked for, when the first tone begins at `from`.
+    /// The request, where the first tone begins at sample `from`.
     pub(super) fn request(&self, rate_hz: f64, from: u64) -> Request {
         let tone =
             ToneRequest { slot: self.slot, boundary_m: self.to_m, level: self.level, phase_turns: 0.0 };
@@ -223,7 +224,7 @@ impl Move {
         Request::Play(Sounding::Drive(DriveRequest { glide_s, apply, ..DriveRequest::of(vec![tone]) }))
     }
 
-    /// In the device's units.
+    /// The drive in the device's units.
     fn drive(&self, table: &DeviceTable) -> Drive {
         let position = table.position(self.to_m).unwrap_or(Position(0));
         let level = slipline_link::table::level(self.level).unwrap_or_default();

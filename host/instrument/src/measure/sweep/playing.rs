@@ -4,7 +4,7 @@
 //! stop -> table of the sweep -> silent tone -> glide -> silent tone -> glide -> codes that were played -> stop
 //!      -> the device's own table
 //! ```
-//! It needs no inputs. At the end the codes that the device has played are compared with those that the description gives.
+//! It needs no inputs. At the end the played codes are compared with those that the description determines.
 
 use super::played::PlayedSweep;
 use super::table;
@@ -16,25 +16,25 @@ use crate::measure::setback::{Tries, ended_by, is_late, quieter};
 use slipline_link::{DeviceTable, Outcome};
 use std::sync::Arc;
 
-/// How much longer the host may take for a request at last: twice as long at each try.
+/// Largest extension of the time for the host's requests; the time doubles at each attempt.
 const LEADS: f64 = 8.0;
 
-/// A sweep that is played for a recorder. It ends in its description.
+/// Procedure that plays a sweep for a recorder; its result is the description.
 pub struct Playing {
     sweep: PlayedSweep,
-    /// The plate's own.
+    /// The plate's table.
     table: Arc<DeviceTable>,
-    /// The sweep's.
+    /// The sweep's table.
     swept: Arc<DeviceTable>,
     lead_s: f64,
     tries: Tries,
 }
 
 impl Playing {
-    /// A sweep with a device that must be armed and hold `table`.
+    /// A procedure with a device that must be armed and hold `table`.
     ///
     /// # Errors
-    /// A table that no device takes.
+    /// The table of the sweep is not valid for a device.
     pub fn new(sweep: PlayedSweep, table: Arc<DeviceTable>) -> Result<Self, MeasureError> {
         let swept = table::with_gains(&sweep.chirp, &sweep.gains, table.peak_at_full_scale_m())?;
         let swept = Arc::new(swept.with_travel_limit_of(&table));
@@ -42,7 +42,7 @@ impl Playing {
         Ok(Self { sweep, table, swept, lead_s, tries: Tries::default() })
     }
 
-    /// Plays all of it, and takes the codes of both sweeps; nothing if it is to be tried again.
+    /// Plays the whole sequence and returns the codes of both sweeps; `None` if it must be repeated.
     async fn play(&mut self, dialogue: &Dialogue) -> Result<Option<Vec<u16>>, MeasureError> {
         dialogue.mark(0, 1, None);
         dialogue.stop().await?;
@@ -51,7 +51,7 @@ impl Playing {
         dialogue.mark(0, self.sweep.end(), Some((from, self.sweep.end())));
         let mut sent_from = None;
         for step in self.sweep.score() {
-            // A drive may be sent when the one before it is over.
+            // A drive may be sent when the previous one is over.
             if let Some(over) = sent_from.replace(from + step.at + step.glide) {
                 dialogue.past(over).await?;
             }
@@ -78,7 +78,7 @@ impl Procedure for Playing {
 
     async fn carry_out(mut self, dialogue: Dialogue) -> Result<Self::Heard, MeasureError> {
         let rate_hz = self.sweep.chirp.rate_hz;
-        // Beside the sweeps, as a slow host gets them, two seconds of what was before and after them.
+        // The sweeps with the longest lead, and two seconds of codes around them.
         let longest = self.sweep.clone().with_lead(LEADS * self.lead_s).end();
         dialogue.replay(longest + 2 * rate_hz as u64);
         loop {

@@ -1,4 +1,4 @@
-//! What one sweep was: the codes that were played, the values that were captured, and what they make together.
+//! Codes played and values captured in one sweep, and their responses.
 
 use super::deconvolution::{Recorded, responses};
 use super::plan::SweepPlan;
@@ -10,22 +10,22 @@ use slipline_plate::Complex64;
 use slipline_plate::calibrate::MeasuredPoint;
 use std::f64::consts::TAU;
 
-/// Share of the input's range beyond which a sine is clipped.
+/// Share of the input's range above which a sine counts as clipped.
 const CLIPPED: f64 = 0.98;
 
-/// What was played and heard.
+/// Played codes and captured values.
 #[derive(Default)]
 pub(super) struct Recording {
-    /// The DAC's codes from the sweep's beginning on.
+    /// The DAC's codes from the sweep's beginning.
     pub(super) codes: Vec<u16>,
-    /// The input in silence: means of codes, less mid-scale.
+    /// The input in silence: means of codes, minus mid-scale.
     pub(super) quiet: Vec<f64>,
-    /// The input from the sweep's beginning on, in the same unit.
+    /// The input from the sweep's beginning, in the same unit.
     pub(super) heard: Vec<f64>,
 }
 
 impl Recording {
-    /// The responses. `lag_s` is the device's own, `level` that of the tone.
+    /// The responses. `lag_s` is the device's own lag, `level` that of the tone.
     pub(super) fn measured(
         &self,
         plan: &SweepPlan,
@@ -69,7 +69,7 @@ impl Recording {
         Ok(measured)
     }
 
-    /// A value at an end of the input's range is one of clipped codes: marks the frequency that was played then.
+    /// Marks the frequency that was played when a value was at an end of the input's range.
     fn mark_clipped(&self, plan: &SweepPlan, points: &mut [MeasuredPoint]) {
         let codes_each = f64::from(1_u32 << plan.log2_codes);
         for (place, value) in self.heard.iter().enumerate() {
@@ -83,7 +83,7 @@ impl Recording {
     }
 }
 
-/// Marks the answer as clipped that is nearest above a frequency, or the last one.
+/// Marks as clipped the response at the nearest frequency above this one, or the last response.
 pub(super) fn mark_clipped_at(played_hz: f64, points: &mut [MeasuredPoint]) {
     let after = points.partition_point(|point| point.frequency_hz < played_hz);
     let last = points.len().saturating_sub(1);
@@ -92,12 +92,12 @@ pub(super) fn mark_clipped_at(played_hz: f64, points: &mut [MeasuredPoint]) {
     }
 }
 
-/// What is free of an input's range, whose end is 1, above a sine of this amplitude, dB: 0 where it is clipped.
+/// Headroom above a sine of this amplitude, dB, where 1 is the end of the input's range: 0 if it is clipped.
 pub(super) fn headroom_db(swing: f64) -> f64 {
     if swing < CLIPPED { -20.0 * swing.max(1e-6).log10() } else { 0.0 }
 }
 
-/// The mean of some codes, less mid-scale.
+/// The mean of codes, minus mid-scale.
 fn mean_of_codes(codes: &[u16]) -> f64 {
     codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64 - CODES
 }

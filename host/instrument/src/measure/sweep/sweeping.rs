@@ -5,7 +5,7 @@
 //!      -> stop -> silent tone -> glide (at an index ahead) -> capture -> codes that were played -> next capture ...
 //!      -> stop -> the device's own table
 //! ```
-//! The tone always waits for the same number of samples before it glides, so that every sweep has the same codes.
+//! The tone waits for the same number of samples before each glide, so that all sweeps have the same codes.
 
 use super::plan::{SweepPlan, VALUES};
 use super::recording::Recording;
@@ -21,21 +21,21 @@ use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{CaptureRequest, DeviceTable, DriveRequest, Outcome, Request, Sounding, ToneRequest};
 use std::sync::Arc;
 
-/// From the silent tone to the glide, seconds: in this time the host sends two requests. A host that is too late for it tries
-/// again with twice the time.
+/// Time from the silent tone to the glide, seconds; the host sends two requests within it. A host that is too
+/// late repeats with twice the time.
 const LEAD_S: f64 = 0.25;
 
 /// A sweep.
 pub struct Sweeping {
     plan: SweepPlan,
-    /// The plate's own.
+    /// The plate's table.
     table: Arc<DeviceTable>,
-    /// The sweep's.
+    /// The sweep's table.
     sweep: Arc<DeviceTable>,
     sensor: Sensor,
     lag_s: f64,
     lead_s: f64,
-    /// What the travel leaves of the level.
+    /// Factor on the level by which the tone stays within the actuator's travel.
     scale: f64,
     tries: Tries,
     late: u32,
@@ -44,10 +44,12 @@ pub struct Sweeping {
 }
 
 impl Sweeping {
-    /// A sweep with a device that must be armed and hold `table`; its inputs are reported as `inputs`.
+    /// A sweep with a device that must be armed and hold `table`; `inputs` is the device's report of its
+    /// inputs.
     ///
     /// # Errors
-    /// [`MeasureError::NoInputs`] if it has not as many inputs; a table that no device takes.
+    /// [`MeasureError::NoInputs`] if it does not have the sensor's input; the table of the sweep is not valid
+    /// for a device.
     pub fn new(
         plan: SweepPlan,
         table: Arc<DeviceTable>,
@@ -71,7 +73,7 @@ impl Sweeping {
         })
     }
 
-    /// The tone at an end of the sweep's table.
+    /// Request of the tone at an end of the sweep's table.
     fn tone(&self, boundary_m: f64, glide_samples: u64, apply: Apply) -> Request {
         let level = self.plan.chirp.wanted.level * self.scale;
         let glide_s = glide_samples as f64 / self.plan.chirp.rate_hz;
@@ -84,21 +86,21 @@ impl Sweeping {
         Request::Capture(CaptureRequest { from, input, log2_codes, values: VALUES })
     }
 
-    /// All sweeps are played again.
+    /// Restarts all sweeps.
     fn begin_anew(&mut self) {
         self.captures = 0;
         self.recording.codes.clear();
         self.recording.heard.clear();
     }
 
-    /// The tone was too loud, or the procedure ends.
+    /// Lowers the level if the tone exceeded the travel; any other outcome ends the procedure.
     fn too_loud(&mut self, outcome: &Outcome) -> Result<(), MeasureError> {
         self.scale *= self.tries.quieter(outcome)?;
         self.begin_anew();
         Ok(())
     }
 
-    /// A request came after the index that it names: there must be more time before the next one's.
+    /// Doubles the time for requests after one that was too late; fails after [`TRIES`] repetitions.
     fn too_late(&mut self, outcome: &Outcome) -> Result<(), MeasureError> {
         self.late += 1;
         self.lead_s *= 2.0;
@@ -109,7 +111,7 @@ impl Sweeping {
         Ok(())
     }
 
-    /// Reports what is done, and the capture under way by its first sample.
+    /// Reports the progress, with the first sample of the capture under way.
     fn mark(&self, dialogue: &Dialogue, capture_from: Option<u64>) {
         let each = self.plan.capture_samples();
         let captures = u64::from(self.captures);
@@ -118,13 +120,13 @@ impl Sweeping {
         dialogue.mark(done, self.plan.samples(), capture_from.map(|from| (from, each * (captures + 1))));
     }
 
-    /// Captures the noise, or the next part of the sweep. The silent tone begins at `apply`. What did not go well is tried again
-    /// by the next call.
+    /// Captures the noise or the next part of the sweep. The silent tone begins at `apply`. A step that
+    /// failed temporarily is repeated by the next call.
     async fn go_on(&mut self, dialogue: &Dialogue, apply: Apply) -> Result<(), MeasureError> {
         self.mark(dialogue, None);
         let (first_m, last_m) = table::ENDS_M;
         let mut begun = dialogue.ask(self.tone(first_m, 0, apply)).await;
-        // So much time has passed by itself.
+        // The planned time has already passed.
         if apply != Apply::Next && is_late(&begun) {
             begun = dialogue.ask(self.tone(first_m, 0, Apply::Next)).await;
         }
@@ -170,7 +172,7 @@ impl Procedure for Sweeping {
 
     async fn carry_out(mut self, dialogue: Dialogue) -> Result<Self, MeasureError> {
         let all = u64::from(self.plan.captures) * self.plan.capture_samples();
-        // Beside the sweep a second of what was before and after it.
+        // The sweep and a second of codes around it.
         dialogue.replay(all + self.plan.chirp.rate_hz as u64);
         dialogue.stop().await?;
         let at = dialogue.lend(&self.sweep, &self.table).await?;

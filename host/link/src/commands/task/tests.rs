@@ -1,4 +1,4 @@
-//! What a stop, an emergency stop and a disarm each drop of what is to be sent.
+//! Jobs that a stop, an emergency stop and a disarm drop from the queue.
 
 use super::*;
 use crate::chord::ChordRequest;
@@ -25,8 +25,8 @@ enum Fate {
 }
 use Fate::{Dropped, Kept};
 
-/// The rows of a table, each a variant, one of its values, and its fate at a stop, an emergency stop and a disarm.
-/// Variants without a row do not compile.
+/// The rows of a table: a variant, one of its values, and its fate at a stop, an emergency stop and a disarm.
+/// A variant without a row does not compile.
 macro_rules! fates {
     ($type:ty: $($variant:pat = $value:expr, $at_stop:expr, $at_emergency_stop:expr, $at_disarm:expr;)+) => {{
         const fn has_a_row(value: &$type) {
@@ -137,7 +137,7 @@ fn commands() -> Vec<(Command, [Fate; 3])> {
     }
 }
 
-/// The ticket of the job that a stop meets.
+/// The ticket of the job that a stop overtakes.
 const ASKED: Ticket = Ticket(1);
 const STOP: Ticket = Ticket(2);
 
@@ -148,7 +148,7 @@ fn every_job_is_dropped_or_kept_at_each_stop_as_the_table_has_it() {
         for (stop, fate) in [Request::Stop, Request::EmergencyStop, Request::Disarm].into_iter().zip(fates) {
             let case = format!("{job:?} at {stop:?}");
             let (mut recorder, now) = (Recorder::default(), Duration::ZERO);
-            // One waits, and the same has been sent and is not answered.
+            // One job waits; the same job has been sent and is not answered.
             let mut queue = CommandQueue::begin([1; 4], false, None, now);
             queue.tasks.push_back(Task::new(Some(ASKED), job.clone()));
             queue.current = Some(Current::Task(Box::new(Task::new(None, job.clone()))));

@@ -7,11 +7,11 @@ use slipline_protocol::units::SampleIndex;
 /// it takes 65 blocks.
 pub(super) const FOLDBACK_SETTLES: u64 = 80 * BLOCK as u64;
 
-/// What is missing for exact codes; once nothing is missing, the index from which they are exact.
+/// Unknown parts of the codes; once there are none, the index from which the codes are exact.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exactness {
     since: SampleIndex,
-    /// Something unknown sounds or has sounded: the codes are exact once the device is silent.
+    /// An unknown drive sounds or has sounded: the codes are exact once the device is silent.
     misses_sound: bool,
     /// A step of the thermal fold-back is missing: the codes are exact once the present one is known.
     misses_foldback: bool,
@@ -23,17 +23,17 @@ impl Exactness {
         Self { since: 0, misses_sound: true, misses_foldback: false }
     }
 
-    /// The replay begins at `at`; a device that is silent there hides nothing from it.
+    /// The replay begins at `at`; a device that is silent there has no unknown drive.
     pub(super) const fn beginning(at: SampleIndex, is_silent: bool) -> Self {
         Self { since: at, misses_sound: !is_silent, misses_foldback: !is_silent }
     }
 
-    /// The index from which the codes are exact; `None` while something is missing.
+    /// The index from which the codes are exact; `None` while a part is unknown.
     pub(super) const fn since(&self) -> Option<SampleIndex> {
         if self.misses_sound || self.misses_foldback { None } else { Some(self.since) }
     }
 
-    /// Whether something unknown may sound.
+    /// Whether an unknown drive may sound.
     pub(super) const fn misses_sound(&self) -> bool {
         self.misses_sound
     }
@@ -43,7 +43,7 @@ impl Exactness {
         self.misses_foldback
     }
 
-    /// Something unknown sounds.
+    /// An unknown drive sounds.
     pub(super) const fn miss_sound(&mut self) {
         self.misses_sound = true;
     }

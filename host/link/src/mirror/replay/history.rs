@@ -1,4 +1,4 @@
-//! What the link knows of a device's past: the input of a [`Replay`](super::Replay).
+//! A device's past as known by the link: the input of a [`Replay`](super::Replay).
 
 use crate::journal::Acknowledged;
 use crate::snapshot::Snapshot;
@@ -7,7 +7,7 @@ use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// What the link knows of a device's past.
+/// A device's past as known by the link.
 #[derive(Clone, Debug)]
 pub struct DeviceHistory {
     /// The device's samples per second, in Hz.
@@ -16,9 +16,10 @@ pub struct DeviceHistory {
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// The table that it is known to hold.
     pub table: Option<Arc<DeviceTable>>,
-    /// The device has rendered up to here, and everything before is in the journal, but for a stop in the last block.
+    /// The device has rendered up to here. The journal contains all earlier changes, except a stop in the
+    /// last block.
     pub now: SampleIndex,
-    /// The thermal fold-back's factor of every amplitude there, per mille.
+    /// The thermal fold-back's factor of all amplitudes at `now`, per mille.
     pub foldback_per_mille: u16,
 }
 

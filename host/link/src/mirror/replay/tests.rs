@@ -37,7 +37,7 @@ fn followed(entries: &[(u64, u64, Change)], now: u64) -> Replay {
     replay
 }
 
-/// Whether all codes that are kept are exact.
+/// Whether all kept codes are exact.
 fn is_exact(replay: &Replay) -> bool {
     replay.exact_since().is_some_and(|since| since <= replay.codes().0)
 }
@@ -57,7 +57,7 @@ fn after_missing_entries_the_codes_are_exact_from_the_next_silence_and_the_table
 #[test]
 fn a_drive_after_missing_entries_is_not_exact_while_an_unknown_drive_may_sound() {
     let mut replay = followed(&[(1, 12_800, Change::Session)], 128_000);
-    // Entry 2 may have been a drive: this one is then a glide from tones that nobody knows.
+    // Entry 2 may have been a drive: entry 3 is then a glide from unknown tones.
     replay.follow(&history(&[(3, 512_000, drive(20_000))], 640_000));
     assert_eq!(replay.exact_since(), None);
     assert!(replay.exact_codes(600_000, 1000).is_none());
@@ -104,7 +104,7 @@ fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_dri
         (3, 144_128, drive(20_000)),
         (4, 128_000, Change::Limit(551)),
     ];
-    // What the last block plays is not known before the next one is rendered.
+    // The codes of the last block are not known before the next one is rendered.
     let replay = followed(&entries, 182_400 + BLOCK as u64);
     let mut mirror = Mirror::new(RATE_HZ, 12_800);
     mirror.acknowledge_table(table().knots().into(), 12_800).unwrap();
@@ -125,7 +125,7 @@ fn codes_over_a_skipped_silence_are_those_of_a_mirror_that_renders_all_of_it() {
         (3, 102_400, Change::Stop),
         (4, 307_200, drive(50_000)),
     ];
-    // Followed at once, and entry by entry as they come.
+    // Followed at once, and entry by entry.
     let mut in_steps = Replay::new(RATE_HZ as usize);
     for (count, now) in [(1, 20_000), (2, 90_000), (3, 110_000), (3, 300_000), (4, 384_000)] {
         in_steps.follow(&history(&entries[..count], now));
@@ -175,7 +175,7 @@ fn a_stop_that_began_in_the_last_block_is_replayed_exactly() {
         (3, 76_801, Change::EmergencyStop),
         (4, 307_200, drive(50_000)),
     ];
-    // The status before the stop told a block too much.
+    // The status before the stop was a block too late.
     let mut replay = followed(&entries[..2], 76_928);
     replay.follow(&history(&entries, 384_000));
     assert!(is_exact(&replay));

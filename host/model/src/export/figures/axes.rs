@@ -4,7 +4,7 @@ use super::font;
 use super::page::{Anchor, BLACK, GRID, Page, Pen, Place};
 use slipline_plate::quantity::ticks::Ticks;
 
-/// Least distance of two numbers on an axis, in multiples of the text size: along x and along y.
+/// Smallest distance of two numbers on an axis, in multiples of the text size: along x and along y.
 const SPACING: Place = (4.5, 3.2);
 /// Length of a tick mark, in points.
 const TICK: f64 = 3.0;
@@ -28,19 +28,19 @@ pub(super) struct Axes {
 }
 
 impl Axes {
-    /// Where a value of x is on the page.
+    /// Position of a value of x on the page.
     pub(super) fn at_x(&self, value: f64) -> f64 {
         let (left, right) = self.across;
         left + (value - self.x.0) / (self.x.1 - self.x.0) * (right - left)
     }
 
-    /// Where a value of y is on the page.
+    /// Position of a value of y on the page.
     pub(super) fn at_y(&self, value: f64) -> f64 {
         let (top, bottom) = self.down;
         bottom - (value - self.y.0) / (self.y.1 - self.y.0) * (bottom - top)
     }
 
-    /// Where a point is on the page.
+    /// Position of a point on the page.
     pub(super) fn at(&self, (x, y): Place) -> Place {
         (self.at_x(x), self.at_y(y))
     }

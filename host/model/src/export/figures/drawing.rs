@@ -24,7 +24,7 @@ pub enum DrawError {
     Png(#[from] png::EncodingError),
 }
 
-/// A kind of file that a figure is written as.
+/// File format of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// Vectors, with text left as text: for papers.

@@ -6,12 +6,13 @@ use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider as _};
 use std::sync::{Arc, OnceLock};
 
-/// The font families that a figure names, in order of preference: a viewer without Ubuntu uses the next one.
+/// The font families that a figure refers to, in order of preference: a viewer without Ubuntu uses the next
+/// one.
 pub(super) const FAMILIES: &str = "Ubuntu, Ubuntu Light, sans-serif";
-/// The weight that a figure names.
+/// The font weight that a figure refers to.
 pub(super) const WEIGHT: u16 = 300;
 
-/// The assumed width of a letter that no font has, as a multiple of the text size.
+/// The assumed width of a letter that is in no font, as a multiple of the text size.
 const UNKNOWN: f32 = 1.0;
 
 /// The fonts in the order in which they are searched: the second has letters that the first lacks.
@@ -33,7 +34,7 @@ pub(super) fn database() -> Arc<Database> {
     Arc::clone(DATABASE.get_or_init(made))
 }
 
-/// How wide a text of this size is, in the unit of the size.
+/// Width of a text of this size, in the unit of the size.
 pub(super) fn width(text: &str, size: f64) -> f64 {
     static FACES: OnceLock<Vec<FontRef<'static>>> = OnceLock::new();
     let faces = FACES.get_or_init(|| FONTS.iter().filter_map(|font| FontRef::new(font).ok()).collect());
@@ -93,7 +94,7 @@ mod tests {
         assert_eq!(database().faces().count(), FONTS.len());
         assert!(width("W", 10.0) > 2.0 * width("i", 10.0) && width("i", 10.0) > 1.0);
         assert!((width("wave", 20.0) - 2.0 * width("wave", 10.0)).abs() < 1e-9);
-        // A letter that no font has still needs a width.
+        // A letter that is in no font still needs a width.
         assert_eq!(width("\u{10ffff}", 8.0), 8.0);
     }
 }

@@ -22,7 +22,7 @@ pub(super) enum Sample {
 }
 
 impl Sample {
-    /// How wide it is beside text of this size.
+    /// Its width beside text of this size.
     fn length(self, text: f64) -> f64 {
         match self {
             Self::Line(_) => PIECE * text,

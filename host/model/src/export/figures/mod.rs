@@ -25,7 +25,7 @@ pub use response::response_figure;
 
 /// Width of a figure for print, in points: 170 mm, the text width of a page of A4.
 const PRINT_WIDTH: f64 = 170.0 / 25.4 * 72.0;
-/// Dots per inch of a figure as PNG: the resolution that journals ask for at print size.
+/// Dots per inch of a figure as PNG: the resolution that journals require at print size.
 const PRINT_DOTS_PER_INCH: f64 = 300.0;
 
 #[cfg(test)]

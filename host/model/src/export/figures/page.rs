@@ -16,7 +16,7 @@ pub(super) const BLACK: Ink = [0, 0, 0];
 pub(super) const WHITE: Ink = [255, 255, 255];
 /// The grid lines.
 pub(super) const GRID: Ink = [225, 225, 225];
-/// Colours that stay apart for colour-blind readers (Okabe and Ito), then violet and grey.
+/// Colours that colour-blind readers can distinguish (Okabe and Ito), then violet and grey.
 pub(super) const HUES: [Ink; 6] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 60, 160], [90, 90, 90]];
 
@@ -27,7 +27,7 @@ const BASE: f64 = 0.346;
 /// A place on the page: points from the left and from the top.
 pub(super) type Place = (f64, f64);
 
-/// Which point of a text lies at the given place.
+/// The point of a text that lies at the given place.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     /// The middle of its left end.
@@ -38,7 +38,7 @@ pub(super) enum Anchor {
     Centre,
 }
 
-/// What a line is drawn with.
+/// Style of a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pen {
     ink: Ink,

@@ -17,7 +17,7 @@ const HEADING: f64 = 7.4;
 const TEXT: f64 = 6.5;
 /// Margin around the title and left and right of a panel, in points.
 const MARGIN: f64 = 7.0;
-/// Where the panels begin, in points.
+/// Top of the panels, in points.
 const TOP: f64 = 20.0;
 /// The convention under the heading.
 const REMARK: Ink = [40, 40, 40];

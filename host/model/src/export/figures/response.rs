@@ -1,4 +1,4 @@
-//! The amplitude along the plate at one frequency, over the drive's.
+//! The amplitude along the plate at one frequency, relative to the drive's.
 
 use super::drawing::Drawing;
 use super::legend::Sample;
@@ -7,7 +7,7 @@ use super::plot::{Curve, Plot, TEXT, Upright};
 use slipline_plate::Response;
 use slipline_plate::quantity::{show_frequency, show_place};
 
-/// Most points of the curve: two per pixel of the figure's width.
+/// Largest number of points of the curve: two per pixel of the figure's width.
 const MOST: usize = 4001;
 
 /// Draws the response of the plate with this name.

@@ -17,8 +17,8 @@ fn texts<'a>(group: &'a Group, found: &mut Vec<&'a Text>) {
     }
 }
 
-/// What holds for every figure: it is well-formed XML with text left as text in a font that is named, every letter has
-/// its glyph, and no text leaves the page or is squeezed. Returns the texts.
+/// Checks every figure's common properties: it is well-formed XML with text left as text in the stated font,
+/// every letter has its glyph, and no text leaves the page or is compressed. Returns the texts.
 pub(super) fn look_over(drawing: &Drawing) -> Vec<String> {
     let document = roxmltree::Document::parse(drawing.svg()).expect("well-formed");
     let root = document.root_element();

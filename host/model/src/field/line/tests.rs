@@ -31,7 +31,7 @@ fn the_line_is_put_where_it_is_wanted_all_over_the_span_of_felt_edges() {
             } else if (line.place_m - place_m).abs() < 1e-5 {
                 felt += 1;
             } else {
-                // No tone has its felt edge as near: it is the nearest that one has.
+                // No tone has its felt edge as near: the line is at the nearest possible felt edge.
                 let nearest_m = *nearest_m.get_or_insert(line.place_m);
                 assert!(
                     place_m < nearest_m && (line.place_m - nearest_m).abs() < 1e-4,
@@ -53,7 +53,8 @@ fn beyond_the_limits_the_line_stays_at_them() {
     assert!((line_at(&setup, &table, 0.33).place_m - high_m).abs() < 1e-5);
     let lowest = line_at(&setup, &table, 0.1);
     assert_eq!((lowest.place_m, lowest.holds), (start_m, Holds::Unfelt(NotFelt::BelowUltrasound)));
-    // Between the tones that are not felt and the nearest felt edge there is no line: the nearest felt edge is.
+    // Between the tones that are not felt and the nearest felt edge no line is possible: the nearest felt
+    // edge is used.
     let nearest = line_at(&setup, &table, 0.21);
     assert!(nearest.holds == Holds::FeltEdge && nearest.place_m > 0.22, "{nearest:?}");
     let hertz = |line: Line| {

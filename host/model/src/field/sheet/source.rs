@@ -1,14 +1,14 @@
-//! What the wave is drawn from: the sheet where its cost allows, else the modal lines.
+//! Source of the drawn wave: the sheet if its cost allows, else the modal lines.
 
 use super::grid;
 use serde::{Deserialize, Serialize};
 use slipline_plate::{Plate, SheetError};
 
-/// Most cell updates per second of plate time for which the sheet is chosen automatically: few enough that one
-/// processor core settles it in a moment and then runs it with time to spare.
+/// Largest number of cell updates per second of plate time for which the sheet is chosen automatically: one
+/// processor core settles it within moments and runs it faster than the slow motion needs.
 const BUDGET: f64 = 5e8;
-/// Most cell updates per second of plate time for which the user can choose the sheet: it settles within some tens
-/// of seconds on one core.
+/// Largest number of cell updates per second of plate time for which the user can choose the sheet: it
+/// settles within some tens of seconds on one core.
 const BUDGET_ON_REQUEST: f64 = 5e10;
 
 /// The user's choice of the source from which the wave is drawn.
@@ -37,7 +37,7 @@ impl SourceChoice {
         }
     }
 
-    /// What it does, in a sentence.
+    /// Its description in a sentence.
     #[must_use]
     pub const fn sentence(self) -> &'static str {
         match self {
@@ -57,8 +57,8 @@ pub enum FieldSource {
     Lines(Option<String>),
 }
 
-/// The source for this plate at this sample rate in Hz. It depends only on the arguments, not on the machine. A
-/// plate that has no sheet at this rate gets the lines, whatever the choice.
+/// The source for this plate at this sample rate in Hz. It depends only on the arguments, not on the machine.
+/// A plate that has no sheet at this rate gets the lines for every choice.
 #[must_use]
 pub fn source(plate: &Plate, sample_rate_hz: f64, wish: SourceChoice) -> FieldSource {
     let (budget, is_wished) = match wish {

@@ -1,11 +1,11 @@
-//! Length of the measuring window, and the tones that it does not resolve.
+//! Length of the measuring window, and tones that it does not resolve.
 
 /// Periods of the lowest tone, and of the smallest difference of two tones, in the measuring window.
 const PERIODS: f64 = 12.0;
-/// The window is no longer than this, in seconds.
+/// Longest window, in seconds.
 pub(super) const MAX_WINDOW_S: f64 = 2.0;
-/// Periods of the difference frequency of two tones that the measuring window must hold to resolve them: from there on
-/// the Hann window passes less than 1/100 of one tone into the other.
+/// Periods of the difference frequency of two tones within the measuring window from which it resolves them:
+/// the Hann window then passes less than 1/100 of one tone into the other.
 const PERIODS_APART: f64 = 4.0;
 
 /// Two tones that beat so slowly that the measuring window does not resolve them.

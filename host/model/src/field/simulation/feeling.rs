@@ -1,4 +1,4 @@
-//! What a finger feels of a simulated plate.
+//! Sensation of a finger on a simulated plate.
 
 use super::{Simulated, ToneResult};
 use crate::field::felt::Felt;
@@ -10,8 +10,8 @@ impl ToneResult {
         (!self.is_blurred).then_some((self.frequency_hz, &self.field_m[..]))
     }
 
-    /// What is felt of this tone alone, from its measured field; `None` if the window does not resolve it from another tone.
-    /// `plate` is the one on which the waves ran.
+    /// The sensation of this tone alone, from its measured field; `None` if the window does not resolve it
+    /// from another tone. `plate` is the one on which the waves ran.
     #[must_use]
     pub fn felt(&self, plate: &Plate, feeling: &Feeling) -> Option<Felt> {
         self.measured_tone().map(|tone| Felt::of_tones(plate, feeling, &[tone]))
@@ -19,8 +19,8 @@ impl ToneResult {
 }
 
 impl Simulated {
-    /// What is felt of all tones together, from their measured fields; `None` if the window does not resolve two of them.
-    /// `plate` is the one on which the waves ran.
+    /// The sensation of all tones together, from their measured fields; `None` if the window does not resolve
+    /// two of them. `plate` is the one on which the waves ran.
     #[must_use]
     pub fn felt(&self, plate: &Plate, feeling: &Feeling) -> Option<Felt> {
         let tones: Option<Vec<(f64, &[Complex64])>> =

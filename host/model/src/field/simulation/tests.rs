@@ -1,7 +1,7 @@
 use super::*;
 use slipline_plate::{Calibration, PlateSpec, ResponseCurve};
 
-/// Tones on a plate that is what it was taken for, with its table's gains.
+/// Tones on the plate for which their table is made, with the table's gains.
 fn on_plate<'a>(plate: &'a Plate, tones: &'a [(f64, f64)], solver: Solver) -> Simulation<'a> {
     Simulation { plate, actual: plate, tones, has_gains: true, seconds: None, solver, finger: None }
 }
@@ -28,7 +28,7 @@ fn the_boundary_asked_for_is_where_the_wave_turns() {
 #[test]
 fn a_calibrated_plate_peaks_at_the_level_that_its_table_gives() {
     let nominal = slipline_plate::preset("membrane").unwrap();
-    // 8 dB from end to end of the band, as the resonance of an actuator that the file does not have.
+    // 8 dB from end to end of the band, as by the resonance of an actuator that the file does not contain.
     let points = vec![[80.0, -3.0, 0.0], [120.0, 2.0, 0.0], [160.0, 5.0, 0.0], [240.0, 1.0, 0.0]];
     let calibration = Calibration {
         chi2_per_n: 1.0,

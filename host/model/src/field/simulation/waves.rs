@@ -6,15 +6,17 @@ use std::iter::repeat_n;
 
 /// Bits of the device's DAC.
 const DAC_BITS: u32 = 12;
-/// Cells of a sheet on the half-width at the end of the span: the peak of the membrane preset is then within 0.1 mm and
-/// 0.05 dB of the two-dimensional solver of the frequency domain. More cells bring the wide al-sh no nearer to it than
-/// 0.1 to 1.1 dB along its span, because there the two solve different ends: the sheet's damper resists at every place of
-/// the driven edge, the solver's resists the first width mode alone, see [`slipline_plate::plane::End::Damper`].
+/// Cells of a sheet on the half-width at the end of the span: the peak of the membrane preset is then within
+/// 0.1 mm and 0.05 dB of the two-dimensional solver of the frequency domain. More cells bring the wide al-sh
+/// no nearer to it than 0.1 to 1.1 dB along its span, because the two solve different driven ends: the
+/// sheet's damper resists at every place of the driven edge, the solver's resists the first width mode alone,
+/// see [`slipline_plate::plane::End::Damper`].
 const CELLS: f64 = 10.0;
-/// Fewest fields per period of the highest tone, so that a real field's mirror image at -f is far from every tone.
+/// Smallest number of fields per period of the highest tone, so that a real field's mirror image at -f is far
+/// from every tone.
 const FIELDS_PER_PERIOD: f64 = 8.0;
 
-/// What solves the plate in time.
+/// The solver of the plate in the time domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Solver {
     /// The first width mode along the plate.
@@ -27,7 +29,7 @@ pub enum Solver {
     },
 }
 
-/// The cells of the sheet of a plate whose loss factor is the plate's at `loss_at_hz`.
+/// The grid of a plate's sheet whose loss factor equals the plate's at `loss_at_hz`.
 #[must_use]
 pub fn sheet_grid(plate: &Plate, loss_at_hz: f64, threads: usize) -> SheetGrid {
     let cell = plate.half_width_m(plate.span_m().1) / CELLS;
@@ -37,18 +39,18 @@ pub fn sheet_grid(plate: &Plate, loss_at_hz: f64, threads: usize) -> SheetGrid {
     SheetGrid { loss_at_hz: Some(loss_at_hz), threads, ..SheetGrid::new(along, across) }
 }
 
-/// A plate in time.
+/// A plate in the time domain.
 pub(super) enum Waves {
     Line(Box<TimeDomainLine>),
     Sheet(Box<SheetWaves>),
 }
 
-/// A sheet, read on its centre line.
+/// A sheet, measured on its centre line.
 pub(super) struct SheetWaves {
     sheet: Sheet,
-    /// Samples for which a code is held: the steps of a fine sheet. Its fields are read at every step, because at the
-    /// rate of the codes the images of a tone, which a held code has at every multiple of that rate, would look like the
-    /// tone itself.
+    /// Samples for which a code is held: the steps of a fine sheet. Its fields are taken at every step: a
+    /// held code has images of a tone at every multiple of the code rate, which at that rate would alias to
+    /// the tone.
     held: usize,
     /// Samples between two fields: whole steps of the sheet.
     stride: usize,
@@ -124,12 +126,12 @@ impl Waves {
         }
     }
 
-    /// Takes the codes of one block.
+    /// Drives the plate with the codes of one block.
     pub(super) fn push(&mut self, codes: &[u16]) {
         self.push_samples(&self.samples(codes));
     }
 
-    /// Each code as often as it is held.
+    /// The codes, each repeated as often as it is held.
     pub(super) fn samples(&self, codes: &[u16]) -> Vec<u16> {
         codes.iter().flat_map(|&code| repeat_n(code, self.held())).collect()
     }

@@ -8,36 +8,36 @@ use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::{Finger, Plate};
 use std::collections::VecDeque;
 
-/// Columns and rows of points over the contact whose mean is taken.
+/// Columns and rows of points over the contact for its mean.
 const POINTS: (usize, usize) = (9, 5);
-/// How long the trace is, in seconds.
+/// Duration of the trace, in seconds.
 pub const TRACE_S: f64 = 4.0;
-/// The speed is the mean over this time, in seconds: a pointer's position comes in whole pixels, so the speed between
-/// two neighbouring frames would be noise.
+/// Averaging time of the speed, in seconds: a pointer's position has the resolution of a pixel, so the speed
+/// between two neighbouring frames would be noise.
 const SPEED_OVER_S: f64 = 0.1;
 /// Pause after which the trace starts again, in seconds: the finger's motion in a longer pause is unknown.
 const PAUSE_S: f64 = 0.5;
 
-/// What a finger meets at one time.
+/// Amplitude, friction and strength under a finger at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Met {
-    /// When, in seconds.
+    /// Time, in seconds.
     pub time_s: f64,
-    /// Where the middle of the contact is, in metres from the driven end.
+    /// Middle of the contact, in metres from the driven end.
     pub place_m: f64,
     /// Largest displacement under the finger, the mean over its contact, in metres.
     pub amplitude_m: f64,
     /// Friction over that of the plate at rest, 0..=1; `None` below 20 kHz, where a vibration is felt. Illustrative.
     pub friction: Option<f64>,
-    /// How strongly the place is felt, 1 is just felt: of the motion that the plate has here without the finger, so it
-    /// ends where the strip of what is felt ends. Illustrative.
+    /// Strength of the sensation, where 1 is the threshold; of the plate's motion at this place without the
+    /// finger, so that it ends where the displayed strip ends. Illustrative.
     pub felt: f64,
-    /// How fast the finger moves along the plate, in metres per second, 0 or more.
+    /// Speed of the finger along the plate, in metres per second, 0 or more.
     pub speed_m_per_s: f64,
 }
 
-/// Mean over a finger's contact, as far as it lies on the plate, of a displacement that is `at_m(x)` metres on the centre
-/// line and falls to the edges as the first width mode.
+/// Mean over a finger's contact, as far as it lies on the plate, of a displacement that is `at_m(x)` metres
+/// on the centre line and decreases to the edges as the first width mode.
 pub(crate) fn mean_over_contact(plate: &Plate, finger: &Finger, at_m: impl Fn(f64) -> f64) -> f64 {
     let (columns, rows) = POINTS;
     let share = |i: usize, count: usize| (i as f64 + 0.5) / count as f64;
@@ -58,28 +58,28 @@ pub(crate) fn mean_over_contact(plate: &Plate, finger: &Finger, at_m: impl Fn(f6
     if area > 0.0 { sum / area } else { 0.0 }
 }
 
-/// What is under a finger.
+/// The field under a finger.
 #[derive(Clone, Copy, Debug)]
 pub struct Under<'a> {
     /// The plate.
     pub plate: &'a Plate,
     /// Its field with the finger.
     pub field: &'a SteadyField,
-    /// What is felt of its field without the finger.
+    /// The sensation of its field without the finger.
     pub felt: &'a Felt,
     /// How the finger feels.
     pub feeling: &'a Feeling,
 }
 
-/// What a finger has met in the last [`TRACE_S`] seconds.
+/// Values under a finger in the last [`TRACE_S`] seconds.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
     met: VecDeque<Met>,
 }
 
 impl Trace {
-    /// Adds what this finger meets at `time_s`, and forgets what is older than [`TRACE_S`]. A time that is not later than
-    /// the one before adds nothing.
+    /// Adds the values under this finger at `time_s`, and drops values older than [`TRACE_S`]. A time that is
+    /// not later than the previous one adds nothing.
     pub fn push(&mut self, here: &Under<'_>, finger: &Finger, time_s: f64) {
         match self.met.back() {
             Some(latest) if time_s <= latest.time_s => return,
@@ -91,7 +91,7 @@ impl Trace {
         let is_slippery = field.frequency_at(finger.place_m) >= SLIPPERY_FROM_HZ;
         let friction = is_slippery.then(|| feeling.friction.ratio(amplitude_m));
         let place_m = finger.place_m;
-        // The oldest of the frames over which the mean is taken; one frame at least.
+        // The oldest frame in the average; at least one frame.
         let is_recent = |met: &&Met| time_s - met.time_s <= SPEED_OVER_S;
         let before = self.met.iter().find(is_recent).or(self.met.back());
         let speed_m_per_s =
@@ -109,23 +109,23 @@ impl Trace {
         }
     }
 
-    /// Forgets everything.
+    /// Clears the trace.
     pub fn clear(&mut self) {
         self.met.clear();
     }
 
-    /// What was met, the oldest first.
+    /// The values, the oldest first.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = &Met> + Clone {
         self.met.iter()
     }
 
-    /// What is met now.
+    /// The latest values.
     #[must_use]
     pub fn latest(&self) -> Option<&Met> {
         self.met.back()
     }
 
-    /// What was met `seconds` before the latest point, to the nearest frame; `None` before the trace begins.
+    /// The values `seconds` before the latest ones, to the nearest frame; `None` before the trace begins.
     #[must_use]
     pub fn before(&self, seconds: f64) -> Option<&Met> {
         let time_s = self.latest()?.time_s - seconds;
@@ -143,7 +143,7 @@ mod tests {
     use super::*;
     use crate::field::steady_field::SteadyTone;
 
-    /// A plate that sounds, and what is felt of it.
+    /// A plate that sounds, and its sensation.
     struct Sounding {
         plate: Plate,
         field: SteadyField,
@@ -224,7 +224,7 @@ mod tests {
         }
     }
 
-    /// A trace with a frame every 50 ms, in which the finger is where `place_m` says at each time.
+    /// A trace with a frame every 50 ms, with the finger at `place_m` of each time.
     fn traced(frames: usize, place_m: impl Fn(f64) -> f64) -> Trace {
         let membrane = sounding("membrane", 0.18);
         let mut trace = Trace::default();

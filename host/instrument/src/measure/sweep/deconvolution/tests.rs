@@ -3,10 +3,10 @@
 use super::*;
 use slipline_plate::truth::Random;
 
-/// Values a second, and of a recording.
+/// Values per second of the played and the recorded signal.
 const RATE_HZ: f64 = 2500.0;
 const VALUES: usize = 8192;
-/// The sweep's ends, and its time in values.
+/// The sweep's ends; below, its duration in values.
 const ENDS_HZ: (f64, f64) = (40.0, 400.0);
 const SWEEP: f64 = 6000.0;
 
@@ -54,7 +54,7 @@ impl Resonance {
         input.iter().map(step).collect()
     }
 
-    /// With time as e^(-j omega t).
+    /// The response, with time as e^(-j omega t).
     fn response(&self, hz: f64) -> Complex64 {
         let (a, b) = self.factors();
         let delay = Complex64::cis(TAU * hz / RATE_HZ);
@@ -115,7 +115,7 @@ fn the_noise_that_is_told_is_the_noise_that_there_is() {
 fn the_gate_leaves_out_the_harmonics_of_a_bent_amplifier() {
     let bent: Vec<f64> = sweep().iter().map(|x| x + 0.1 * x * x + 0.05 * x * x * x).collect();
     let bent = heard(&bent);
-    // A cube of a sine has 3/4 of it at the tone itself.
+    // The cube of a sine contains 3/4 of it at the tone itself.
     let tone = 1.0 + 0.75 * 0.05;
     let left = |gate: &Gate| {
         let scaled: Vec<Answer> =

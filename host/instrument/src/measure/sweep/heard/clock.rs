@@ -1,38 +1,38 @@
 //! The recorder's clock, from two recordings of one sweep.
 //!
-//! Whatever plate, sensor and recorder do to the sweep, they do it twice. So the second recording is the first one, d values
-//! later than a true clock would have it, and d is where
+//! Plate, sensor and recorder change both sweeps alike. So the second recording is the first one, delayed by
+//! d values more than with an exact clock, and d is where
 //!
 //! ```text
 //! g(d) = Re sum over k of C(k) e^(j 2 pi k d/N),   C = W Y2 Y1*/(|Y1 Y2| + 10 P)
 //! ```
-//! is largest: found to a value by a transform, and then by Newton's method. P is the noise's power in a bin: bins that are noise
-//! count for little, and so does a hum, however loud, as it has few bins. With phases that deviate by s, d deviates by
-//! s (sum of w^2 k^2)^(1/2)/(sum of w k^2) N/(2 pi), w = |C|.
+//! is largest: searched to a value by a transform, then refined by Newton's method. P is the noise's power in
+//! a bin: bins of noise have a small weight, and so does a hum of any loudness, as it occupies few bins. If
+//! the phases deviate by s, d deviates by s (sum of w^2 k^2)^(1/2)/(sum of w k^2) N/(2 pi), w = |C|.
 
 use super::super::deconvolution::values;
 use rustfft::num_complex::Complex;
 use std::f64::consts::TAU;
 
-/// How far a bin must be above the noise to count fully.
+/// Ratio of a bin to the noise from which on it has nearly full weight.
 const ABOVE: f64 = 10.0;
-/// Where Newton's method begins: the best of so many places in two values.
+/// Number of places within two values of which Newton's method starts at the best.
 const PLACES: u32 = 21;
-/// Steps of Newton's method, of which few are needed.
+/// Largest number of Newton steps; few are needed.
 const STEPS: usize = 20;
 
-/// How much later the second recording is.
+/// Delay of the second recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Delay {
-    /// Values.
+    /// In values.
     pub(super) values: f64,
     /// Its standard deviation, values.
     pub(super) deviation: f64,
-    /// g over the sum of |C|: 1 where both are the same, 0 where they have nothing in common.
+    /// g over the sum of |C|: 1 for identical recordings, 0 for unrelated ones.
     pub(super) coherence: f64,
 }
 
-/// The delay of the second of two spectra, within so many values. `weight` is W at a bin, `floor` P.
+/// The delay of the second of two spectra, within this number of values. `weight` is W at a bin, `floor` P.
 pub(super) fn delay(
     first: &[Complex<f64>],
     second: &[Complex<f64>],
@@ -92,7 +92,8 @@ mod tests {
 
     const COUNT: usize = 4096;
 
-    /// Two recordings of the same pulse, whose second has half the level and comes so many values later, by its formula.
+    /// Two recordings of the same pulse by its formula; the second has half the level and this delay in
+    /// values.
     fn two(delay: f64, noise: f64, hum: f64, seed: u64) -> [Vec<Complex<f64>>; 2] {
         let mut random = Random::new(seed);
         [(1.0, 0.0), (0.5, delay)].map(|(level, later)| {
@@ -142,7 +143,7 @@ mod tests {
     #[test]
     fn bins_of_noise_alone_count_for_little() {
         let [first, second] = two(3.3, 3e-3, 0.0, 8);
-        // The pulse is in a third of the band.
+        // The pulse occupies a third of the band.
         let band = |bin: usize| if bin > 600 || (130..330).contains(&bin) { 1.0 } else { 0.0 };
         let found = super::delay(&first, &second, band, COUNT as f64 * 9e-6, 300).unwrap();
         assert!(found.coherence > 0.5 && (found.values - 3.3).abs() < 0.05, "{found:?}");

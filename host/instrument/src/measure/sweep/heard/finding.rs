@@ -1,12 +1,13 @@
-//! Where the two sweeps are in a recording.
+//! Search for the two sweeps in a recording.
 //!
 //! ```text
 //! e(t) = | sum over f of W(f) Y_t(f) X*(f)/|X(f)| |       Y_t: the spectrum of what begins at t
 //! ```
-//! is the envelope of the recording's correlation with the sweep, with the same weight for all frequencies, so that the loudest
-//! ones do not blur it. A recorder whose clock is wrong by some 100 ppm blurs it by less than the plate's ring does. The
-//! first sweep begins where e(t) and the largest e around t + apart are largest together: an echo has no such partner. The
-//! recording is gone through in overlapping blocks of two sweeps.
+//! is the envelope of the recording's correlation with the sweep, with equal weight for all frequencies, so
+//! that the loudest ones do not smear it. A recorder's clock that is wrong by some 100 ppm smears it by less
+//! than the plate's ring does. The first sweep begins where the sum of e(t) and the largest e around t +
+//! apart is largest: an echo has no such partner. The recording is searched in overlapping blocks of two
+//! sweeps.
 
 use super::super::deconvolution::{Gate, spectrum};
 use super::reference::Reference;
@@ -14,21 +15,21 @@ use super::{HeardError, Sound};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 
-/// How far e must be above its median at the first sweep, and at the second one, which is at half the level. Noise alone
-/// reaches 4 to 5.
+/// Smallest ratio of e to its median at the first sweep, and at the second one, which has half the level.
+/// Noise alone reaches 4 to 5.
 const FOUND: (f32, f32) = (8.0, 3.0);
 /// Shortest block, values.
 const BLOCK_MIN: usize = 4096;
 
-/// e, every few values of a recording.
+/// e at every `step` values of a recording.
 struct Envelope {
     values: Vec<f32>,
-    /// Values of the recording from one to the next.
+    /// Distance of two values of e, in values of the recording.
     step: usize,
 }
 
-/// The value of the recording at which the first of two sweeps begins, to within the plate's ring. One sweep takes
-/// `sweep` values, and the second begins `apart` values after the first, to within `slack`.
+/// The value of the recording at which the first of two sweeps begins, to within the plate's ring. One sweep
+/// takes `sweep` values, and the second begins `apart` values after the first, to within `slack`.
 pub(super) fn begin(
     sound: &Sound,
     reference: &Reference,
@@ -40,7 +41,7 @@ pub(super) fn begin(
     let mut sorted = e.clone();
     let middle = sorted.len() / 2;
     let (_, &mut median, _) = sorted.select_nth_unstable_by(middle, f32::total_cmp);
-    // The largest of each stretch as long as the slack: what is looked for lies in one of three.
+    // Largest value of each stretch as long as the slack: the second sweep lies in one of three stretches.
     let stretch = (slack / envelope.step).max(1);
     let largest: Vec<f32> =
         e.chunks(stretch).map(|chunk| chunk.iter().copied().fold(0.0, f32::max)).collect();
@@ -63,7 +64,7 @@ pub(super) fn begin(
     Ok(at * envelope.step)
 }
 
-/// e over a recording; nothing if it is shorter than the sweep.
+/// e over a recording; `None` if it is shorter than the sweep.
 fn envelope(sound: &Sound, reference: &Reference, gate: &Gate, sweep: usize) -> Option<Envelope> {
     let values = &sound.values;
     let block = (2 * sweep).next_power_of_two().max(BLOCK_MIN);
@@ -75,7 +76,7 @@ fn envelope(sound: &Sound, reference: &Reference, gate: &Gate, sweep: usize) -> 
     };
     let weights: Vec<Complex<f64>> =
         reference.spectrum(bin_hz, count).into_iter().enumerate().map(weigh).collect();
-    // The envelope needs no more values than the band has bins, on one side alone.
+    // The envelope needs no more values than the band has bins, on one side only.
     let fewer = (2 * count).next_power_of_two().min(block);
     let step = block / fewer;
     let hop = (block - sweep) / step;

@@ -1,23 +1,23 @@
-//! The spectrum of what was played, at the bins of a recorder's transform.
+//! Spectrum of the played codes, at the bins of a recorder's transform.
 //!
-//! The codes have the device's rate R, the recording has r, and r/R is no simple ratio: it is known to a millionth only when
-//! the recorder's clock is. So the codes are not resampled; their spectrum is computed at the frequencies of the recorder's
-//! bins, k r/N:
+//! The codes have the device's rate R, the recording the rate r; r/R is not a simple ratio, and is known to a
+//! millionth only after the recorder's clock has been estimated. So the codes are not resampled; their
+//! spectrum is computed at the frequencies of the recorder's bins, k r/N:
 //!
 //! ```text
 //! X(k) = sum over n of c(n) e^(-j 2 pi k n q),  q = r/(N R)            k n = (k^2 + n^2 - (k - n)^2)/2
 //!      = e^(-j pi q k^2) sum over n of { c(n) e^(-j pi q n^2) } e^(j pi q (k - n)^2)
 //! ```
-//! which is a convolution, and done by three transforms (L. Rabiner, R. Schafer, C. Rader, "The chirp z-transform algorithm",
-//! 1969). Before that, the codes are brought to a lower rate by leaving out the spectrum above it: nothing of the sweep is
-//! there.
+//! which is a convolution, computed by three transforms (L. Rabiner, R. Schafer, C. Rader, "The chirp
+//! z-transform algorithm", 1969). Before that, the codes are reduced to a lower rate by cutting the spectrum
+//! above it, where the sweep has no energy.
 
 use super::super::deconvolution::{spectrum, values};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use std::f64::consts::PI;
 
-/// What the lower rate is at least, over the highest frequency that is wanted.
+/// Lower rate over the highest wanted frequency, at least.
 const RATE_OVER_HIGHEST: f64 = 2.6;
 
 /// Codes of a sweep at a rate that suits their band.
@@ -29,7 +29,7 @@ pub(in super::super) struct Reference {
 impl Reference {
     /// From codes at a rate, for frequencies up to `highest_hz`.
     pub(in super::super) fn new(codes: &[f64], rate_hz: f64, highest_hz: f64) -> Option<Self> {
-        // Half of the length again, so that what the cut spreads comes round to no code.
+        // Zero padding of half the length, so that ringing from the cut does not wrap around to the codes.
         let count = (codes.len() + codes.len() / 2).next_power_of_two();
         let mut fewer = count;
         while fewer > 64 && fewer as f64 / count as f64 * rate_hz * 0.5 >= RATE_OVER_HIGHEST * highest_hz {
@@ -37,16 +37,16 @@ impl Reference {
         }
         let mut bins = spectrum(codes, count)?;
         bins.truncate(fewer / 2 + 1);
-        // Fewer values stand for as many codes.
+        // Keeps the spectrum's scale with fewer values.
         let scale = (fewer as f64).recip();
         let values = values(bins)?.into_iter().map(|value| value * scale).collect();
         Some(Self { values, rate_hz: rate_hz * fewer as f64 / count as f64 })
     }
 
-    /// The sums over the codes at so many frequencies, from 0 on and `step_hz` apart.
+    /// The sums over the codes at `count` frequencies, from 0 in steps of `step_hz`.
     pub(in super::super) fn spectrum(&self, step_hz: f64, count: usize) -> Vec<Complex<f64>> {
         let ratio = step_hz / self.rate_hz;
-        // Whole turns do not count: without them the squares keep their digits.
+        // Whole turns are removed, so that the squares keep their precision.
         let turn = |n: usize| {
             let turns = 0.5 * ratio * (n as f64) * (n as f64);
             Complex::cis(2.0 * PI * turns.fract())
@@ -72,7 +72,7 @@ impl Reference {
     }
 }
 
-/// The circular convolution of two lists of one length.
+/// Circular convolution of two lists of equal length.
 fn convolved(mut one: Vec<Complex<f64>>, mut other: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
     let mut planner = FftPlanner::new();
     let forward = planner.plan_fft_forward(one.len());
@@ -93,7 +93,8 @@ mod tests {
 
     #[test]
     fn the_spectrum_is_the_sum_over_the_codes_at_any_frequency() {
-        // A pulse of a few hundred hertz at 40 kHz, which is brought to a lower rate, and noise, which is not.
+        // A pulse of a few hundred hertz at 40 kHz, which is reduced to a lower rate, and noise, which is
+        // not.
         let pulse = |n: usize| {
             let t = (n as f64 - 3000.0) / 40e3;
             (-(t / 0.012).powi(2)).exp() * (2.0 * PI * 300.0 * t).sin()

@@ -1,7 +1,8 @@
-//! Recordings of the sweep by recorders whose clock, delay, gain and noise are known: what is told of each, and what is refused.
+//! Recordings of the sweep by recorders with known clock, delay, gain and noise: the results, and the
+//! refusals.
 //!
-//! The recordings are made without anything of what reads them: two resonators run on the codes in time, at the device's rate, and
-//! the recorder takes their sum at its own times by a cubic.
+//! The recordings are generated independently of the evaluation: two resonators run on the codes in time at
+//! the device's rate, and the recorder samples their sum at its own times by cubic interpolation.
 
 use super::*;
 use crate::measure::plan::Wanted;
@@ -10,7 +11,7 @@ use slipline_plate::truth::Random;
 use slipline_plate::{Complex64, preset};
 use std::sync::LazyLock;
 
-/// The device's rate: low, so that the test is short.
+/// The device's rate: low, for a short test.
 const DEVICE_HZ: f64 = 20e3;
 const RATE_HZ: f64 = 8e3;
 
@@ -26,7 +27,7 @@ fn factors(hz: f64) -> (f64, f64) {
     (2.0 * decay * (TAU * hz / DEVICE_HZ).cos(), -decay * decay)
 }
 
-/// So that the loudest response is about 1.
+/// Scales the loudest response to about 1.
 const SIZE: f64 = 1e-4;
 const RESONANCES: [(f64, f64); 2] = [(150.0, 1.0), (211.0, -0.5)];
 
@@ -40,7 +41,7 @@ fn truth(hz: f64) -> Complex64 {
     RESONANCES.iter().map(of).sum()
 }
 
-/// What the plate does with the codes of both sweeps.
+/// The plate's response to the codes of both sweeps.
 static ANSWER: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let codes: Vec<f64> =
         SWEEP.rendered().unwrap().iter().map(|&code| (f64::from(code) - 2048.0) / 2048.0).collect();
@@ -56,20 +57,20 @@ static ANSWER: LazyLock<Vec<f64>> = LazyLock::new(|| {
     sum
 });
 
-/// How a recorder records.
+/// Properties of a recorder.
 #[derive(Clone, Copy)]
 struct Recorder {
-    /// How much faster its clock is.
+    /// Relative deviation of its clock, positive if fast.
     clock: f64,
-    /// From its first value to the first tone, seconds.
+    /// Time from its first value to the first tone, seconds.
     lead_s: f64,
     gain: f64,
     noise: f64,
     hum: f64,
-    /// What comes again, as a share, and how many seconds later.
+    /// An echo: its relative amplitude and its delay in seconds.
     echo: (f64, f64),
     bits: i32,
-    /// What is done with a value at a time in seconds of the recording, before the bits.
+    /// Changes a value at a time in seconds of the recording, before quantization.
     bend: fn(f64, f64) -> f64,
 }
 
@@ -84,7 +85,7 @@ const HEALTHY: Recorder = Recorder {
     bend: |value, _| value,
 };
 
-/// The answer at a time in samples of the device, by Lagrange's cubic: at 250 Hz it is wrong by a millionth.
+/// The response at a time in samples of the device, by Lagrange's cubic: its error at 250 Hz is a millionth.
 fn at(time: f64) -> f64 {
     let (place, t) = (time.floor(), time - time.floor());
     let weights = [
@@ -128,8 +129,8 @@ impl Recorder {
     }
 }
 
-/// How far the responses are from the truth times a gain, once the lag that suits best is taken out: the root of the mean square,
-/// over each one's noise and a thousandth of the loudest, and the lag in seconds.
+/// RMS difference of the responses from the truth times a gain, after removal of the best-fitting lag,
+/// relative to each one's noise plus a thousandth of the loudest; and the lag in seconds.
 fn departure(heard: &HeardSweep, response: impl Fn(f64) -> Complex64) -> (f64, f64) {
     let truth: Vec<Complex64> = heard.points.iter().map(|point| response(point.frequency_hz)).collect();
     let loudest = truth.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -165,7 +166,7 @@ fn a_recorders_clock_start_and_gain_are_found_and_the_responses_are_those_of_the
 
 #[test]
 fn a_clock_that_is_taken_for_true_would_spoil_the_phase() {
-    // What the estimate is for: the same recording with the rate that the recorder names.
+    // The purpose of the estimate: the same recording evaluated at the recorder's nominal rate.
     let recorder = Recorder { clock: 320e-6, noise: 0.0, ..HEALTHY };
     let heard = recorder.heard().unwrap();
     let untrue = heard.clock * (SWEEP.chirp.samples as f64 / DEVICE_HZ) * TAU * 400.0;
@@ -196,7 +197,7 @@ fn an_echo_within_the_ring_is_part_of_the_response() {
 fn clipped_values_mark_their_frequencies() {
     let clean = HEALTHY.heard().unwrap();
     assert!(clean.points.iter().all(|point| point.headroom_db > Some(3.0)));
-    // At the file's end, and at the end of an amplifier before it.
+    // At the file's end of range, and at that of an amplifier before it.
     let loudest = HEALTHY.records().values.into_iter().fold(0.0, f64::max);
     println!("loudest {loudest}");
     let at_end = Recorder { gain: 0.5 * 1.02 / loudest, ..HEALTHY }.heard().unwrap();
@@ -224,7 +225,7 @@ fn a_gain_that_follows_the_level_is_refused() {
     let turned = |value: f64, seconds: f64| if seconds > 4.0 { 1.1 * value } else { value };
     let message = Recorder { bend: turned, ..HEALTHY }.refused();
     assert!(message.contains("0.8 dB too loud"), "{message}");
-    // One that drifts by a tenth of a decibel is let pass.
+    // A drift of a tenth of a decibel is accepted.
     let drifted = |value: f64, seconds: f64| if seconds > 4.0 { 1.01 * value } else { value };
     assert!(Recorder { bend: drifted, ..HEALTHY }.heard().is_ok());
 }

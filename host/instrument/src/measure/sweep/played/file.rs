@@ -9,13 +9,13 @@ use slipline_link::BLOCK;
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
 use thiserror::Error;
 
-/// Bytes of a description, at most.
+/// Largest size of a description, bytes.
 pub const PLAYED_BYTES_MAX: usize = 256 << 10;
-/// The version of the form.
+/// Version of the format.
 const VERSION: i64 = 1;
-/// Sample rates of a device.
+/// Allowed sample rates of a device.
 const RATE_HZ: Range = Range::new(8e3, 1e6, "Hz");
-/// Times between tones and sweeps, seconds.
+/// Allowed times between tones and sweeps, seconds.
 const PAUSE_S: Range = Range::new(0.0, 60.0, "s");
 
 const HEAD: &str = "\
@@ -23,19 +23,19 @@ const HEAD: &str = "\
 # slipline calibrate --data a.wav --data b.wav --played THIS_FILE ...
 ";
 
-/// Why a file is no description of a sweep.
+/// Why a file is not a description of a sweep.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlayedFileError {
-    /// It is no such TOML file.
-    #[error("no description of a sweep, as slipline sweep writes it: {0}")]
+    /// It is not such a TOML file.
+    #[error("not a description of a sweep, as slipline sweep writes it: {0}")]
     Text(String),
     /// A number is outside its range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A newer or older form.
+    /// A newer or older format.
     #[error("{0}")]
     Version(String),
-    /// Numbers that do not go together.
+    /// Inconsistent numbers.
     #[error("{0}")]
     Unlike(String),
 }
@@ -80,11 +80,11 @@ impl PlayedSweep {
             apart_samples: self.apart,
             gain: self.gains.clone(),
         };
-        // Numbers and a list of numbers: there is nothing that TOML cannot tell.
+        // Numbers and a list of numbers can always be written as TOML.
         format!("{HEAD}{}", toml::to_string(&text).unwrap_or_default())
     }
 
-    /// Whether a text is meant as a description.
+    /// Whether a text has the form of a description.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
         text.lines().any(|line| line.trim_start().starts_with("slipline_sweep"))
@@ -93,7 +93,7 @@ impl PlayedSweep {
     /// Reads a description.
     ///
     /// # Errors
-    /// [`PlayedFileError`], with the field and the range where there is one. No text makes this function panic.
+    /// [`PlayedFileError`], with the field and the range if there is one. No text makes this function panic.
     pub fn from_toml(text: &str) -> Result<Self, PlayedFileError> {
         let no_file = |error: toml::de::Error| PlayedFileError::Text(error.message().to_owned());
         let text: PlayedText = toml::from_str(text).map_err(no_file)?;

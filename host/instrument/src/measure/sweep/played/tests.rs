@@ -1,4 +1,4 @@
-//! What a description tells, and what is refused of one.
+//! Content of a description, and refused descriptions.
 
 use super::*;
 use slipline_model::field::simulation::table_for;
@@ -22,13 +22,13 @@ fn both_sweeps_stand_where_the_description_says_and_the_second_has_half_the_leve
     };
     let (first, second) = (sweep.lead, sweep.lead + sweep.apart);
     let samples = sweep.chirp.samples;
-    // The gains that are not heard: the tones wait, and the pauses are silent.
+    // Silent gains: the waiting tones and the pauses have no codes.
     assert_eq!((peak(0, first), peak(first + samples + 128, second)), (0, 0));
     assert_eq!(peak(second + samples + 128, sweep.end()), 0);
     let peaks = [peak(first, first + samples), peak(second, second + samples)];
     assert!(peaks[0] > 500 && peaks[0].abs_diff(2 * peaks[1]) <= 2, "{peaks:?}");
     assert!((sweep.apart - samples) as f64 / RATE_HZ > 1.0 + 1.25 * sweep.chirp.ring_s);
-    // Silent tones are the same half a level apart: the second sweep is half of the first one, code by code.
+    // The second sweep is half of the first one, code by code.
     let both = sweep.codes().unwrap();
     let differ = both.first.iter().zip(&both.second).map(|(one, other)| (one - 2.0 * other).abs());
     assert!(differ.fold(0.0, f64::max) < 2.5 / 2048.0);
@@ -76,7 +76,7 @@ fn a_description_is_read_as_it_was_written_and_its_mistakes_name_their_field_and
         ),
         ("gain", "[0.5]", "gain has 1 numbers: must be 513"),
         ("gain", "[7.0]", "gain = 7: must be 0 to 1"),
-        ("gain", "\"loud\"", "no description of a sweep, as slipline sweep writes it: "),
+        ("gain", "\"loud\"", "not a description of a sweep, as slipline sweep writes it: "),
     ] {
         let found = changed(field, value);
         assert!(found.starts_with(message), "{message}\n{found}");

@@ -14,7 +14,7 @@ use slipline_plate::quantity::{show_frequency, show_length, show_place};
 
 /// Width left of the axis for its numbers and name, and right of it for half a number.
 const MARGIN: (f64, f64) = (50.0, 16.0);
-/// Least and greatest height of the plate.
+/// Smallest and largest height of the plate.
 const PLATE: (f64, f64) = (48.0, 170.0);
 /// Number of line segments of one edge of the plate.
 const EDGE: i32 = 400;
@@ -99,7 +99,7 @@ impl Layout {
         })
     }
 
-    /// A half-width in metres as it is drawn.
+    /// A half-width in metres as drawn, in points.
     pub(super) fn half_width(&self, half_width_m: f64) -> f64 {
         half_width_m * self.across
     }

@@ -70,7 +70,8 @@ pub struct File {
     pub bytes: Vec<u8>,
 }
 
-/// The work of the figure thread: the file, or the reason why there is none. `None` when the task was over before.
+/// The work of the figure thread: the file, or the reason why there is none. `None` if the task was cancelled
+/// before.
 #[must_use]
 pub fn work(job: &FigureJob, task: &Task) -> Option<Result<File, DrawError>> {
     if task.is_over() {
@@ -102,7 +103,7 @@ impl Subject {
         full_colour_m(self.sounding.as_ref(), self.full_peak_m)
     }
 
-    /// The amplitude from which on the first tone is felt, if the lines hold felt edges.
+    /// The amplitude from which the first tone is felt, if the lines hold felt edges.
     fn just_felt_m(&self) -> Option<f64> {
         let tone = self.setup.tones.first().filter(|_| self.setup.boundary == BoundaryMode::FeltEdge)?;
         let frequency_hz = self.setup.plate.frequency_for_boundary_hz(tone.position_m);

@@ -25,7 +25,7 @@ fn png(subject: &Subject) -> Vec<u8> {
     plate_figure(subject).unwrap().file(Format::Png).unwrap()
 }
 
-/// The figure's width, height and pixels, and the dots per metre it names.
+/// The figure's width, height and pixels, and its stated dots per metre.
 fn drawn(subject: &Subject) -> (u32, u32, Vec<[u8; 3]>, u32) {
     let (width, height, pixels, dots) = decoded(&png(subject));
     (width, height, pixels, dots.unwrap())
