@@ -20,8 +20,8 @@ use std::time::{Duration, Instant};
 const GRIDS: [(usize, usize, usize); 3] = [(128, 32, 960), (512, 128, 384), (2048, 512, 32)];
 /// (c dt/h)^2 of the FDTD problem.
 const COURANT_SQUARED: f32 = 0.25;
-/// How long each problem is repeated; the fastest run counts. Runs last a few milliseconds: on a busy machine some of
-/// them are not interrupted.
+/// Time for which each problem is repeated; the fastest run counts. A run lasts a few milliseconds, so even on a busy
+/// machine some runs are not interrupted.
 const REPEAT: Duration = Duration::from_millis(1200);
 
 struct Report {
@@ -38,7 +38,7 @@ impl Report {
         }
     }
 
-    /// The shortest of the runs: what the machine can do when it is otherwise idle.
+    /// Duration of the fastest run, which is the one least disturbed by other programs.
     fn fastest(&self, mut run: impl FnMut()) -> Duration {
         let begin = Instant::now();
         let mut fastest = Duration::MAX;
@@ -118,7 +118,7 @@ fn many_frequencies(report: &Report, problem: &str, plate: &Plate) {
     report.row(problem, "slipline 1", milliseconds, "ms", check, "");
 }
 
-/// All lights of each preset over its span, from the plate on: what a user waits for.
+/// All lights of each preset over its span, computed from the plate: the time a user waits.
 fn lights(report: &Report) {
     for preset in presets() {
         let Some(plate) = preset.plate() else { continue };
@@ -172,8 +172,8 @@ fn time_lines(report: &Report) {
         let factor = codes.len() as f64 / rate / time.as_secs_f64();
         report.row(&format!("fitted line {points}"), "slipline 1", factor, "x real", check, "");
     }
-    // How long a line takes to build: by eigenfunctions, and by the fit, which a finger on the plate needs each time it
-    // moves.
+    // Time to build a line: by eigenfunctions, and by the rational fit, which is repeated each time a finger on the
+    // plate moves.
     for preset in presets() {
         let Some(plate) = preset.plate() else { continue };
         for (kind, build) in [
@@ -187,7 +187,7 @@ fn time_lines(report: &Report) {
     }
 }
 
-/// The plate as the inputs of a device sample it: one sensor and the drive point, and how long it takes to prepare.
+/// Simulation of a device's inputs, one sensor and the drive point: its speed, and the time to prepare it.
 fn sensed(report: &Report) {
     let rate = 400_000.0;
     let codes: Vec<f64> = (0..8_000).map(|n| f64::from(0.5 * (2.0 * PI * 0.075 * n as f32).sin())).collect();
@@ -214,7 +214,7 @@ fn sensed(report: &Report) {
     }
 }
 
-/// The same grid, with the envelope of every cell.
+/// The same grid, with the envelope recorded at every cell.
 fn everywhere(grid: SheetGrid) -> SheetGrid {
     SheetGrid { envelope: EnvelopeScope::Everywhere, ..grid }
 }

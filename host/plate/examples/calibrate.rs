@@ -1,9 +1,9 @@
-//! The calibration by the ratio of two places, for other programs: `tests/oracle` compares it with scipy's least squares.
+//! Calibration by the ratio of two places, for other programs: `tests/oracle` compares it with scipy's least squares.
 //!
-//! On the standard input, separated by white space: a preset's name, both places in metres, the standard deviation of each, the
-//! number of frequencies, and for each the frequency in hertz and, for both sensors, the real and the imaginary part of
-//! the response and the standard deviation of its noise. One line for each parameter goes to the standard output: its
-//! name, value, and the ends of its interval; then chi^2 over the number of residuals.
+//! Standard input, separated by white space: the name of a preset, both places in metres, the standard deviation of
+//! each, the number of frequencies, and for each frequency its value in hertz and, for both sensors, the real and the
+//! imaginary part of the response and the standard deviation of its noise. Standard output, one line for each
+//! parameter: its name, value, and the ends of its interval; then chi^2 over the number of residuals.
 
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, Priors, SensorKind, from_ratio};
 use slipline_plate::{Complex64, preset};

@@ -1,10 +1,10 @@
-//! What any method can make of felt edges on a membrane of unknown drive, at best.
+//! The least error that any calibration by felt edges can have on a membrane of unknown drive.
 //!
-//! Truths are drawn as the tests draw them: plate, source, actuator, threshold and gain. A finger shows where the edges of
-//! some tones are, each mark within 3 mm of its edge. Of many plates and drives drawn alike, those whose edges all lie within
-//! 3 mm of the marks are as likely as each other to be the truth, and the others are impossible. The mean of their edges has
-//! the least expected square error that any method can have; here its error is printed, as the root of the mean square over
-//! the band. No fit and no model of an estimator is in it: `from_touches` can be no better on average.
+//! Truths are random as in the tests: plate, source, actuator, threshold and gain. A finger marks the felt edges of
+//! some tones, each within 3 mm. Many plates and drives are sampled from the same distribution. Those with all edges
+//! within 3 mm of the marks are equally likely to be the truth, all others are excluded. The mean of their edges has
+//! the least expected square error of any method; its rms error over the band is printed. It contains no fit and no
+//! model of an estimator: the average error of `from_touches` cannot be smaller.
 //!
 //! `cargo run --release -p slipline-plate --example felt_edges`
 
@@ -13,22 +13,22 @@ use slipline_plate::truth::{Random, near};
 use slipline_plate::{DriveTable, Equation, Plate, preset, respond_batch};
 
 const RATE_HZ: f64 = 400e3;
-/// Plates that are drawn, and fingers with each.
+/// Sampled plates, and fingers for each.
 const PLATES: u64 = 12_000;
 const FINGERS: usize = 64;
-/// Truths, the first of them those of the tests.
+/// Truths; the first of them are those of the tests.
 const TRUTHS: u64 = 100;
-/// How far a mark may be from its edge, metres.
+/// Largest distance of a mark from its edge, metres.
 const MARK_M: f64 = 3e-3;
 /// Tones over the band.
 const TONES: usize = 21;
-/// Least number of plates that must fit for a mean of theirs.
+/// Least number of matching plates for a mean.
 const LEAST: usize = 20;
 
-/// The edges of all tones; 0 or the plate's length where there is none on it.
+/// The edges of all tones, metres; 0 or the plate's length where no edge lies on the plate.
 type Edges = [f32; TONES];
 
-/// What plays the tones, and how strongly each place of a plate is felt.
+/// The drive of the tones, and the weight of each place in the sensation.
 struct Played {
     frequencies_hz: Vec<f64>,
     amplitudes: Vec<f64>,
@@ -40,7 +40,7 @@ impl Played {
         let (low, high) = nominal.band_hz();
         let share = |i: usize| 0.1 + 0.8 * i as f64 / (TONES - 1) as f64;
         let frequencies_hz: Vec<f64> = (0..TONES).map(|i| low * (high / low).powf(share(i))).collect();
-        // The level of a touch: a vibration is felt from less than a micrometre on.
+        // The level of a touch: vibration is felt from less than a micrometre.
         let amplitude = |&hz: &f64| 0.03 * table.gain(nominal.turning_point_m(hz).expect("enters"));
         let amplitudes = frequencies_hz.iter().map(amplitude).collect();
         Self { frequencies_hz, amplitudes }

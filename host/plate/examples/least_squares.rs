@@ -1,7 +1,8 @@
-//! Non-negative least squares and the least largest error, for other programs: `tests/oracle` compares them with scipy's.
+//! Non-negative least squares and the least largest error, for other programs: `tests/oracle` compares them with
+//! scipy's.
 //!
-//! Problems come on the standard input, numbers separated by white space: rows, columns, A column by column, b. For each, one
-//! line goes to the standard output: x of the least squares, then the least largest error.
+//! Standard input, problems as numbers separated by white space: rows, columns, A column by column, b. Standard
+//! output, one line for each problem: x of the least squares, then the least largest error.
 
 use slipline_plate::texture::least_largest_error;
 use slipline_plate::texture::nnls::{Columns, non_negative_least_squares};

@@ -1,4 +1,4 @@
-//! Where a frequency turns on a plate, and how wide its edge is.
+//! Turning point of a frequency on a plate, and the width of its edge.
 //!
 //! `cargo run -p slipline-plate --example turning_point`
 

@@ -1,8 +1,8 @@
-//! Tables in texts: numbered lines, the cells of a row, their numbers, and the error that names a line. What the columns mean
-//! is known where a kind of file is read.
+//! Tables in texts: numbered lines, the cells of a row, their numbers, and the error that names a line. The meaning
+//! of the columns is defined by the reader of each kind of file.
 //!
-//! Cells are separated by commas, semicolons, tabs or blanks. A number has a decimal point, or a decimal comma where another
-//! sign separates the cells.
+//! Cells are separated by commas, semicolons, tabs or blanks. A number has a decimal point, or a decimal comma where
+//! the cells are not separated by commas.
 
 use crate::quantity::must_be;
 use thiserror::Error;
@@ -11,9 +11,9 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("line {line}: {reason}")]
 pub struct BadLine {
-    /// The line, from 1.
+    /// Number of the line, from 1.
     pub line: usize,
-    /// What is wrong, and what is allowed.
+    /// The mistake and the allowed values.
     pub reason: String,
 }
 
@@ -21,36 +21,36 @@ pub(crate) fn wrong<E: From<BadLine>>(line: usize, reason: impl Into<String>) ->
     BadLine { line, reason: reason.into() }.into()
 }
 
-/// The numbers that a cell may hold, in words and as a condition.
+/// The allowed numbers of a cell, in words and as a condition.
 pub(crate) type Allowed = (&'static str, fn(f64) -> bool);
 
 pub(crate) const FINITE: Allowed = ("a finite number", f64::is_finite);
-/// Its range is checked later.
+/// For a number whose range is checked later.
 pub(crate) const ANY: Allowed = ("a number with a decimal point", |_| true);
 
-/// The lines of a text without the blanks at their ends and without a byte order mark, with their numbers from 1.
+/// The lines of a text, without a byte order mark and without blanks at their ends, with their numbers from 1.
 pub fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     (1..).zip(text.trim_start_matches('\u{feff}').lines().map(str::trim))
 }
 
-/// The lines of a table, with their numbers from 1: those that are not empty and do not begin with `#`.
+/// The lines of a table with their numbers from 1: those that are not empty and do not begin with `#`.
 pub fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
     lines(text).filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
 }
 
-/// How the cells of a line are separated.
+/// The separator of a line's cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Separator {
-    /// By semicolons or tabs, and a comma is the decimal sign.
+    /// Semicolons or tabs; a comma is the decimal sign.
     Sign(char),
-    /// By commas.
+    /// Commas.
     Comma,
-    /// By blanks, and a comma is the decimal sign.
+    /// Blanks; a comma is the decimal sign.
     Blank,
 }
 
 impl Separator {
-    /// The separator that a line shows.
+    /// The separator used in a line.
     #[must_use]
     pub fn of(line: &str) -> Self {
         if let Some(sign) = line.chars().find(|sign| matches!(sign, ';' | '\t')) {
@@ -75,13 +75,13 @@ impl Separator {
     }
 }
 
-/// The cells of a line by the separator that it shows.
+/// The cells of a line by its own separator.
 #[must_use]
 pub fn cells(line: &str) -> Vec<String> {
     Separator::of(line).cells(line)
 }
 
-/// The beginning of a text from a file, as a message can show it.
+/// The beginning of a text from a file, safe to display in a message.
 pub(crate) fn shown(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_control()).take(40).collect()
 }

@@ -1,4 +1,4 @@
-//! An unknown plate, drawn at random near a nominal one: for tests and for a simulated rig.
+//! A random plate near a nominal one, as an unknown truth for tests and for a simulated rig.
 
 use crate::definition::{
     Actuator, Air, AirMounting, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel,
@@ -10,13 +10,13 @@ use std::f64::consts::TAU;
 pub struct Random(u64);
 
 impl Random {
-    /// The numbers of a seed.
+    /// A generator with this seed.
     #[must_use]
     pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
-    /// 64 bits.
+    /// The next 64 random bits.
     pub const fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -24,22 +24,22 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Uniform from `low` to `high`.
+    /// A number, uniform from `low` to `high`.
     pub fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Uniform in the logarithm, from `low` to `high`, both above 0.
+    /// A number, uniform in the logarithm from `low` to `high`, both above 0.
     pub fn factor(&mut self, low: f64, high: f64) -> f64 {
         self.within(low.ln(), high.ln()).exp()
     }
 
-    /// Of mean 0 and variance 1.
+    /// A normal deviate of mean 0 and variance 1.
     pub fn normal(&mut self) -> f64 {
         self.normals()[0]
     }
 
-    /// Two independent ones of mean 0 and variance 1 (Box and Muller).
+    /// Two independent normal deviates of mean 0 and variance 1 (Box and Muller).
     pub fn normals(&mut self) -> [f64; 2] {
         let (size, turn) = ((-2.0 * self.within(1e-300, 1.0).ln()).sqrt(), TAU * self.within(0.0, 1.0));
         let (sine, cosine) = turn.sin_cos();
@@ -47,20 +47,20 @@ impl Random {
     }
 }
 
-/// A true plate near `nominal`, as a workshop makes it: wave speed within 5 % of the nominal one, loss x0.5 to 2.5,
-/// ln(W0/W) within 0.4 %, W0 within 0.3 %, a source with 0.4 to 2.5 times the resistance that matches and with mass and
-/// spring, an actuator with a resonance, and a coefficient of its air within 10 %, where it has any.
+/// A true plate near `nominal`, with the spread of a workshop: wave speed within 5 % of the nominal one, loss x0.5 to
+/// 2.5, ln(W0/W) within 0.4 %, W0 within 0.3 %, a source with 0.4 to 2.5 times the matched resistance and with mass
+/// and stiffness, an actuator with a resonance, and the coefficient of its air, if it has one, within 10 %.
 ///
-/// A plate whose file does not state its wave impedance keeps its driven end. The next numbers of `random` are not used: a
-/// rig draws its delay and gain from them.
+/// A plate whose file does not state its wave impedance keeps its driven end. The random numbers after these remain
+/// unused: a rig uses them for its delay and gain.
 ///
 /// # Errors
-/// [`PlateError`] if the plate that was drawn leaves a limit of plates.
+/// [`PlateError`] if the random plate is out of range.
 pub fn near(nominal: &Plate, random: &mut Random) -> Result<Plate, PlateError> {
     let mut spec = nominal.with_wave_speed(random.within(0.95, 1.05))?.spec().clone();
     spec.loss_factor = (spec.loss_factor * random.factor(0.5, 2.5)).min(crate::limits::LOSS_FACTOR.high);
     let (rate, width) = (random.within(0.996, 1.004), random.within(0.997, 1.003));
-    // ln(W0/W) goes with `rate`, W0 with `width`.
+    // ln(W0/W) scales with `rate`, W0 with `width`.
     let narrowed = |start: f64, half_width: f64| width * start * (half_width / start).powf(rate);
     match &mut spec.taper {
         Taper::Exponential { half_width_m, rate_per_m } => {
@@ -92,15 +92,15 @@ pub fn near(nominal: &Plate, random: &mut Random) -> Result<Plate, PlateError> {
     Plate::new(spec)
 }
 
-/// Resistances of a source over the one that matches, uniform in the logarithm.
+/// Resistances of a source over the matched one, uniform in the logarithm.
 pub(crate) const RESISTANCE: (f64, f64) = (0.4, 2.5);
-/// Reactances of its mass and of its spring at the middle of the band, over that resistance; uniform.
+/// Reactances of its mass and of its stiffness in the middle of the band, over that resistance; uniform.
 pub(crate) const REACTANCE: (f64, f64) = (0.0, 1.0);
 /// Resonances of an actuator over the middle of the band, and its quality factors; both uniform in the logarithm.
 pub(crate) const RESONANCE: (f64, f64) = (0.5, 2.0);
 pub(crate) const QUALITY: (f64, f64) = (0.7, 5.0);
 
-/// The drives that a workshop may have put on a plate.
+/// The spread of the drives that a workshop may put on a plate.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DriveSpread {
     /// The middle of the band, Hz.
@@ -110,14 +110,14 @@ pub(crate) struct DriveSpread {
     travel: Option<Travel>,
 }
 
-/// The sources among them.
+/// The spread of the sources.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SourceSpread {
     /// Angular frequency of the middle of the band, rad/s.
     pub(crate) omega: f64,
-    /// The resistance that matches, N s/m.
+    /// The matched resistance, N s/m.
     pub(crate) matched: f64,
-    /// What they act on, without an impedance.
+    /// The driven end on which they act, with zero impedance.
     pub(crate) end: Source,
 }
 
@@ -132,7 +132,7 @@ impl DriveSpread {
                 DriveEnd::DisplacementAndSlope { slope } => (Some(slope), None),
                 _ => (soft.slope, None),
             };
-            // Behind a lead-in a soft source matches, 0.3 of Z; without one a damper of Z.
+            // With a lead-in the match is a source of low impedance, 0.3 of Z; without one, a damper of Z.
             let matched = if lead_in.is_some() { 0.3 * impedance } else { impedance };
             SourceSpread { omega: TAU * middle_hz, matched, end: Source { slope, lead_in, ..soft } }
         });
@@ -148,7 +148,7 @@ impl DriveSpread {
 }
 
 impl SourceSpread {
-    /// The source of this resistance, mass and spring, in the units of [`RESISTANCE`] and [`REACTANCE`].
+    /// The source with this resistance, mass and stiffness, in the units of [`RESISTANCE`] and [`REACTANCE`].
     pub(crate) fn with(&self, [resistance, mass, stiffness]: [f64; 3]) -> Source {
         let impedance = Impedance {
             resistance_n_s_per_m: self.matched * resistance,
@@ -165,7 +165,7 @@ mod tests {
     use crate::definition::presets;
 
     #[test]
-    fn twenty_truths_of_each_preset_are_plates_within_what_is_told_and_none_is_another() {
+    fn twenty_truths_of_each_preset_are_plates_within_the_stated_spread_and_none_is_another() {
         for preset in presets() {
             let nominal = preset.plate().expect("a preset");
             let mut before = nominal.clone();
@@ -175,7 +175,7 @@ mod tests {
                 assert_ne!(plate, before, "{} {seed}", preset.name);
                 let share = plate.frequency_for_boundary_hz(0.5 * plate.length_m())
                     / nominal.frequency_for_boundary_hz(0.5 * plate.length_m());
-                // In bending the frequency goes with the square of the phase speed.
+                // In bending the frequency is proportional to the square of the phase speed.
                 assert!((0.88..1.13).contains(&share), "{} {seed}: {share}", preset.name);
                 let width = plate.half_width_m(0.0) / nominal.half_width_m(0.0);
                 assert!((0.997..=1.003).contains(&width), "{} {seed}: {width}", preset.name);

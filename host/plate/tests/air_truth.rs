@@ -1,12 +1,12 @@
-//! Membranes and plates in two dimensions with the air's own matrix: how far the air takes their peaks, and how far the law
-//! of the air is from that.
+//! Membranes and plates in two dimensions with the full matrix of the air: the shift of their peaks by the air, and
+//! the error of the law of the air.
 
 use slipline_plate::{Air, AirMounting, Equation, Faces, Gas, Peak, Plate, plane, preset, respond};
 
 const POINTS: usize = 2001;
 const BAFFLE: AirMounting = AirMounting::Baffle { faces: Faces::Two };
 
-/// The preset `name` in a room, mounted like this.
+/// The preset `name` in a room with this mounting.
 fn in_air(name: &str, mounting: AirMounting) -> Plate {
     let mut spec = preset(name).expect("a preset").spec().clone();
     spec.air = Some(Air::Around { gas: Gas::ROOM, mounting });
@@ -22,13 +22,13 @@ fn by_truth(plate: &Plate, frequency_hz: f64) -> Peak {
     plane::respond(plate, frequency_hz, POINTS, &setup).expect("solves").peak.expect("a peak")
 }
 
-/// How much farther from the drive and how much higher `found` is than `truth`: mm and dB.
+/// Position and level of `found` minus those of `truth`: mm and dB.
 fn misses(found: &Peak, truth: &Peak) -> (f64, f64) {
     let level_db = 20.0 * (found.amplitude / truth.amplitude).log10();
     (1e3 * (found.position_m - truth.position_m), level_db)
 }
 
-/// The tone whose boundary the plate file of the preset without air has at a place, and how far air takes its peak.
+/// The shift of a peak by the air, at the frequency for a boundary of the preset without air.
 #[test]
 fn air_takes_the_peaks_of_the_presets_as_far_as_the_physics_page_says() {
     for (name, mounting, place_m, page_mm, page_db) in [
@@ -50,7 +50,7 @@ fn air_takes_the_peaks_of_the_presets_as_far_as_the_physics_page_says() {
     }
 }
 
-/// Where the plate file states the coefficient, both dimensions have the same law: they agree as they do in vacuum.
+/// Where the plate file states the coefficient, one and two dimensions use the same law: they agree as in vacuum.
 #[test]
 fn a_stated_coefficient_is_the_same_air_in_one_dimension_and_in_two() {
     for name in ["membrane", "al-bending"] {
@@ -61,7 +61,7 @@ fn a_stated_coefficient_is_the_same_air_in_one_dimension_and_in_two() {
     }
 }
 
-/// The law against the truth at this place: mm and dB; it prints the coefficient that the place asks for.
+/// The law against the truth at this place: mm and dB. Prints the coefficient that gives the true place.
 fn law_at(name: &str, mounting: AirMounting, place_m: f64) -> (f64, f64) {
     let plate = in_air(name, mounting);
     let frequency_hz = plate.frequency_for_boundary_hz(place_m);

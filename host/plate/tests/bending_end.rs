@@ -1,4 +1,4 @@
-//! The driven end of a plate in bending: what it reflects, with its near field, against numbers of independent
+//! The driven end of a plate in bending: its reflection with the near field, against numbers of independent
 //! two-dimensional solvers (mapped Galerkin, Kirchhoff) and against closed forms.
 
 use proptest::prelude::*;
@@ -8,13 +8,13 @@ use slipline_plate::{
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// The aluminium plate of 2 mm and 20 mm half-width with this end.
+/// The aluminium plate of 2 mm thickness and 20 mm half-width with this end.
 fn aluminium(drive_end: DriveEnd) -> Plate {
     let spec = preset("al-bending-displacement").expect("a preset").spec().clone();
     Plate::new(PlateSpec { drive_end, ..spec }).expect("a valid end")
 }
 
-/// Z at 28 kHz, the frequency at which resistances are stated here.
+/// Z at 28 kHz, where resistances are stated in this file.
 fn impedance() -> f64 {
     aluminium(DriveEnd::Displacement).wave_impedance_n_s_per_m(28e3).expect("bending")
 }
@@ -153,7 +153,8 @@ fn the_field_with_its_near_part_meets_both_conditions_at_the_end() {
 
 #[test]
 fn a_hinged_moved_end_puts_about_half_of_its_motion_into_the_near_field() {
-    // No moment: (K^2 - (1 - nu) q^2) p = (K^2 + (1 - nu) q^2) e with q = pi/(2 s) by the turning width, and p + e = 1.
+    // No moment: (K^2 - (1 - nu) q^2) p = (K^2 + (1 - nu) q^2) e with q = pi/(2 s), s the turning half-width, and
+    // p + e = 1.
     let hinged = aluminium(DriveEnd::DisplacementAndSlope { slope: EndSlope::Free });
     for frequency_hz in [20e3, 31e3, 40e3] {
         let peak = |plate: &Plate| {
@@ -250,14 +251,14 @@ fn a_gram_of_coil_on_the_default_membrane_raises_the_swing_from_8_to_23_db() {
 #[test]
 fn a_matched_source_launches_a_wave_of_amplitude_one_at_its_frequency() {
     let sourced = membrane(|source| source);
-    let matched_hz = sourced.spec().drive_end.at_frequency_hz().expect("told");
+    let matched_hz = sourced.spec().drive_end.at_frequency_hz().expect("stated");
     let mut spec = sourced.spec().clone();
     spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: matched_hz };
     let resisted = Plate::new(spec).expect("valid");
     let peak = |plate: &Plate| {
         respond(plate, matched_hz, 401, Equation::Corrected).expect("enters").peak.expect("a peak").amplitude
     };
-    // The loss of 0.03 turns the line's tension and not the law of the resistance.
+    // The loss of 0.03 enters the line's tension and not the law of the resistance.
     assert!((peak(&sourced) / peak(&resisted) - 1.0).abs() < 1e-2, "{} {}", peak(&sourced), peak(&resisted));
     assert!(reflection(&sourced, matched_hz).expect("enters").norm() < 0.03);
 }

@@ -1,12 +1,12 @@
-//! The driven end of a clamped plate in bending, with all waves of its strip: what an end without loss and a lead-in must
-//! do whatever the numbers, and what the plate in two dimensions does.
+//! The driven end of a clamped plate in bending, with all waves of its strip: properties of an end without loss and
+//! of a lead-in that hold for all parameters, and comparison with the plate in two dimensions.
 
 use slipline_plate::{
     Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Model, Plate, PlateSpec, Source,
     TurningWidth, plane, preset, reflection, respond,
 };
 
-/// From just above the cut-off to where the next symmetric width mode can leave the end, which would take power with it.
+/// From just above the cut-off to where the next symmetric width mode could carry power away from the end.
 const FREQUENCIES_HZ: [f64; 4] = [8e3, 15e3, 28e3, 36e3];
 
 /// The aluminium plate of 2 mm between clamped edges.
@@ -61,14 +61,15 @@ fn a_damper_of_the_waves_impedance_reflects_half_of_the_amplitude_and_a_weaker_o
     let dampers = [0.1, 0.37, 1.0, 3.0];
     let norms: Vec<f64> = dampers.iter().map(|&it| reflected(source(it, None), 28e3).norm()).collect();
     assert!(norms.iter().all(|norm| *norm < 1.0), "{norms:?}");
-    // A real end reflects most of what a damper of its own Z would take in the one-mode equation.
+    // A real end reflects most of the power that a damper of its own Z would absorb in the one-mode equation.
     assert!(norms[2] > 0.4 && norms[2] < 0.7, "{norms:?}");
     assert!(norms[1] < norms[0] && norms[1] < norms[2] && norms[2] < norms[3], "{norms:?}");
 }
 
 #[test]
 fn a_lead_in_like_the_plate_moves_the_end_back_by_its_length() {
-    // Without loss and without a damper the strip behind the drive is more of the same strip, with the free end there.
+    // Without loss and without a damper the lead-in continues the strip of the plate, with a free end at its far
+    // side.
     for frequency_hz in FREQUENCIES_HZ {
         let free = reflected(source(0.0, None), frequency_hz);
         let strip = plate(DriveEnd::Displacement, 0.0);
@@ -77,7 +78,7 @@ fn a_lead_in_like_the_plate_moves_the_end_back_by_its_length() {
             let lead_in = LeadIn { length_m, loss_factor: 0.0, end_resistance_n_s_per_m: 0.0 };
             reflected(source(0.0, Some(lead_in)), frequency_hz) / free
         });
-        // k by the difference of a response far from the ends is not needed: the phase of 30 mm more, three times.
+        // k is not needed: the phase of 30 mm more of lead-in must repeat, three times.
         let step = behind[1] / behind[0];
         assert!((behind[0] - step * step).norm() < 2e-3, "{frequency_hz}: {behind:?} of {}", strip.name());
         assert!((step.norm() - 1.0).abs() < 1e-4, "{frequency_hz}: {step}");
@@ -130,7 +131,7 @@ fn a_moved_end_gives_the_field_of_the_plate_in_two_dimensions() {
                 plane::respond(&plate, frequency_hz, points, &plane::Setup::of(&plate)).expect("enters");
             let one = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
             let (peak, true_peak) = (one.peak.expect("a peak"), truth.peak.expect("a peak"));
-            // The level is absolute: it has the share of the drive that becomes the wave.
+            // The level is absolute: it depends on the fraction of the drive that becomes the wave.
             let level_db = 20.0 * (peak.amplitude / true_peak.amplitude).log10();
             assert!(level_db.abs() < 0.5, "{slope:?} {boundary_m}: {level_db} dB");
             assert!(

@@ -57,7 +57,7 @@ fn antinodes_and_edge_are_where_the_plate_in_two_dimensions_has_them() {
             let end_m = plate.turning_point_m(frequency_hz).expect("enters");
             let found = antinodes(&one.amplitude, step_m, end_m);
             let wanted = antinodes(&truth.amplitude, step_m, end_m);
-            // The near field of the end reaches as far as W, and the third width mode to its own boundary.
+            // The near field of the end extends to W, and the third width mode to its own boundary.
             let from_m = half_width_m + plate.ghost_boundary_m(frequency_hz, 3).unwrap_or(0.0);
             let at = format!("W0 {half_width_m} d {rate_per_m} boundary {boundary_m}");
             let far = |all: &[(f64, f64)]| all.iter().filter(|it| it.0 > from_m).count();
@@ -83,7 +83,7 @@ fn a_force_fixes_the_slope_of_the_whole_amplitude_with_its_weight() {
     let mut spec = plate(0.02, 4.62, 0.01).spec().clone();
     spec.drive_end = DriveEnd::Force { at_frequency_hz: 12e3 };
     let plate = Plate::new(spec).expect("a valid plate");
-    // f'(0) is -k0 at 12 kHz, whatever the frequency.
+    // f'(0) is -k0 at 12 kHz, for every frequency.
     let slope = |frequency_hz: f64| {
         let points = 20_001;
         let f = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters").amplitude;

@@ -1,5 +1,5 @@
-//! Plates between clamped edges in time against `respond`: a settled tone on a line at its peak, and the answers of a sensor,
-//! with every kind of driven end.
+//! Plates between clamped edges in the time domain against `respond`: a settled tone on a line at its peak, and the
+//! responses of a sensor, with every kind of driven end.
 
 use crate::drive_curve::settled_phasor;
 use slipline_plate::calibrate::SensorKind;
@@ -11,22 +11,22 @@ use slipline_plate::{
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 const PLATES: u64 = 20;
-/// Boundaries over the span, its ends included.
+/// Boundaries over the span, with both ends.
 const BOUNDARIES: u32 = 6;
 const POINTS: usize = 257;
-/// Most that may be off: the peak's height and place, and an answer.
+/// Largest errors: of the peak's height and place, and of a response.
 const PEAK_DB: f64 = 0.1;
 const PLACE_M: f64 = 1e-4;
 const ANSWER_DB: f64 = 0.4;
-/// A peak below this share of the largest amplitude has lost its place to damping.
+/// A peak below this fraction of the largest amplitude has no definite place, because of damping.
 const FAINT: f64 = 0.2;
-/// An answer below this share of the largest one at its place is none.
+/// Responses below this fraction of the largest one at their place are not compared.
 const SILENT: f64 = 1e-4;
 
 /// The kinds of driven ends.
 const ENDS: [&str; 6] = ["displacement", "slope", "force", "resistance", "source", "lead-in"];
 
-/// Aluminium or glass of 0.5 to 4 mm whose edges converge, at the drive, by 0.05 to 0.3.
+/// Aluminium or glass of 0.5 to 4 mm with |W'| from 0.05 to 0.3 at the drive.
 fn bare(number: u64) -> Plate {
     let mut random = Random::new(1000 + number);
     let bending = Bending {
@@ -110,11 +110,11 @@ fn hold(hz: f64, rate_hz: f64) -> f64 {
 /// Largest errors of a plate in time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Errors {
-    /// Of the peak on a line, or of the largest amplitude where there is no peak, dB.
+    /// Error of the peak on a line, or of the largest amplitude where there is no peak, dB.
     peak_db: f64,
-    /// Of the peak's place, metres.
+    /// Error of the peak's place, metres.
     place_m: f64,
-    /// Of a sensor's answer at two places, dB.
+    /// Error of a sensor's response at two places, dB.
     answer_db: f64,
 }
 
@@ -141,7 +141,7 @@ fn decibels(found: f64, exact: f64) -> f64 {
     (20.0 * (found / exact).log10()).abs()
 }
 
-/// Settles a tone of full scale and leaves its envelope to be read.
+/// Settles a tone of full scale; afterwards the line's envelope is that of the settled tone.
 fn settle(line: &mut TimeDomainLine, hz: f64, rate_hz: f64) {
     let (wait, measured) = ((line.settle_time_s() * rate_hz) as usize, (20.0 * rate_hz / hz) as usize);
     let code = |n: usize| (TAU * (hz * n as f64 / rate_hz).fract()).cos() as f32;
@@ -151,7 +151,7 @@ fn settle(line: &mut TimeDomainLine, hz: f64, rate_hz: f64) {
     line.push(&(wait..wait + measured).map(code).collect::<Vec<f32>>());
 }
 
-/// Settled tones on a line.
+/// Errors of settled tones on a line.
 fn of_a_line(plate: &Plate) -> Errors {
     let rate_hz = 10.0 * plate.band_hz().1;
     let mut line = TimeDomainLine::new(plate, rate_hz, POINTS, 1).expect("a line");
@@ -176,7 +176,7 @@ fn of_a_line(plate: &Plate) -> Errors {
     errors
 }
 
-/// The answers of a sensor.
+/// Errors of the responses of a sensor.
 fn of_a_sensor(plate: &Plate) -> Errors {
     let rate_hz = 12.0 * plate.band_hz().1;
     let sensed = SensedPlate::new(plate, None, rate_hz).expect("a plate in time");
@@ -191,7 +191,7 @@ fn of_a_sensor(plate: &Plate) -> Errors {
                 exact[(2000.0 * share) as usize].norm() * plate.spec().full_scale_m * hold(hz, rate_hz);
             answers.push((sensed.steady(&sensor, hz).norm(), exact));
         }
-        // Far beyond the turning point there is no answer.
+        // Far beyond the turning point there is no response.
         let floor = SILENT * answers.iter().map(|it| it.1).fold(0.0, f64::max);
         for (found, exact) in answers.into_iter().filter(|it| it.1 > floor) {
             errors.answer_db = errors.answer_db.max(decibels(found, exact));
@@ -221,7 +221,7 @@ fn twenty_clamped_plates_in_time_are_those_of_the_frequency_domain() {
     worst.expect("some").assert_small("all");
 }
 
-/// The settled field at place `at` of 65 over the tone that is as late as the line says, per code, and that of `respond`.
+/// The settled field at place `at` of 65 over the tone with the line's stated delay, per code, and that of `respond`.
 fn phasors(plate: &Plate, hz: f64, at: usize) -> [Complex64; 2] {
     const RATE_HZ: f64 = 400e3;
     let found = settled_phasor(plate, hz, RATE_HZ, at);
@@ -236,7 +236,8 @@ fn a_clamped_line_is_as_late_as_it_says() {
     let (span_start_m, span_end_m, loss_factor) = (0.12, 0.18, 0.02);
     let plate =
         Plate::new(PlateSpec { model, span_start_m, span_end_m, loss_factor, ..spec }).expect("valid");
-    // The phase over that of `respond` at two frequencies is what is left of the delay, less than the drive's filter steps.
+    // The phase over that of `respond` at two frequencies gives the remaining delay, which is below the drive's
+    // filter steps.
     let (hz, apart_hz) = (24e3, 400.0);
     let [here, there] = [hz, hz + apart_hz].map(|hz| {
         let [found, exact] = phasors(&plate, hz, 11);

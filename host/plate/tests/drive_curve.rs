@@ -1,5 +1,5 @@
-//! Drives that are curves (a measured actuator, the correction of a calibration) in the time domain, against `respond` times
-//! `drive_response`: on the line, on the sheet and in the answers of a sensor.
+//! Drives given by curves (a measured actuator, the correction of a calibration) in the time domain, against
+//! `respond` times `drive_response`: on the line, on the sheet and in the responses of a sensor.
 
 use slipline_plate::calibrate::{SensorKind, band_hz};
 use slipline_plate::truth::Random;
@@ -9,11 +9,11 @@ use slipline_plate::{
 };
 use std::f64::consts::{PI, TAU};
 
-/// Frequencies over the band, its ends included.
+/// Frequencies over the band, with both ends.
 const FREQUENCIES: u32 = 6;
 const DECIBELS: f64 = 0.05;
 
-/// The gain of an actuator that the plate file does not have and the ripple of a source that does not match, as a
+/// The gain of an actuator that the plate file does not state, and the ripple of an unmatched source, as a
 /// calibration measures them: at 60 frequencies of a scalar plate and 150 of one in bending, without a phase.
 fn correction(plate: &Plate, random: &mut Random) -> ResponseCurve {
     let (low_hz, high_hz) = band_hz(plate);
@@ -48,7 +48,8 @@ fn with_actuator(plate: &Plate, curve: ResponseCurve) -> Plate {
     Plate::new(PlateSpec { actuator, ..plate.spec().clone() }).expect("a valid plate")
 }
 
-/// What an analyser measures of an actuator with a resonance in the middle of the band, and a curve of few points.
+/// The curve of an actuator with a resonance in the middle of the band, as an analyser measures it, and a curve of
+/// few points.
 fn actuators(plate: &Plate) -> [ResponseCurve; 2] {
     let (low_hz, high_hz) = plate.band_hz();
     let middle_hz = (low_hz * high_hz).sqrt();
@@ -62,7 +63,7 @@ fn actuators(plate: &Plate) -> [ResponseCurve; 2] {
     [ResponseCurve { points: (0..=200).map(point).collect() }, ResponseCurve { points: few }]
 }
 
-/// Drives of every kind on a plate.
+/// Plates with drives of every kind.
 fn driven(plate: &Plate, random: &mut Random) -> Vec<Plate> {
     let calibrations: Vec<ResponseCurve> = (0..2).map(|_| correction(plate, random)).collect();
     let mut plates: Vec<Plate> = calibrations.iter().map(|curve| calibrated(plate, curve.clone())).collect();
@@ -93,10 +94,10 @@ fn decibels(found: f64, exact: f64) -> f64 {
     20.0 * (found / exact).log10()
 }
 
-/// The preset that `cargo test` has; the others are `.ci/run long_tests`.
+/// The preset of `cargo test`; `.ci/run long_tests` has the others.
 const FIRST: &str = "membrane";
 
-/// `al-bending` between clamped edges, held at its end. In time it is a fit of its own.
+/// `al-bending` between clamped edges, held at its end; its time domain is a rational fit.
 const CLAMPED: &str = "clamped";
 
 fn nominal(name: &str) -> Plate {
@@ -157,13 +158,13 @@ fn lines_have_the_drive(names: &[&str]) {
     println!("line: {worst} dB at worst, {left_out} dB without the curves");
 }
 
-/// The settled field at place `at` of 65 over a tone that is as late as the line says.
+/// The settled field at place `at` of 65 over a tone with the line's stated delay.
 pub(crate) fn settled_phasor(plate: &Plate, hz: f64, rate_hz: f64, at: usize) -> Complex64 {
     let mut line = TimeDomainLine::new(plate, rate_hz, 65, 1).expect("a line");
     let wait = (line.settle_time_s() * rate_hz) as usize;
     let code = |n: usize| (TAU * (hz * n as f64 / rate_hz).fract()).cos() as f32;
     line.push(&(0..wait).map(code).collect::<Vec<f32>>());
-    // On to the next field.
+    // Continue to the next field.
     let (fields, mut n) = (line.envelope().samples(), wait);
     while line.envelope().samples() == fields {
         line.push(&[code(n)]);
@@ -222,10 +223,10 @@ fn sheets_have_the_drive(name: &str, count: usize) {
     for (number, plate) in driven(&nominal, &mut random).into_iter().take(count).enumerate() {
         for (hz, period) in [(1.1 * low_hz, 40), (0.95 * high_hz, 40)] {
             let rate_hz = hz * period as f64;
-            // The sheet's own answer to its file without the curves.
+            // The sheet's own response with its file without the curves.
             let (plain, step_hz) = settled_m(&nominal, rate_hz, period);
             let (found, _) = settled_m(&plate, rate_hz, period);
-            // Without curves a step has the mean of its codes, or a code holds for its steps.
+            // Without curves a step takes the mean of its codes, or a code is held for its steps.
             let droop = hold(hz, rate_hz.max(step_hz)) / hold(hz, rate_hz.min(step_hz)) * hold(hz, rate_hz);
             let top = (0..plain.len()).max_by(|&a, &b| plain[a].total_cmp(&plain[b])).expect("some");
             let drive = plate.drive_response(hz).norm() / nominal.drive_response(hz).norm();

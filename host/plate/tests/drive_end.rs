@@ -1,4 +1,4 @@
-//! What the driven end does to the level of the peak, and how a table levels it.
+//! Influence of the driven end on the level of the peak, and its compensation by a table.
 
 use slipline_plate::{
     Actuator, DriveEnd, DriveTable, Equation, Plate, Progress, Resonator, TurningWidth, airy, preset,
@@ -19,7 +19,7 @@ fn variation(name: &str, loss: f64, end: impl Fn(DriveEnd) -> DriveEnd) -> Plate
     Plate::new(spec).expect("a valid variation")
 }
 
-/// The end of a source of ratio `ratio` at whatever frequency is asked for.
+/// The end of a source of ratio `ratio` at `frequency`.
 fn of_ratio(name: &str, loss: f64, ratio: f64, frequency: f64) -> Plate {
     variation(name, loss, |_| DriveEnd::Resistance { ratio, at_frequency_hz: frequency })
 }
@@ -87,7 +87,8 @@ fn the_table_holds_the_level_within_1_db_for_every_preset_at_the_knots_and_betwe
         assert_eq!(knots.iter().map(|knot| knot.gain).fold(0.0, f64::max), 1.0);
         let edge = plate.edge_width_m(plate.band_hz().1).expect("enters");
         assert!(table.worst_shift_m < edge / 100.0, "{}: {} m", entry.name, table.worst_shift_m);
-        // Independently of the table's own check: at odd places, peak times gain is the promised level.
+        // Independently of the table's own check: at other places than the knots, peak times gain is the stated
+        // level.
         let level = table.peak_at_full_scale_m / plate.spec().full_scale_m;
         for i in 0..97 {
             let x =
@@ -116,7 +117,7 @@ fn the_table_undoes_the_hold_and_the_actuator() {
     let response =
         |x: f64| plate.spec().actuator.as_ref().expect("set").response(table.frequency_hz(x)).norm();
     assert!((ratio(x) * response(x) / response(0.2) - 1.0).abs() < 0.01);
-    // At 100 kS/s the hold takes 2.4 dB more at 40 kHz than at rest; at 10 MS/s it takes nothing.
+    // At 100 kS/s the hold lowers 40 kHz by 2.4 dB against 0 Hz; at 10 MS/s by nothing.
     let between = |x: f64| bare.gain(x) / fast.gain(x);
     let droop = |x: f64| {
         let turn = std::f64::consts::PI * bare.frequency_hz(x) / 100e3;
@@ -166,7 +167,7 @@ fn the_closed_form_gives_the_drive_to_peak_gain_within_two_percent() {
 
 #[test]
 fn a_lossy_plate_has_no_peak_and_says_so() {
-    // I = (eta/2) nu acosh(nu/s0): at I about 6 the standing wave is gone.
+    // I = (eta/2) nu acosh(nu/s0): at I of about 6 the standing wave has vanished.
     let faint = variation("al-bending-displacement", 0.5, |end| end);
     let response = respond(&faint, 39e3, 601, Equation::Corrected).expect("enters");
     assert!(response.peak.is_none_or(|peak| !peak.is_largest), "{:?}", response.peak);

@@ -44,7 +44,7 @@ fn k_of_imaginary_order_has_its_golden_peaks_levels_and_nodes() {
         assert!(((found_tenth / peak).ln() - tenth).abs() < 1e-6, "nu {nu}: {}", (found_tenth / peak).ln());
         let found_node = bisect(0.98 * node, 1.02 * node, |s| k(nu, s));
         assert!((found_node / node - 1.0).abs() < 3e-9, "nu {nu}: node {found_node}");
-        // Airy's peak in the variable s: K_{i nu}(s) goes as Ai((s - nu)/(nu/2)^(1/3)).
+        // Airy's peak in the variable s: K_{i nu}(s) is proportional to Ai((s - nu)/(nu/2)^(1/3)).
         let airy = nu - airy::PEAK_OFFSET * (0.5 * nu).cbrt();
         assert!((airy / airy_peak - 1.0).abs() < 2e-8, "nu {nu}: Airy {airy}");
     }
@@ -69,8 +69,8 @@ fn the_quadrature_solves_its_differential_equation() {
     }
 }
 
-/// The exact amplitude on an exponential taper of the membrane, SH or supported model, at every `stride`-th of
-/// the solver's points.
+/// The exact amplitude on an exponential taper for the membrane, SH or supported model, at every `stride`-th of the
+/// solver's points.
 fn exact(plate: &Plate, frequency: f64, points: usize, stride: usize, equation: Equation) -> Vec<Complex64> {
     let spec = plate.spec();
     let d = -plate.narrowing_per_m(0.0);

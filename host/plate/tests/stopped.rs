@@ -1,4 +1,4 @@
-//! Long computations report their progress, and end when the caller does not want them any more.
+//! Long computations report their progress and end when the caller stops them.
 
 use slipline_plate::check::{CheckError, Checker, Conditions};
 use slipline_plate::design::{DesignError, Edge, Material, Request, Wave, design, design_watched};
@@ -6,8 +6,8 @@ use slipline_plate::{
     DriveTable, KNOTS_MAX, Progress, Stopped, TableError, preset, sensitivity_per_percent_watched,
 };
 
-/// The shares that a computation reports until `limit` of it is done.
-fn told(limit: f64, compute: impl FnOnce(&mut Progress<'_>)) -> Vec<f64> {
+/// The fractions that a computation reports until `limit` of it is done.
+fn reported(limit: f64, compute: impl FnOnce(&mut Progress<'_>)) -> Vec<f64> {
     let mut shares = Vec::new();
     compute(&mut Progress::new(&mut |share| {
         shares.push(share);
@@ -29,7 +29,7 @@ fn a_whole_computation_tells_shares_that_rise_from_none_to_nearly_all() {
         },
     ];
     for (number, compute) in computations.into_iter().enumerate() {
-        let shares = told(2.0, compute);
+        let shares = reported(2.0, compute);
         // A check is prepared in eleven sweeps of eight boundaries.
         let fewest = if number == 2 { 11 } else { 40 };
         assert!(shares.len() >= fewest, "{number}: {}", shares.len());
@@ -42,14 +42,14 @@ fn a_whole_computation_tells_shares_that_rise_from_none_to_nearly_all() {
 fn a_no_ends_the_computation_at_once() {
     for name in ["membrane", "al-bending"] {
         let plate = preset(name).expect("a preset");
-        let shares = told(0.3, |progress| {
+        let shares = reported(0.3, |progress| {
             let table = DriveTable::build_watched(&plate, 400e3, KNOTS_MAX, progress);
             assert_eq!(table, Err(TableError::Stopped(Stopped)));
         });
         let last = shares[shares.len() - 1];
         assert!((0.3..0.4).contains(&last), "{name}: {last}");
         assert!(shares[..shares.len() - 1].iter().all(|&share| share < 0.3), "{name}");
-        told(0.3, |progress| {
+        reported(0.3, |progress| {
             let checker = Checker::watched(&plate, Conditions::default(), progress);
             assert_eq!(checker.map(drop), Err(CheckError::Stopped(Stopped)));
         });
@@ -61,12 +61,12 @@ fn a_design_can_be_stopped_at_every_step_of_it() {
     let material = Material::named("aluminium").expect("known");
     let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
     let request = Request::new("stopped", material, 2e-3, wave, (20e3, 40e3), 0.3);
-    let shares = told(2.0, |progress| {
+    let shares = reported(2.0, |progress| {
         assert_eq!(design_watched(&request, progress), Ok(design(&request).expect("possible")));
     });
     assert!(shares.len() >= 5 && shares.is_sorted() && shares[shares.len() - 1] == 1.0, "{shares:?}");
     for limit in &shares {
-        let until = told(*limit, |progress| {
+        let until = reported(*limit, |progress| {
             assert_eq!(design_watched(&request, progress), Err(DesignError::Stopped(Stopped)));
         });
         assert_eq!(until.last(), Some(limit));

@@ -1,4 +1,4 @@
-//! Where a wave turns: along the arc that meets both edges at right angles, against two-dimensional solutions.
+//! The turning point along the arc that meets both edges at right angles, against two-dimensional solutions.
 
 use slipline_plate::{
     DriveEnd, Equation, Model, Peak, Plate, PlateSpec, Taper, TurningWidth, plane, preset, respond,
@@ -33,7 +33,7 @@ fn the_arc_puts_the_peak_at_least_three_times_nearer_to_the_two_dimensional_one(
         let arc = variation(name, |_| {});
         let plain = arc.with_turning_width(TurningWidth::Plain);
         let truth = respond_coupled(&arc, frequency_hz, 8001, 8).expect("enters").expect("cosines");
-        // The peak is sought about the turning point of either law, which must not matter.
+        // The peak is searched around the turning point of either law; the choice must not matter.
         let two = Peak::of(&truth.centre_line(), &arc, frequency_hz).expect("a peak").position_m * 1e3;
         let found = [peak_mm(&plain, frequency_hz), peak_mm(&arc, frequency_hz), two];
         let off = |of: f64| (of - two).abs();
@@ -46,8 +46,9 @@ fn the_arc_puts_the_peak_at_least_three_times_nearer_to_the_two_dimensional_one(
 
 #[test]
 fn between_straight_edges_the_peak_is_the_first_one_of_the_exact_bessel_function() {
-    // Edges at +-alpha to the centre line: f = J_nu(K r), nu = pi/(2 alpha), r from where they meet. Its first maximum is
-    // at j' = nu + 0.8086165 nu^(1/3) + 0.0724902 nu^(-1/3) - 0.0509702/nu + 0.0093594 nu^(-5/3) (DLMF 10.21.40).
+    // Edges at +-alpha to the centre line: f = J_nu(K r), nu = pi/(2 alpha), r from their intersection. Its first
+    // maximum is at j' = nu + 0.8086165 nu^(1/3) + 0.0724902 nu^(-1/3) - 0.0509702/nu
+    // + 0.0093594 nu^(-5/3) (DLMF 10.21.40).
     let plate = variation("membrane", |spec| {
         spec.taper = Taper::Linear { half_width_m: 0.06, end_half_width_m: 0.004 };
         (spec.loss_factor, spec.span_start_m) = (0.0, 0.05);
@@ -91,7 +92,7 @@ fn every_taper_gives_one_frequency_to_each_place_and_back() {
             assert!(plate.kappa_per_m(frequency_hz).expect("enters") > 0.0, "{taper:?} {place_m}");
         }
     }
-    // Points so noisy that the arc would grow in places: no two frequencies turn in the wrong order.
+    // Points with so much noise that the arc would grow in places: no two frequencies may turn in the wrong order.
     let noisy = variation("membrane", |spec| spec.taper = wavy(5.9e-4));
     let mut before = 0.0;
     for place_m in (1..640).map(|i| 0.0005 * f64::from(i)) {
@@ -183,8 +184,8 @@ fn every_changed_frequency_of_a_preset_is_listed_and_nearer_to_the_two_dimension
         let place_m = place_mm * 1e-3;
         let plain_hz = arc.with_turning_width(TurningWidth::Plain).frequency_for_boundary_hz(place_m);
         let arc_hz = arc.frequency_for_boundary_hz(place_m);
-        // What turns at this place in two dimensions: the wave whose peak is where the one-mode equation has it.
-        // With little loss: it does not move the turning point, but where the peak stands before it.
+        // The wave that turns at this place in two dimensions is the one with its peak where the one-mode equation
+        // puts it. Its loss is low: loss does not move the turning point, but it moves the peak before it.
         let held = variation(name, |spec| spec.loss_factor = spec.loss_factor.min(0.01));
         let two = plane::respond(&held, arc_hz, 2001, &plane::Setup::of(&held)).expect("enters");
         let shift_m = two.peak.expect("a peak").position_m - 1e-3 * peak_mm(&held, arc_hz);

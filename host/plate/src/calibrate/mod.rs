@@ -1,4 +1,4 @@
-//! Calibration: a plate file from what sensors on the plate measured. PHYSICS.md, section 9, has the equations.
+//! Calibration: a plate file from responses measured on the plate. PHYSICS.md, section 9, has the equations.
 //!
 //! ```text
 //! files: own CSV, tables, .frd, universal -> measurement::foreign::File
@@ -12,8 +12,9 @@
 //! a calibrated plate and a Measurement at one place -> speed_trim: its wave speed now -> phases of a few tones -> later
 //! ```
 //!
-//! `placement/` proposes where the sensor stands, `measurement/` holds the data, `fit/` the plates that suit them, `felt/` those that suit felt edges. Nothing here plays
-//! or records a tone: a [`Measurement`] comes from a device, a file or a solver.
+//! `placement/` proposes the sensors' places, `measurement/` holds the data, `fit/` fits plates to them, `felt/` fits
+//! plates to felt edges. Nothing here plays or records a tone: a [`Measurement`] comes from a device, a file or a
+//! solver.
 
 mod error;
 mod felt;

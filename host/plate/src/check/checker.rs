@@ -17,7 +17,7 @@ use crate::table::TableError;
 /// Points of the computed amplitude; the solver's own grid is finer where needed.
 const POINTS: usize = 513;
 
-/// A plate prepared for checks. Preparing takes most of the time: make it once and use it for many boundaries.
+/// A plate prepared for checks. The preparation takes most of the time: make it once and use it for many boundaries.
 #[derive(Debug)]
 pub struct Checker {
     prepared: Prepared,
@@ -33,8 +33,8 @@ impl Checker {
         Self::watched(plate, conditions, &mut Progress::new(&mut |_| true))
     }
 
-    /// As [`Checker::new`], with reports of its progress; it can be stopped. It takes a moment for most plates, and
-    /// many times as long for a plate of many wavelengths.
+    /// As [`Checker::new`], with reports of its progress; it can be stopped. A plate of many wavelengths takes many
+    /// times as long as most plates.
     ///
     /// # Errors
     /// As [`Checker::new`], and [`CheckError::Stopped`].
@@ -60,13 +60,13 @@ impl Checker {
         Ok(())
     }
 
-    /// The plate it was made for.
+    /// The plate of the checks.
     pub fn plate(&self) -> &Plate {
         &self.prepared.plate
     }
 
-    /// The peak displacement that the lights assume, metres: what a turning-point table reaches everywhere on the span
-    /// at the conditions' level.
+    /// The peak displacement that the lights assume, metres: the level that a turning-point table reaches everywhere
+    /// on the span, times the conditions' level.
     pub fn peak_m(&self) -> f64 {
         self.prepared.peak_m()
     }
@@ -91,8 +91,8 @@ impl Checker {
         })
     }
 
-    /// The lights over the plate's span: each of them at the boundary with its worst result, of
-    /// [`super::SPAN_PLACES`] boundaries.
+    /// The lights over the plate's span: the worst result of each over [`super::SPAN_PLACES`] boundaries, with its
+    /// boundary.
     ///
     /// # Errors
     /// As [`Checker::at`].
@@ -142,7 +142,7 @@ impl Checker {
         self.plate().spec().calibration.as_ref()?.level_tolerance_db
     }
 
-    /// What the lights need at each boundary, computed for all of them together.
+    /// The inputs of the lights at each boundary, computed for all boundaries together.
     pub(super) fn sites(&self, boundaries_m: &[f64]) -> Result<Vec<Site<'_>>, CheckError> {
         let plate = self.plate();
         let frequencies_hz: Vec<f64> =

@@ -11,7 +11,7 @@ pub struct Conditions {
     pub sample_rate_hz: f64,
     /// Level of the tone, 0 to 1 of the turning-point table's full scale (1 by default).
     pub level: f64,
-    /// Whether the drive is off the centre line, where it excites the second width mode, too.
+    /// Whether the drive is off the centre line, where it also excites the second width mode.
     pub off_centre: bool,
     /// Boundaries of the other tones played at the same time, metres (0.001 to 1 of the plate's length).
     pub other_boundaries_m: Vec<f64>,

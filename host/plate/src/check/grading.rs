@@ -1,4 +1,4 @@
-//! Turns a number found at a boundary into a light with a colour and a sentence.
+//! Makes a light, with colour and sentence, of a number at a boundary.
 
 use super::interval::Interval;
 use super::levels::SiteLevels;
@@ -15,7 +15,7 @@ pub(super) struct Finding {
     pub(super) severity: f64,
 }
 
-/// One boundary on a prepared plate and what was computed there: the input of every light.
+/// One boundary on a prepared plate and the quantities computed there: the input of every light.
 pub(super) struct Site<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) plate: &'a Plate,
@@ -24,18 +24,18 @@ pub(super) struct Site<'a> {
     /// The amplitude over the plate at that frequency.
     pub(super) response: Response,
     pub(super) levels: SiteLevels,
-    /// What a calibration leaves open here; `None` for an uncalibrated plate.
+    /// The interval that a calibration states here; `None` for an uncalibrated plate.
     pub(super) interval: Option<Interval>,
 }
 
 impl Finding {
-    /// States what the light's number must be.
+    /// States the limits of the light's number.
     pub(super) fn limited(mut self, limit: Limit) -> Self {
         self.light.limit = Some(limit);
         self
     }
 
-    /// States where on the plate it fails, unless it does not.
+    /// States where on the plate the light fails; nothing if it is green or unchecked.
     pub(super) fn over(mut self, stretches: impl FnOnce() -> Vec<Stretch>) -> Self {
         if self.light.colour > Colour::Green {
             self.light.stretches = stretches();
@@ -43,19 +43,19 @@ impl Finding {
         self
     }
 
-    /// States the one place where it fails, unless it does not.
+    /// States the one place where it fails; nothing if it is green or unchecked.
     pub(super) fn at(self, place_m: f64) -> Self {
         self.over(|| vec![Stretch::at(place_m)])
     }
 }
 
 impl Site<'_> {
-    /// Where the peak stands, metres; the boundary if there is none.
+    /// Place of the peak, metres; the boundary if there is none.
     pub(super) fn peak_m(&self) -> f64 {
         self.response.peak.map_or(self.boundary_m, |peak| peak.position_m)
     }
 
-    /// A light whose colour follows from `value` and `limits`, where larger is worse.
+    /// A light with its colour by `value` and `limits`, where larger is worse.
     pub(super) fn graded(
         &self,
         name: &'static str,
@@ -69,7 +69,7 @@ impl Site<'_> {
         finding.limited(Limit::AtMost(limits))
     }
 
-    /// A light whose colour is known.
+    /// A light of a given colour.
     pub(super) fn judged(
         &self,
         name: &'static str,
@@ -99,10 +99,10 @@ impl Site<'_> {
     }
 }
 
-/// The sentence that belongs to the colour.
+/// The sentence for the colour.
 pub(super) fn pick(colour: Colour, [green, amber, red]: [String; 3]) -> String {
     match colour {
-        // An unchecked light has no value to grade; it does not come here.
+        // An unchecked light has no value to grade and is not passed here.
         Colour::Green | Colour::Unchecked => green,
         Colour::Amber => amber,
         Colour::Red => red,

@@ -1,4 +1,4 @@
-//! The levels that the table makes equal on the plate, and what becomes of them where the plate is not quite the file's.
+//! Levels on the plate at the table's frequencies, and their change where the plate differs from its file.
 
 use super::error::CheckError;
 use super::thresholds::LOSS_TOLERANCE;
@@ -11,25 +11,25 @@ use crate::table::TableError;
 use crate::table::level::{DriveToPeak, Level, middles, other_plates};
 use num_complex::Complex64;
 
-/// Boundaries that are computed together: as many as the solver takes at once.
+/// Number of boundaries computed together: the lanes of the solver.
 pub(super) const AT_ONCE: usize = LANES;
 
-/// The plate and everything that it may be instead, each with its grid.
+/// The plate of the file and the other plates that the checks compute, each with its grid.
 #[derive(Debug)]
 pub(super) struct Variants {
     /// The plate of the file.
     nominal: DriveToPeak,
-    /// The plates over which the table is levelled, then those of the fields below that are not among them.
+    /// The plates over which the table is levelled, followed by the other plates of the fields below.
     others: Vec<DriveToPeak>,
-    /// How many of the others the table is levelled over.
+    /// Number of the others over which the table is levelled.
     levelled: usize,
-    /// The plate as it is, if the file leaves out the near field of its end.
+    /// The plate with the near field of its end, if the file leaves it out.
     whole: Option<Whole>,
-    /// Of the others: those with a wave speed 1 % and 0.5 % lower and higher.
+    /// Indices in `others`: wave speed 1 % and 0.5 % lower and higher.
     detuned: Vec<usize>,
-    /// Of the others: those with the lowest and the highest loss that the plate may have.
+    /// Indices in `others`: the lowest and the highest loss within the tolerance.
     lossy: Vec<usize>,
-    /// Of the others, for a calibrated plate: those at the ends of its intervals of wave speed and loss, and with the speeds
+    /// Indices in `others` for a calibrated plate: the ends of its intervals of wave speed and loss, and the speeds
     /// between.
     calibrated: Option<Vec<usize>>,
 }
@@ -37,46 +37,46 @@ pub(super) struct Variants {
 /// A plate in bending with the near field at its end, which the file leaves out.
 #[derive(Debug, Clone, Copy)]
 struct Whole {
-    /// Which of the others it is.
+    /// Its index in `others`.
     plate: usize,
-    /// How far its level is above that of the file's plate, on the mean over the span, dB: a factor that everyone finds
-    /// who measures the level once.
+    /// Its level over that of the file's plate, mean over the span, dB: one measurement of the level removes this
+    /// factor.
     above_db: f64,
 }
 
 /// Levels at one boundary.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SiteLevels {
-    /// That of the plate itself, per unit of DAC amplitude.
+    /// Level of the file's plate, per unit of DAC amplitude.
     pub(super) nominal: f64,
-    /// How far the peak may be from the table's level, after one factor for the span: where the end has the near field
-    /// that the file leaves out, dB. 0 for a file that states both conditions of its end.
+    /// Largest difference of the peak from the table's level, less the mean factor over the span, where the end has
+    /// the near field that the file leaves out, dB. 0 for a file that states both conditions of its end.
     pub(super) by_end_db: f64,
-    /// The same where the wave speed is off by 1 %, dB.
+    /// The same for a wave speed 1 % off, dB.
     pub(super) by_speed_db: f64,
-    /// The same where the loss is off by its tolerance, dB.
+    /// The same for a loss off by its tolerance, dB.
     pub(super) by_loss_db: f64,
-    /// How much higher than here the peak is where the wave speed is off by up to 1 %, dB; 0 or more.
+    /// Rise of the peak for a wave speed off by up to 1 %, dB; 0 or more.
     pub(super) rise_db: f64,
-    /// Whether the peak is the largest amplitude on the plate, with its whole end, and at all these speeds; on a calibrated
-    /// plate over its intervals instead.
+    /// Whether the peak is the largest amplitude on the plate, with the near field of its end and at all these
+    /// speeds; on a calibrated plate, over its intervals instead.
     pub(super) peak_largest: bool,
-    /// What the intervals of a calibrated plate do; `None` for an uncalibrated plate.
+    /// Levels over the intervals of a calibrated plate; `None` for an uncalibrated one.
     pub(super) calibrated: Option<Calibrated>,
 }
 
 /// Levels over the intervals of a calibrated plate, at one boundary.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Calibrated {
-    /// How far the peak may be from the table's level, dB.
+    /// Largest difference of the peak from the table's level, dB.
     pub(super) off_db: f64,
     /// Whether every plate has a peak.
     pub(super) peak_present: bool,
 }
 
 impl SiteLevels {
-    /// How far the peak of a calibrated plate may be from the table's level, dB: as measured, or by the intervals of wave speed
-    /// and loss where no levels were measured. `None` for an uncalibrated plate.
+    /// Largest difference of the peak of a calibrated plate from the table's level, dB: as measured, or over the
+    /// intervals of wave speed and loss where no levels were measured. `None` for an uncalibrated plate.
     pub(super) fn open_db(&self, plate: &Plate) -> Option<f64> {
         let measured = plate.spec().calibration.as_ref()?.level_tolerance_db;
         measured.or(self.calibrated.map(|levels| levels.off_db))
@@ -97,7 +97,7 @@ impl Variants {
         };
         let whole_plate = with_whole_end(plate);
         let whole = whole_plate.clone().map(&mut number_of);
-        // At the end of a material's allowed range some of these speeds are not allowed.
+        // At the limits of a model's fields some of these speeds are out of range.
         let real = whole_plate.as_ref().unwrap_or(plate);
         let speeds =
             [0.99, 0.995, 1.005, 1.01].into_iter().filter_map(|factor| real.with_wave_speed(factor).ok());
@@ -119,7 +119,7 @@ impl Variants {
             numbers.dedup();
             numbers
         });
-        // The band of another plate may end a little above what the sample rate carries; the boundaries' frequencies
+        // The band of another plate may end a little above the limit of the sample rate; the boundaries' frequencies
         // do not.
         let others: Vec<_> =
             plates.iter().map(|plate| DriveToPeak::unchecked(plate, sample_rate_hz)).collect();
@@ -127,8 +127,8 @@ impl Variants {
         Ok(Self { nominal, others, levelled, whole, detuned, lossy, calibrated })
     }
 
-    /// The plate's own levels at the frequencies of the whole span. The mean of the real plate's over them is the factor
-    /// of [`SiteLevels`].
+    /// The levels of the file's plate at the frequencies of the whole span. They also give the mean factor in
+    /// [`SiteLevels`] of a plate with the near field.
     pub(super) fn of_span(
         &mut self,
         frequencies_hz: &[f64],
@@ -142,7 +142,7 @@ impl Variants {
             if let Some(whole) = &self.whole {
                 let ratio = at(&self.others[whole.plate], group)?.into_iter().zip(&nominal).zip(group);
                 sum_db += ratio
-                    .map(|((real, told), &hz)| db(self.rise(hz) * real.amplitude / told.amplitude))
+                    .map(|((real, stated), &hz)| db(self.rise(hz) * real.amplitude / stated.amplitude))
                     .sum::<f64>();
             }
             levels.extend(nominal);
@@ -190,13 +190,13 @@ impl Variants {
         Ok(nominal.iter().zip(frequencies_hz).enumerate().map(of_site).collect())
     }
 
-    /// What a finger leaves of the amplitude under it.
+    /// Fraction of the amplitude that remains under a finger.
     pub(super) fn share_left(&self, finger: &Finger, frequency_hz: f64) -> Complex64 {
         let real = self.whole.map_or(&self.nominal, |whole| &self.others[whole.plate]);
         real.share_left(finger, frequency_hz)
     }
 
-    /// The drive of the file's end over that of the end with its near field.
+    /// Drive of the file's end over the drive of the end with its near field.
     fn rise(&self, frequency_hz: f64) -> f64 {
         if self.whole.is_some() { drive_rise(self.nominal.plate(), frequency_hz) } else { 1.0 }
     }

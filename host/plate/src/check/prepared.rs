@@ -1,4 +1,4 @@
-//! A plate with everything that the lights need and that does not depend on the boundary, computed once.
+//! A plate with all inputs of the lights that do not depend on the boundary, computed once.
 
 use super::conditions::Conditions;
 use super::error::CheckError;
@@ -11,16 +11,16 @@ use crate::table::travel;
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.
 pub const SPAN_PLACES: usize = 41;
 
-/// The plate, its conditions and what follows from both for every boundary.
+/// The plate, its conditions, and the quantities that they determine for every boundary.
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) plate: Plate,
     pub(super) conditions: Conditions,
-    /// The plate and what it may be instead.
+    /// The plate of the file and the plates that differ from it.
     pub(super) variants: Variants,
     /// Lowest gain from the DAC to the peak over the span: the level that a table can reach everywhere.
     pub(super) lowest_gain: f64,
-    /// What the actuator's peak travel leaves of that level.
+    /// Factor on that level by the actuator's travel limit.
     pub(super) travel_scale: f64,
 }
 
@@ -33,7 +33,7 @@ impl Prepared {
         conditions.validate(plate)?;
         let mut variants = Variants::new(plate, conditions.sample_rate_hz)?;
         let mut lowest_gain = f64::INFINITY;
-        // The travel per unit of peak.
+        // Largest travel per unit of peak amplitude.
         let mut largest_share: f64 = 0.0;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
         let frequencies_hz: Vec<f64> =

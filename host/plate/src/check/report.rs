@@ -9,13 +9,13 @@ use serde::{Serialize, Serializer};
 /// Colour of a light, in rising order of concern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Colour {
-    /// The plate file lacks what this check needs, so the result is not known.
+    /// The plate file lacks an input of this check.
     Unchecked,
     /// No concern.
     Green,
-    /// It works with the limitation that the sentence states.
+    /// Usable with the limitation that the sentence states.
     Amber,
-    /// It does not work or cannot be relied on.
+    /// Not usable or not reliable.
     Red,
 }
 
@@ -38,13 +38,13 @@ impl Serialize for Colour {
     }
 }
 
-/// The values of a light's number that make it green, amber and red.
+/// The limits of a light's number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
-    /// Green and amber up to these values; what is above is red.
+    /// Green and amber up to these values; red above.
     AtMost(Limits),
-    /// Green and amber from these values on; what is below is red.
+    /// Green and amber from these values on; red below.
     AtLeast(Limits),
 }
 
@@ -52,13 +52,13 @@ impl Limit {
     /// In words, with the unit of the light's number: `green up to 1 dB, amber up to 6.02 dB`.
     #[must_use]
     pub fn words(self, unit: &str) -> String {
-        let told = |value: f64| format!("{} {unit}", typed(value)).trim_end().to_owned();
+        let shown = |value: f64| format!("{} {unit}", typed(value)).trim_end().to_owned();
         match self {
             Self::AtMost(Limits { green, amber }) => {
-                format!("green up to {}, amber up to {}", told(green), told(amber))
+                format!("green up to {}, amber up to {}", shown(green), shown(amber))
             }
             Self::AtLeast(Limits { green, amber }) => {
-                format!("green from {}, amber from {}", told(green), told(amber))
+                format!("green from {}, amber from {}", shown(green), shown(amber))
             }
         }
     }
@@ -67,29 +67,29 @@ impl Limit {
 /// One validity light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Light {
-    /// What is checked; the same words for every plate.
+    /// The check; the same words for every plate.
     pub name: &'static str,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
     pub value: Option<f64>,
-    /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for an uncalibrated one, and where the
-    /// number does not depend on what was measured.
+    /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for an uncalibrated one, and
+    /// where the number does not depend on the measurement.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
-    /// The highest.
+    /// The highest `value` at these ends.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
     /// Unit of `value`; empty for a plain number.
     pub unit: &'static str,
-    /// What `value` must be; `None` where a number does not decide, or not this one alone.
+    /// Limits of `value`; `None` where the colour does not follow from `value` alone.
     pub limit: Option<Limit>,
     /// The result.
     pub colour: Colour,
-    /// One sentence that says what it means here and, unless it is green, what can be done.
+    /// One sentence: the meaning of the result and, unless it is green, a remedy.
     pub sentence: String,
     /// The boundary of this result, metres; over a span the one with the worst result.
     pub boundary_m: f64,
-    /// Where on the plate it fails; empty for a light that is green or unchecked, and for what has no place on the plate
-    /// (the steps of the DAC, the level of the sound).
+    /// The parts of the plate where the check fails; empty if the light is green or unchecked, and for a check
+    /// without a place on the plate (steps of the DAC, sound level).
     pub stretches: Vec<Stretch>,
 }
 
@@ -117,11 +117,11 @@ pub struct Report {
     pub plate: String,
     /// The boundary, metres; `None` over the span.
     pub boundary_m: Option<f64>,
-    /// How well the boundary is known, the largest over what was checked: half of the 95 % interval, metres; `None` for an
+    /// Half of the 95 % interval of the boundary, the largest over the checked ones, metres; `None` for an
     /// uncalibrated plate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub boundary_tolerance_m: Option<f64>,
-    /// The same of the level of the peak, dB; `None` where no levels were measured.
+    /// Half of the 95 % interval of the peak level, dB; `None` where no levels were measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub level_tolerance_db: Option<f64>,
     /// Lowest and highest frequency of the checked boundaries, Hz.
@@ -131,7 +131,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// What a calibration knows of boundary and level, in words; `None` for an uncalibrated plate.
+    /// The accuracy of boundary and level after a calibration, in words; `None` for an uncalibrated plate.
     #[must_use]
     pub fn known(&self) -> Option<String> {
         let boundary = interval::boundary_words(self.boundary_tolerance_m?);

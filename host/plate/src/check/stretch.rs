@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-/// Places at which a run of failing ones is looked for.
+/// Steps from the seed to a limit in the search for the first place that holds.
 const PLACES: usize = 200;
-/// Halvings that place the end of a run: to less than a micrometre on a plate of 10 m.
+/// Bisections of the end of a stretch: to less than a micrometre on a plate of 10 m.
 const HALVINGS: usize = 16;
 
 /// A part of the plate, metres from the driven end; where both ends are equal it is one place.
@@ -29,7 +29,7 @@ impl Stretch {
         0.5 * (self.from_m + self.to_m)
     }
 
-    /// The stretch about `seed_m`, where it fails, within 0 to `to_m`: as far as it fails on both sides.
+    /// The stretch of failing places around `seed_m`, which fails itself, within 0 to `to_m`.
     pub(super) fn about(seed_m: f64, to_m: f64, fails: impl Fn(f64) -> bool) -> Self {
         let seed_m = seed_m.clamp(0.0, to_m);
         let end = |limit_m: f64| {

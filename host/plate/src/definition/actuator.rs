@@ -6,12 +6,12 @@ use crate::definition::response_curve::ResponseCurve;
 use crate::definition::travel::Travel;
 use num_complex::Complex64;
 
-/// What lies between the DAC and the driven end.
+/// The transfer from the DAC to the driven end.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Actuator {
     /// A mass on a spring.
     Resonator(Resonator),
-    /// What was measured.
+    /// A measured curve.
     Measured(ResponseCurve),
 }
 
@@ -47,7 +47,7 @@ pub struct Resonator {
     pub resonance_hz: f64,
     /// Quality factor Q (0.1 to 1000).
     pub quality: f64,
-    /// How far it may move; `None` if nothing limits its travel.
+    /// Its travel and the limit of it; `None` if the travel is not limited.
     pub travel: Option<Travel>,
 }
 
@@ -65,17 +65,18 @@ impl Resonator {
     }
 }
 
-/// How far a tone moves the actuator.
+/// Travel of the actuator by a tone.
 ///
-/// The moving part is a mass on a spring. A force that would displace it by `static_m` at rest moves it at the frequency f
-/// by
+/// The moving part is a mass on a spring. A force that would displace it by `static_m` at rest moves it at the
+/// frequency f by
 /// ```text
 /// x(f) = static_m / sqrt((1 - r^2)^2 + (r/Q)^2),    r = f/f0
 /// ```
 /// in the steady state: `static_m` far below the resonance f0, Q `static_m` at it, `static_m` (f0/f)^2 far above it.
-/// Travels of several tones add up, because their phases may meet.
+/// Travels of several tones are added, because their phases may coincide.
 impl Resonator {
-    /// Steady travel of a tone at DAC full scale, as a share of the peak travel; 1 or less may be played at full scale.
+    /// Steady travel of a tone at DAC full scale, as a fraction of the peak travel; up to 1 it may be played at full
+    /// scale.
     /// `None` if the plate file does not limit the travel.
     pub fn travel_share(&self, frequency_hz: f64) -> Option<f64> {
         let Travel { peak_m, static_m } = self.travel?;
@@ -85,7 +86,8 @@ impl Resonator {
     /// The largest [`Resonator::travel_share`] of all frequencies from one to another, in either order.
     pub fn largest_travel_share(&self, from_hz: f64, to_hz: f64) -> Option<f64> {
         let at_ends = self.travel_share(from_hz)?.max(self.travel_share(to_hz)?);
-        // |H| rises up to its peak at f0 sqrt(1 - 1/(2 Q^2)) and falls beyond it; without a peak it only falls.
+        // |H| rises up to its peak at f0 sqrt(1 - 1/(2 Q^2)) and falls beyond; for Q below sqrt(1/2) it has no peak
+        // and only falls.
         let square = 1.0 - 0.5 / (self.quality * self.quality);
         let peak_hz = self.resonance_hz * square.max(0.0).sqrt();
         if (from_hz.min(to_hz)..=from_hz.max(to_hz)).contains(&peak_hz) {
@@ -95,7 +97,7 @@ impl Resonator {
         }
     }
 
-    /// Largest amplitude of a steady tone, as a share of DAC full scale (0 to 1), that keeps the peak travel. `None` if
+    /// Largest amplitude of a steady tone within the peak travel, as a fraction of DAC full scale (0 to 1). `None` if
     /// the plate file does not limit the travel.
     pub fn largest_amplitude(&self, frequency_hz: f64) -> Option<f64> {
         Some(self.travel_share(frequency_hz)?.recip().min(1.0))

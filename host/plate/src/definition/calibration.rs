@@ -1,5 +1,4 @@
-//! What a calibration leaves in a plate file beside the plate's numbers: how well they are known, and what the drive does
-//! over what the rest of the file says of it.
+//! The record of a calibration in a plate file: tolerances, and the correction of the drive's response.
 
 use crate::definition::error::PlateError;
 use crate::definition::impedance::Impedance;
@@ -12,22 +11,23 @@ pub(crate) const SOURCE_TOLERANCE: [&str; 3] =
 
 /// The record of a calibration.
 ///
-/// How well wave speed and loss are known stands in [`crate::PlateSpec::wave_speed_tolerance`] and
+/// The tolerances of wave speed and loss are [`crate::PlateSpec::wave_speed_tolerance`] and
 /// [`crate::PlateSpec::loss_tolerance`], which a drive table and the validity lights use.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
-    /// Sum of the squared residuals over their variance and number (0 to 1e6): about 1 where the model fits to the noise.
+    /// Sum of the squared residuals, each over its variance, divided by their number (0 to 1e6): about 1 where the
+    /// model fits to within the noise.
     pub chi2_per_n: f64,
-    /// How well the half-width at the driven end is known, as a fraction (0 to 1).
+    /// Half of the 95 % interval of the half-width at the driven end, as a fraction (0 to 1).
     pub half_width_tolerance: f64,
-    /// How well ln(W0/W(L)) is known, as a fraction (0 to 1); for an exponential taper, its rate.
+    /// Half of the 95 % interval of ln(W0/W(L)), as a fraction (0 to 1); for an exponential taper, of its rate.
     pub taper_tolerance: f64,
     /// Half of the 95 % interval of the level of the peak, dB (0 to 40). `None` if no levels were measured.
     pub level_tolerance_db: Option<f64>,
     /// Halves of the 95 % intervals of the source's resistance, mass and stiffness. `None` if the source was not fitted.
     pub source_tolerance: Option<Impedance>,
-    /// Measured gain from the DAC to the peak over what the rest of the file gives; its phase counts, too. It multiplies
-    /// every steady amplitude. `None` if no levels were measured.
+    /// Measured complex gain from the DAC to the peak over the gain by the rest of the file. It multiplies every
+    /// steady amplitude. `None` if no levels were measured.
     pub correction: Option<ResponseCurve>,
 }
 

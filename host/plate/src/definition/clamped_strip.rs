@@ -1,7 +1,8 @@
 //! The exact law of a strip in bending between clamped edges: wavenumber and power of its first width mode.
 //!
 //! The wave w = phi(z) e^(jkx) of a strip of half-width W, clamped at z = +-W, has
-//! phi = cos(p b)/cos p - cosh(r b)/cosh r with b = z/W and p^2, r^2 = W^2 (K^2 -+ k^2), and meets its edges when
+//! phi = cos(p b)/cos p - cosh(r b)/cosh r with b = z/W and p^2, r^2 = W^2 (K^2 -+ k^2), and satisfies the edge
+//! conditions when
 //!
 //! p tan p + r tanh r = 0.
 //!
@@ -10,22 +11,23 @@
 //! T. Then dA/du = (1 + (T + T^2)/u)/2 gives the derivatives of s.
 //!
 //! A wave of amplitude 1 on the centre line carries the power (1/2) rho h omega^2 v_g W I with I the integral of phi^2
-//! over b = -1..1, phi = 1 in the middle. At a fixed W the group speed v_g is proportional to k/(ds/dt), so the power goes
-//! with W k Omega, where the weight is Omega = I/(ds/dt). By the law the mixed term of the integral vanishes, the rest of
-//! it cancels against the numerator of ds/dt, and
+//! over b = -1..1, phi = 1 in the middle. At a fixed W the group speed v_g is proportional to k/(ds/dt), so the power
+//! is proportional to W k Omega, with the weight Omega = I/(ds/dt). By the law the mixed term of the integral
+//! vanishes, the rest of it cancels against the numerator of ds/dt, and
 //!
 //! Omega = (T + T^2) (1/p^2 + 1/r^2) / (1/cos p - 1/cosh r)^2.
 //!
-//! Loss makes t complex, t (1 + j eta); every formula holds as it stands.
+//! Loss makes t complex, t (1 + j eta); all formulas hold unchanged.
 //!
-//! The law has a branch point at t = 4.65, where the strip is 0.912 times as wide as at the cut-off: there the first mode
-//! meets the next one and both become complex. `strip_table` says what the amplitude equation takes instead.
+//! The law has a branch point at t = 4.65, where the strip is 0.912 times as wide as at the cut-off: there the first
+//! mode meets the next one and both become complex. `strip_table` states the continuation that the amplitude equation
+//! uses.
 
 use num_complex::Complex64;
 
 /// q^2: t at the cut-off.
 pub(crate) const CUT_OFF: f64 = 2.365_020_372_431_352 * 2.365_020_372_431_352;
-/// Newton's method ends at this relative step; the step after it would be below rounding.
+/// Newton's method ends at this relative step; the next step would be below rounding.
 const STEP_LEAST: f64 = 1e-9;
 const STEPS_MAX: usize = 40;
 
@@ -89,12 +91,13 @@ impl StripLaw {
 
         let value = above.value;
         let product = value + value * value;
-        // 1/cosh r by a small exponential, which cannot overflow.
+        // 1/cosh r as a small exponential, which cannot overflow.
         let small = (-r2.sqrt()).exp();
         let (across, along) = (1.0 / p2.sqrt().cos(), 2.0 * small / (1.0 + small * small));
         let middle = across - along;
         let weight = product * (1.0 / p2 + 1.0 / r2) / (middle * middle);
-        // 1/p^2 + 1/r^2 = 2 t/(t^2 - s^2); the last term is that of the middle, by tan p = T/p and tanh r = -T/r.
+        // 1/p^2 + 1/r^2 = 2 t/(t^2 - s^2); the last term is that of phi in the middle, by tan p = T/p and
+        // tanh r = -T/r.
         let weight_slope = (1.0 + 2.0 * value) * above.slope * less / product + 1.0 / t
             - 2.0 * (t - s * slope) / (p2 * r2)
             - (across * less / p2 - along * more / r2) * value / middle;
@@ -156,8 +159,9 @@ mod tests {
     #[test]
     fn the_weight_is_the_energy_flux_of_the_shape() {
         // In a thin strip with W = 1 and D = 1 the wave w = phi(b) e^(jkx) has the force
-        // V = -(w_xxx + (2 - nu) w_xbb) and the moment M = -(w_xx + nu w_bb) per width, and the power of both,
-        // (omega k/2) integral of (k^2 phi^2 - (2 - nu) phi phi'') + (k^2 phi^2 - nu phi phi''), goes with k K^2 omega Omega.
+        // V = -(w_xxx + (2 - nu) w_xbb) and the moment M = -(w_xx + nu w_bb) per width. The power of both is
+        // (omega k/2) integral of (k^2 phi^2 - (2 - nu) phi phi'') + (k^2 phi^2 - nu phi phi''),
+        // proportional to k K^2 omega Omega.
         let poisson = 0.33;
         for ratio in [0.985, 1.0001, 1.3, 2.0, 5.0] {
             let law = at_ratio(ratio, 0.0);

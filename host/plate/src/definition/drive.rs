@@ -34,7 +34,7 @@ pub enum DriveEnd {
     /// The displacement of an end in bending is prescribed, f(0) = 1, and its slope is free or held: hinged and moved,
     /// or clamped and moved.
     DisplacementAndSlope {
-        /// What holds the slope.
+        /// Condition on the slope.
         slope: EndSlope,
     },
     /// A force on a driven end with a mechanical impedance of its own, and in bending with a lead-in behind it.

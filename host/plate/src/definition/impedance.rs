@@ -1,4 +1,4 @@
-//! A mechanical impedance: what resists the motion of a driven end, of a damper, of a fingertip.
+//! A mechanical impedance: of a driven end, a damper or a fingertip.
 
 use crate::definition::limits;
 use crate::quantity::Range;
@@ -45,7 +45,7 @@ impl Impedance {
         Complex64::new(elastic, -omega * self.resistance_n_s_per_m)
     }
 
-    /// Whether nothing resists.
+    /// Whether all three are zero.
     pub(crate) fn is_nothing(&self) -> bool {
         *self == Self::default()
     }
@@ -74,7 +74,7 @@ mod tests {
             let wanted = Complex64::new(0.0, -omega) * impedance.at_n_s_per_m(frequency_hz);
             assert!((found / wanted - 1.0).norm() < 1e-12, "{frequency_hz}: {found} {wanted}");
         }
-        // A mass pushes back with -omega^2 m, a damper against the velocity.
+        // The force of a mass is -omega^2 m per deflection; that of a damper opposes the velocity.
         let mass = Impedance { mass_kg: 1.0, ..Impedance::default() };
         assert_eq!(mass.dynamic_stiffness(2.0), Complex64::new(-4.0, 0.0));
         assert_eq!(Impedance::damper(3.0).at_n_s_per_m(10.0), Complex64::from(3.0));

@@ -7,8 +7,8 @@ use num_complex::Complex64;
 
 /// A measured response: points of frequency, gain and phase, in rising frequency.
 ///
-/// Between two points the gain in dB and the phase go linearly with the logarithm of the frequency, the phase by the
-/// shorter way round; beyond the first and the last point both keep their values.
+/// Between two points the gain in dB and the phase are linear in the logarithm of the frequency, and the phase takes
+/// the shorter way round; beyond the first and the last point both are constant.
 ///
 /// ```
 /// use slipline_plate::ResponseCurve;
@@ -37,7 +37,7 @@ impl ResponseCurve {
             let field = |column: usize| format!("{name}[{index}][{column}]");
             limits::CURVE_FREQUENCY.check(&field(0), frequency_hz)?;
             if let Some(before_hz) = before {
-                // A step of a millionth keeps the slope between two points finite.
+                // A relative step of 1e-6 keeps the slope between two points finite.
                 let rising = Range { low: before_hz * (1.0 + 1e-6), ..limits::CURVE_FREQUENCY };
                 rising.check_from(Origin::Rising, &field(0), frequency_hz)?;
             }

@@ -1,4 +1,4 @@
-//! Which sample rates carry a plate's band. The drive table and the time-domain line use the same rule.
+//! Sample rates that carry a plate's band. The drive table and the time-domain line use the same rule.
 
 use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};

@@ -9,9 +9,9 @@ use serde::Serialize;
 /// A force F on a driven end that carries a damper, a mass and a spring: F - Z_s v acts on the plate, with v the velocity
 /// of the centre line and Z_s an [`Impedance`].
 ///
-/// The force is spread over the width like the first width mode, so it excites that mode alone. A drive of 1 is the
-/// constant force F = 2 omega Z at `at_frequency_hz`, where Z is the plate's wave impedance
-/// ([`crate::Plate::wave_impedance_n_s_per_m`]): what launches a wave of amplitude 1 at that frequency if the end
+/// The force is distributed over the width like the first width mode, so it excites that mode alone. A drive of 1 is
+/// the constant force F = 2 omega Z at `at_frequency_hz`, where Z is the plate's wave impedance
+/// ([`crate::Plate::wave_impedance_n_s_per_m`]). It launches a wave of amplitude 1 at that frequency if the end
 /// absorbs the returning wave, Z_s = Z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
@@ -19,23 +19,23 @@ pub struct Source {
     pub impedance: Impedance,
     /// Frequency at which the force is stated, Hz (above the cut-off at x = 0).
     pub at_frequency_hz: f64,
-    /// What holds the slope of an end in bending; `None` for membranes and shear waves, whose end has no slope.
+    /// Condition on the slope of an end in bending; `None` for membranes and shear waves, whose end has no slope.
     pub slope: Option<EndSlope>,
     /// The strip behind a driven end in bending; `None` if the plate ends there.
     pub lead_in: Option<LeadIn>,
 }
 
-/// What holds the slope of a driven end in bending.
+/// Condition on the slope of a driven end in bending.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EndSlope {
-    /// Nothing: no moment acts on the end (hinged or free).
+    /// Free: no moment acts on the end (hinged or free).
     Free,
-    /// A guide: the end cannot turn, f'(0) = 0.
+    /// Held by a guide: the end cannot turn, f'(0) = 0.
     Held,
 }
 
-/// A strip of the half-width W(0) and of the plate's material behind the drive, with a layer that dissipates. It takes in
-/// what the driven end lets through: the broadband match of a plate in bending.
+/// A strip of the half-width W(0) and of the plate's material behind the drive, with a lossy layer. It absorbs the
+/// waves that the driven end transmits: the broadband match of a plate in bending.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LeadIn {
     /// Length, metres (0.001 to 10).
@@ -47,7 +47,7 @@ pub struct LeadIn {
 }
 
 impl Source {
-    /// A force on an end without any impedance, with a free slope in bending.
+    /// A force on an end of zero impedance, with a free slope in bending.
     pub fn soft(model: &Model, at_frequency_hz: f64) -> Self {
         Self {
             impedance: Impedance::default(),
@@ -93,7 +93,7 @@ impl LeadIn {
     }
 }
 
-/// Why a slope or a lead-in is refused for membranes and shear waves.
+/// Reason why a slope or a lead-in is refused for membranes and shear waves.
 pub(super) const BENDING_ONLY: &str = "only the end of a plate in bending has a slope";
 
 pub(super) fn refused(field: &str, reason: &str) -> PlateError {

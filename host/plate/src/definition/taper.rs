@@ -1,7 +1,7 @@
-//! How the half-width of the plate narrows along x.
+//! The half-width of the plate along x.
 //!
 //! The plate spans z = -W..+W. Beyond the plate's end the taper is continued, so that the tail of the wave decays as
-//! in a longer plate.
+//! on a longer plate.
 
 use crate::definition::error::{Origin, PlateError};
 use crate::definition::limits;
@@ -33,7 +33,7 @@ pub enum Taper {
         /// Half-width at the narrow end, metres (1e-5 to 0.999 `half_width_m`).
         end_half_width_m: f64,
     },
-    /// Measured or drawn points, joined by a monotone cubic curve of ln W, which is exact for an exponential taper.
+    /// Measured or drawn points, interpolated by a monotone cubic in ln W, which is exact for an exponential taper.
     Sampled {
         /// 2 to 10 000 pairs `[position_m, half_width_m]`. Positions rise from 0 to at least the plate's length in
         /// steps of at least 1e-6 m; half-widths fall from point to point and are 1e-5 to 10 m.
@@ -42,7 +42,8 @@ pub enum Taper {
 }
 
 impl Taper {
-    /// W(x) becomes `scale` W0 (W/W0)^`power`: another width at the driven end, and another ln(W0/W(L)).
+    /// W(x) becomes `scale` W0 (W/W0)^`power`: it changes the width at the driven end by `scale` and ln(W0/W(L)) by
+    /// `power`.
     pub(crate) fn stretched(&self, scale: f64, power: f64) -> Self {
         match self {
             Self::Exponential { half_width_m, rate_per_m } => {
@@ -162,7 +163,7 @@ impl WidthLaw {
         Self::Curve { position, value, slope }
     }
 
-    /// Where the continued taper has zero width, metres: finite for a linear taper, whose edges meet.
+    /// Place where the continued taper has zero width, metres: finite for a linear taper, whose edges meet.
     pub(crate) fn reach_m(&self) -> f64 {
         match self {
             Self::Linear { half_width_m, fall } => half_width_m / fall,
@@ -176,7 +177,7 @@ impl WidthLaw {
                 LogWidth { value: log_width - rate_per_m * x, slope: -rate_per_m, curvature: 0.0 }
             }
             Self::Linear { half_width_m, fall } => {
-                // Beyond the tip the width stays above zero, so that a caller gets a very narrow plate and no NaN.
+                // Beyond the tip the width stays above zero: a caller gets a very narrow plate instead of NaN.
                 let width = (half_width_m - fall * x).max(half_width_m * 1e-9);
                 let slope = -fall / width;
                 LogWidth { value: width.ln(), slope, curvature: -slope * slope }
@@ -220,7 +221,7 @@ fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
         let (before, after) = (2.0 * step[i] + step[i - 1], step[i] + 2.0 * step[i - 1]);
         slope[i] = (before + after) / (before / secant[i - 1] + after / secant[i]);
     }
-    // At the ends: the one-sided three-point formula, limited so that the curve falls and stays monotone.
+    // At the ends: the one-sided three-point formula, limited so that the curve falls monotonically.
     let end = |near: f64, far: f64, h0: f64, h1: f64| {
         let raw = ((2.0 * h0 + h1) * near - h0 * far) / (h0 + h1);
         raw.clamp(3.0 * near, 0.1 * near)

@@ -1,15 +1,15 @@
-//! How far an actuator moves and may move. A plate file without it limits the levels by the DAC alone.
+//! The travel of an actuator and its limit. Without it in the plate file, the DAC alone limits the levels.
 
 use crate::definition::error::{Origin, PlateError};
 use crate::definition::limits;
 use crate::quantity::Range;
 
-/// How far an actuator moves at DAC full scale, and how far it may move; both to one side of its rest.
+/// Travel of an actuator at DAC full scale and its limit, both as a distance from rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Travel {
-    /// Farthest that the moving part may go from its rest, metres (1e-9 to 0.1): Xmax of a data sheet.
+    /// Largest distance of the moving part from rest, metres (1e-9 to 0.1): Xmax of a data sheet.
     pub peak_m: f64,
-    /// How far a steady signal at DAC full scale would hold it from its rest, metres (1e-9 to 0.1, at most 1000 times
+    /// Distance from rest under a constant signal at DAC full scale, metres (1e-9 to 0.1, at most 1000 times
     /// `peak_m`).
     pub static_m: f64,
 }
@@ -55,7 +55,8 @@ mod tests {
         assert_eq!(Resonator { travel: None, ..coil }.largest_amplitude(50.0), None);
     }
 
-    /// The largest travel, over the static one, of a mass on a spring that a cosine drives for long, by Runge-Kutta.
+    /// Largest travel over the static one of a mass on a spring, driven by a cosine up to the steady state, by
+    /// Runge-Kutta.
     fn integrated(ratio: f64, quality: f64) -> f64 {
         let omega = TAU * ratio;
         let force = |t: f64| (1.0 - (-t / (3.0 * quality.max(1.0))).exp()) * (omega * t).cos();
@@ -107,7 +108,7 @@ mod tests {
         let top = 2.0 * 5.0 / (1.0 - 1.0 / 100.0_f64).sqrt();
         let largest = coil.largest_travel_share(90.0, 10.0).expect("limited");
         assert!((largest / top - 1.0).abs() < 1e-12, "{largest} {top}");
-        // Without a peak the lowest frequency counts.
+        // Without a resonance peak the lowest frequency gives the largest travel.
         let damped = voice_coil(0.5);
         assert_eq!(damped.largest_travel_share(10.0, 90.0), damped.travel_share(10.0));
     }

@@ -3,9 +3,9 @@
 /// The purpose of a shape.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
-    /// To be cut.
+    /// A line to cut.
     Cut,
-    /// To be read: dimension lines and texts.
+    /// A dimension line or text to read.
     Dimension,
 }
 
@@ -65,7 +65,7 @@ impl Shape {
 /// A drawing of one part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
-    /// What the part is.
+    /// Name of the part.
     pub title: String,
     /// The shapes; the outer outline comes first.
     pub shapes: Vec<Shape>,
@@ -73,9 +73,9 @@ pub struct Drawing {
 
 /// Height of the dimension text, mm.
 pub(super) const TEXT_HEIGHT_MM: f64 = 4.0;
-/// Width of a letter over its height: a little more than the average of common typefaces.
+/// Width of a letter over its height: slightly above the average of common typefaces.
 const LETTER_WIDTH: f64 = 0.6;
-/// Most letters in a line of a note.
+/// Largest number of letters in a line of a note.
 const NOTE_LETTERS: usize = 70;
 /// Half the length of the tick at a dimension line's end, mm.
 pub(super) const TICK_MM: f64 = 1.5;

@@ -15,8 +15,8 @@ impl Drawing {
         let [left, bottom, right, top] = self.extents_mm();
         file.section("HEADER");
         file.put(9, "$ACADVER").put(1, "AC1009");
-        // R12 has no header variable for the unit. Programs read these two of later releases; without them they may
-        // take the numbers as inches.
+        // R12 has no header variable for the unit. Programs read these two from later releases; without them they may
+        // interpret the numbers as inches.
         file.put(9, "$INSUNITS").put(70, 4);
         file.put(9, "$MEASUREMENT").put(70, 1);
         file.put(9, "$EXTMIN").point(10, [left, bottom]);

@@ -1,6 +1,6 @@
-//! How the frame holds the sheet, so that the edges meet the boundary condition of the wave model.
+//! Mountings of the sheet in its frame, for the edge condition of the wave model.
 
-/// How the frame holds the sheet.
+/// Mounting of the sheet in its frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mounting {
     /// The sheet lies on a narrow lip that can rotate: supported edges.
@@ -12,7 +12,7 @@ pub enum Mounting {
 }
 
 impl Mounting {
-    /// What to cut and how to assemble it, in two sentences for the user.
+    /// Two sentences for the user: the parts to cut, and their assembly.
     #[must_use]
     pub fn sentence(self) -> &'static str {
         match self {

@@ -13,13 +13,13 @@ use crate::definition::source::{LeadIn, Source};
 use crate::quantity::number_format::rounded;
 use crate::quantity::show_si;
 
-/// How far a plate with supported edges extends beyond the window, mm: several times a cutter's kerf, so that the plate
-/// cannot fall through, and short enough to rotate freely. At 40 kHz in 2 mm of aluminium (K = 0.28 /mm) the moment of
-/// the lip's inertia about the edge is (K lip)^3/3 of the plate's bending moment, under 1 %.
+/// Overhang of a plate with supported edges beyond the window, mm: several times a cutter's kerf, so that the plate
+/// cannot fall through, and short enough to rotate freely. At 40 kHz in 2 mm of aluminium (K = 0.28 /mm) the moment
+/// of the lip's inertia about the edge is (K lip)^3/3 of the plate's bending moment, under 1 %.
 pub(super) const LIP_MM: f64 = 1.0;
 /// Largest distance of the cut polyline from the taper, mm.
 const SAG_MM: f64 = 0.005;
-/// Most points of one edge of the taper.
+/// Largest number of points of one edge of the taper.
 const EDGE_POINTS_MAX: usize = 2000;
 /// Free length of the window before the driven end, mm.
 const DRIVE_GAP_MM: f64 = 15.0;
@@ -28,7 +28,7 @@ const BOLT_MM: f64 = 4.3;
 /// Longest distance between bolt holes along an edge, mm.
 const BOLT_PITCH_MM: f64 = 60.0;
 
-/// The lead-in behind the drive, where the plate goes on with the width of its driven end.
+/// The lead-in behind the drive, a strip with the width of the driven end.
 fn lead_in(plate: &Plate) -> Option<LeadIn> {
     match plate.spec().drive_end {
         DriveEnd::Source(Source { lead_in, .. }) => lead_in,
@@ -84,7 +84,7 @@ fn closed(upper: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 /// Bolt holes in the rim along both long sides and the narrow end, mm; the sheet's wide end is at `start_mm`.
 fn bolts(start_mm: f64, wide_mm: f64, length_mm: f64, rim_mm: f64) -> impl Iterator<Item = Shape> {
     let line = wide_mm + 0.5 * rim_mm;
-    // The first two holes lie half a rim's width behind the sheet's edge at its wide end.
+    // The first two holes lie half a rim's width inside the sheet's edge at its wide end.
     let (first, last) = (start_mm + 0.5 * rim_mm, length_mm + 0.5 * rim_mm);
     let along = ((last - first) / BOLT_PITCH_MM).ceil().max(1.0) as usize;
     let across = (2.0 * line / BOLT_PITCH_MM).ceil().max(1.0) as usize;
@@ -150,7 +150,7 @@ fn lead_in_marks(plate: &Plate, half: f64) -> Vec<Shape> {
     vec![drive, horizontal(-lead_in_mm(plate), 0.0, half + 12.0)]
 }
 
-/// How to assemble the parts, as lines of text from (`x`, `z`) down.
+/// Assembly instructions, as lines of text from (`x`, `z`) down.
 fn notes(plate: &Plate, mounting: Mounting, x: f64, z: f64) -> impl Iterator<Item = Shape> {
     const LINE_MM: f64 = 6.0;
     let lead_in = lead_in(plate).map_or_else(String::new, |lead_in| {

@@ -1,4 +1,4 @@
-//! The axial part of the local wavenumber, a K^2: what the amplitude equation and its conditions at the driven end share.
+//! The axial part of the local wavenumber, a K^2, for the amplitude equation and its conditions at the driven end.
 
 use crate::definition::plate::WidthMode;
 use num_complex::Complex64;

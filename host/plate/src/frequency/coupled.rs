@@ -19,9 +19,10 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Most modes that are coupled.
+/// Largest number of coupled modes.
 pub const COUPLED_MODES_MAX: usize = 8;
-/// Most points of a coupled solution; its work is proportional to the points and to the cube of the number of modes.
+/// Largest number of points of a coupled solution; the work is proportional to it and to the cube of the number of
+/// modes.
 pub const COUPLED_POINTS_MAX: usize = 20_001;
 
 /// Steady amplitudes of several coupled width modes.
@@ -43,7 +44,7 @@ impl CoupledResponse {
 /// Solves for the first `modes` (1 to 8) symmetric width modes together, on `points` (8 to 20 001) uniform points from
 /// 0 to the plate's end. The drive has the shape of the first mode.
 ///
-/// The error is of second order in the distance of the points. Returns `None` for clamped edges, whose modes are not
+/// The error is of second order in the spacing of the points. Returns `None` for clamped edges, whose modes are not
 /// cosines.
 ///
 /// # Errors
@@ -70,7 +71,7 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
     let axial = plate.wavenumber_squared(frequency_hz) * plate.lossy(frequency_hz);
     let number: Vec<f64> = (0..modes).map(|n| PI * (n as f64 + 0.5)).collect();
     let complex = |matrix: &DMatrix<f64>, scale: f64| matrix.map(|value| Complex64::from(value * scale));
-    // Rows of g[i-1] low + g[i] middle + g[i+1] high = 0 at one place.
+    // Coefficients of g[i-1] low + g[i] middle + g[i+1] high = 0 at one point.
     let rows = |i: usize| {
         let log = plate.width.at(i as f64 * step);
         let identity = DMatrix::<Complex64>::identity(modes, modes);
@@ -83,7 +84,7 @@ fn solve(plate: &Plate, frequency_hz: f64, points: usize, modes: usize) -> Coupl
         }
         (&identity - &slope, middle, identity + slope)
     };
-    // From the plate's end toward the drive: g[i] = R[i] g[i-1]. Beyond the last point each mode decays by itself.
+    // From the plate's end toward the drive: g[i] = R[i] g[i-1]. Beyond the last point the modes decay independently.
     let last = points - 1;
     let end = plate.width.at(plate.length_m());
     let mut ratio = DMatrix::<Complex64>::zeros(modes, modes);
@@ -166,7 +167,7 @@ mod tests {
 
     #[test]
     fn six_coupled_modes_confirm_the_gain_of_the_one_mode_equation_and_not_the_papers() {
-        // The straight width: the other one moves the resonances of this end, and so the gain beside them, by 1 %.
+        // The plain width: the arc moves the resonances of this end, and with them the gain near them, by 1 %.
         let plate = preset("al-bending-displacement").expect("a preset");
         let plate = plate.with_turning_width(TurningWidth::Plain);
         for frequency in [22e3, 31e3, 40e3] {

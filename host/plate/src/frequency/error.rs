@@ -1,4 +1,4 @@
-//! Why no amplitude was computed at a frequency.
+//! Reasons why no amplitude was computed at a frequency.
 
 use crate::definition::error::PlateError;
 use crate::definition::plate::Plate;
@@ -6,7 +6,7 @@ use crate::quantity::number_format::{at_least, at_most, typed};
 use crate::quantity::{OutOfRange, Range, must_be};
 use thiserror::Error;
 
-/// Why the amplitude was not computed.
+/// Reason why the amplitude was not computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum RespondError {
     /// The frequency is below the cut-off at the driven end: no wave propagates.
@@ -17,7 +17,7 @@ pub enum RespondError {
     CannotEnter {
         /// Name of the plate, because a table made for one plate can be used on another.
         plate: String,
-        /// The frequency that was asked for, Hz.
+        /// The requested frequency, Hz.
         frequency_hz: f64,
         /// Lowest frequency that enters, Hz.
         cut_off_hz: f64,
@@ -25,7 +25,7 @@ pub enum RespondError {
     /// The frequency is too low, too high or not a number.
     #[error("{0} for this plate")]
     Frequency(OutOfRange),
-    /// The plate file does not state how heavy its wave is, which a finger needs.
+    /// The plate file does not state the surface density, which a finger needs.
     #[error("{0}")]
     Untold(PlateError),
     /// The number of points or of width modes, the sample rate, or a field of the finger, is out of range.

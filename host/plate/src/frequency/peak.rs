@@ -1,4 +1,4 @@
-//! Finds the turning-point peak of an amplitude on a grid, if there is one.
+//! The turning-point peak of an amplitude on a grid.
 
 use crate::definition::plate::Plate;
 use num_complex::Complex64;
@@ -46,7 +46,7 @@ pub(crate) fn find_in_squares(square: &[f64], step_m: f64, turning_point_m: f64,
     let (first, end) = (index(near).max(1), index(far));
     let top = (first..=end).rev().find(|&i| square[i] >= square[i - 1] && square[i] > square[i + 1])?;
     let valley = square[..top].iter().rev().scan(square[top], |above, &value| {
-        // Follow the amplitude toward the drive as long as it falls.
+        // Follow the amplitude toward the drive while it falls.
         (value <= *above).then(|| {
             *above = value;
             value

@@ -34,8 +34,8 @@ pub struct PredictedEnvelope {
     pub tones: Vec<Vec<Complex64>>,
 }
 
-/// The settled envelope of `tones` on `plate`, perhaps with a finger on it, driven by a DAC of `sample_rate_hz`, at `points` uniform positions (8 to
-/// 200 001).
+/// The settled envelope of `tones` on `plate`, optionally with a finger on it, driven by a DAC of `sample_rate_hz`,
+/// at `points` uniform positions (8 to 200 001).
 ///
 /// Each tone is multiplied by the hold's droop sinc(f/fs), by [`Plate::drive_response`] and by the full-scale
 /// displacement. `sample_rate_hz` may be up to 1e8 and must be at least twice the frequency of every tone.
@@ -50,7 +50,7 @@ pub fn predict_envelope(
     sample_rate_hz: f64,
     points: usize,
 ) -> Result<PredictedEnvelope, RespondError> {
-    // Before anything of that size is allocated.
+    // Checked before memory of that size is allocated.
     OutOfRange::check_count("points", points, POINTS_MIN..=POINTS_MAX)?;
     for tone in tones {
         check_frequency(plate, tone.frequency_hz)?;

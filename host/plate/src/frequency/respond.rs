@@ -36,7 +36,7 @@ pub struct Response {
     pub turning_point_m: f64,
     /// Distance from the peak to a tenth of it in the Airy form, metres: 2.729/kappa.
     pub edge_width_m: f64,
-    /// The turning-point peak; `None` if loss or the nearness of the driven end leaves none.
+    /// The turning-point peak; `None` if loss or a driven end too close to it leaves none.
     pub peak: Option<Peak>,
     /// |f| at the turning point, relative to the drive; 0 if that lies beyond the plate's end.
     pub amplitude_at_turning_point: f64,
@@ -61,8 +61,8 @@ pub fn respond(
 
 /// As [`respond`], with a finger on the plate.
 ///
-/// The finger's force moves the propagating wave and, on the straight strip of the width at the finger, everything that
-/// dies out around it. The peak is that of the touched plate: a finger that rests on it may leave none.
+/// The finger's force changes the propagating wave and adds the evanescent field around it, computed on a straight
+/// strip of the width at the finger. The peak is that of the touched plate: a resting finger may leave none.
 ///
 /// # Errors
 /// As [`respond`]; [`RespondError::OutOfRange`] for a field of the finger, [`RespondError::Untold`] if the plate file
@@ -91,7 +91,7 @@ pub fn respond_touched(
 
 /// Solves the equation at many frequencies on a grid of `points` (8 to 200 001), without refinement.
 ///
-/// Returns one row of `points` complex amplitudes per frequency. The error is of fourth order in the distance of the
+/// Returns one row of `points` complex amplitudes per frequency. The error is of fourth order in the spacing of the
 /// points: about 1e-7 for 30 wavelengths on 2000 points.
 ///
 /// # Errors

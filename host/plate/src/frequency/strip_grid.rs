@@ -6,7 +6,7 @@ use crate::definition::strip_table::StripTable;
 use num_complex::Complex64;
 use std::sync::Arc;
 
-/// What the law needs at each point of a grid; point -1 has the index 0.
+/// Inputs of the law at each point of a grid; point -1 has the index 0.
 #[derive(Debug, Clone)]
 pub(crate) struct StripGrid {
     pub(crate) law: Arc<StripTable>,
@@ -18,7 +18,7 @@ pub(crate) struct StripGrid {
     narrowing: f64,
 }
 
-/// What a sweep with steps of h takes.
+/// Arrays for a sweep with steps of h.
 pub(crate) struct Scaled {
     /// h^2/12 over W^2.
     pub(crate) inverse_square: Vec<f64>,
@@ -48,8 +48,8 @@ impl StripGrid {
         self.law.wavenumber_squared(self.log_square[i] + log_wavenumber) * self.inverse_square[i]
     }
 
-    /// The first index beyond the turning point. (sqrt W)''/sqrt W may make Q negative a little before it, which only
-    /// lengthens the tail that is solved.
+    /// The first index beyond the turning point. (sqrt W)''/sqrt W may make Q negative slightly before it, which only
+    /// lengthens the computed tail.
     pub(crate) fn turn(&self, log_wavenumber: f64) -> usize {
         let narrowest = CUT_OFF.ln() - log_wavenumber;
         self.log_square.partition_point(|&log| log >= narrowest)
@@ -60,7 +60,7 @@ impl StripGrid {
         2.0 * self.narrowing * self.law.weight_rise(self.log_square[1] + log_wavenumber)
     }
 
-    /// Multiplies a field at each `every`-th point from 0 on by (Omega at 0/Omega)^(1/2).
+    /// Multiplies a field at every `every`-th point from 0 by (Omega at 0/Omega)^(1/2).
     pub(crate) fn weigh(&self, log_wavenumber: f64, field: &mut [Complex64], every: usize) {
         let at_drive = self.law.spread(self.log_square[1] + log_wavenumber).inv();
         for (f, log) in field.iter_mut().zip(self.log_square[1..].iter().step_by(every)) {

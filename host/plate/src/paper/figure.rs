@@ -12,7 +12,7 @@ pub const RATE_PER_M: f64 = 4.62;
 /// Points of a curve.
 pub(crate) const POINTS: usize = 601;
 
-/// How a curve is drawn.
+/// Line style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
     /// A main curve of the panel.
@@ -28,7 +28,7 @@ pub enum Stroke {
 pub struct Series {
     /// Name of the curve in the legend.
     pub name: String,
-    /// How it is drawn.
+    /// Line style of the curve.
     pub stroke: Stroke,
     /// Index of its colour; curves of the same frequency have the same.
     pub hue: usize,
@@ -81,7 +81,7 @@ pub struct Figure {
     pub panels: [Panel; 2],
 }
 
-/// Why a figure could not be computed.
+/// Reasons why a figure could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FigureError {
     /// The plate of a figure is not among the presets.
@@ -103,7 +103,7 @@ pub(crate) fn ramp(low: f64, high: f64, count: usize) -> impl Iterator<Item = f6
     (0..count).map(move |i| low + (high - low) * i as f64 / (count - 1) as f64)
 }
 
-/// A preset with the paper's turning width, straight across: what the figures correct is not the width.
+/// A preset with the paper's turning width, straight across: the figures do not correct the width.
 pub(crate) fn preset(name: &'static str) -> Result<Plate, FigureError> {
     let plate = crate::definition::presets::preset(name).ok_or(FigureError::Preset(name))?;
     Ok(plate.with_turning_width(TurningWidth::Plain))
@@ -126,7 +126,7 @@ pub(super) fn highest_point(points: &[(f64, f64)]) -> (f64, f64) {
 }
 
 impl Figure {
-    /// The title, behind its number in the paper.
+    /// The title with its number in the paper.
     pub fn heading(&self) -> String {
         self.number.map_or_else(|| self.title.to_owned(), |number| format!("Fig. {number}: {}", self.title))
     }

@@ -21,8 +21,8 @@ pub use figure::{Figure, FigureError, Mark, Panel, RATE_PER_M, Series, Stroke};
 /// The figures 2, 3, 4, 5, 7 and 9 of the paper.
 ///
 /// # Errors
-/// [`FigureError`] if a preset that a figure uses is missing or its frequencies do not enter; the presets as shipped
-/// give none.
+/// [`FigureError`] if a preset of a figure is missing or its frequencies do not enter; the presets as shipped give no
+/// error.
 pub fn figures() -> Result<Vec<Figure>, FigureError> {
     Ok(vec![
         dispersion::figure(),

@@ -49,7 +49,7 @@ pub(super) fn figure() -> Figure {
         ),
         series("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(RANGE_MM.0, &|_| energy())),
     ];
-    // (sqrt W)''/sqrt W = d^2/4: what the lost (W'/W) term adds to the potential.
+    // (sqrt W)''/sqrt W = d^2/4: the part of the potential by the lost (W'/W) term.
     let added = 0.25 * RATE_PER_M * RATE_PER_M;
     let corrected = vec![
         series("V = (π/2W)², W = W0 exp(-dx)", Stroke::Solid, 0, over(0.0, &|x| potential(x, 1.0))),
@@ -120,7 +120,7 @@ mod tests {
         let corrected = &figure.panels[1].series[0].points;
         assert!(printed.windows(2).all(|pair| pair[1].1 < pair[0].1));
         assert!(corrected.windows(2).all(|pair| pair[1].1 > pair[0].1));
-        // W falls by e^(-d 0.2) over 200 mm, V rises by the inverse square of that; 987/m^2 at x = 0.
+        // W falls by e^(-d 0.2) over 200 mm and V rises as its inverse square; V is 987/m^2 at x = 0.
         assert!((corrected[0].1 - 0.98696).abs() < 1e-4);
         let ratio = corrected[POINTS - 1].1 / corrected[0].1;
         assert!((ratio - (2.0 * 4.62 * 0.2_f64).exp()).abs() < 1e-9);

@@ -28,7 +28,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     for (i, frequency_hz) in FREQUENCIES_HZ.into_iter().enumerate() {
         let response = solve(&plate, frequency_hz, Equation::Corrected)?;
         let mut points = magnitude(&response);
-        // A drive table makes both peaks equal, so the curves are scaled to a peak of 1.
+        // A drive table makes the peaks equal, so the curves are scaled to a peak of 1.
         let level = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
         points.iter_mut().for_each(|point| point.1 /= level);
         tones.push(Series { name: name(frequency_hz), stroke: Stroke::Dashed, hue: i + 1, points });
@@ -111,7 +111,7 @@ mod tests {
                 tone.name
             );
         }
-        // Powers add: nowhere is the sum below either tone, and at the far peak the near tone is gone.
+        // Powers add: the sum is nowhere below either tone, and at the far peak the near tone has decayed.
         for ((sum, a), b) in
             panel.series[0].points.iter().zip(&panel.series[1].points).zip(&panel.series[2].points)
         {

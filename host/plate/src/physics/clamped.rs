@@ -9,7 +9,7 @@ use crate::frequency::numerov::{self, Grid};
 use crate::paper::figure::{Figure, FigureError, POINTS, Panel, Stroke, magnitude, ramp};
 use crate::plane::strip::wavenumber_squared;
 
-/// Where the plate turns, metres.
+/// The turning point, metres.
 const BOUNDARY_M: f64 = 0.24;
 const DOTS: usize = 12;
 

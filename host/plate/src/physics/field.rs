@@ -1,4 +1,4 @@
-//! The field along the centre line by one dimension and by two: a membrane, and a plate in bending with its lead-in.
+//! The field along the centre line in one and in two dimensions: a membrane, and a plate in bending with its lead-in.
 
 use super::{PLANE_POINTS, one_dimension, preset, series, two_dimensions};
 use crate::definition::plate::Plate;

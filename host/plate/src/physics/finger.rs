@@ -1,4 +1,4 @@
-//! What a finger on the peak does to a light membrane and to a heavy one.
+//! Effect of a finger on the peak of a light membrane and of a heavy one.
 
 use super::{one_dimension, preset, series, two_dimensions};
 use crate::frequency::finger::Finger;
@@ -32,8 +32,8 @@ fn panel(name: &'static str, heading: &'static str) -> Result<Panel, FigureError
     .into_iter()
     .enumerate()
     {
-        let told = one_dimension(&plate, finger.as_ref(), FREQUENCY_HZ)?;
-        curves.push(series(name, Stroke::Solid, hue, told));
+        let computed = one_dimension(&plate, finger.as_ref(), FREQUENCY_HZ)?;
+        curves.push(series(name, Stroke::Solid, hue, computed));
         let truth = magnitude(&two_dimensions(&plate, finger, FREQUENCY_HZ)?);
         curves.push(series(format!("{name}, 2-D"), Stroke::Dashed, hue, truth));
     }

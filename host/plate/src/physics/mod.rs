@@ -1,4 +1,4 @@
-//! The figures of the physics page: one dimension against two, and where each holds.
+//! The figures of the physics page: one dimension against two, with the limits of each.
 //!
 //! ```text
 //! figures() -> Figure { panels } -> to_csv(), or a picture (the caller draws it)
@@ -21,7 +21,7 @@ use crate::plane;
 /// The figures of the physics page, in its order.
 ///
 /// # Errors
-/// [`FigureError`] if a preset that a figure uses is missing or cannot be solved; the presets as shipped give none.
+/// [`FigureError`] if a preset of a figure is missing or cannot be solved; the presets as shipped give no error.
 pub fn figures() -> Result<Vec<Figure>, FigureError> {
     Ok(vec![
         field::figure()?,
@@ -82,13 +82,13 @@ mod tests {
     fn what_the_figures_show_is_what_their_page_says() {
         let [field, turning, clamped, reflection, finger] =
             <[Figure; 5]>::try_from(figures().expect("the presets show them")).expect("five");
-        // One and two dimensions are hard to distinguish.
+        // One and two dimensions nearly coincide.
         for panel in 0..2 {
             let off = apart(&field, panel, ("one dimension", "two dimensions"), (5.0, 320.0));
             let top = curve(&field, panel, "one dimension").iter().map(|point| point.1).fold(0.0, f64::max);
             assert!(off < 0.05 * top, "{panel}: {off} of {top}");
         }
-        // The arc takes most of what the plain width is off.
+        // The arc removes most of the error of the plain width.
         for panel in 0..2 {
             let worst =
                 |name: &str| curve(&turning, panel, name).iter().map(|p| p.1.abs()).fold(0.0, f64::max);

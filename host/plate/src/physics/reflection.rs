@@ -1,4 +1,4 @@
-//! How much of the returning wave the ends of a plate in bending send back, over frequency.
+//! Reflection of the returning wave at the ends of a plate in bending, over frequency.
 
 use super::{preset, series};
 use crate::definition::drive::DriveEnd;
@@ -9,7 +9,7 @@ use crate::frequency::driven_end::reflection;
 use crate::paper::figure::{Figure, FigureError, Panel, Series, Stroke, ramp};
 use crate::plane;
 
-/// The resistances are stated in wave impedances at this frequency, Hz.
+/// Frequency at which the resistances are stated in wave impedances, Hz.
 const AT_HZ: f64 = 28e3;
 const BAND_KHZ: (f64, f64) = (12.0, 44.0);
 const LINE_POINTS: usize = 129;
@@ -72,7 +72,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     })
 }
 
-/// |r| by one dimension as a line, by two as dots.
+/// |r| in one dimension as a line, in two dimensions as dots.
 fn both(plate: &Plate, name: &str, hue: usize) -> Result<[Series; 2], FigureError> {
     let line = ramp(BAND_KHZ.0, BAND_KHZ.1, LINE_POINTS)
         .filter_map(|khz| reflection(plate, khz * 1e3).map(|r| (khz, r.norm())))

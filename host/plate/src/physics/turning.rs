@@ -1,4 +1,5 @@
-//! How far the peak is from that of the plate in two dimensions, with the turning width along the arc and straight across.
+//! Distance of the peak from that of the plate in two dimensions, with the turning width along the arc and straight
+//! across.
 
 use super::{preset, series, two_dimensions};
 use crate::definition::plate::Plate;
@@ -38,10 +39,10 @@ fn panel(
         let mut shifts = Vec::new();
         for boundary_m in places.clone() {
             let frequency_hz = arc.frequency_for_boundary_hz(boundary_m);
-            let told = respond(plate, frequency_hz, POINTS, Equation::Corrected)?.peak;
+            let one_mode = respond(plate, frequency_hz, POINTS, Equation::Corrected)?.peak;
             let truth = two_dimensions(&arc, None, frequency_hz)?.peak;
-            if let Some((told, truth)) = told.zip(truth) {
-                shifts.push((1e3 * boundary_m, 1e3 * (told.position_m - truth.position_m)));
+            if let Some((one_mode, truth)) = one_mode.zip(truth) {
+                shifts.push((1e3 * boundary_m, 1e3 * (one_mode.position_m - truth.position_m)));
             }
         }
         Ok(shifts)

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 
 /// The diagonal stays the pivot unless an element below it is this many times as large. The matrices here are
-/// symmetric and mostly need no exchange of rows, and without exchanges the band does not widen.
+/// symmetric and rarely need an exchange of rows, and without exchanges the band does not widen.
 const EXCHANGE_RATIO: f64 = 10.0;
 
 /// A square matrix whose elements are zero farther than `half_band` from the diagonal.
@@ -90,7 +90,7 @@ impl BandMatrix {
                 }
             }
             let inverse = self.rows[self.at(pivot, pivot)].inv();
-            // Row r begins at column r - band: relative to the pivot row the columns shift by one per row.
+            // Row r begins at column r - half_band: relative to the pivot row the columns shift by one per row.
             let (above, below) = self.rows.split_at_mut((pivot + 1) * width);
             let beside = &above[pivot * width + band + 1..][..reach - pivot];
             for (down, row) in below.chunks_exact_mut(width).take(last_row - pivot).enumerate() {

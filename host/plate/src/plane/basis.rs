@@ -8,12 +8,12 @@ pub(super) struct Jet {
     pub(super) bend: f64,
 }
 
-/// What the deflection obeys exactly at the edges z = +-W.
+/// Conditions that the deflection satisfies exactly at the edges z = +-W.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Edges {
-    /// It is zero: a fixed membrane, or a simply supported plate, whose moment vanishes by the weak form.
+    /// Deflection zero: a fixed membrane, or a simply supported plate, whose moment vanishes by the weak form.
     Supported,
-    /// It is zero and so is its slope.
+    /// Deflection and slope zero.
     Clamped,
 }
 
@@ -51,9 +51,9 @@ fn legendre(degree: usize, b: f64) -> Jet {
     now
 }
 
-/// The four cubics of an element of length `h` at t = 0..1, each as value, first and second derivative along x. They
-/// belong to the value at its start, `unit` times the slope there, and the same at its end: with a `unit` near h the
-/// unknowns are of one size.
+/// The four cubics of an element of length `h` at t = 0..1, each as value, first and second derivative along x. Their
+/// coefficients are the value at the element's start, the slope there times `unit`, and the same at its end; with a
+/// `unit` near h the unknowns are of one size.
 pub(super) fn along(t: f64, h: f64, unit: f64) -> [[f64; 3]; 4] {
     let jet = |c0: f64, c1: f64, c2: f64, c3: f64| {
         [

@@ -1,23 +1,23 @@
-//! Where two computations of one plate differ.
+//! Differences of two computations of one plate.
 
 use crate::frequency::Response;
 
-/// A node is a minimum of |f| at most this share of the maxima on both sides of it.
+/// A node is a minimum of |f| that is at most this fraction of the maxima on both sides of it.
 const NODE_DEPTH: f64 = 0.95;
 
-/// The second of two fields against the first, at one frequency.
+/// The differences of the second of two fields from the first, at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
-    /// How much farther from the drive the peak of the second is, metres; `None` if one of them has none.
+    /// Position of the second peak minus that of the first, metres; `None` if one of them has none.
     pub peak_shift_m: Option<f64>,
-    /// How much higher it is, dB.
+    /// Level of the second peak over that of the first, dB.
     pub level_db: Option<f64>,
     /// Minima of |f| between drive and peak (or turning point, without a peak) of each.
     pub nodes: [usize; 2],
 }
 
 impl Comparison {
-    /// Compares two fields, each on points dense enough to show its nodes (10 per wavelength).
+    /// Compares two fields on points dense enough to resolve the nodes (10 per wavelength).
     #[must_use]
     pub fn of(first: &Response, second: &Response) -> Self {
         let peaks = first.peak.zip(second.peak);
@@ -40,7 +40,7 @@ fn nodes(response: &Response) -> usize {
         .map(|(_, f)| f.norm())
         .collect();
     let Some(&start) = before.first() else { return 0 };
-    // The lowest since the last maximum, or the highest since the last minimum.
+    // The lowest value since the last maximum, or the highest since the last minimum.
     let (mut count, mut high, mut low, mut falls) = (0, start, start, true);
     for &amplitude in &before {
         if falls {

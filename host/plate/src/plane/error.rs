@@ -1,11 +1,11 @@
-//! Why no two-dimensional field was computed.
+//! Reasons why no two-dimensional field was computed.
 
 use crate::definition::error::PlateError;
 use crate::frequency::RespondError;
 use crate::quantity::{OutOfRange, must_be, number_format::typed};
 use thiserror::Error;
 
-/// Why the two-dimensional field was not computed.
+/// Reason why the two-dimensional field was not computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlaneError {
     /// The frequency does not enter the plate, or the frequency or the number of points is out of range.
@@ -14,14 +14,14 @@ pub enum PlaneError {
     /// A number of the setup is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A number of the lead-in is out of range, or something in newtons acts on a membrane or SH plate whose tension or
+    /// A number of the lead-in is out of range, or a force in newtons acts on a membrane or SH plate whose tension or
     /// thickness is not stated.
     #[error(transparent)]
     Plate(#[from] PlateError),
     /// A lead-in on a membrane or SH plate.
     #[error("{}", must_be("drive.lead_in on a plate that is not in bending", "absent"))]
     LeadInWithoutBending,
-    /// The equations of the sheet with its air were not solved.
+    /// The equations of the sheet with its air did not converge.
     #[error("{}", must_be(
         format_args!("the air around the sheet at {} Hz", typed(*.frequency_hz)),
         "lighter against the sheet: its equations were not solved in 200 steps",
@@ -38,9 +38,9 @@ pub enum PlaneError {
     TooManyPanels {
         /// The frequency, Hz.
         frequency_hz: f64,
-        /// How many they are.
+        /// Number of panels.
         panels: usize,
-        /// How many are allowed.
+        /// Largest allowed number.
         most: usize,
     },
     /// The field has too many waves along and across the plate.
@@ -51,9 +51,9 @@ pub enum PlaneError {
     TooFine {
         /// The frequency, Hz.
         frequency_hz: f64,
-        /// How many unknowns the field has.
+        /// Number of unknowns of the field.
         unknowns: usize,
-        /// How many are allowed for a band of this width.
+        /// Largest allowed number for a band of this width.
         most: usize,
     },
 }

@@ -1,14 +1,14 @@
-//! A system of equations that is known by what it does to a vector, solved by the minimal residual (GMRES; Saad and
-//! Schultz 1986).
+//! Solution of a linear system given by its product with a vector: the generalised minimal residual method (GMRES;
+//! Saad and Schultz 1986).
 
 use num_complex::Complex64;
 
 /// Residual over the right-hand side at which the solution is accepted.
 const TOLERANCE: f64 = 1e-8;
-/// Most steps. The systems here are a small part away from one that is solved exactly and take 10 to 40.
+/// Largest number of steps. The systems here differ little from one that is solved exactly, and take 10 to 40.
 const STEPS_MAX: usize = 200;
 
-/// The x with `apply`(x) = `right`; `None` if it is not found in 200 steps. `apply` is linear.
+/// The x with `apply`(x) = `right`; `None` without convergence in 200 steps. `apply` is linear.
 pub(super) fn solve(
     apply: impl Fn(&[Complex64]) -> Vec<Complex64>,
     right: &[Complex64],
@@ -17,14 +17,14 @@ pub(super) fn solve(
     if size == 0.0 {
         return Some(right.to_vec());
     }
-    // Orthonormal vectors; `apply` of one is `triangle`'s column, turned by the rotations, in those up to the next.
+    // Orthonormal vectors. Column n of `triangle`, after the rotations, has the components of `apply` of vector n.
     let mut basis = vec![scaled(right, size.recip())];
     let mut triangle: Vec<Vec<Complex64>> = Vec::new();
     let mut rotations: Vec<(Complex64, Complex64)> = Vec::new();
     let mut rest = vec![Complex64::from(size)];
     for step in 0..STEPS_MAX {
         let mut next = apply(&basis[step]);
-        // Twice, so that rounding leaves the vectors orthogonal.
+        // Orthogonalised twice, because of rounding.
         let mut column = vec![Complex64::ZERO; step + 1];
         for _ in 0..2 {
             for (vector, sum) in basis.iter().zip(&mut column) {
@@ -57,7 +57,7 @@ pub(super) fn solve(
     None
 }
 
-/// The sum of the vectors whose shares the triangle's equations give.
+/// The combination of the vectors that solves the triangular system.
 fn combined(
     basis: &[Vec<Complex64>],
     triangle: &[Vec<Complex64>],

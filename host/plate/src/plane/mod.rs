@@ -1,4 +1,4 @@
-//! The plate in two dimensions, in the frequency domain: the check of the one-mode equation, without its assumptions.
+//! The plate in two dimensions, in the frequency domain: a check of the one-mode equation, without its assumptions.
 //!
 //! ```text
 //! Plate + Setup (end, lead-in, finger) + frequency -> Field -> centre line -> Response, as that of the one-mode equation
@@ -6,19 +6,18 @@
 //! Response of one, Response of the other           -> Comparison (mm, dB, nodes)
 //! ```
 //!
-//! The sheet is mapped to a strip by b = z/W(x) and w = sum f_m(x) p_m(b) with polynomials p_m that are zero at the edges
-//! (and have no slope there, where they are clamped). The f_m are cubic Hermite elements. What is minimised is the
-//! energy of a membrane, or the whole energy D ((lap w)^2 - 2 (1 - nu)(w_xx w_zz - w_xz^2)) of a Kirchhoff plate, so a
-//! free end and a supported edge need no condition of their own; see `section.rs`. The matrix is a narrow band, and a
-//! preset's field takes some milliseconds.
+//! The sheet is mapped to a strip by b = z/W(x) and w = sum f_m(x) p_m(b) with polynomials p_m that vanish at the
+//! edges (and have zero slope there, where they are clamped). The f_m are cubic Hermite elements. The minimised
+//! energy is that of a membrane, or the whole energy D ((lap w)^2 - 2 (1 - nu)(w_xx w_zz - w_xz^2)) of a Kirchhoff
+//! plate, so a free end and a supported edge need no condition of their own; see `section.rs`. The matrix is a narrow
+//! band, and a preset's field takes some milliseconds.
 //!
-//! A plate with air carries the air's own mass, by panels over the whole sheet: see `fluid.rs`. It couples every part with
-//! every other, so a membrane's field takes 0.1 s in a baffle and up to 1 s in a bare frame. Where the plate file states a
-//! coefficient, the mass is that of the free wave, as in the one-mode equation.
+//! A plate with air carries the added mass of the air, computed by panels over the whole sheet: see `fluid.rs`. It
+//! couples every part with every other, so a membrane's field takes 0.1 s in a baffle and up to 1 s in a bare frame.
+//! Where the plate file states a coefficient, the mass is that of the free wave, as in the one-mode equation.
 //!
-//! Thick plates (`thick_plate`) have their wavenumber by Mindlin's relation in a Kirchhoff plate. Loss is a complex
-//! modulus that turns K^2 into K^2 (1 + j eta), as in the one-mode equation. Only fields that are symmetric about the
-//! centre line are computed.
+//! Thick plates (`thick_plate`) use Mindlin's wavenumber in a Kirchhoff plate. Loss is a complex modulus that changes
+//! K^2 to K^2 (1 + j eta), as in the one-mode equation. Only fields symmetric about the centre line are computed.
 
 mod band_matrix;
 mod basis;
@@ -62,7 +61,7 @@ use crate::frequency::Response;
 /// ```
 ///
 /// # Errors
-/// As both.
+/// The errors of both.
 pub fn respond(
     plate: &Plate,
     frequency_hz: f64,

@@ -2,13 +2,13 @@
 
 use crate::definition::taper::{LogWidth, WidthLaw};
 
-/// Half of the length over which the corner between lead-in and taper is rounded, as a share of the half-width there.
+/// Half of the length over which the corner between lead-in and taper is rounded, over the half-width there.
 ///
-/// The lead-in is parallel and the plate narrows at once, so W' has a jump. A deflection of finite bending energy with
-/// w = 0 along both edges of such a corner has no slope at it at all, which would stiffen the mesh far beyond what one
-/// corner does. Real edges are milled with a radius. W' therefore rises linearly over 2.5 mm on both sides at W = 20
-/// mm; the half-width changes by less than |W'| W/32 by it, and `the_corner_of_a_lead_in_may_be_rounded_less` holds that
-/// the result does not depend on it.
+/// The lead-in is parallel and the plate narrows immediately, so W' has a jump. A deflection of finite bending energy
+/// with w = 0 along both edges of such a corner has zero slope at it, which would stiffen the mesh far more than a
+/// real corner. Real edges are milled with a radius. W' therefore varies linearly over 2.5 mm on both sides at W = 20
+/// mm. This changes the half-width by less than |W'| W/32, and the test `the_corner_of_a_lead_in_may_be_rounded_less`
+/// asserts that the result does not depend on it.
 pub(super) const ROUNDING: f64 = 0.125;
 
 /// Half-width over x.
@@ -16,7 +16,7 @@ pub(super) const ROUNDING: f64 = 0.125;
 pub(super) enum Outline<'a> {
     /// ln W of a parallel strip.
     Uniform(f64),
-    /// A plate from x = 0 on, and before it a strip of its half-width there.
+    /// A plate from x = 0, and before it a strip of the half-width at x = 0.
     Plate {
         law: &'a WidthLaw,
         /// Half of the rounded length, metres; 0 without a lead-in.
@@ -31,7 +31,7 @@ impl<'a> Outline<'a> {
         Self::Plate { law, rounding_m }
     }
 
-    /// Positions where the half-width changes its law, metres.
+    /// Positions where the law of the half-width changes, metres.
     pub(super) fn corners(&self) -> Vec<f64> {
         match self {
             Self::Plate { rounding_m, .. } if *rounding_m > 0.0 => vec![-rounding_m, 0.0, *rounding_m],
@@ -47,7 +47,7 @@ impl<'a> Outline<'a> {
                 if x <= -rounding_m {
                     return start;
                 }
-                // The cubic that has the strip's value and slope at its start and the taper's at its end.
+                // The cubic with the strip's value and slope at its start and the taper's at its end.
                 let (end, h) = (law.at(*rounding_m), 2.0 * rounding_m);
                 let t = (x + rounding_m) / h;
                 let (rise, b) = (end.value - start.value, h * end.slope);

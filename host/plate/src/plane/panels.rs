@@ -1,11 +1,12 @@
-//! The sheet cut into flat panels, and what each of them does to the air at a point of the sheet.
+//! Flat panels of the sheet, and their influence on the air at a point of the sheet.
 //!
 //! In a rigid baffle a face that moves by w is a source, and the pressure on it is rho omega^2 times
 //!
 //! ```text
 //! S w = integral of w(r') e^(jkR)/(2 pi R),    R = |r - r'|
 //! ```
-//! without a baffle the sheet is a jump phi of the potential, which is zero beside it, and moves the air along the normal by
+//! without a baffle the sheet is a jump phi of the potential, which is zero outside it, and moves the air along the
+//! normal by
 //!
 //! ```text
 //! H phi = finite part of the integral of -phi(r') (1 - jkR) e^(jkR)/(4 pi R^3)
@@ -16,48 +17,49 @@
 //! ```text
 //! integral of 1/R = sum of h (asinh(s2/|h|) - asinh(s1/|h|))    integral of -1/R^3 = sum of (s2/R2 - s1/R1)/h
 //! ```
-//! What k adds is smooth but for the (k^2/2)/R of H, and its value at the centres does.
+//! The remainder of the kernels for k > 0 is smooth except for the (k^2/2)/R of H, so its values at the centres
+//! suffice.
 
 use super::outline::Outline;
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
-/// Distances over its longest edge from which a panel acts as a point: the second moments that are left out are below
-/// (1/12)/36 of it.
+/// Distance over the panel's longest edge from which it acts as a point: the neglected second moments are below
+/// (1/12)/36 of its influence.
 const FAR: f64 = 6.0;
 /// Distance from the line of an edge, over the edge's length, below which the point lies on the line.
 const ON_LINE: f64 = 1e-9;
-/// k R below which the remainders of the exponentials are their series.
+/// k R below which the remainders of the exponentials are computed by their series.
 const SMALL: f64 = 0.02;
 
 /// A point of the sheet: x and z, metres.
 pub(super) type Point = [f64; 2];
 
-/// A panel on the side z > 0. It stands for itself and its mirror image.
+/// A panel on the side z > 0. It represents itself and its mirror image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Panel {
-    /// In the order against the clock; two of them may be one.
+    /// Counter-clockwise; two corners may coincide.
     corners: [Point; 4],
-    /// Where the deflection and the normal velocity are taken.
+    /// Point at which the deflection and the normal velocity are evaluated.
     pub(super) centre: Point,
-    /// The area that its value stands for, without the mirror image's, m^2.
+    /// Area weight of its value, without the mirror image's, m^2.
     pub(super) weight: f64,
     area: f64,
     centroid: Point,
     longest: f64,
 }
 
-/// How the faces meet the air beside the sheet.
+/// The air at the edge of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kernel {
-    /// In a rigid baffle: S.
+    /// A rigid baffle: S.
     Source,
-    /// In no baffle: H.
+    /// No baffle: H.
     Jump,
 }
 
 impl Panel {
-    /// A panel whose value stands for `weight`, or for its own area.
+    /// A panel with the area `weight`, or its own area.
     pub(super) fn new(corners: [Point; 4], centre: Point, weight: Option<f64>) -> Self {
         let mut double = 0.0;
         let mut moment = [0.0; 2];
@@ -74,12 +76,12 @@ impl Panel {
         Self { corners, centre, weight: weight.unwrap_or(area), area, centroid, longest }
     }
 
-    /// Where it begins and ends along x, metres.
+    /// Extent along x, metres.
     pub(super) fn extent(&self) -> (f64, f64) {
         (self.corners[0][0], self.corners[1][0])
     }
 
-    /// The integrals of 1/R and -1/R^3 over the panel, seen from a point of its plane.
+    /// The integrals of 1/R and -1/R^3 over the panel, for a point of its plane.
     fn integrals(&self, point: Point) -> (f64, f64) {
         let away = (self.centroid[0] - point[0]).hypot(self.centroid[1] - point[1]);
         if away > FAR * self.longest {
@@ -91,7 +93,8 @@ impl Panel {
             let (dx, dz) = (b[0] - a[0], b[1] - a[1]);
             let length = dx.hypot(dz);
             let h = (a[0] * dz - a[1] * dx) / length;
-            // An edge on whose line the point lies has no share, nor has one without length, whose h is NaN.
+            // An edge whose line contains the point contributes nothing, and neither does one of zero length, whose h
+            // is NaN.
             if h.is_nan() || h.abs() <= ON_LINE * length {
                 continue;
             }
@@ -103,8 +106,8 @@ impl Panel {
         (potential, normal)
     }
 
-    /// What a value of 1 on the panel and its mirror image does at `point`: an element of S (metres) or H (1/m), at the
-    /// air's wavenumber `k`, 1/m.
+    /// Influence of a value of 1 on the panel and its mirror image at `point`: an element of S (metres) or H (1/m),
+    /// at the air's wavenumber `k`, 1/m.
     pub(super) fn influence(&self, kernel: Kernel, point: Point, k: f64) -> Complex64 {
         let mut sum = Complex64::ZERO;
         for point in [point, [point[0], -point[1]]] {
@@ -138,7 +141,7 @@ fn edges(corners: &[Point; 4]) -> impl Iterator<Item = (Point, Point)> + '_ {
     (0..4).map(|i| (corners[i], corners[(i + 1) % 4]))
 }
 
-/// Edges and centres of the panels along a length of 1, and the shares of it that the centres stand for.
+/// Edges and centres of the panels along a length of 1, and the weights of the centres.
 pub(super) struct Division {
     pub(super) edges: Vec<f64>,
     pub(super) centres: Vec<f64>,
@@ -156,8 +159,8 @@ impl Division {
         }
     }
 
-    /// `count` equal panels whose first and last edges stand a quarter of a panel inside: of a jump that ends as the root
-    /// of the distance, their sum is right at the first order.
+    /// `count` equal panels whose first and last edges lie a quarter of a panel inside: for a jump that vanishes as
+    /// the root of the distance, their sum is then correct to first order.
     fn inset(count: usize) -> Self {
         let step = (count as f64 + 0.5).recip();
         Self {
@@ -167,9 +170,9 @@ impl Division {
         }
     }
 
-    /// From the centre line, 0, to the edge, 1: the edges of the panels at the roots of the Chebyshev polynomial of the
-    /// order N = 2 `count` + 1 and the centres at its extrema: those of the Gauss rule for a flow that is infinite at the
-    /// edges as the inverse root of the distance.
+    /// From the centre line, 0, to the edge, 1: panel edges at the roots of the Chebyshev polynomial of order
+    /// N = 2 `count` + 1 and centres at its extrema, the nodes of the Gauss rule for a flow with an inverse-root
+    /// singularity at the edges.
     pub(super) fn chebyshev(count: usize) -> Self {
         let step = PI / (2 * count + 1) as f64;
         let angle = |i: usize, offset: f64| 0.5 * PI - (i as f64 + offset) * step;

@@ -1,4 +1,4 @@
-//! What is done to the plate: its driven end, a lead-in behind it, a finger on it.
+//! Setup of the plate: its driven end, a lead-in behind it, a finger on it.
 
 use super::error::PlaneError;
 use crate::definition::drive::DriveEnd;
@@ -9,13 +9,13 @@ use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::frequency::Finger;
 use crate::quantity::{OutOfRange, Range};
 
-/// The force at a driven end, for a drive of 1; the same at every frequency.
+/// The force at a driven end for a unit drive; the same at every frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Force {
     /// In newtons.
     Constant(f64),
     /// A multiple of omega Z at one frequency; Z is the wave impedance at x = 0. Twice omega Z launches a wave of
-    /// amplitude 1 into a matched plate at that frequency; omega Z alone does so on an end that nothing resists.
+    /// amplitude 1 into a matched plate at that frequency; omega Z alone does so at an end of zero impedance.
     OfWave {
         /// The multiple (1e-9 to 1e9).
         multiple: f64,
@@ -28,31 +28,32 @@ pub enum Force {
 /// projection on the mode at its cut-off (half a cosine; with clamped edges the clamped beam's), 1 on the centre line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum End {
-    /// The deflection is held to the width mode with 1 on the centre line.
+    /// The deflection is prescribed: the width mode, 1 on the centre line.
     Displacement(EndSlope),
-    /// A force on an end that resists.
+    /// A force on an end with an impedance.
     Source {
-        /// What resists.
+        /// The impedance of the end.
         impedance: Impedance,
         /// The force.
         force: Force,
-        /// What holds the slope; not used for a membrane, whose end has no such condition.
+        /// Condition on the slope; not used for a membrane, whose end has no such condition.
         slope: EndSlope,
     },
-    /// A damper whose other side moves by 2; the slope is free. A membrane launches a wave of amplitude 1 at `ratio` 1.
+    /// A damper whose other side moves with amplitude 2; the slope is free. For a membrane with `ratio` 1 the
+    /// launched wave has amplitude 1.
     ///
-    /// As all that acts on the end, it acts on the first width mode. The damper of a [`crate::Sheet`] resists every point
-    /// of the end. That makes 0.01 dB on the membrane preset; on al-sh, whose edges meet the end at 43 degrees and whose
-    /// third width mode propagates there, 0.31 dB.
+    /// It acts on the first width mode, as every end does. The damper of a [`crate::Sheet`] acts on every point of
+    /// the end. The difference is 0.01 dB on the membrane preset, and 0.31 dB on al-sh, whose edges meet the end at
+    /// 43 degrees and whose third width mode propagates there.
     Damper {
         /// R over the wave impedance Z at `at_frequency_hz` (0.01 to 100).
         ratio: f64,
-        /// Where the ratio holds, Hz (above the cut-off at x = 0).
+        /// Frequency at which the ratio holds, Hz (above the cut-off at x = 0).
         at_frequency_hz: f64,
     },
 }
 
-/// What the two-dimensional solver needs beside the plate.
+/// Inputs of the two-dimensional solver, besides the plate.
 ///
 /// ```
 /// use slipline_plate::{LeadIn, plane, preset};
@@ -74,17 +75,17 @@ pub enum End {
 pub struct Setup {
     /// The driven end.
     pub end: End,
-    /// The strip behind it: bending only. The law of its loss is E (1 - j eta), and its damper acts on the width mode.
+    /// The strip behind it, for bending only. Its loss law is E (1 - j eta), and its damper acts on the width mode.
     pub lead_in: Option<LeadIn>,
-    /// A finger on the centre line, which resists locally: everywhere in its contact with the same impedance per area.
+    /// A finger on the centre line, with the same impedance per area everywhere in its contact.
     pub finger: Option<Finger>,
 }
 
 impl Setup {
     /// The drive end of the plate's specification, without a finger.
     ///
-    /// `Displacement` leaves the slope free, and `Force` and `Resistance` are a free end with a force or a damper: on a
-    /// plate in bending their near field makes them differ from the one-mode equation, which has none.
+    /// `Displacement` leaves the slope free, and `Force` and `Resistance` become a free end with a force or a damper:
+    /// on a plate in bending their near field makes them differ from the one-mode equation, which has no near field.
     #[must_use]
     pub fn of(plate: &Plate) -> Self {
         let mut lead_in = None;
@@ -117,7 +118,7 @@ impl Setup {
 
     pub(super) fn validate(&self, plate: &Plate) -> Result<(), PlaneError> {
         let entering = Range::new(plate.cut_off_hz() * 1.0001, limits::FREQUENCY.high, "Hz");
-        // The field that is in newtons, if there is one.
+        // The name of the input in newtons, if there is one.
         let mut absolute = None;
         match self.end {
             End::Displacement(_) => {}
@@ -153,7 +154,7 @@ impl Setup {
         if let Some(finger) = self.finger {
             finger.check(plate)?;
         }
-        // Whatever is in newtons acts on a sheet whose mass per area is known.
+        // A force in newtons needs a sheet of known mass per area.
         absolute.map_or(Ok(()), |needed_by| plate.spec().model.surface_density(needed_by).map(drop))?;
         Ok(())
     }

@@ -1,9 +1,9 @@
-//! Numbers with units, written for people: each in the unit that suits its size.
+//! Numbers with units as displayed to users, each in the unit that suits its size.
 
 use super::number_format::{at_least, at_most, typed};
 use std::fmt;
 
-/// What a range is of, and so the units of its ends.
+/// The quantity of a range, which determines the units of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Metres.
@@ -12,12 +12,12 @@ pub enum Measure {
     Frequency,
     /// Seconds.
     Time,
-    /// Of one unit only; empty for a pure number.
+    /// A quantity with one unit only; empty for a pure number.
     Plain(&'static str),
 }
 
 impl Measure {
-    /// The measure of numbers in this SI unit.
+    /// The quantity of numbers in this SI unit.
     #[must_use]
     pub fn of(unit: &'static str) -> Self {
         match unit {
@@ -37,24 +37,23 @@ impl Measure {
             Self::Plain(unit) => &[(1.0, unit)],
         };
         let suits = units.iter().find(|(factor, _)| value.abs() >= factor * (1.0 - 1e-9));
-        // Nothing is nothing of the first unit; what is smaller than all units is shown in the last.
+        // Zero has the first unit; a value below the smallest unit has the last.
         let otherwise = if value == 0.0 { units.first() } else { units.last() };
         let (factor, unit) = *suits.or(otherwise).unwrap_or(&(1.0, ""));
-        // The division's own error must not count as a digit to be rounded away.
+        // The rounding error of the division must not count as a digit.
         let scaled: f64 = format!("{:.11e}", value / factor).parse().unwrap_or(value / factor);
         format!("{} {unit}", typed(round(scaled, 4))).trim_end().to_owned()
     }
 }
 
-/// A range written as it would be typed: `5 mm to 10 m`, each end rounded inwards to four digits, so that it is
-/// allowed.
+/// A range as a user would type it: `5 mm to 10 m`, each end rounded inwards to four digits, so that it is allowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TypedRange {
-    /// Least, in SI units.
+    /// Lower end, in SI units.
     pub low: f64,
-    /// Most, in SI units.
+    /// Upper end, in SI units.
     pub high: f64,
-    /// What it is of.
+    /// The quantity.
     pub measure: Measure,
 }
 
@@ -75,7 +74,7 @@ pub fn show_range(low: f64, high: f64, measure: Measure) -> String {
     TypedRange { low, high, measure }.to_string()
 }
 
-/// A value as it would be typed, to the last digit, in the unit that suits it: `1.0001`, `3 dB`, `1 ms`.
+/// A value as a user would type it, to the last digit, in the unit that suits it: `1.0001`, `3 dB`, `1 ms`.
 pub(super) fn show_value(value: f64, measure: Measure) -> String {
     if value.is_finite() { measure.written(value, |value, _| value) } else { "no number".to_owned() }
 }
@@ -132,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_range_is_told_in_its_own_units_and_its_ends_are_allowed() {
+    fn a_range_is_stated_in_its_own_units_and_its_ends_are_allowed() {
         for (low, high, measure, wanted) in [
             (0.005, 10.0, Measure::Length, "5 mm to 10 m"),
             (0.07, 0.28, Measure::Length, "70 to 280 mm"),

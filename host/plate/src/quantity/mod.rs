@@ -1,11 +1,11 @@
-//! The one home of numbers and names that people type and read.
+//! Numbers and names that users type and read: parsing, formatting, ranges and refusals.
 //!
 //! ```text
 //! text "12,5 cm" -> parse, unit -> 0.125 (SI) -> Range::contains -> used
 //!                     |                             |
 //!                     +-> QuantityError             +-> OutOfRange, or a plate's error: field, value, range
 //!                                                         |
-//! number -> number_format, display, ticks -> text <- refusal: one wording, in the notation of who shows it
+//! number -> number_format, display, ticks -> text <- refusal: one wording, in the notation of the caller
 //! a mistyped name -> suggestion -> the name that was probably meant
 //! ```
 

@@ -1,16 +1,17 @@
-//! How fields and numbers are written in a sentence about a plate: as in a plate file, or as a form's fields show them.
+//! Notation of fields and numbers in a sentence about a plate: that of a plate file, or that of a form.
 
 use super::number_format::{significant, typed};
 use super::range::Range;
 use super::unit::Unit;
 
-/// How fields and numbers are written in a sentence. Numbers come in SI units, fields as the plate file has them.
+/// Notation of fields and numbers in a sentence. Numbers are passed in SI units, fields by their names in a plate
+/// file.
 pub trait Notation {
     /// A field: `length_m`.
     fn field(&self, field: &str) -> String;
-    /// A field with the number that it has: `length_m = 0.3`.
+    /// A field with its value: `length_m = 0.3`.
     fn given(&self, field: &str, value: f64) -> String;
-    /// The numbers that a field may have, with their unit: `0.005 to 10 m`.
+    /// The allowed range of a field, with its unit: `0.005 to 10 m`.
     fn range(&self, field: &str, range: Range) -> String;
     /// A length, with its unit.
     fn length(&self, metres: f64) -> String;
@@ -18,7 +19,7 @@ pub trait Notation {
     fn frequency(&self, hertz: f64) -> String;
 }
 
-/// The notation of plate files: their own names, and their units.
+/// The notation of plate files: their field names and units.
 pub(crate) struct PlateFile;
 
 impl Notation for PlateFile {
@@ -48,7 +49,7 @@ impl Notation for PlateFile {
 pub struct Caption {
     /// Its caption.
     pub name: &'static str,
-    /// The plate library's names of this field. The name of a list stands for all its places: `taper.points` for
+    /// The plate library's names of this field. The name of a list stands for all its elements: `taper.points` for
     /// `taper.points[3][1]`.
     pub keys: &'static [&'static str],
     /// The unit of its number.
@@ -69,19 +70,19 @@ impl Caption {
     }
 }
 
-/// The list that a field is a place of.
+/// The list of which a field is an element.
 fn list_of(field: &str) -> Option<&str> {
     field.split_once('[').map(|(list, _)| list)
 }
 
-/// A form: it shows the library's fields by captions, with its own units. It is a [`Notation`]: fields by their
+/// A form: it displays the library's fields by captions, with its own units. It is a [`Notation`]: fields by their
 /// captions, numbers in the form's units and format.
 pub trait Form {
-    /// The caption of one of the library's fields, if the form has it.
+    /// The caption of one of the library's fields; `None` if the form does not have it.
     fn caption(&self, field: &str) -> Option<&Caption>;
 }
 
-/// Significant digits of a form's numbers in a sentence: as many as the library's ranges have.
+/// Significant digits of a form's numbers in a sentence, as in the library's ranges.
 const DIGITS: usize = 5;
 
 /// A number of the library with a form's unit.
@@ -100,7 +101,7 @@ impl<F: Form> Notation for F {
 
     fn given(&self, field: &str, value: f64) -> String {
         let name = self.field(field);
-        // A form shows no single number of a list.
+        // A form does not display single numbers of a list.
         if list_of(field).is_some() {
             name
         } else {

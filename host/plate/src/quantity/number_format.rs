@@ -1,6 +1,6 @@
-//! How numbers are written in messages: as a person would type them, and never so short that nothing of them is left.
+//! Format of numbers in messages: as a user would type them, with enough digits for a non-zero value.
 
-/// A number as a person would type it: no row of zeros before or behind its digits.
+/// A number as a user would type it, without trailing zeros or a row of leading zeros.
 pub fn typed(value: f64) -> String {
     match value.abs() {
         size if size.is_nan() => "nan".to_owned(),
@@ -10,8 +10,8 @@ pub fn typed(value: f64) -> String {
     }
 }
 
-/// A number with this many decimals; where they would all be zero, with as many as show two of its digits: `0.23`,
-/// `12.50`, `0.0034`.
+/// A number with `decimals` decimals, or with enough of them for two significant digits where all would be zero:
+/// `0.23`, `12.50`, `0.0034`.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let size = value.abs();
     let plain = format!("{value:.decimals$}");
@@ -27,15 +27,15 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
     format!("{value:.*}", usize::try_from(1 - size.log10().floor() as i32).unwrap_or(decimals))
 }
 
-/// A number rounded to this many decimals, with no row of zeros behind its digits and never `-0`: `0.5`, `20`.
+/// A number rounded to `decimals` decimals, without trailing zeros and never `-0`: `0.5`, `20`.
 pub fn rounded(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// A number with this many significant digits (1 to 15), no row of zeros behind them, and an exponent only where it would
-/// take nine more zeros: `7`, `0.000001`, `28.312`, `9.000e12`.
+/// A number with `digits` significant digits (1 to 15), without trailing zeros; below 1e-9 and from 1e9 on with an
+/// exponent and four digits: `7`, `0.000001`, `28.312`, `9.000e12`.
 pub fn significant(value: f64, digits: usize) -> String {
     let decade = value.abs().log10().floor();
     if value == 0.0 || !value.is_finite() {
@@ -47,12 +47,12 @@ pub fn significant(value: f64, digits: usize) -> String {
     rounded(value, (digits as f64 - 1.0 - decade).clamp(0.0, 12.0) as usize)
 }
 
-/// The least number of this many digits (1 to 15) that is not below `value`.
+/// The smallest number of `digits` digits (1 to 15) that is not below `value`.
 pub fn at_least(value: f64, digits: usize) -> f64 {
     -at_most(-value, digits)
 }
 
-/// The largest number of this many digits (1 to 15) that is not above `value`.
+/// The largest number of `digits` digits (1 to 15) that is not above `value`.
 pub fn at_most(value: f64, digits: usize) -> f64 {
     let decimals = digits.clamp(1, 15) - 1;
     let rounded = |value: f64| format!("{value:.decimals$e}").parse().unwrap_or(value);
@@ -60,7 +60,7 @@ pub fn at_most(value: f64, digits: usize) -> f64 {
     if nearest <= value || !value.is_finite() {
         return nearest;
     }
-    // One step of the last digit towards what is allowed.
+    // One step of the last digit towards the allowed side.
     rounded(nearest - 10f64.powi(nearest.abs().log10().floor() as i32 - decimals as i32))
 }
 

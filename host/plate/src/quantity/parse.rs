@@ -1,11 +1,11 @@
-//! Numbers with units, read from text as people type it.
+//! Numbers with units, parsed from the text of a user.
 //!
-//! A number may carry a decimal comma or a decimal point, a space before its unit, and an SI prefix of the units
-//! named here. Nothing else is guessed.
+//! A number may have a decimal comma or a decimal point, a space before its unit, and an SI prefix of the units
+//! listed here. Nothing else is accepted.
 
 use super::refusal::QuantityError;
 
-/// What a person typed where both a place and a frequency make sense.
+/// A typed value where both a place and a frequency are valid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaceOrFrequency {
     /// A place on the plate, in metres from the driven end.
@@ -14,20 +14,20 @@ pub enum PlaceOrFrequency {
     Frequency(f64),
 }
 
-/// The most characters a typed value may have; longer input is no number.
+/// Largest number of characters of a typed value.
 const LONGEST: usize = 64;
 
-/// The minus sign of typesetters, as in text that is copied from a page.
+/// The minus sign of typesetters, as in text copied from a page.
 const MINUS: char = '\u{2212}';
 
-/// The number in front and the unit behind it; a comma counts as a decimal point.
+/// The leading number and the unit after it; a comma counts as a decimal point.
 fn split(text: &str) -> Result<(f64, &str), QuantityError> {
     let text = text.trim();
     let refuse = || QuantityError::NoNumber(text.chars().take(LONGEST).collect());
     if text.len() > LONGEST {
         return Err(refuse());
     }
-    // Not only what overflows: no unit's factor may make it infinite.
+    // Below the largest f64, so that no unit's factor overflows.
     const LARGEST: f64 = 1e300;
     let is_numeric = |(index, c): (usize, char)| {
         let exponent = matches!(c, 'e' | 'E')
@@ -38,7 +38,7 @@ fn split(text: &str) -> Result<(f64, &str), QuantityError> {
     };
     let end = text.char_indices().find(|&at| !is_numeric(at)).map_or(text.len(), |(index, _)| index);
     let number: f64 = text[..end].replace(',', ".").replace(MINUS, "-").parse().map_err(|_| refuse())?;
-    // A zero has no sign here: nothing is shown or sent as -0.
+    // Zero has no sign: -0 is never displayed or sent.
     match number.abs() {
         size if size <= LARGEST => Ok((number + 0.0, text[end..].trim())),
         _ => Err(QuantityError::TooLarge(text.to_owned())),
@@ -60,7 +60,7 @@ fn frequency_unit(unit: &str) -> Option<f64> {
     match unit.to_ascii_lowercase().as_str() {
         "hz" => Some(1.0),
         "khz" => Some(1e3),
-        // A small m could as well be milli.
+        // A small m could also mean milli.
         _ if unit == "MHz" => Some(1e6),
         _ => None,
     }
@@ -69,7 +69,7 @@ fn frequency_unit(unit: &str) -> Option<f64> {
 /// A length in metres; a bare number is in millimetres.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not m, cm, mm, um or nm.
+/// [`QuantityError`] for a text without a number, or with a unit other than m, cm, mm, um and nm.
 pub fn length_m(text: &str) -> Result<f64, QuantityError> {
     let (number, unit) = split(text)?;
     let scale = if unit.is_empty() { Some(1e-3) } else { length_unit(unit) };
@@ -79,7 +79,7 @@ pub fn length_m(text: &str) -> Result<f64, QuantityError> {
 /// A frequency in Hz; a bare number is in Hz.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not Hz, kHz or MHz.
+/// [`QuantityError`] for a text without a number, or with a unit other than Hz, kHz and MHz.
 pub fn frequency_hz(text: &str) -> Result<f64, QuantityError> {
     let (number, unit) = split(text)?;
     let scale = if unit.is_empty() { Some(1.0) } else { frequency_unit(unit) };
@@ -89,7 +89,7 @@ pub fn frequency_hz(text: &str) -> Result<f64, QuantityError> {
 /// A time in seconds; a bare number is in seconds.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not s, ms or min.
+/// [`QuantityError`] for a text without a number, or with a unit other than s, ms and min.
 pub fn time_s(text: &str) -> Result<f64, QuantityError> {
     let (number, unit) = split(text)?;
     let scale = match unit {
@@ -104,7 +104,7 @@ pub fn time_s(text: &str) -> Result<f64, QuantityError> {
 /// A short time in seconds; a bare number is in milliseconds.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not s, ms or min.
+/// [`QuantityError`] for a text without a number, or with a unit other than s, ms and min.
 pub fn short_time_s(text: &str) -> Result<f64, QuantityError> {
     match split(text)? {
         (number, "") => Ok(number * 1e-3),
@@ -112,10 +112,10 @@ pub fn short_time_s(text: &str) -> Result<f64, QuantityError> {
     }
 }
 
-/// A level as a factor; a bare number is one already, percent and dB are taken, too.
+/// A level as a factor; a bare number is the factor itself, percent and dB are converted.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not % or dB.
+/// [`QuantityError`] for a text without a number, or with a unit other than % and dB.
 pub fn level(text: &str) -> Result<f64, QuantityError> {
     match split(text)? {
         (number, "") => Ok(number),
@@ -125,10 +125,10 @@ pub fn level(text: &str) -> Result<f64, QuantityError> {
     }
 }
 
-/// A level in dB; a bare number is in dB, a percentage is one of the whole. Nothing at all is minus infinity.
+/// A level in dB; a bare number is in dB, a percentage is an amplitude ratio, and 0 % is minus infinity.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not dB or %.
+/// [`QuantityError`] for a text without a number, or with a unit other than dB and %.
 pub fn decibel(text: &str) -> Result<f64, QuantityError> {
     match split(text)? {
         (number, "") => Ok(number),
@@ -141,7 +141,7 @@ pub fn decibel(text: &str) -> Result<f64, QuantityError> {
 /// A place or a frequency; a bare number is a place in millimetres.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number or not mm, cm, m, Hz or kHz.
+/// [`QuantityError`] for a text without a number, or with a unit other than mm, cm, m, Hz and kHz.
 pub fn place_or_frequency(text: &str) -> Result<PlaceOrFrequency, QuantityError> {
     let (number, unit) = split(text)?;
     if unit.is_empty() {
@@ -156,7 +156,7 @@ pub fn place_or_frequency(text: &str) -> Result<PlaceOrFrequency, QuantityError>
 /// A plain number with an optional unit that must be `unit`.
 ///
 /// # Errors
-/// [`QuantityError`] for what is no number, or carries another unit.
+/// [`QuantityError`] for a text without a number, or with another unit.
 pub fn plain(text: &str, unit: &'static str) -> Result<f64, QuantityError> {
     let (number, got) = split(text)?;
     if got.is_empty() || got == unit { Ok(number) } else { Err(refused(got, unit)) }

@@ -1,43 +1,43 @@
-//! The numbers that a field may have, and how long a text or a list may be.
+//! The allowed range of a field's number, and of the length of a text or a list.
 
 use super::number_format::{at_least, at_most, typed};
 use std::fmt;
 
-/// The numbers that a field may have, both ends included; an infinite end bounds nothing. Written as `0.005 to 10 m`,
-/// each end as a person would type it: rounded to five digits, and inwards, so that what is named is allowed.
+/// The allowed range of a number, both ends included; an infinite end sets no limit. Displayed as `0.005 to 10 m`,
+/// each end as a user would type it: rounded inwards to five digits, so that the displayed ends are allowed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// Least.
+    /// Lower end.
     pub low: f64,
-    /// Most.
+    /// Upper end.
     pub high: f64,
     /// Unit of both; empty for a pure number.
     pub unit: &'static str,
 }
 
 impl Range {
-    /// From `low` to `high` of a unit.
+    /// A range from `low` to `high` in a unit.
     pub const fn new(low: f64, high: f64, unit: &'static str) -> Self {
         Self { low, high, unit }
     }
 
-    /// From `low` up.
+    /// A range from `low` upwards.
     pub const fn at_least(low: f64, unit: &'static str) -> Self {
         Self::new(low, f64::INFINITY, unit)
     }
 
-    /// Up to `high`.
+    /// A range up to `high`.
     pub const fn at_most(high: f64, unit: &'static str) -> Self {
         Self::new(f64::NEG_INFINITY, high, unit)
     }
 
-    /// The same with its ends rounded inwards to five digits: the range that a message states.
+    /// The same range with its ends rounded inwards to five digits, as in messages.
     #[must_use]
     pub fn rounded(self) -> Self {
         Self { low: at_least(self.low, 5), high: at_most(self.high, 5), unit: self.unit }
     }
 
-    /// The range in words, with its ends written by `number` (which is given a finite one) and without its unit.
+    /// The range in words without its unit; `number` formats each finite end.
     pub fn in_words(self, number: impl Fn(f64) -> String) -> String {
         let Self { low, high, .. } = self;
         match (low.is_finite(), high.is_finite()) {
@@ -47,7 +47,7 @@ impl Range {
         }
     }
 
-    /// Whether a number is allowed; NaN never is.
+    /// Whether a number is allowed; NaN is not.
     pub fn contains(self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
     }
@@ -60,21 +60,21 @@ impl fmt::Display for Range {
     }
 }
 
-/// How long a text or a list may be, both ends included. Written as `1 to 80`, or `at most 80`.
+/// The allowed length of a text or a list, both ends included. Displayed as `1 to 80`, or `at most 80`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Count {
-    /// Fewest.
+    /// Smallest count.
     pub least: usize,
-    /// Most.
+    /// Largest count.
     pub most: usize,
-    /// Of what.
+    /// The counted items.
     pub of: Counted,
 }
 
-/// What a [`Count`] counts.
+/// The items that a [`Count`] counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Counted {
-    /// Characters of a text that stands on one line, without control characters.
+    /// Characters of a text on one line, without control characters.
     Characters,
     /// Points of a list.
     Points,
@@ -87,17 +87,17 @@ pub enum Counted {
 }
 
 impl Count {
-    /// From `least` to `most` of something.
+    /// A count from `least` to `most`.
     pub const fn new(least: usize, most: usize, of: Counted) -> Self {
         Self { least, most, of }
     }
 
-    /// Up to this number of something.
+    /// A count up to `most`.
     pub const fn at_most(most: usize, of: Counted) -> Self {
         Self::new(0, most, of)
     }
 
-    /// With what is counted: `1 to 80 characters`.
+    /// The range with its items: `1 to 80 characters`.
     #[must_use]
     pub fn with_unit(self) -> String {
         format!("{self} {}", self.of)
@@ -108,7 +108,7 @@ impl Count {
         (self.least..=self.most).contains(&count)
     }
 
-    /// Whether a text is as long as is allowed and stands on one line.
+    /// Whether a text has an allowed length and is on one line.
     pub fn allows(self, text: &str) -> bool {
         self.contains(text.chars().count()) && !text.chars().any(char::is_control)
     }
@@ -124,7 +124,7 @@ impl fmt::Display for Count {
 }
 
 impl Counted {
-    /// What is asked of them beside their number, as the end of a sentence.
+    /// Further conditions on the items, as the end of a sentence.
     pub(super) const fn rule(self) -> &'static str {
         match self {
             Self::Characters => ", on one line, without control characters",

@@ -1,21 +1,21 @@
-//! The words of a refusal: of a typed text that is no number, of a number that is out of its range, of a text or list
+//! The wording of refusals: of a typed text that is not a number, of a number out of its range, of a text or list
 //! that is too long.
 //!
 //! An error carries the field, the value and the range as data; its sentence is made here. A test of the workspace
-//! (`tests/tests/wording.rs`) holds that nothing else in the host words a refusal of its own.
+//! (`tests/tests/wording.rs`) asserts that nothing else in the host words a refusal of its own.
 
 use super::display::{Measure, show_range, show_value};
 use super::number_format::typed;
 use super::range::{Count, Range};
 use std::fmt;
 
-/// `length_m = 11: must be 0.005 to 10 m`: what was given, and what is allowed.
+/// `length_m = 11: must be 0.005 to 10 m`: the given value and the allowed range.
 #[must_use]
 pub fn must_be(given: impl fmt::Display, allowed: impl fmt::Display) -> String {
     format!("{given}: {}", only(allowed))
 }
 
-/// `must be 0.005 to 10 m`: what is allowed, where the caller shows what was given.
+/// `must be 0.005 to 10 m`: the allowed range alone, where the caller displays the value.
 #[must_use]
 pub fn only(allowed: impl fmt::Display) -> String {
     format!("must be {allowed}")
@@ -24,11 +24,11 @@ pub fn only(allowed: impl fmt::Display) -> String {
 /// A number that is outside its range, or not a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutOfRange {
-    /// The field, as its function or type calls it.
+    /// The name of the field in its function or type.
     pub field: &'static str,
-    /// The value that was given, in the range's unit.
+    /// The given value, in the range's unit.
     pub value: f64,
-    /// The numbers that are allowed.
+    /// The allowed range.
     pub range: Range,
 }
 
@@ -47,7 +47,7 @@ impl OutOfRange {
         count: usize,
         allowed: std::ops::RangeInclusive<usize>,
     ) -> Result<(), Self> {
-        // Counts are far below 2^53: exact.
+        // Counts are far below 2^53, so this is exact.
         Self::check(field, count as f64, Range::new(*allowed.start() as f64, *allowed.end() as f64, ""))
     }
 
@@ -65,7 +65,7 @@ impl fmt::Display for OutOfRange {
         let space = if self.range.unit.is_empty() { "" } else { " " };
         let value = if self.value.is_nan() { "NaN".to_owned() } else { typed(self.value) };
         let given = format!("{} = {value}{space}{}", self.field, self.range.unit);
-        // A range of counts is stated to the last digit: rounding would leave allowed ones out.
+        // The range of a count is displayed to the last digit: rounding would exclude allowed counts.
         let is_of_counts =
             self.range.unit.is_empty() && self.range.low.fract() == 0.0 && self.range.high.fract() == 0.0;
         if is_of_counts {
@@ -83,9 +83,9 @@ impl std::error::Error for OutOfRange {}
 pub struct WrongCount {
     /// The text or list.
     pub field: &'static str,
-    /// How many characters, points, bytes it has.
+    /// Its number of characters, points or bytes.
     pub count: usize,
-    /// How many it may have, and of what.
+    /// The allowed count, with its items.
     pub allowed: Count,
 }
 
@@ -93,7 +93,7 @@ impl WrongCount {
     /// Refuses a count that is not allowed.
     ///
     /// # Errors
-    /// The field, the count and how many are allowed.
+    /// The field, the count and the allowed count.
     pub fn check(field: &'static str, count: usize, allowed: Count) -> Result<(), Self> {
         if allowed.contains(count) { Ok(()) } else { Err(Self { field, count, allowed }) }
     }
@@ -115,13 +115,13 @@ pub(crate) fn wrong_count(field: &str, count: usize, allowed: Count) -> String {
     )
 }
 
-/// A typed text that is not allowed: it is no number of a unit that fits, or its number is out of range. Its sentence
-/// does not repeat the text: the caller shows it beside the message.
+/// A typed text that is not allowed: it has no number with a valid unit, or its number is out of range. The sentence
+/// does not repeat the text: the caller displays it beside the message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotAllowed<A> {
-    /// Why no number could be read from it; nothing where its number is out of range.
+    /// Reason why no number was read; `None` where the number is out of range.
     pub mistake: Option<QuantityError>,
-    /// What is allowed.
+    /// The allowed values.
     pub allowed: A,
 }
 
@@ -136,21 +136,21 @@ impl<A: fmt::Display> fmt::Display for NotAllowed<A> {
 
 impl<A: fmt::Display + fmt::Debug> std::error::Error for NotAllowed<A> {}
 
-/// Why a typed value is not taken.
+/// Reason why a typed value is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum QuantityError {
-    /// There is no number in front.
+    /// The text does not begin with a number.
     #[error("{0:?} does not begin with a number")]
     NoNumber(String),
-    /// The number is too large to differ from infinity.
+    /// The number is too large for an f64.
     #[error("{0:?} is too large a number")]
     TooLarge(String),
-    /// The unit is not one that fits here.
+    /// The unit is not valid here.
     #[error("{got:?} is no unit that fits here: {}", if .allowed.is_empty() { "write the number alone" } else { "use " }.to_owned() + .allowed)]
     Unit {
-        /// What came.
+        /// The given unit.
         got: String,
-        /// What would do; empty where no unit does.
+        /// The valid units; empty where the number has no unit.
         allowed: &'static str,
     },
 }
@@ -186,8 +186,8 @@ mod tests {
         let file = WrongCount::check("the file", 11, Count::at_most(10, Counted::Bytes)).unwrap_err();
         assert_eq!(file.to_string(), "the file has 11 bytes: must be at most 10");
         let name = WrongCount::check("name", 0, Count::new(1, 80, Counted::Characters)).unwrap_err();
-        let told = "name has 0 characters: must be 1 to 80, on one line, without control characters";
-        assert_eq!(name.to_string(), told);
+        let wanted = "name has 0 characters: must be 1 to 80, on one line, without control characters";
+        assert_eq!(name.to_string(), wanted);
         assert_eq!(WrongCount::check("tones", 16, Count::new(1, 16, Counted::Tones)), Ok(()));
     }
 

@@ -1,9 +1,10 @@
-//! What a mistyped word was probably meant to be.
+//! The most likely intended word for a mistyped one.
 
-/// The candidate that differs from `word` in the fewest letters, if that is few: a third of the word's, or the word is
-/// the beginning of a candidate. Case does not count. For field names, presets and materials, which are short.
+/// The candidate with the fewest differing letters, if these are at most a third of the letters of `word`, or if
+/// `word` is the beginning of a candidate. Case does not count. For field names, presets and materials, which are
+/// short.
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    /// Longer words than any candidate are not compared: a hostile file may hold one of a megabyte.
+    /// Words longer than any candidate are not compared: a hostile file may hold one of a megabyte.
     const LONGEST: usize = 80;
     let word: String = word.chars().take(LONGEST + 1).collect::<String>().to_lowercase();
     let letters = word.chars().count();

@@ -1,4 +1,4 @@
-//! Round numbers along an axis, and how they are written.
+//! Round numbers along an axis, and their labels.
 
 /// The nearest 1, 2 or 5 times a power of ten at or above `at_least`.
 #[must_use]
@@ -14,20 +14,20 @@ pub fn round_step(at_least: f64) -> f64 {
 /// Labelled places of an axis: whole multiples of a round step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ticks {
-    /// From one to the next.
+    /// Distance of two places.
     pub step: f64,
-    /// Where they are, rising.
+    /// The places, in rising order.
     pub places: Vec<f64>,
 }
 
-/// Places that are made at most.
+/// Largest number of places.
 const MOST: usize = 200;
 /// An axis with fewer labels than this shows no scale.
 const LEAST: usize = 2;
 
 impl Ticks {
-    /// The places from `low` to `high`, a round step of at least `spacing` apart; closer where there would be fewer
-    /// than two. None where the axis has no extent.
+    /// The places from `low` to `high` in round steps of at least `spacing`; smaller steps where there would be fewer
+    /// than two places. None where the axis has no extent.
     #[must_use]
     pub fn between(low: f64, high: f64, spacing: f64) -> Self {
         if !(low.is_finite() && high.is_finite() && low < high) {
@@ -41,23 +41,23 @@ impl Ticks {
                 let places = (0..count.min(MOST + 1)).map(|i| (first + i as f64) * step).collect();
                 return Self { step, places };
             }
-            // The next smaller of 1, 2 and 5: a step of at most half as much.
+            // The next smaller of 1, 2 and 5 times a power of ten: at most half the step.
             step = round_step(0.4 * step);
         }
     }
 
-    /// How a place is written: with as many decimals as the step has.
+    /// Label of a place, with the number of decimals of the step.
     #[must_use]
     pub fn label(&self, place: f64) -> String {
         label(place, self.step)
     }
 }
 
-/// A multiple of `step` with as many decimals as the step has; never `-0`.
+/// A multiple of `step` with the number of decimals of the step; never `-0`.
 #[must_use]
 pub fn label(place: f64, step: f64) -> String {
     let decimals = if step > 0.0 { (-(step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize } else { 0 };
-    // Adding zero makes minus zero plus zero.
+    // Replaces -0 by 0.
     let whole = if (place / step).abs() < 0.5 { 0.0 } else { place };
     format!("{whole:.decimals$}")
 }

@@ -1,10 +1,10 @@
-//! The unit of a field that people fill in: how its number is written, and how it is read back.
+//! The unit of an input field: formatting and parsing of its number.
 
 use super::number_format::significant;
 use super::parse;
 use super::refusal::QuantityError;
 
-/// Significant digits of a number in a field: more than anyone measures, but few enough to hide rounding from a
+/// Significant digits of a number in a field: more than any measurement has, but few enough to hide the rounding of a
 /// change of units.
 pub const FIELD_DIGITS: usize = 7;
 
@@ -15,9 +15,9 @@ pub enum Unit {
     Millimetre,
     /// Hertz, or kilohertz from 1 kHz on.
     Hertz,
-    /// A unit of this name, as a multiple of the library's unit.
+    /// A unit of this name, with its size in the library's unit.
     Times(&'static str, f64),
-    /// None.
+    /// No unit.
     Pure,
 }
 

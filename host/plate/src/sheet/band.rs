@@ -9,11 +9,11 @@ use super::tiling::Plan;
 use super::vector::{LANES, Line};
 use std::ops::Range;
 
-/// A band of rows. The rows that it owns change with every block.
+/// A band of rows of one thread. The rows that it owns change with every block.
 #[derive(Debug)]
 pub(super) struct Band {
     pub(super) owned: Range<usize>,
-    /// All stored rows: those that are owned at any time, and at each boundary one more row, which their update reads.
+    /// All stored rows: every row owned at any time, and one more at each boundary, which the update reads.
     stored: Range<usize>,
     /// Index of the band, and the number of bands.
     number: usize,
@@ -53,8 +53,7 @@ impl Band {
     /// The band `number` of `bands`, which owns the rows `owned` before a rising block.
     pub(super) fn new(plan: &Plan, owned: Range<usize>, number: usize, bands: usize) -> Self {
         let stored = owned.start.saturating_sub(plan.depth + 1)..(owned.end + 1).min(plan.rows());
-        // Space for one row before and one after the stored rows: beyond an edge it is zero, elsewhere it is never
-        // read.
+        // One more row before and after the stored rows: beyond an edge it is zero, elsewhere it is never read.
         let count = (stored.len() + 2) * plan.stride + 1;
         let record = EnvelopeRecord::new(overlap(&plan.recorded, &stored), plan.stride);
         Self {
@@ -69,7 +68,7 @@ impl Band {
         }
     }
 
-    /// The first line of `row`: the one whose last lane is the driven column.
+    /// The first line of `row`; its last lane is the driven column.
     fn line_of(&self, row: usize) -> usize {
         (row + 1 - self.stored.start) * self.stride
     }
@@ -104,7 +103,7 @@ impl Band {
         self.owned = schedule.end();
     }
 
-    /// Flushes denormal numbers to zero and adds up the record.
+    /// Flushes denormal numbers to zero and accumulates the record.
     pub(super) fn flush(&mut self, plan: &Plan) {
         self.record.accumulate(&self.owned);
         let lines = self.line_of(self.owned.start)..self.line_of(self.owned.end);
@@ -159,7 +158,7 @@ impl Band {
         self.line_of(rows.start)..self.line_of(rows.end)
     }
 
-    /// The newest field, the one a step before, and the record.
+    /// The newest field, the field one step before, and the record.
     fn parts(&mut self, flipped: bool) -> (&mut [Line], &mut [Line], &mut EnvelopeRecord) {
         let (first, second) = (self.first.lines_mut(), self.second.lines_mut());
         let (newest, older) = if flipped { (second, first) } else { (first, second) };

@@ -33,7 +33,7 @@ pub(super) struct Schedule {
     skew: Skew,
     /// Rows that each step updates.
     rows: Vec<Range<usize>>,
-    /// Rows per group, and the group in which the block begins.
+    /// Rows per group, and the group where the block begins.
     group: usize,
     origin: usize,
     /// Wavefronts of the whole block. In front f, step s (from 0) updates the group that is f - s away from the origin.
@@ -55,8 +55,8 @@ pub(super) enum Transfer {
 #[derive(Debug)]
 pub(super) struct HaloRows {
     pub(super) rows: Range<usize>,
-    /// These rows and one more on the sender's side, which the update of the outermost row reads. Only its older field
-    /// is needed.
+    /// These rows and one more on the sender's side, which the update of the outermost row reads. Only its older
+    /// field is needed.
     pub(super) with_support: Range<usize>,
 }
 
@@ -94,7 +94,7 @@ impl Schedule {
         let (lowest, highest) = (first.start.min(last.start) / group, (first.end.max(last.end) - 1) / group);
         let origin = if skew == Skew::Rising { highest } else { lowest };
         let place_of = |row: usize| origin.abs_diff(row / group);
-        // A block sends at the boundary where it begins and receives at the one where it ends.
+        // A block sends at the boundary where it begins and receives at the boundary where it ends.
         let (upper, lower) = (above.then_some(owned.start), below.then_some(owned.end));
         let (sent_at, received_at) = if skew == Skew::Rising { (lower, upper) } else { (upper, lower) };
         let mut transfers = Vec::with_capacity(2);
@@ -155,7 +155,7 @@ pub(super) struct Wavefronts<'a> {
     pub(super) plan: &'a Plan,
     pub(super) schedule: &'a Schedule,
     pub(super) fronts: Range<usize>,
-    /// The newest field when the block begins, and the one a step before.
+    /// The newest field at the start of the block, and the field one step before.
     pub(super) newest: &'a mut [Line],
     pub(super) older: &'a mut [Line],
     /// The first row in the fields. Before it there is space for one row, which is zero or never read.
@@ -184,7 +184,8 @@ impl Wavefronts<'_> {
         let weights = WeightVectors::new(lanes, plan.weights);
         // Rows before the first are not stored, so the offset may be negative: it wraps, and the sum wraps back.
         let offset = stride.wrapping_sub(first_row * stride);
-        // The first `passed` steps are beyond the last group already; the last steps have not reached the first.
+        // The first `passed` steps are already beyond the last group; the last steps have not reached the first
+        // group.
         let mut passed = 0;
         for front in fronts {
             while passed < steps && passed <= front && schedule.is_passed(front - passed, passed) {
@@ -229,7 +230,7 @@ struct StepRows<'a> {
 }
 
 impl StepRows<'_> {
-    /// Advances `N` rows from `row` on.
+    /// Advances `N` rows, starting at `row`.
     #[inline(always)]
     fn advance<L: Lanes, const N: usize, const LOSSLESS: bool>(
         &mut self,
@@ -241,7 +242,7 @@ impl StepRows<'_> {
         let (stride, offset, drive) = (*stride, *offset, *drive);
         let Extent { line, chunks, ghosts } = plan.extent::<N>(row);
         let at = line.wrapping_add(offset);
-        // Above a mirrored first row lies the mirror image of the row below it.
+        // The row above a mirrored first row is the mirror image of the row below it.
         let above_at = if row == 0 && plan.mirrored { at + stride } else { at - stride };
         let place = Place { at, above_at, stride, chunks, ghosts };
         if let Some(touched) = &plan.touched {

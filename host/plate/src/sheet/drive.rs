@@ -1,4 +1,4 @@
-//! The curves of a plate's drive in front of a sheet: codes in, the drive at any time between two codes out.
+//! The measured curves of a plate's drive for a sheet: DAC codes in, the drive at any time between two codes out.
 
 use super::grid::SheetError;
 use crate::definition::plate::Plate;
@@ -7,25 +7,26 @@ use crate::time::{AnalyticDrive, BSPLINE, BandPlan, DriveCurve, DriveFilter};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The codes through the filter of the drive's curves. What lies outside the plate's band does not pass, as on a
+/// The codes through the filter of the drive's curves. Frequencies outside the plate's band are blocked, as on a
 /// [`crate::TimeDomainLine`].
 ///
-/// The filter gives the coefficients of a quintic spline at a lower rate, shifted down by the band's middle. The drive at
-/// the share t of a step is Re(e^(-j omega t) sum of `BSPLINE` pieces times coefficients), with the band's middle omega.
+/// The filter gives the coefficients of a quintic spline at a lower rate, shifted down by the middle of the band. The
+/// drive at the fraction t of a step is Re(e^(-j omega t) sum of `BSPLINE` pieces times coefficients), with omega the
+/// middle of the band.
 #[derive(Debug, Clone)]
 pub(super) struct CurvedDrive {
     drive: AnalyticDrive,
     plan: BandPlan,
     /// The last six coefficients, oldest first.
     coefficient: [Complex64; 6],
-    /// Coefficients so far.
+    /// Number of coefficients up to now.
     steps: u64,
-    /// Codes since the last one.
+    /// Codes since the last coefficient.
     since: u32,
 }
 
 impl CurvedDrive {
-    /// `None` if nothing of the plate's drive is a curve.
+    /// `None` if the plate's drive has no measured curve.
     pub(super) fn of(plate: &Plate, sample_rate_hz: f64) -> Result<Option<Self>, SheetError> {
         if DriveCurve::of(plate).is_none() {
             return Ok(None);
@@ -48,7 +49,7 @@ impl CurvedDrive {
         }
     }
 
-    /// The drive this share of a code after the last one.
+    /// The drive at a fraction of a code after the last one.
     pub(super) fn at(&self, share_of_code: f64) -> f64 {
         let codes = (self.plan.sample_rate_hz / self.plan.rate_hz()).round();
         let t = (f64::from(self.since) + share_of_code) / codes;

@@ -2,14 +2,14 @@
 //!
 //! Grid points closer to the edge than half a cell count as edge (v = 0). So the outermost point inside is 0.5 to 1.5
 //! cells from the edge, and its link to the edge has the weight 1/(that distance) instead of 1. This changes only the
-//! diagonal of the symmetric stiffness matrix and keeps its row sums below the bound 4/dx^2 + 4/dz^2 of a uniform grid.
-//! So the scheme is stable up to the Courant number of a uniform grid for every shape of the edge, and its error is of
-//! second order (Gibou et al. 2002, J. Comput. Phys. 176, 205).
+//! diagonal of the symmetric stiffness matrix and keeps its row sums below the bound 4/dx^2 + 4/dz^2 of a uniform
+//! grid. The scheme is therefore stable up to the Courant number of a uniform grid for every shape of the edge, and
+//! its error is of second order (Gibou et al. 2002, J. Comput. Phys. 176, 205).
 
 use crate::definition::plate::Plate;
 use std::ops::RangeInclusive;
 
-/// Exponents of decay between the last turning point and the end of the grid: a wave reflected there returns with
+/// Decay, in nepers, between the last turning point and the end of the grid: a wave reflected there returns with
 /// e^-12.
 const BEYOND_EXPONENTS: f64 = 6.0;
 
@@ -81,7 +81,7 @@ impl EmbeddedBoundary {
         1.0 / (self.half_width[station] / self.dz - row as f64).clamp(0.5, 1.5)
     }
 
-    /// Stations of `row` that are inside, the driven column included.
+    /// Stations of `row` inside the plate, the driven column included.
     pub(super) fn stations(&self, row: usize) -> RangeInclusive<usize> {
         0..=self.reach[row]
     }

@@ -9,8 +9,8 @@ use std::time::Duration;
 
 /// Number of spins before a waiting thread leaves its core to other threads.
 const SPINS: u32 = 4096;
-/// How long it leaves it: about a block. On a busy machine a thread that only yields gets its core back at once, and the
-/// band it waits for does not.
+/// Time for which it leaves the core: about a block. On a busy machine a thread that only yields gets its core back
+/// immediately, and the band that it waits for does not run.
 const PAUSE: Duration = Duration::from_micros(50);
 
 /// The boundaries between neighbouring bands.
@@ -21,7 +21,7 @@ pub(super) struct HaloExchange {
     is_broken: AtomicBool,
 }
 
-/// A band holds this while it runs; it informs the others if the band panics.
+/// Held by a band while it runs; informs the other bands if it panics.
 #[must_use]
 pub(super) struct PanicGuard<'a>(&'a HaloExchange);
 
@@ -76,7 +76,7 @@ impl HaloExchange {
             Skew::Falling => &self.boundaries[band - 1].up,
         };
         self.wait_until(|| slot.received.load(Ordering::Acquire) == slot.sent.load(Ordering::Relaxed));
-        // A halo that was half written when its band panicked does no harm: the grid is not used after a panic.
+        // A half-written halo of a panicked band is harmless: the grid is not used after a panic.
         pack(&mut slot.halo.lock().unwrap_or_else(PoisonError::into_inner));
         slot.sent.fetch_add(1, Ordering::Release);
     }

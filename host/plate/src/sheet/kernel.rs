@@ -58,7 +58,7 @@ pub(super) struct GhostCells {
     pub(super) inside: Chunk,
 }
 
-/// Where neighbouring rows are stored in a field, and their chunks with ghost cells.
+/// Positions of neighbouring rows in a field, and their chunks with ghost cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place<'a> {
     /// The line before the first row's first chunk.
@@ -140,7 +140,7 @@ pub(super) fn advance<L: Lanes, const N: usize, const LOSSLESS: bool>(
     }
 }
 
-/// Most rows that are advanced at once.
+/// Largest number of rows advanced together.
 const ROWS_MAX: usize = 4;
 
 /// The chunks of `N` rows and of the rows above and below them.

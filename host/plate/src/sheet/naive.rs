@@ -97,7 +97,7 @@ impl Naive {
     fn assert_equals(&self, fdtd: &FdtdGrid) {
         for (row, &reach) in self.case.reach.iter().enumerate() {
             let bits = |numbers: &mut dyn Iterator<Item = f32>| -> Vec<u32> {
-                // Zero has two signs; they are the same displacement.
+                // Both zeros (+0 and -0) are the same displacement.
                 numbers.map(|value| (value + 0.0).to_bits()).collect()
             };
             let expected = |field: &[Vec<f32>]| bits(&mut field[row][..=reach].iter().copied());
@@ -176,7 +176,7 @@ impl Case {
         Self { reach, plain, own, mirrored, weights, loss, column, is_touched }
     }
 
-    /// What a finger adds to a cell: nothing to most, mass and loss of all sizes to a tenth of them.
+    /// Load of a finger on a cell: mass and loss of 1e-4 to 100 on a tenth of the cells, none on the others.
     fn load(&self, row: usize, cell: usize) -> Load {
         let number = row * 4096 + cell;
         if !self.is_touched || scattered(number, 6) > 0.1 {
@@ -233,7 +233,7 @@ proptest! {
 
 #[test]
 fn a_rectangle_equals_the_plain_loops_at_every_tiling_it_chooses() {
-    // Sizes near the limits of lines, chunks and caches, with the tiling and the number of bands that follow.
+    // Sizes near the limits of lines, chunks and caches, with the resulting tiling and number of bands.
     for (cells, rows, threads, tiling, bands) in [
         (1, 1, 1, (4, 16), 1),
         (64, 70, 2, (4, 16), 2),
@@ -277,7 +277,7 @@ fn a_rectangle_equals_the_plain_loops_at_every_tiling_it_chooses() {
 fn a_band_that_panics_ends_the_call_instead_of_hanging_it() {
     let mut case = Case::new(64, 60, 0.0, [false, false, true, false]);
     if let Some(column) = &mut case.column {
-        // A bug: the band in the middle has no driven points for its rows.
+        // A deliberate bug: the band in the middle has no driven points for its rows.
         column.points.truncate(30);
     }
     let mut fdtd = case.fdtd((2, 4), 3, Width::detect());

@@ -14,9 +14,9 @@ pub(super) struct EnvelopeRecord {
     /// Lines per row.
     stride: usize,
     maximum: Vec<Line>,
-    /// Squares since the last [`EnvelopeRecord::accumulate`].
+    /// Sums of squares since the last [`EnvelopeRecord::accumulate`].
     recent: Vec<Line>,
-    /// Squares before that.
+    /// Sums of squares before that.
     squares: Vec<[f64; LANES]>,
 }
 
@@ -94,7 +94,7 @@ impl EnvelopeRecord {
         refill(&mut extract.squares, &self.squares[range]);
     }
 
-    /// Replaces the recorded part of `rows` by what [`EnvelopeRecord::pack`] copied from the same rows of another
+    /// Replaces the recorded part of `rows` by the same rows that [`EnvelopeRecord::pack`] copied from another
     /// record.
     pub(super) fn unpack(&mut self, rows: &Range<usize>, extract: &RecordHalo) {
         let range = self.lines(rows);

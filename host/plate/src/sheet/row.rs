@@ -1,4 +1,4 @@
-//! Reads one row of an FDTD grid by station, whatever the order of its cells in memory.
+//! Access to one row of an FDTD grid by station, independent of the order of its cells in memory.
 
 use super::kernel::place;
 use super::vector::LANES;
@@ -28,7 +28,7 @@ impl<'a, T: Copy> Row<'a, T> {
         Some(self.lines[1 + line][lane])
     }
 
-    /// The numbers of all stations in their order.
+    /// The numbers of all stations, in their order.
     pub(super) fn numbers(self) -> impl Iterator<Item = T> + use<'a, T> {
         (0..=self.reach).map_while(move |station| self.get(station))
     }

@@ -5,9 +5,9 @@ use super::kernel::{CHUNK, COLUMNS, GhostCells, Weights, place};
 use super::vector::{LANES, Line, Width};
 use std::ops::Range;
 
-/// Most bytes of a block's rows in the first-level cache.
+/// Largest size of a block's rows in the first-level cache, bytes.
 const NEAR_BYTES: usize = 52 * 1024;
-/// Most bytes of a block's rows in the second-level cache.
+/// Largest size of a block's rows in the second-level cache, bytes.
 const FAR_BYTES: usize = 640 * 1024;
 
 /// The constant data of an FDTD grid. Rows are numbered from the centre line or, without a mirror, from one edge.
@@ -42,7 +42,7 @@ impl Plan {
         self.reach.len()
     }
 
-    /// The part that is computed of the `N` rows of a group from `row` on.
+    /// The computed part of the `N` rows of a group, starting at `row`.
     #[inline(always)]
     pub(super) fn extent<const N: usize>(&self, row: usize) -> Extent<'_> {
         let Computed { line, chunks, beside, ghosts } = self.computed[row];

@@ -1,9 +1,9 @@
 //! Vectors of sixteen numbers on any instruction set.
 //!
-//! [`Work`] is written once with the operations of [`Lanes`] and compiled for each instruction set; [`Width::run`] uses
-//! the widest of the machine. Where the code says so, a product and a sum are fused, which rounds in the same way on
-//! every machine: all machines and all widths compute the same bits. (Processors without a fused multiply-add, such as
-//! x86 before 2013, are slow.)
+//! [`Work`] is written once with the operations of [`Lanes`] and compiled for each instruction set; [`Width::run`]
+//! uses the widest of the machine. Fused products and sums are written out as such, and a fused operation rounds
+//! alike on every machine, so all machines and all widths compute the same bits. (Processors without a fused
+//! multiply-add, such as x86 before 2013, are slow.)
 
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
@@ -156,7 +156,7 @@ pub(super) trait Work {
     fn with<L: Lanes>(self, lanes: L);
 }
 
-/// The instruction set that is used.
+/// The instruction set of a computation.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Width {
     /// The basic instructions of the target architecture.
@@ -191,7 +191,7 @@ impl Width {
         all
     }
 
-    /// Runs the computation as compiled for this instruction set.
+    /// Runs the computation compiled for this instruction set.
     pub(super) fn run(self, work: impl Work) {
         match self {
             Self::Portable => work.with(Plain),

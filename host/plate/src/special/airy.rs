@@ -1,8 +1,8 @@
-//! The Airy function Ai and the numbers of its edge.
+//! The Airy function Ai and the constants of its edge.
 
-/// The peak lies this far before the turning point, in units of 1/kappa.
+/// Distance of the peak before the turning point, in units of 1/kappa.
 pub const PEAK_OFFSET: f64 = 1.018_792_971_647_471;
-/// From the peak to a tenth of it, in units of 1/kappa (1.018793 + 1.709808).
+/// Distance from the peak to a tenth of it, in units of 1/kappa (1.018793 + 1.709808).
 pub const EDGE_WIDTH: f64 = 2.728_6;
 /// First nodes of Ai, in units of 1/kappa from the turning point.
 pub const NODES: [f64; 4] =
@@ -76,7 +76,7 @@ fn oscillation(z: f64) -> f64 {
     (phase.cos() * even + phase.sin() * odd) / (std::f64::consts::PI.sqrt() * x.sqrt().sqrt())
 }
 
-/// Where, past the peak, Ai has fallen to `level` times its peak; `None` unless 1e-6 <= level <= 1.
+/// Place beyond the peak where Ai falls to `level` times its peak; `None` unless 1e-6 <= level <= 1.
 pub fn place_of_level(level: f64) -> Option<f64> {
     if !(1e-6..=1.0).contains(&level) {
         return None;

@@ -13,14 +13,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// for this integrand). Relative error about 1e-11 away from the nodes, for |Re nu| up to 300 and s from 0.01 to 1e4.
 pub fn k_imaginary_scaled(nu: Complex64, s: f64) -> Complex64 {
     let order = nu.re.abs();
-    // e^(order * delta) is what cancellation costs; a larger delta makes the integrand decay sooner.
+    // Cancellation amplifies rounding by e^(order * delta); a larger delta makes the integrand decay sooner.
     let delta = (7.0 / order.max(1.0)).min(1.2);
     let theta = FRAC_PI_2 - delta;
     let decay = s * theta.cos();
-    // Where s cosh t cos(theta) has passed the level of the middle by e^-42.
+    // End of the path: s cosh t cos(theta) exceeds its value in the middle by 42, a factor of e^-42.
     let far = ((42.0 + decay) / decay).acosh() + 0.5;
     let fastest = (s * theta.sin() * far.cosh()).max(order) + nu.im.abs() + 1.0;
-    // Sixteen points per turn of the fastest oscillation still inside the range.
+    // Sixteen points per period of the fastest oscillation within the range.
     let step = (2.0 * PI / 16.0 / fastest).min(0.02);
     let count = (far / step).ceil() as i64;
     let i = Complex64::I;

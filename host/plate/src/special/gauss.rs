@@ -1,9 +1,9 @@
-//! Gauss's rule for integrals.
+//! Gauss-Legendre quadrature.
 
 use std::f64::consts::PI;
 
-/// Places and weights of the Gauss-Legendre rule with `count` places on 0..1, in rising order: the integral of f is the sum
-/// of weight f(place), exact for polynomials up to the degree 2 `count` - 1.
+/// Places and weights of the Gauss-Legendre rule with `count` places on 0..1, in rising order: the integral of f is
+/// the sum of weight f(place), exact for polynomials up to the degree 2 `count` - 1.
 ///
 /// The places are the roots of the Legendre polynomial, by Newton's method.
 pub(crate) fn gauss(count: usize) -> Vec<(f64, f64)> {

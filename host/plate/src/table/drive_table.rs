@@ -59,11 +59,11 @@ pub struct DriveTable {
     pub swing_without_gain_db: f64,
     /// Number of knots without a turning-point peak.
     pub knots_without_peak: usize,
-    /// The peak over [`DriveTable::peak_at_full_scale_m`] at each knot and at three positions between each two, for the
-    /// nominal wave speed and loss. With a tolerance the gains level the middle of what the tolerance allows, so that
-    /// the nominal plate itself is up to [`DriveTable::worst_error_db`] off.
+    /// The peak over [`DriveTable::peak_at_full_scale_m`] at each knot and at three positions between each two, for
+    /// the nominal wave speed and loss. With a tolerance the gains level the middle of the tolerance interval, so the
+    /// nominal plate itself is off by up to [`DriveTable::worst_error_db`].
     pub nominal_heights: Vec<f64>,
-    /// What the actuator's peak travel does to the table; `None` if the plate file does not limit the travel.
+    /// The effect of the actuator's peak travel on the table; `None` if the plate file does not limit the travel.
     pub travel: Option<TableTravel>,
 }
 
@@ -74,14 +74,15 @@ impl DriveTable {
     /// Builds the table with `knots` knots (2 to 1025) over the plate's span.
     ///
     /// # Errors
-    /// [`TableError::SampleRate`] if the rate cannot carry the band, [`TableError::Knots`] if `knots` is out of range,
-    /// [`TableError::Flat`] if two knots have the same frequency to a device, [`TableError::Silent`] if the plate has no finite amplitude above zero at a position of its span.
+    /// [`TableError::SampleRate`] if the rate cannot carry the band, [`TableError::Knots`] if `knots` is out of
+    /// range, [`TableError::Flat`] if a device cannot distinguish the frequencies of two knots,
+    /// [`TableError::Silent`] if the plate has no finite amplitude above zero at a position of its span.
     pub fn build(plate: &Plate, sample_rate_hz: f64, knots: usize) -> Result<Self, TableError> {
         Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
     }
 
-    /// As [`DriveTable::build`], with reports of its progress; it can be stopped. It takes a moment for most plates,
-    /// and many times as long for a plate of many wavelengths whose wave speed has a tolerance.
+    /// As [`DriveTable::build`], with reports of its progress; it can be stopped. A plate of many wavelengths whose
+    /// wave speed has a tolerance takes many times as long as most plates.
     ///
     /// # Errors
     /// As [`DriveTable::build`], and [`TableError::Stopped`].
@@ -105,8 +106,8 @@ impl DriveTable {
         let halves: Vec<f64> = (0..2 * knots - 1).map(|k| place(0.5 * k as f64)).collect();
         let others = other_plates(plate);
         let others = drives_to_peak(&others, sample_rate_hz);
-        // The stages take progress in proportion to the frequencies they solve: 2 per knot, 1 per knot and plate, the
-        // same half-way between the knots, then 4 per knot.
+        // The stages take progress in proportion to the frequencies that they solve: 2 per knot, 1 per knot and
+        // plate, the same half-way between the knots, then 4 per knot.
         let plates = 1.0 + others.len() as f64;
         let whole = 2.0 + 2.0 * plates + 4.0;
         let ends = [0.0, 2.0, 2.0 + plates, 2.0 + 2.0 * plates, whole].map(|end| end / whole);
@@ -172,7 +173,7 @@ impl DriveTable {
         self.peak_at_full_scale_m * self.between(position_m, heights.len(), |place| heights[place])
     }
 
-    /// What `count` values (2 or more) at positions uniform over the span give at a position between them.
+    /// Linear interpolation at a position of `count` values (2 or more) at positions uniform over the span.
     fn between(&self, position_m: f64, count: usize, value: impl Fn(usize) -> f64) -> f64 {
         let last = count - 1;
         let at = (position_m - self.span_start_m) / (self.span_end_m - self.span_start_m) * last as f64;

@@ -1,4 +1,4 @@
-//! Why a table could not be made.
+//! Reasons why a table could not be made.
 
 use crate::definition::sample_rate::SampleRateError;
 use crate::progress::Stopped;
@@ -6,10 +6,10 @@ use crate::quantity::OutOfRange;
 use crate::quantity::number_format::{at_least, at_most, typed};
 use thiserror::Error;
 
-/// Most knots of a table.
+/// Largest number of knots of a table.
 pub const KNOTS_MAX: usize = 1025;
 
-/// Why a table could not be made.
+/// Reason why a table could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TableError {
     /// The sample rate cannot carry the plate's band.
@@ -19,7 +19,9 @@ pub enum TableError {
     #[error(transparent)]
     Knots(#[from] OutOfRange),
     /// The amplitude is zero or not finite at a position of the span.
-    #[error("the plate does not answer at {position_m} m ({frequency_hz} Hz): nothing to level there")]
+    #[error(
+        "the amplitude of the plate at {position_m} m ({frequency_hz} Hz) is zero or not finite: no gain can level it"
+    )]
     Silent {
         /// Turning point, metres.
         position_m: f64,

@@ -1,10 +1,10 @@
-//! The level that a table makes equal: the peak per unit of DAC amplitude, for one wave speed or for several.
+//! The level that a table equalises: the peak per unit of DAC amplitude, for one wave speed or for several.
 //!
 //! An imperfect match of the drive end leaves a ripple of the peak along the plate, and an error of the wave speed
-//! shifts that ripple. A table that cancels the ripple at the nominal speed can double it at another one. So with a
+//! shifts that ripple. A table that cancels the ripple at the nominal speed can double it at another speed. So with a
 //! tolerance each knot is levelled to the middle, in dB, of the lowest and the highest peak at all speeds within the
-//! tolerance. The largest error is then the ripple itself, whatever the true speed. Loss that is known within a tolerance
-//! is treated alike: the middle halves the largest error at each knot, whatever the true loss.
+//! tolerance. The largest error is then the ripple itself, for every true speed. A tolerance of the loss is treated
+//! alike: the middle halves the largest error at each knot, for every true loss.
 
 use super::error::TableError;
 use crate::definition::plate::Plate;
@@ -23,7 +23,7 @@ const SPEEDS: usize = 9;
 /// Frequencies between two reports of progress.
 const FREQUENCIES_AT_ONCE: usize = 64;
 
-/// The plate's answer at one frequency, per unit of DAC amplitude.
+/// The plate's response at one frequency, per unit of DAC amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
     /// Peak amplitude per unit of DAC amplitude, in units of the full-scale displacement. Where there is no peak, the
@@ -54,10 +54,10 @@ impl DriveToPeak {
         &self.plate
     }
 
-    /// As [`DriveToPeak::new`], for a plate whose band may end a little above what the sample rate carries.
+    /// As [`DriveToPeak::new`], for a plate whose band may end slightly above the limit of the sample rate.
     pub(crate) fn unchecked(plate: &Plate, sample_rate_hz: f64) -> Self {
         let highest_hz = plate.band_hz().1;
-        // An error of 1e-6 of the amplitude, 1e-5 dB, is enough here: the grid is coarser than that of a response.
+        // An error of 1e-6 of the amplitude, 1e-5 dB, suffices: the grid is coarser than that of a response.
         let points = 257;
         let refinement = numerov::refinement(plate, highest_hz, plate.length_m() / 256.0).div_ceil(4).max(2);
         let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
@@ -107,20 +107,20 @@ impl DriveToPeak {
         Ok(Level { amplitude, peak_present: found.is_some(), peak_largest })
     }
 
-    /// What a finger leaves of the amplitude under it, see [`finger::share_left`].
+    /// Fraction of the amplitude that remains under a finger, see [`finger::share_left`].
     pub(crate) fn share_left(&self, finger: &Finger, frequency_hz: f64) -> Complex64 {
         finger::share_left(&self.grid, &self.plate, finger, frequency_hz)
     }
 
-    /// Gain of the zero-order hold and of what lies between it and the driven end.
+    /// Gain of the zero-order hold and of the chain from it to the driven end.
     fn before_the_plate(&self, frequency_hz: f64) -> f64 {
         let droop = sample_rate::hold_droop(frequency_hz, self.sample_rate_hz);
         droop * self.plate.drive_response(frequency_hz).norm()
     }
 }
 
-/// The amplitude that a table levels, of a field on points `step_m` apart: that of the turning-point peak, which is stated,
-/// too; without one, the amplitude at the turning point over 0.6628.
+/// The amplitude that a table levels, for a field on points `step_m` apart: that of the turning-point peak, with
+/// whether there is one; without a peak, the amplitude at the turning point over 0.6628.
 pub(crate) fn peak_amplitude(
     plate: &Plate,
     field: &[Complex64],
@@ -142,10 +142,10 @@ pub(crate) fn peak_amplitude(
 
 /// The plate at the other wave speeds and losses within its tolerances. Speeds that make the plate invalid are left out.
 ///
-/// At each place the level is monotone in the loss but for the ripple, which is largest at the lowest loss: so every
-/// speed is taken with the lowest and the highest loss, too.
+/// At each place the level is monotone in the loss, except for the ripple, which is largest at the lowest loss: so
+/// every speed is also computed with the lowest and the highest loss.
 ///
-/// None where the gain itself was measured: it holds whatever the speed and the loss are.
+/// Empty where the gain itself was measured: it does not depend on speed and loss.
 pub(crate) fn other_plates(plate: &Plate) -> Vec<Plate> {
     if plate.spec().calibration.as_ref().is_some_and(|calibration| calibration.correction.is_some()) {
         return Vec::new();

@@ -1,4 +1,4 @@
-//! How much the peak's height changes when the real plate differs from the one that the table was made for.
+//! Change of the peak's height where the real plate differs from the plate of the table.
 
 use super::drive_table::DriveTable;
 use super::error::{KNOTS_MAX, TableError};
@@ -36,7 +36,7 @@ pub fn sensitivity(
     table_sensitivity(&table, table_plate, actual_plate)
 }
 
-/// [`sensitivity`] for a table that has been built for `table_plate` already.
+/// [`sensitivity`] for an existing table of `table_plate`.
 ///
 /// # Errors
 /// [`TableError::Silent`] if the actual plate has no amplitude at one of the table's frequencies.
@@ -96,8 +96,8 @@ pub fn sensitivity_per_percent_watched(
     per_percent(&table, plate, &mut progress.part(0.8, 1.0))
 }
 
-/// [`sensitivity_per_percent_watched`] at the sample rate of a `table` made for `plate`. The table is used as it is if
-/// it has 1025 knots, the most a table can have; otherwise one with 1025 knots is built.
+/// [`sensitivity_per_percent_watched`] at the sample rate of a `table` made for `plate`. The table itself is used if
+/// it has 1025 knots, the largest number; otherwise one with 1025 knots is built.
 ///
 /// # Errors
 /// As [`DriveTable::build_watched`].
@@ -120,7 +120,7 @@ fn per_percent(
 ) -> Result<Sensitivity, TableError> {
     let mut result: Option<Sensitivity> = None;
     for (factor, from) in [(1.01, 0.0), (0.99, 0.5)] {
-        // At the end of a material's allowed range one of the two speeds is not allowed.
+        // At the limits of a model's fields one of the two speeds is out of range.
         let Ok(actual) = plate.with_wave_speed(factor) else { continue };
         let found = watched(table, plate, &actual, &mut progress.part(from, from + 0.5))?;
         if result.is_none_or(|best| found.worst_db > best.worst_db) {

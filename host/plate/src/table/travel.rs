@@ -1,30 +1,30 @@
-//! The peak travel in a table: its gains are lowered together, so that equal level still means equal peak.
+//! The peak travel in a table: all gains are lowered together, so that equal level still means equal peak.
 
 use crate::definition::plate::Plate;
 use crate::definition::travel::Travel;
 
-/// What a table at level 1 uses of the peak travel, at most. The rest is for what the device rounds: it computes the
-/// travel in 32-bit floats, and adds a thousandth to be on the safe side.
+/// Largest travel of a table at level 1, as a fraction of the peak travel. The rest is a margin for the device, which
+/// computes the travel in 32-bit floats and adds 0.001 for safety.
 pub(crate) const USED: f64 = 0.998;
 
-/// How far a table's tones move the actuator, at level 1.
+/// Travel of the actuator by a table's tones at level 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TableTravel {
     /// The actuator's resonance, Hz.
     pub resonance_hz: f64,
     /// The quality factor of the resonance.
     pub quality: f64,
-    /// How far a steady signal at DAC full scale would hold it from its rest, as a share of the peak travel.
+    /// Distance from rest under a constant signal at DAC full scale, as a fraction of the peak travel.
     pub static_share: f64,
-    /// Largest steady travel of one tone on the span, as a share of the peak travel (0 to 1).
+    /// Largest steady travel of one tone on the span, as a fraction of the peak travel (0 to 1).
     pub largest_share: f64,
-    /// Factor by which all gains were lowered to keep the peak travel; 1 if they were not.
+    /// Factor on all gains that keeps the peak travel; 1 if they need not be lowered.
     pub scale: f64,
 }
 
 impl TableTravel {
-    /// Lowers `gain` where a tone at level 1 would pass the plate's peak travel anywhere on the span. A tone glides
-    /// from knot to knot, so between two knots the larger gain counts with the largest travel.
+    /// Lowers `gain` where a tone at level 1 would exceed the plate's peak travel anywhere on the span. A tone glides
+    /// from knot to knot, so between two knots the larger gain is taken with the largest travel.
     pub(super) fn limit(plate: &Plate, frequency_hz: &[f64], gain: &mut [f64]) -> Option<Self> {
         let actuator = plate.spec().actuator.as_ref()?.resonator()?;
         let Travel { peak_m, static_m } = actuator.travel?;
@@ -44,13 +44,13 @@ impl TableTravel {
         })
     }
 
-    /// By how much the limit lowers the table, dB (0 or more).
+    /// Reduction of the table's level by the limit, dB (0 or more).
     pub fn lowered_db(&self) -> f64 {
         -20.0 * self.scale.log10()
     }
 }
 
-/// The factor that brings the largest travel, as a share of the peak travel, to what may be used of it.
+/// The factor that reduces the largest travel, as a fraction of the peak travel, to [`USED`].
 pub(crate) fn scale(largest_share: f64) -> f64 {
     (USED / largest_share).min(1.0)
 }
@@ -81,7 +81,7 @@ mod tests {
             assert_eq!(limited.frequency_hz, free.frequency_hz);
         }
         let lowered = limited.peak_at_full_scale_m / free.peak_at_full_scale_m;
-        assert!((lowered - travel.scale).abs() < 1e-12, "the level that is told is lowered, too");
+        assert!((lowered - travel.scale).abs() < 1e-12, "the stated level is lowered as well");
         assert!(limited.worst_error_db < free.worst_error_db + 1e-9);
     }
 

@@ -1,11 +1,11 @@
-//! Phases with which multiples of one base frequency have a small peak.
+//! Phases for a small peak of a sum of multiples of one base frequency.
 //!
-//! The peak is the limit of the norm `(mean |x|^p)^(1/p)` for large p. For each p of a rising list this norm is brought
-//! down by Gauss and Newton's method in the phases, damped after Levenberg and Marquardt, from Schroeder's phases on:
-//! P. Guillaume, J. Schoukens, R. Pintelon and I. Kollar, "Crest-factor minimization using nonlinear Chebyshev
-//! approximation methods", IEEE Trans. Instrum. Meas. 40, 982 (1991). Sixteen equal tones side by side come to a crest
-//! factor (peak over RMS) of 1.6; the farther apart in octaves they are, the more there is left: 2.3 to 2.9 for sixteen
-//! over one to four octaves.
+//! The peak is the limit of the norm `(mean |x|^p)^(1/p)` for large p. For each p of a rising list this norm is
+//! minimised by Gauss and Newton's method in the phases, damped after Levenberg and Marquardt, starting from
+//! Schroeder's phases: P. Guillaume, J. Schoukens, R. Pintelon and I. Kollar, "Crest-factor minimization using
+//! nonlinear Chebyshev approximation methods", IEEE Trans. Instrum. Meas. 40, 982 (1991). Sixteen equal adjacent
+//! tones reach a crest factor (peak over RMS) of 1.6. It rises with the range in octaves: 2.3 to 2.9 for sixteen
+//! tones over one to four octaves.
 
 use super::phases::low_crest_turns;
 use nalgebra::{DMatrix, DVector};
@@ -13,24 +13,24 @@ use std::f64::consts::TAU;
 
 /// The powers p of the norms.
 const POWERS: [i32; 7] = [4, 8, 16, 32, 64, 128, 256];
-/// Steps for each of them at most.
+/// Largest number of steps for each power.
 const STEPS: usize = 8;
-/// A gain of less than this share of the norm ends the steps.
+/// A relative reduction of the norm below this ends the steps.
 const WORTH_IT: f64 = 1e-4;
-/// Samples in the shortest period, at least; the list stands for the wave itself.
+/// Least number of samples in the shortest period; the list represents the wave itself.
 const SAMPLES_OF_HIGHEST: u32 = 8;
 
 /// One period of tones, sampled.
 struct Period<'a> {
     amplitudes: &'a [f64],
-    /// The rows are samples; `sin(2 pi m n / N)` and `cos`, a column each tone.
+    /// Rows: samples. Columns: tones, with `sin(2 pi m n / N)` and the cosine.
     sines: DMatrix<f64>,
     cosines: DMatrix<f64>,
 }
 
 impl<'a> Period<'a> {
     fn of(harmonics: &[u32], amplitudes: &'a [f64], longest: u32) -> Self {
-        // What all have in common makes the period shorter.
+        // A common divisor of all multiples shortens the period.
         let common = harmonics.iter().copied().fold(0, gcd).max(1);
         let highest = harmonics.iter().copied().max().unwrap_or(1) / common;
         let samples = (SAMPLES_OF_HIGHEST * highest).next_power_of_two().min(longest.max(1));
@@ -74,7 +74,7 @@ impl<'a> Period<'a> {
     }
 }
 
-/// The greatest common divisor; of 0 and a number the number.
+/// The greatest common divisor; gcd(0, n) = n.
 fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
@@ -89,8 +89,9 @@ fn norm(wave: &DVector<f64>, power: i32) -> f64 {
     peak * mean.powf(1.0 / f64::from(power))
 }
 
-/// Phases in turns, 0 to 1, with which tones of these multiples (rising, 1 or more) and amplitudes (0 or more, as many) have
-/// a small peak; and that peak. `longest` is the period in samples, a power of two: the wave counts at its samples.
+/// Phases in turns, 0 to 1, for a small peak of tones with these multiples (rising, 1 or more) and amplitudes (0 or
+/// more, as many); and that peak. `longest` is the period in samples, a power of two; the peak is that of the
+/// samples.
 pub fn low_peak_turns(harmonics: &[u32], amplitudes: &[f64], longest: u32) -> (Vec<f64>, f64) {
     let period = Period::of(harmonics, amplitudes, longest);
     let mut phases = DVector::from_vec(low_crest_turns(amplitudes)) * TAU;
@@ -107,7 +108,7 @@ pub fn low_peak_turns(harmonics: &[u32], amplitudes: &[f64], longest: u32) -> (V
     (turns, peak)
 }
 
-/// The largest sample of a period of this length.
+/// The largest sample over a period of `samples` samples.
 fn peak(harmonics: &[u32], amplitudes: &[f64], turns: &[f64], samples: u32) -> f64 {
     let value = |n: u32| -> f64 {
         let tones = harmonics.iter().zip(amplitudes).zip(turns);
@@ -121,7 +122,7 @@ fn peak(harmonics: &[u32], amplitudes: &[f64], turns: &[f64], samples: u32) -> f
     (0..samples).map(|n| value(n).abs()).fold(0.0, f64::max)
 }
 
-/// Brings the norm down by damped steps.
+/// Reduces the norm by damped steps.
 fn descend(period: &Period<'_>, power: i32, phases: &mut DVector<f64>) {
     let mut wave = period.wave(phases);
     let mut now = norm(&wave, power);
@@ -130,7 +131,8 @@ fn descend(period: &Period<'_>, power: i32, phases: &mut DVector<f64>) {
         if now == 0.0 {
             return;
         }
-        // The residual |x/s|^(p/2), whose squares add up to the norm's power, and its derivative.
+        // The residual |x/s|^(p/2), whose sum of squares is proportional to the p-th power of the norm, and its
+        // derivative.
         let half = power / 2;
         let residual = wave.map(|x| (x / now).abs().powi(half));
         let weights = wave.map(|x| f64::from(half) * (x / now).abs().powi(half - 1) * x.signum() / now);

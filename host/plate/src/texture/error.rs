@@ -1,4 +1,4 @@
-//! Why a texture could not be made.
+//! Reasons why a texture could not be made.
 
 use crate::feeling::FeltEdge;
 use crate::progress::Stopped;
@@ -6,7 +6,7 @@ use crate::quantity::OutOfRange;
 use crate::table::TableError;
 use thiserror::Error;
 
-/// Why a texture could not be made.
+/// Reason why a texture could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TextureError {
     /// A value is outside its range.
@@ -16,9 +16,9 @@ pub enum TextureError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// A field is not finite or the wave does not enter.
-    #[error("the plate does not answer: nothing to make a texture of")]
+    #[error("the amplitude of the plate is not finite or no wave enters: no texture can be made")]
     Silent,
-    /// No room for an even area.
+    /// There is no room for an even area.
     #[error(
         "turning point = {turning_point_m} m: the edge there is {edge_width_m} m wide, which leaves no even area before it"
     )]
@@ -33,7 +33,7 @@ pub enum TextureError {
     Profile {
         /// Number of the breakpoint, from 1.
         number: usize,
-        /// What is wrong with it.
+        /// The mistake.
         reason: &'static str,
     },
     /// No turning point of the span has a felt edge on the plate.
@@ -42,7 +42,7 @@ pub enum TextureError {
         FeltEdge::At(_) | FeltEdge::Nowhere => "nothing is felt: raise the plate's full scale, or give the turning point",
     })]
     NotFelt {
-        /// Where the shortest area's felt edge is.
+        /// The felt edge of the shortest area.
         edge: FeltEdge,
     },
     /// The caller stopped the computation.

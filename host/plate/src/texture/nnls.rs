@@ -1,18 +1,19 @@
-//! Non-negative least squares by an active set: x >= 0 that makes |A x - b| least.
+//! Non-negative least squares by an active set: the x >= 0 that minimises |A x - b|.
 //!
 //! C. L. Lawson and R. J. Hanson, "Solving Least Squares Problems" (1974), chapter 23. A column enters the set of
-//! positive unknowns where the gradient A'(b - A x) is largest, and leaves it where its unknown would fall below zero.
-//! The columns of the set are kept as Q R, with one column added by Gram and Schmidt (twice, so that Q stays orthogonal
-//! to rounding) or taken out by Givens' rotations. So a step takes about rows x columns products for the gradient and
-//! twice rows x (size of the set) for Q, and the conditioning is that of A, not of A'A.
+//! positive unknowns where the gradient A'(b - A x) is largest, and leaves it where its unknown would fall below
+//! zero. The columns of the set are stored as Q R. A column is added by Gram and Schmidt (twice, so that Q stays
+//! orthogonal to rounding) and removed by Givens' rotations. So a step costs about rows x columns products for the
+//! gradient and twice rows x (size of the set) for Q, and the condition number is that of A, not of A'A.
 
-/// Of the largest entry of A'b, each column divided by its norm: a gradient below this is taken for zero.
+/// Gradients below this, relative to the largest entry of A'b with each column divided by its norm, count as zero.
 const GRADIENT_TOLERANCE: f64 = 1e-12;
 
-/// A column less than this, of its norm, outside the others is taken for their combination and left out.
+/// A column counts as a combination of the others if less than this fraction of its norm is orthogonal to them; it is
+/// left out.
 const INDEPENDENT: f64 = 1e-10;
 
-/// The columns of A, all of one length.
+/// The columns of A, all of the same length.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Columns {
     rows: usize,
@@ -20,12 +21,12 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// No column yet, of `rows` rows each.
+    /// An empty matrix with `rows` rows.
     pub fn new(rows: usize) -> Self {
         Self { rows, values: Vec::new() }
     }
 
-    /// Adds a column. What it is longer than the others is cut off, what it is shorter is zero.
+    /// Adds a column. Excess entries are cut off, missing ones are zero.
     pub fn push(&mut self, column: impl IntoIterator<Item = f64>) {
         let end = self.values.len() + self.rows;
         self.values.extend(column.into_iter().take(self.rows));
@@ -47,7 +48,7 @@ impl Columns {
         &self.values[index * self.rows..(index + 1) * self.rows]
     }
 
-    /// Every column in turn.
+    /// The columns in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> {
         (0..self.count()).map(|index| self.column(index))
     }
@@ -64,7 +65,7 @@ impl Columns {
     }
 }
 
-/// The x >= 0 that makes |A x - b| least, for finite A and b.
+/// The x >= 0 that minimises |A x - b|, for finite A and b.
 ///
 /// Exact to rounding: where x is zero the gradient is not above zero, elsewhere it is zero. Columns that are
 /// combinations of others, and columns of zeros, keep x = 0.
@@ -74,9 +75,10 @@ pub fn non_negative_least_squares(a: &Columns, b: &[f64]) -> Vec<f64> {
     set.x
 }
 
-/// The result of [`non_negative_least_squares`], and beside it the one with at most `most` unknowns above zero: the unknown
-/// whose loss raises the error least is taken away, and the others are solved for again, until so few are left. (The best
-/// set of a given size is a search without end; this one is near it where the columns change smoothly.)
+/// The result of [`non_negative_least_squares`], and a result with at most `most` unknowns above zero: the unknown
+/// whose removal raises the error least is removed and the others are solved for again, until at most `most` remain.
+/// (Finding the best set of a given size is combinatorial; this one is close to it where the columns change
+/// smoothly.)
 pub fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
     let mut set = ActiveSet::new(a, b);
     set.solve();
@@ -84,7 +86,7 @@ pub fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) 
     while set.free.len() > most {
         let Some(least) = set.least_missed() else { break };
         set.allowed[set.free[least]] = false;
-        // The unknowns that stay are solved for from nothing: a set of this size takes microseconds.
+        // The remaining unknowns are solved for from zero: a set of this size takes microseconds.
         for column in 0..a.count() {
             set.allowed[column] &= set.free.contains(&column);
         }
@@ -98,7 +100,7 @@ pub fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) 
 struct ActiveSet<'a> {
     a: &'a Columns,
     b: &'a [f64],
-    /// One over each column's norm; zero for a column of zeros.
+    /// Inverse norm of each column; zero for a column of zeros.
     inverse_norm: Vec<f64>,
     x: Vec<f64>,
     /// The columns whose unknowns may be above zero.
@@ -128,8 +130,8 @@ impl<'a> ActiveSet<'a> {
     fn solve(&mut self) {
         let largest = self.gradient().into_iter().map(f64::abs).fold(0.0, f64::max);
         let tolerance = GRADIENT_TOLERANCE * largest;
-        // Each step lowers the error, so no set comes twice and the loop ends; rounding may lower it by nothing, so the
-        // steps are counted too.
+        // Each step lowers the error, so no set is repeated and the loop ends; rounding may reduce a step to nothing,
+        // so the steps are counted as well.
         let mut refused = vec![false; self.a.count()];
         for _ in 0..10 * self.a.count() {
             let Some(enters) = self.steepest(&refused, tolerance) else { break };
@@ -163,8 +165,8 @@ impl<'a> ActiveSet<'a> {
             .max_by(|&one, &other| gradient[one].total_cmp(&gradient[other]))
     }
 
-    /// Frees a column and goes to the least error that keeps all unknowns at or above zero. False if nothing is gained
-    /// by it: the column is a combination of the others, or rounding alone gave it its gradient.
+    /// Frees a column and minimises the error with all unknowns at or above zero. False if the error does not fall:
+    /// the column is a combination of the others, or its gradient is rounding error.
     fn enter(&mut self, column: usize) -> bool {
         let inverse = self.inverse_norm[column];
         if !self.basis.push(self.a.column(column).iter().map(|value| value * inverse).collect(), self.b) {
@@ -192,8 +194,8 @@ impl<'a> ActiveSet<'a> {
         true
     }
 
-    /// How much of the way to `wanted` can be gone before an unknown reaches zero, and which one does: `None` if all
-    /// are above zero there.
+    /// The fraction of the way to `wanted` at which the first unknown reaches zero, and its position; `None` if all
+    /// are above zero at `wanted`.
     fn first_to_vanish(&self, wanted: &[f64]) -> Option<(f64, usize)> {
         let share = |(position, (&column, &wanted)): (usize, (&usize, &f64))| {
             let now = self.x[column];
@@ -208,7 +210,7 @@ impl<'a> ActiveSet<'a> {
             .min_by(|(one, _), (other, _)| one.total_cmp(other))
     }
 
-    /// Position in the set of the unknown whose loss raises the error least: by x^2 over its diagonal entry of
+    /// Position in the set of the unknown whose removal raises the error least: by x^2 over its diagonal entry of
     /// (A'A)^-1.
     fn least_missed(&self) -> Option<usize> {
         let raise = |(position, &column): (usize, &usize)| {
@@ -219,7 +221,7 @@ impl<'a> ActiveSet<'a> {
         raises.min_by(|(_, one), (_, other)| one.total_cmp(other)).map(|(position, _)| position)
     }
 
-    /// Back to x = 0.
+    /// Resets x to 0.
     fn restart(&mut self) {
         self.free.clear();
         self.basis = Basis::default();
@@ -234,7 +236,7 @@ impl<'a> ActiveSet<'a> {
     }
 }
 
-/// The free columns as Q R, and the part of b along each column of Q.
+/// The free columns as Q R, and the component of b along each column of Q.
 #[derive(Default)]
 struct Basis {
     /// Orthonormal columns.
@@ -267,8 +269,8 @@ impl Basis {
         true
     }
 
-    /// Takes a column out. The triangle then has one entry below its diagonal in each later column, which a rotation of
-    /// two columns of Q takes away.
+    /// Removes a column. The triangle then has one entry below its diagonal in each later column, which a rotation of
+    /// two columns of Q eliminates.
     fn remove(&mut self, position: usize) {
         self.r.remove(position);
         for lower in position..self.r.len() {
@@ -309,8 +311,8 @@ impl Basis {
 }
 
 impl Basis {
-    /// Entry of the diagonal of (A'A)^-1 = R^-1 R^-T: the square of a row of R^-1, which is a column of R^-T and so found
-    /// by forward substitution.
+    /// Diagonal entry of (A'A)^-1 = R^-1 R^-T: the square of a row of R^-1, which is a column of R^-T and is found by
+    /// forward substitution.
     fn inverse_diagonal(&self, position: usize) -> f64 {
         let mut row = vec![0.0; self.r.len()];
         for (at, column) in self.r.iter().enumerate().skip(position) {
@@ -321,7 +323,7 @@ impl Basis {
     }
 }
 
-/// Eight sums at once, so that the processor's vector registers are used.
+/// Eight partial sums, so that the compiler uses vector registers.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
@@ -344,7 +346,7 @@ fn add_times(sum: &mut [f64], factor: f64, column: &[f64]) {
 mod tests {
     use super::*;
 
-    /// Numbers from 0 to 1 that are the same at every run.
+    /// Pseudo-random numbers from 0 to 1, the same at every run.
     struct Numbers(u64);
 
     impl Numbers {
@@ -354,7 +356,7 @@ mod tests {
         }
     }
 
-    /// Humps of different widths side by side: neighbours are nearly alike, as the fields of neighbouring tones are.
+    /// Adjacent humps of different widths: neighbours are nearly alike, like the fields of neighbouring tones.
     fn humps(numbers: &mut Numbers, rows: usize, count: usize) -> Columns {
         let mut columns = Columns::new(rows);
         for hump in 0..count {
@@ -368,8 +370,8 @@ mod tests {
         a.times(x).iter().zip(b).map(|(is, wanted)| (is - wanted).powi(2)).sum()
     }
 
-    /// The largest breach of the conditions of Karush, Kuhn and Tucker, over the largest entry of A'b: a gradient above
-    /// zero where x is zero, any gradient where it is not, an x below zero.
+    /// The largest violation of the conditions of Karush, Kuhn and Tucker, over the largest entry of A'b: a gradient
+    /// above zero where x is zero, any gradient where it is not, an x below zero.
     fn breach(a: &Columns, x: &[f64], b: &[f64]) -> f64 {
         let rest: Vec<f64> = b.iter().zip(a.times(x)).map(|(b, is)| b - is).collect();
         let largest = a.iter().map(|column| dot(column, b).abs()).fold(0.0, f64::max);
@@ -425,7 +427,7 @@ mod tests {
         }
     }
 
-    /// The least error with these columns alone, by the normal equations; `None` if an unknown would be below zero.
+    /// The least error with these columns alone, by the normal equations; `None` if an unknown is below zero.
     fn error_of_set(a: &Columns, set: u32, b: &[f64]) -> Option<f64> {
         let members: Vec<&[f64]> = a
             .iter()

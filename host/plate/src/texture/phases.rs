@@ -1,10 +1,10 @@
 //! Phases that keep the sum of several tones low.
 //!
 //! M. R. Schroeder, "Synthesis of low-peak-factor signals and binary sequences with low autocorrelation", IEEE Trans.
-//! Inf. Theory 16, 85 (1970): with the phase phi_n = -2 pi sum over l < n of (n - l) P_l, where P is each tone's share
-//! of the power, the sum glides through its frequencies, and its envelope is nearly constant.
+//! Inf. Theory 16, 85 (1970): with the phase phi_n = -2 pi sum over l < n of (n - l) P_l, where P_l is the fraction
+//! of the power in tone l, the sum glides through its frequencies, and its envelope is nearly constant.
 
-/// The phase of each tone in turns, 0 to 1, for tones in order of frequency of these DAC amplitudes.
+/// The phase of each tone in turns, 0 to 1, for tones with these DAC amplitudes in order of frequency.
 pub(super) fn low_crest_turns(amplitudes: &[f64]) -> Vec<f64> {
     let total: f64 = amplitudes.iter().map(|a| a * a).sum();
     let (mut shares, mut turns) = (0.0, 0.0);

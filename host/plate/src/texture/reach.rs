@@ -1,9 +1,10 @@
-//! The least largest error that any number of tones can have: a linear program.
+//! The smallest largest error that any number of tones can have: a linear program.
 //!
 //! minimise e with -e <= (A p)_i - b_i <= e, p >= 0. Solved by the interior-point method of S. Mehrotra ("On the
-//! implementation of a primal-dual interior point method", SIAM J. Optim. 2 (1992) 575): with x = (p, e), the constraints
-//! as G x + s = h, and a price z of each, it follows s_i z_i = mu to mu = 0. A step solves one dense symmetric system of
-//! p's size, G' diag(z/s) G, twice: once to see how far mu can fall, once to fall so far.
+//! implementation of a primal-dual interior point method", SIAM J. Optim. 2 (1992) 575). With x = (p, e), the
+//! constraints as G x + s = h, and a price z of each, it follows the path s_i z_i = mu to mu = 0. A step solves one
+//! dense symmetric system of the size of p, G' diag(z/s) G, twice: to predict the reachable mu, and for the step
+//! itself.
 
 use super::error::TextureError;
 use super::nnls::Columns;
@@ -13,17 +14,18 @@ use super::target::Target;
 use nalgebra::linalg::Cholesky;
 use nalgebra::{DMatrix, DVector};
 
-/// The steps after which no solution is expected any more; fifteen are usual.
+/// Steps after which the solver fails; fifteen are usual.
 const STEPS: usize = 100;
-/// Solved: mu, and the error of the constraints and of their prices, where the largest of b is 1.
+/// Limit of a solution: of mu, and of the errors of the constraints and of their prices, for b scaled to a maximum of
+/// 1.
 const EXACT: f64 = 1e-10;
-/// Near enough where rounding ends the way to [`EXACT`].
+/// Limit that is still accepted where rounding stops the iteration before [`EXACT`].
 const CLOSE: f64 = 1e-8;
-/// The share of the way to the border of s > 0 and z > 0 that a step goes.
+/// Fraction of the distance to the boundary of s > 0 and z > 0 that a step uses.
 const INSIDE: f64 = 0.995;
 
-/// The least largest error of the mean square over the places that count, over the largest wanted: no tones of the table
-/// do better at every place. It takes tens of milliseconds.
+/// The smallest largest error of the mean square over the places that count, over the largest wanted value: no tones
+/// of the table have a smaller error at every place. Takes tens of milliseconds.
 ///
 /// # Errors
 /// [`TextureError::Silent`] if the plate does not answer, or the linear program has no solution.
@@ -38,14 +40,13 @@ pub fn least_largest_square_error(palette: &Palette<'_>, target: &Target) -> Res
     least_largest_error(&columns, &wanted).map(|(error, _)| error).ok_or(TextureError::Silent)
 }
 
-/// The least largest error max |A p - b| over all p >= 0, and the p that has it; `None` if the solver finds none (A or b
-/// is not finite).
+/// The minimum of max |A p - b| over all p >= 0, and its p; `None` if the solver finds none (A or b is not finite).
 pub fn least_largest_error(a: &Columns, b: &[f64]) -> Option<(f64, Vec<f64>)> {
     let scale = b.iter().map(|b| b.abs()).fold(0.0, f64::max);
     if !(scale > 0.0 && scale.is_finite()) {
         return None;
     }
-    // The unknowns are p times each column's largest entry, over b's.
+    // The unknowns are p times each column's largest entry, over the largest of b.
     let norms: Vec<f64> = a
         .iter()
         .map(|column| column.iter().map(|v| v.abs()).fold(0.0, f64::max).max(f64::MIN_POSITIVE))
@@ -72,7 +73,7 @@ impl Program {
         let most = 2 * rows + count;
         let above = b.clone().chain(b.map(|b| -b)).chain(std::iter::repeat_n(0.0, count));
         let mut x = DVector::zeros(count + 1);
-        // No tones, and an error that allows it.
+        // Feasible start: no tones, and an error of 2.
         x[count] = 2.0;
         Self {
             limits: DVector::from_iterator(most, above),
@@ -126,7 +127,7 @@ impl Program {
         Cholesky::new(system)
     }
 
-    /// The p of the least e; `None` if the steps do not lead there.
+    /// The p of the least e; `None` without convergence.
     fn solve(mut self) -> Option<Vec<f64>> {
         let count = self.a.ncols();
         let most = self.slack.len() as f64;
@@ -142,7 +143,7 @@ impl Program {
                 break;
             }
             let Some(system) = self.system(&self.price.component_div(&self.slack)) else { break };
-            // The step that brings s z to zero but for `left`.
+            // The Newton step to s z = `left`.
             let step = |left: &DVector<f64>| {
                 let product = self.slack.component_mul(&self.price) - left;
                 let owed = (self.price.component_mul(&outside) - &product).component_div(&self.slack);
@@ -155,7 +156,7 @@ impl Program {
             let (_, slack, price) = step(&DVector::zeros(self.slack.len()));
             let (far, dear) = (allowed(&self.slack, &slack, 1.0), allowed(&self.price, &price, 1.0));
             let then = (&self.slack + &slack * far).dot(&(&self.price + &price * dear)) / most;
-            // No smaller than it has to be: the smaller mu, the more of the system is lost in rounding.
+            // Not smaller than necessary: the smaller mu, the larger the rounding error of the system.
             let left = ((then / mu).powi(3) * mu).max(0.1 * EXACT);
             let (x, slack, price) = step(&slack.component_mul(&price).map(|product| left - product));
             let (far, dear) = (allowed(&self.slack, &slack, INSIDE), allowed(&self.price, &price, INSIDE));
@@ -167,7 +168,7 @@ impl Program {
     }
 }
 
-/// The share of `step` that leads from `from` this part of the way to its first zero, at most all of it.
+/// The fraction of `step` from `from` that covers `part` of the way to its first zero, at most 1.
 fn allowed(from: &DVector<f64>, step: &DVector<f64>, part: f64) -> f64 {
     let zero = |(from, step): (&f64, &f64)| if *step < 0.0 { -from / step } else { f64::INFINITY };
     (part * from.iter().zip(step).map(zero).fold(f64::INFINITY, f64::min)).min(1.0)

@@ -1,7 +1,7 @@
-//! Moves a few tones off the candidates' places to where they fit best.
+//! Moves a few tones from the candidates' places to the best places.
 //!
-//! Levenberg and Marquardt's method in the tones' places; the powers are solved for anew at each step (variable
-//! projection: G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973).
+//! Levenberg and Marquardt's method in the tones' places; each step solves for the powers (variable projection:
+//! G. Golub and V. Pereyra, SIAM J. Numer. Anal. 10, 413, 1973).
 
 use super::error::TextureError;
 use super::nnls::{Columns, non_negative_least_squares};
@@ -10,14 +10,14 @@ use super::selection::{right_hand_side, weighted};
 use super::target::Target;
 use nalgebra::{DMatrix, DVector};
 
-/// Steps tried at most.
+/// Largest number of steps.
 const STEPS: usize = 12;
-/// A gain of less than this share of the error ends the search.
+/// A relative reduction of the error below this ends the search.
 const WORTH_IT: f64 = 1e-3;
-/// Distance of the two places whose difference gives a slope, over the length of what is allowed.
+/// Step of a place for a difference quotient, over the length of the allowed places.
 const SLOPE_STEP: f64 = 1e-4;
 
-/// Turning points, powers, and the squared error that they leave.
+/// Turning points, powers, and their squared error.
 pub(super) struct Placed {
     pub(super) positions_m: Vec<f64>,
     pub(super) powers: Vec<f64>,
@@ -44,7 +44,7 @@ pub(super) fn powers_at(
     place(palette, target, positions_m.to_vec()).map(|placed| placed.powers)
 }
 
-/// Moves the tones at `positions_m` within what the target allows.
+/// Moves the tones at `positions_m` within the allowed places of the target.
 pub(super) fn refine(
     palette: &Palette<'_>,
     target: &Target,
@@ -54,7 +54,7 @@ pub(super) fn refine(
     let mut damping = 1e-3;
     for _ in 0..STEPS {
         let (gradient, curvature) = slopes(palette, target, &now)?;
-        // Tones that fell silent no longer have a slope.
+        // Tones with zero power have no slope.
         if gradient.amax() == 0.0 {
             break;
         }
@@ -79,7 +79,8 @@ pub(super) fn refine(
     Ok(now)
 }
 
-/// J'r and J'J of the rest r = b - A(x) p with respect to the places x, the part that the powers take up left out.
+/// J'r and J'J of the residual r = b - A(x) p with respect to the places x, without the components along the columns
+/// of sounding tones, which the powers compensate.
 fn slopes(
     palette: &Palette<'_>,
     target: &Target,
@@ -87,7 +88,7 @@ fn slopes(
 ) -> Result<(DVector<f64>, DMatrix<f64>), TextureError> {
     let (start, end) = target.allowed_m;
     let step_m = SLOPE_STEP * (end - start);
-    // To the side on which there is room.
+    // Towards the side with room.
     let aside: Vec<f64> =
         now.positions_m.iter().map(|&x| if x + step_m <= end { x + step_m } else { x - step_m }).collect();
     let here = &now.fields;
@@ -108,14 +109,14 @@ fn slopes(
     Ok((jacobian.tr_mul(&rest), jacobian.tr_mul(&jacobian)))
 }
 
-/// The columns whose tones sound.
+/// The columns of the tones with power.
 fn sounding(fields: &DMatrix<f64>, powers: &[f64]) -> DMatrix<f64> {
     let columns: Vec<_> =
         (0..powers.len()).filter(|&tone| powers[tone] > 0.0).map(|tone| fields.column(tone)).collect();
     if columns.is_empty() { DMatrix::zeros(fields.nrows(), 1) } else { DMatrix::from_columns(&columns) }
 }
 
-/// The places after one damped step, kept within what is allowed.
+/// The places after one damped step, clamped to the allowed places.
 fn stepped(
     now: &Placed,
     target: &Target,

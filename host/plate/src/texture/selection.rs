@@ -1,9 +1,9 @@
-//! Which of many candidates are needed: the best powers of all, then the fewest tones that come near to them.
+//! Selection of tones: the best powers of all candidates, then the fewest tones that come close to them.
 
 use super::nnls::{Columns, all_and_few};
 use super::target::Target;
 
-/// Candidate turning points of a fit, uniform over those that are allowed.
+/// Candidate turning points of a fit, uniform over the allowed ones.
 pub(super) const CANDIDATES: usize = 200;
 
 /// The target as the right-hand side of the least squares: the wanted mean squares, each times the root of its weight.
@@ -20,14 +20,14 @@ pub(super) fn weighted(squares: &Columns, target: &Target) -> Columns {
     columns
 }
 
-/// Turning points that may be used, uniform over those that the target allows, metres.
+/// Candidate turning points, uniform over those that the target allows, metres.
 pub(super) fn candidates_m(target: &Target) -> Vec<f64> {
     let (start, end) = target.allowed_m;
     (0..CANDIDATES).map(|i| start + (end - start) * i as f64 / (CANDIDATES - 1) as f64).collect()
 }
 
-/// The powers of all candidates that come nearest to the target, and the candidates, at most `most`, that come nearly as
-/// near; `squares` are the candidates' fields.
+/// The powers of all candidates that are nearest to the target, and at most `most` candidates that come nearly as
+/// close; `squares` are the candidates' fields.
 pub(super) fn best_and_few(squares: &Columns, target: &Target, most: usize) -> (Vec<f64>, Vec<usize>) {
     let (best, few) = all_and_few(&weighted(squares, target), &right_hand_side(target), most);
     let sounding = few.iter().enumerate().filter(|&(_, &power)| power > 0.0).map(|(candidate, _)| candidate);

@@ -1,4 +1,4 @@
-//! The part of a plate's drive that is given as curves and not as a resonance.
+//! The part of a plate's drive that is given by measured curves instead of a resonance.
 
 use crate::definition::actuator::Actuator;
 use crate::definition::plate::Plate;
@@ -13,7 +13,7 @@ pub(crate) struct DriveCurve<'a> {
 }
 
 impl<'a> DriveCurve<'a> {
-    /// `None` if nothing of the plate's drive is a curve.
+    /// `None` if the plate's drive has no measured curve.
     pub(crate) fn of(plate: &'a Plate) -> Option<Self> {
         let spec = plate.spec();
         let measured = match &spec.actuator {
@@ -30,7 +30,7 @@ impl<'a> DriveCurve<'a> {
         Some(Self { curves: measured.into_iter().chain(correction).collect(), field })
     }
 
-    /// The fields of a plate file that give it.
+    /// The fields of a plate file with the curve.
     pub(crate) const fn field(&self) -> &'static str {
         self.field
     }
@@ -40,7 +40,7 @@ impl<'a> DriveCurve<'a> {
         self.curves.iter().map(|curve| curve.response(frequency_hz)).product()
     }
 
-    /// As [`DriveCurve::response`] of a drive of the same gain and the least phase.
+    /// The response of a minimum-phase drive with the same gain.
     ///
     /// Bode's relation gives it: with u = ln(f/f0) the phase at f0 is 1/pi times the integral of d(ln |H|)/du
     /// ln coth(|u|/2) over all u. Between two points of a curve d(ln |H|)/du is constant, beyond its ends it is zero.

@@ -1,9 +1,9 @@
-//! The filter that gives the drive of a line or a sheet the gain and the phase of a [`DriveCurve`].
+//! The filter that gives a line's or a sheet's drive the gain and the phase of a [`DriveCurve`].
 //!
-//! It acts on the decimated analytic drive, which holds the plate's band alone, shifted down by the band's middle:
-//! y(n) = sum over k of h_k c(n - k). Its response at the frequency f is sum of h_k e^(j 2 pi (f - centre) k/rate), and
-//! has to be the curve's, later by D steps. The taps are the least squares over the band; a curve may lead, so half of them
-//! lie before the delay D and half after it.
+//! It acts on the decimated analytic drive, which contains the plate's band alone, shifted down by the middle of the
+//! band: y(n) = sum over k of h_k c(n - k). Its response at the frequency f is sum of
+//! h_k e^(j 2 pi (f - centre) k/rate), and must equal that of the curve delayed by D steps. The taps are found by
+//! least squares over the band; a curve may lead, so half of them lie before the delay D and half after it.
 
 use super::band_plan::BandPlan;
 use super::drive_curve::DriveCurve;
@@ -14,23 +14,23 @@ use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
 
-/// Error at which the search for a longer filter ends, relative to the curve at the same frequency: 0.026 dB.
+/// Error at which the search for a longer filter stops, relative to the curve at the same frequency: 0.026 dB.
 const TOLERANCE: f64 = 3e-3;
-/// Largest error, relative to the curve at the same frequency. The points of a measured curve have noise, which a longer
-/// filter would follow; it would be later for that.
+/// Largest error, relative to the curve at the same frequency. The points of a measured curve have noise; a longer
+/// filter would follow it, at the cost of delay.
 const ERROR_MAX: f64 = 3e-2;
-/// Shortest and longest delay, in steps of the decimated drive. Each is twice the one before.
+/// Shortest and longest delay, in steps of the decimated drive. Each try has twice the delay of the one before.
 const DELAY: (usize, usize) = (4, 512);
-/// Fewest frequencies of the least squares.
+/// Least number of frequencies of the least squares.
 const FREQUENCIES_MIN: usize = 256;
 /// Weight of the band filter's slopes beyond the plate's band, against the band.
 const BEYOND: f64 = 0.01;
-/// Weight of the taps' own size against the error: what the band leaves open stays small.
+/// Weight of the taps' own size against the error: keeps small what the band does not determine.
 const RIDGE: f64 = 1e-9;
-/// A curve below this share of its largest value in the band need not be met more closely than that.
+/// Curve values below this fraction of the largest in the band get the same absolute accuracy.
 const FAINTEST: f64 = 1e-4;
 
-/// No filter has the curve of a drive.
+/// No filter is close enough to the curve of a drive.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} cannot be simulated in time: the best filter for this curve is off by {:.1} % of it, at most {:.1} % is allowed", .error * 100.0, ERROR_MAX * 100.0)]
 pub struct DriveCurveError {
@@ -47,7 +47,7 @@ pub(crate) struct DriveFilter {
     /// Taps in time order, oldest first.
     tap_re: Vec<f64>,
     tap_im: Vec<f64>,
-    /// The last coefficients, as many as there are taps; each is stored twice, so that a window is always contiguous.
+    /// The last coefficients, as many as there are taps, each stored twice so that every window is contiguous.
     history_re: Vec<f64>,
     history_im: Vec<f64>,
     write: usize,
@@ -55,17 +55,18 @@ pub(crate) struct DriveFilter {
 }
 
 impl DriveFilter {
-    /// The filter of a plate's drive, see [`DriveFilter::of_curve`]; `None` if nothing of its drive is a curve.
+    /// The filter of a plate's drive, see [`DriveFilter::of_curve`]; `None` if the drive has no measured curve.
     pub(crate) fn of(plate: &Plate, plan: &BandPlan) -> Result<Option<Self>, DriveCurveError> {
         let Some(curve) = DriveCurve::of(plate) else { return Ok(None) };
         let filter = Self::of_curve(&curve, plan, plate.band_hz());
         filter.map(Some).map_err(|error| DriveCurveError { field: curve.field(), error })
     }
 
-    /// The shortest filter that has `curve` over `band_hz` within [`TOLERANCE`], or the best one within [`ERROR_MAX`].
+    /// The shortest filter that follows `curve` over `band_hz` within [`TOLERANCE`], or the best one within
+    /// [`ERROR_MAX`].
     ///
     /// # Errors
-    /// The error of the best one, relative to the curve at the same frequency.
+    /// The error of the best filter, relative to the curve at the same frequency.
     fn of_curve(curve: &DriveCurve<'_>, plan: &BandPlan, band_hz: (f64, f64)) -> Result<Self, f64> {
         let mut best: Option<(f64, Self)> = None;
         let mut delay = DELAY.0;
@@ -85,7 +86,7 @@ impl DriveFilter {
         }
     }
 
-    /// Steps from a coefficient to its effect.
+    /// Delay from a coefficient to its effect, in steps.
     pub(crate) fn delay(&self) -> usize {
         self.delay
     }
@@ -110,7 +111,7 @@ impl DriveFilter {
     }
 }
 
-/// A filter to be designed.
+/// Design of one filter.
 struct Design<'a> {
     curve: &'a DriveCurve<'a>,
     plan: &'a BandPlan,
@@ -119,7 +120,7 @@ struct Design<'a> {
 }
 
 impl Design<'_> {
-    /// The filter of this delay, and its largest error in the band.
+    /// The filter with this delay, and its largest error in the band.
     fn solve(&self) -> (f64, DriveFilter) {
         let taps = 2 * self.delay + 1;
         let (low_hz, high_hz) = self.plan.stop_hz();
@@ -168,12 +169,13 @@ impl Design<'_> {
         (error, filter)
     }
 
-    /// Factor of a tap over the tap before it.
+    /// Response of a tap over that of the tap before it.
     fn step(&self, frequency_hz: f64) -> Complex64 {
         Complex64::cis(TAU * (frequency_hz - self.plan.centre_hz) / self.plan.rate_hz())
     }
 
-    /// The curve, later by the delay; the shift of the band does not change what is late.
+    /// The delayed curve. The delay counts the carrier as well: the shift of the band does not change the phase of a
+    /// delay.
     fn wanted(&self, frequency_hz: f64) -> Complex64 {
         let turns = (frequency_hz / self.plan.rate_hz() * self.delay as f64).fract();
         self.curve.response(frequency_hz) * Complex64::cis(TAU * turns)

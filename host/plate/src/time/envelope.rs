@@ -5,8 +5,8 @@ use crate::frequency::peak::{self, Peak};
 
 /// Maximum and RMS displacement at each position since the last reset.
 ///
-/// It is computed from the complex (analytic) displacement, whose magnitude is the amplitude at each moment. So the
-/// maximum does not depend on the phase at which the field is sampled.
+/// Computed from the complex (analytic) displacement, whose magnitude is the instantaneous amplitude. So the maximum
+/// does not depend on the phase at which the field is sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
     largest_square: Vec<f32>,

@@ -1,17 +1,18 @@
 //! The eigenfunctions of the plate, by a spectral Galerkin method.
 //!
-//! The amplitude equation is A f = a K^2 (1 + j eta) f with the operator A f = -(1/W) (W f')' + a (q/s)^2 f - b W''/(2 W) f
-//! (s is the turning half-width, b the weight of edges that bend). A is projected on Legendre polynomials over the plate and as much of the continued taper as the tail of the wave needs.
-//! Eigenfunctions with a free driven end (f'(0) = 0) describe the response to a force, those with a held end (f(0) = 0)
-//! the response to a displacement. A does not depend on loss or frequency, so the functions are real and are computed
-//! once.
+//! The amplitude equation is A f = a K^2 (1 + j eta) f with the operator
+//! A f = -(1/W) (W f')' + a (q/s)^2 f - b W''/(2 W) f (s is the turning half-width, b the weight of curved edges).
+//! A is projected on Legendre polynomials over the plate and over the part of the continued taper that the tail of
+//! the wave needs. Eigenfunctions with a free driven end (f'(0) = 0) describe the response to a force, those with a
+//! held end (f(0) = 0) the response to a displacement. A does not depend on loss or frequency, so the functions are
+//! real and are computed once.
 
 use crate::definition::plate::{EdgeBend, WidthMode};
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Exponents of decay over which the taper is continued beyond the plate's end. A wave that returns from there has
-/// decayed twice, by e^-14.
+/// Decay, in nepers, over which the taper is continued beyond the plate's end. A wave reflected there has decayed
+/// twice, by e^-14.
 const BEYOND_EXPONENTS: f64 = 7.0;
 
 /// Eigenfunctions of the plate for one kind of driven end, at the output positions.

@@ -1,4 +1,4 @@
-//! The coefficients of the oscillators' time steps: exact integrals for a drive that is a spline.
+//! The coefficients of the oscillators' time steps: exact integrals for a spline as the drive.
 
 use super::analytic_signal::BSPLINE;
 use super::band_plan::BandPlan;
@@ -7,7 +7,7 @@ use super::modal::ModalBank;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The coefficients of a step for every oscillator of the bank, which starts at rest.
+/// The coefficients of a step for every oscillator of the bank, with all states zero.
 pub(super) fn prepare(bank: &ModalBank, plan: &BandPlan) -> ModalStates {
     let mut oscillators = ModalStates {
         re: vec![0.0; bank.pole.len()],

@@ -1,11 +1,11 @@
 //! The three inner loops of the time-domain plate, compiled for the widest vectors of the machine.
 //!
-//! They consist of products and sums in a fixed order, fused where the code says `mul_add`; the filter's dot product
+//! They consist of products and sums in a fixed order, fused where the code has `mul_add`; the filter's dot product
 //! adds eight partial sums in a fixed order. So every machine computes the same bits.
 
 use pulp::{Simd, WithSimd};
 
-/// Positions whose sums are kept in registers together.
+/// Number of positions whose sums are kept in registers together.
 pub(crate) const TILE: usize = 16;
 
 /// Dot products of a window with the real and the imaginary taps.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! galerkin -> modal (eigenfunctions of a thin plate) --+-> poles, residues -> integration -> line -> envelope
-//! frequency domain -> fit (whatever the field is) -----+                                      ^
+//! frequency domain -> fit (any field) -----------------+                                      ^
 //!                             DAC codes -> analytic_signal -> drive_filter (curves) -----------+
 //! frequency domain -> fit -> sensed (one place, one value per code)
 //! ```

@@ -1,12 +1,12 @@
-//! Levinson's recursion for a Hermitian system whose entries depend on the distance to the diagonal alone.
+//! Levinson's recursion for a Hermitian Toeplitz system: entries depend on the distance from the diagonal alone.
 
 use num_complex::Complex64;
 
 /// Solves sum over k of t(k - i) x_k = y_i for a positive definite matrix, with t(d) = `lag[d]` and t(-d) its conjugate.
 /// `lag` is as long as `right`.
 ///
-/// `first` solves the system of the leading n rows for the first unit vector. With its reverse conjugate, which solves it
-/// for the last one, the solutions of n + 1 rows follow in n steps.
+/// `first` solves the system of the leading n rows for the first unit vector. Its conjugate in reverse order solves
+/// it for the last unit vector. From both, the solution of n + 1 rows follows in n steps.
 pub(super) fn solve(lag: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     let (Some(diagonal), Some(y)) = (lag.first(), right.first()) else { return Vec::new() };
     let mut first = vec![diagonal.inv()];

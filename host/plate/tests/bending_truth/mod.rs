@@ -1,9 +1,10 @@
 //! Plates in bending, one dimension against two: twenty plates with both edges and every driven end.
 //!
-//! Behind an end that absorbs, peaks are compared over the whole span; at an end that takes no power, the resonances.
+//! Behind an absorbing end, peaks are compared over the whole span; at an end that takes no power, the resonances.
 //!
-//! The ends `displacement`, `force` and `resistance` are not among the twenty: in bending they leave the near field out, an
-//! approximation that plate files of today may use. Their light "drive match" is never green, which the last test holds.
+//! The ends `displacement`, `force` and `resistance` are not among the twenty: in bending they leave the near field
+//! out, an approximation that existing plate files use. Their light "drive match" is never green, which the last test
+//! asserts.
 
 mod plates;
 
@@ -14,11 +15,11 @@ use slipline_plate::{
 };
 
 const POINTS: usize = 601;
-/// Boundaries over a span.
+/// Boundaries over the span.
 const PLACES: usize = 15;
-/// Largest reflection of an end that absorbs.
+/// Largest reflection of an absorbing end.
 const REFLECTION: f64 = 0.6;
-/// Distance of the frequencies among which resonances are sought, as a share.
+/// Relative spacing of the frequencies in the search for resonances.
 const SCAN: f64 = 1.5e-3;
 
 fn in_one(plate: &Plate, frequency_hz: f64) -> Response {
@@ -29,8 +30,8 @@ fn in_two(plate: &Plate, frequency_hz: f64) -> Response {
     plane::respond(plate, frequency_hz, POINTS, &plane::Setup::of(plate)).expect("enters")
 }
 
-/// The largest difference of |f| before the place where the third width mode turns, as a share of the peak: there this mode
-/// adds to the field. 0 where it does not run.
+/// The largest difference of |f| up to the turning point of the third width mode, over the peak: there this mode adds
+/// to the field. 0 where it does not propagate.
 fn beside_the_third_mode(plate: &Plate, one: &Response, two: &Response) -> f64 {
     let Some(turns_m) = plate.ghost_boundary_m(one.frequency_hz, 3) else { return 0.0 };
     let height = |response: &Response| response.peak.expect("a peak").amplitude;
@@ -54,18 +55,19 @@ fn behind_an_end_that_absorbs_peaks_are_where_and_as_high_as_in_two_dimensions()
             let shift_m = differs.peak_shift_m.expect("peaks").abs();
             assert!(shift_m < 2.5e-4, "{at}: {shift_m}");
             let beside = beside_the_third_mode(&plate, &one, &two);
-            // Between clamped edges the end excites the third mode, too. What the taper alone makes of it is left out.
+            // Between clamped edges the end excites the third mode as well. The equation neglects its excitation by
+            // the taper.
             let allowed = if is_clamped(&plate) { 0.06 } else { 0.12 };
             assert!(beside < allowed, "{at}: {beside}");
             let reflected = reflection(&plate, frequency_hz).expect("enters").norm();
             assert!(reflected < REFLECTION, "{at}: {reflected}");
-            // A lead-in leaves hardly a node to count.
+            // With a lead-in there is hardly a node to count.
             let has_nodes = matches!(end, End::Damper(..));
             assert!(!has_nodes || differs.nodes[0] == differs.nodes[1], "{at}: {:?}", differs.nodes);
             let level_db = differs.level_db.expect("peaks");
             (low_db, high_db) = (low_db.min(level_db), high_db.max(level_db));
         }
-        // One constant fits the span. (It is 0 within 0.1 dB, as it should be.)
+        // One constant fits the span. (It is within 0.1 dB of 0.)
         let (off_db, constant_db) = (0.5 * (high_db - low_db), 0.5 * (high_db + low_db));
         assert!(off_db < 0.3, "{end:?}, clamped {}: {off_db} dB", is_clamped(&plate));
         assert!(constant_db.abs() < 0.1, "{end:?}, clamped {}: {constant_db} dB", is_clamped(&plate));
@@ -89,15 +91,16 @@ fn every_end_reflects_as_in_two_dimensions_over_the_band() {
     assert_eq!(frequencies, 100);
 }
 
-/// The place of a resonance between three amplitudes that are `share` of the middle frequency apart, as a share of it, and
-/// the amplitude there. Near a resonance 1/a^2 is a parabola.
+/// The place of a resonance between three amplitudes, relative to the middle frequency and spaced by `share` of it,
+/// and the amplitude there. Near a resonance 1/a^2 is a parabola.
 fn top(share: f64, amplitude: [f64; 3]) -> (f64, f64) {
     let [a, b, c] = amplitude.map(|a| a.powi(-2));
     let at = 0.5 * (a - c) / (a - 2.0 * b + c);
     (at * share, (b - 0.25 * (a - c) * at).powf(-0.5))
 }
 
-/// Frequencies of the band, [`SCAN`] apart, at which the peak is higher than at both neighbours, and its three heights.
+/// Frequencies of the band, spaced by [`SCAN`], at which the peak is higher than at both neighbours, and the three
+/// heights.
 fn resonances(plate: &Plate) -> Vec<(f64, [f64; 3])> {
     let (low_hz, high_hz) = plate.band_hz();
     let count = ((high_hz / low_hz).ln() / SCAN) as usize;
@@ -120,7 +123,7 @@ fn at_an_end_that_takes_no_power_resonances_are_those_in_two_dimensions() {
     for (end, plate) in plates().into_iter().filter(|(end, _)| end.is_stiff()) {
         let found = resonances(&plate);
         assert!(found.len() > 8, "{end:?}: {}", found.len());
-        // Every third, from the last one down.
+        // Every third resonance, starting with the last.
         for (hz, amplitude) in found.into_iter().rev().step_by(3) {
             let at = format!("{end:?}, clamped {}, {hz:.0} Hz", is_clamped(&plate));
             let (place, height) = top(SCAN, amplitude);

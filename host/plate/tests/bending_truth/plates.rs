@@ -3,12 +3,13 @@
 use slipline_plate::{DriveEnd, EndSlope, Impedance, LeadIn, Model, Plate, PlateSpec, Source, Taper, preset};
 use std::f64::consts::TAU;
 
-/// What drives the plate. Resistances, masses and stiffnesses are shares of the wave impedance in the band's middle.
+/// The drive of the plate. Resistances, masses and stiffnesses are in units of the wave impedance in the middle of
+/// the band.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum End {
-    /// The displacement is held, with this slope.
+    /// A prescribed displacement with this condition on the slope.
     Moved(EndSlope),
-    /// A force on an end that nothing resists.
+    /// A force on an end of zero impedance.
     Force(EndSlope),
     /// A force on a damper.
     Damper(EndSlope, f64),
@@ -32,7 +33,7 @@ pub(crate) const ENDS: [End; 10] = [
 ];
 
 impl End {
-    /// Whether it takes no power from the plate.
+    /// Whether the end takes no power from the plate.
     pub(crate) fn is_stiff(self) -> bool {
         matches!(self, Self::Moved(_) | Self::Force(_))
     }
@@ -73,7 +74,7 @@ pub(crate) fn is_clamped(plate: &Plate) -> bool {
     matches!(plate.spec().model, Model::BendingClamped(_))
 }
 
-/// Aluminium of 2 mm: each end between both edges, |W'| 0.06 to 0.1 at the drive, the loss factor 0.01.
+/// Aluminium of 2 mm: each end with both kinds of edges, |W'| from 0.06 to 0.1 at the drive, loss factor 0.01.
 pub(crate) fn plates() -> Vec<(End, Plate)> {
     let cases = ENDS.into_iter().flat_map(|end| [(end, false), (end, true)]);
     cases.enumerate().map(|(number, (end, clamped))| (end, plate(number, end, clamped))).collect()

@@ -1,7 +1,9 @@
-//! A membrane whose driven end is moved by a bar: coupled width modes, as `respond_coupled` has them, with the bar's shape.
+//! A membrane whose driven end is moved by a bar: coupled width modes as in `respond_coupled`, with the shape of the
+//! bar.
 //!
-//! The bar moves the whole width alike, so it excites all symmetric width modes: with 1 = sum of c_n cos(q_n z/W),
-//! c_n = 2 sin(q_n)/q_n, a third of the first mode's amplitude in the third. What a plate before the bar does is a factor of it.
+//! The bar moves the whole width uniformly, so it excites all symmetric width modes: with
+//! 1 = sum of c_n cos(q_n z/W), c_n = 2 sin(q_n)/q_n, the third mode has a third of the first mode's amplitude. The
+//! chain before the bar is a common factor.
 
 use nalgebra::{DMatrix, DVector};
 use slipline_plate::{Complex64, Model, Plate, Taper};
@@ -10,7 +12,7 @@ use std::f64::consts::{PI, TAU};
 const MODES: usize = 5;
 const INTERVALS: usize = 2000;
 
-/// The centre line on `points` uniform places per displacement of the bar.
+/// The centre line on `points` uniform places per unit displacement of the bar.
 pub(crate) fn field(plate: &Plate, frequency_hz: f64, points: usize) -> Vec<Complex64> {
     let spec = plate.spec();
     let Model::Membrane { wave_speed_m_per_s, .. } = spec.model else { panic!("a membrane") };
@@ -28,7 +30,7 @@ pub(crate) fn field(plate: &Plate, frequency_hz: f64, points: usize) -> Vec<Comp
     };
     let barrier = |n: usize, x: f64| (PI * (n as f64 + 0.5) / plate.half_width_m(x)).powi(2);
     let complex = |matrix: &DMatrix<f64>, scale: f64| matrix.map(|value| Complex64::from(value * scale));
-    // From the narrow end, beyond which each mode decays by itself: g[i] = R[i] g[i - 1].
+    // From the narrow end, beyond which the modes decay independently: g[i] = R[i] g[i - 1].
     let decay = |n: usize| (-(Complex64::from(barrier(n, plate.length_m())) - axial).sqrt() * step).exp();
     let mut ratios = vec![DMatrix::from_diagonal(&DVector::from_fn(MODES, |n, _| decay(n)))];
     for i in (1..points - 1).rev() {
@@ -78,7 +80,7 @@ fn coupling() -> (DMatrix<f64>, DMatrix<f64>) {
     (a, d)
 }
 
-/// A bar of the first mode's shape alone would be that of `respond_coupled`; the whole bar's field is that of all modes.
+/// Far from the bar, its field is that of a bar with the shape of the first mode, which `respond_coupled` solves.
 #[test]
 fn far_from_the_bar_its_field_is_the_first_modes() {
     let plate = slipline_plate::preset("membrane").expect("a preset");

@@ -1,4 +1,5 @@
-//! The stated intervals of levels and boundary on random plates of every model, the sensors at the proposed places.
+//! The stated intervals of levels and boundary on random plates of every model, with the sensors at the proposed
+//! places.
 
 use super::rig::{Random, Rig, Solver, middle_and_worst};
 use super::{PLACES, calibrated};
@@ -6,14 +7,14 @@ use slipline_plate::calibrate::{CalibrateError, NearLimit, Placing, SensorPlaces
 use slipline_plate::{DriveEnd, LeadIn, Model, Plate, PlateSpec, Source, Taper, preset};
 use std::f64::consts::TAU;
 
-/// Models and tapers before they repeat.
+/// Models and tapers of successive plates.
 const KINDS: [&str; 6] =
     ["membrane", "linear membrane", "supported", "linear supported", "clamped", "linear clamped"];
-/// Frequencies per wavelength of the highest one on the plate, and their least number: as the instrument measures.
+/// Frequencies per wavelength of the highest one on the plate, and their least number, as in the instrument.
 const POINTS_PER_WAVE: f64 = 9.5;
 const POINTS_MIN: f64 = 60.0;
 
-/// A nominal plate of this number's kind.
+/// A nominal plate of the kind of this number.
 fn nominal(number: usize, random: &mut Random) -> Plate {
     let kind = KINDS[number % KINDS.len()];
     let is_membrane = kind.ends_with("membrane");
@@ -53,10 +54,10 @@ fn nominal(number: usize, random: &mut Random) -> Plate {
     Plate::new(spec).expect("valid")
 }
 
-/// As many frequencies as suffice.
+/// The number of frequencies that suffices.
 fn count(plate: &Plate) -> usize {
     let high_hz = slipline_plate::calibrate::band_hz(plate).1;
-    // On every model the wavelength at the cut-off over the width says how long a wave is where it is plane.
+    // The wavelength of a plane wave at the highest frequency.
     let wavenumber = match &plate.spec().model {
         Model::Membrane { wave_speed_m_per_s, .. } => TAU * high_hz / wave_speed_m_per_s,
         model => {
@@ -70,12 +71,12 @@ fn count(plate: &Plate) -> usize {
     points.clamp(POINTS_MIN, 400.0) as usize
 }
 
-/// What a calibration of one plate stated, and how far it is off.
+/// The stated accuracy of a calibration, and its actual error.
 #[derive(Debug, Clone)]
 struct Judged {
     boundary_m: f64,
-    told_m: f64,
-    /// Distance of the level at each place from the mean of all, dB.
+    stated_m: f64,
+    /// Deviation of the level at each place from the mean of all, dB.
     levels_db: Vec<f64>,
     stated_db: f64,
 }
@@ -86,11 +87,11 @@ impl Judged {
     }
 }
 
-/// Where the sensor stands.
+/// Place of the sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Where {
     Proposed,
-    /// At a tenth of the length and at 55 %.
+    /// At 10 % and 55 % of the length.
     Shares,
 }
 
@@ -111,27 +112,27 @@ fn judged(number: usize, rig: &Rig, places: Where, random: &mut Random) -> Resul
     let sensors = rig.measure(places_m, points, random);
     let found = calibrated(rig, &sensors)?;
     let (boundary_m, levels_db) = rig.errors(&found.plate);
-    let (told_m, stated_db) = (found.boundary_tolerance_m, found.level_tolerance_db);
+    let (stated_m, stated_db) = (found.boundary_tolerance_m, found.level_tolerance_db);
     println!(
         "{number:3} {:16} boundary {:.3} (stated {:.3}) mm, level {:.3} (stated {stated_db:.3}) dB, chi2/n {:.2}, misfit {:.4}",
         KINDS[number % KINDS.len()],
         1e3 * boundary_m,
-        1e3 * told_m,
+        1e3 * stated_m,
         levels_db.iter().copied().fold(0.0, f64::max),
         found.chi2_per_n,
         found.misfit,
     );
-    Ok(Judged { boundary_m, told_m, levels_db, stated_db })
+    Ok(Judged { boundary_m, stated_m, levels_db, stated_db })
 }
 
-/// What became of some plates.
+/// Statistics over some plates.
 #[derive(Debug)]
 struct Statistics {
     accepted: usize,
-    /// Of all places and of the plates' worst ones: the shares whose level is within the stated.
+    /// Fraction of all places, and of the plates' worst places, with the level within the stated tolerance.
     places: f64,
     worst_places: f64,
-    /// Plates whose boundary is within the stated.
+    /// Number of plates with the boundary within the stated tolerance.
     boundaries: usize,
     /// The median stated level, dB.
     stated_db: f64,
@@ -155,7 +156,7 @@ fn statistics(numbers: impl Iterator<Item = usize>, solver: Solver, places: Wher
         accepted: judged.len(),
         places: judged.iter().map(within).sum::<f64>() / count,
         worst_places: judged.iter().filter(|it| it.worst_db() <= it.stated_db).count() as f64 / count,
-        boundaries: judged.iter().filter(|it| it.boundary_m <= it.told_m).count(),
+        boundaries: judged.iter().filter(|it| it.boundary_m <= it.stated_m).count(),
         stated_db: middle_and_worst(judged.iter().map(|it| it.stated_db).collect()).0,
     };
     println!("{solver:?} {places:?}: {found:?}");
@@ -185,7 +186,7 @@ fn the_stated_level_and_boundary_hold_on_plates_in_two_dimensions() {
     assert!(found.places >= 0.95 && found.worst_places >= 0.9 && found.stated_db <= 0.6, "{found:?}");
 }
 
-/// Where the drive is the file's, nothing but the one-mode equation's own error is left of the level.
+/// Where the drive is the file's, the one-mode equation's own error is the only error of the level.
 #[test]
 #[ignore = "statistics: .ci/run long_tests"]
 fn the_stated_level_holds_the_error_of_the_one_mode_equation_itself() {
@@ -208,12 +209,13 @@ fn linear_tapers_and_membranes_moved_by_a_bar_are_accepted_at_the_proposed_place
     let bars = || (0..8).map(|i| 6 * i);
     let found = statistics(bars(), Solver::Bar, Where::Proposed);
     assert!(found.accepted >= 7 && found.boundaries >= 7, "{found:?}");
-    // Nearer to the bar its third width mode is taken for the wave.
+    // Nearer to the bar, its third width mode is mistaken for the wave.
     let shares = statistics(bars(), Solver::Bar, Where::Shares);
     assert!(shares.accepted < 8, "{shares:?}");
 }
 
-/// What a plan says of places holds for a measurement there: of a plate near the nominal one, with noise 40 dB below the signals.
+/// The accuracy that a plan predicts for its places is that of a measurement there, on a plate near the nominal one
+/// with noise 40 dB below the signals.
 #[test]
 fn what_a_pair_of_places_would_reach_is_what_it_reaches() {
     for name in ["membrane", "al-bending"] {
@@ -231,7 +233,7 @@ fn what_a_pair_of_places_would_reach_is_what_it_reaches() {
     }
 }
 
-/// The least place of the first sensor in shares of the length: the golden numbers of PHYSICS.md.
+/// The least place of the first sensor over the length: the golden numbers of PHYSICS.md.
 #[test]
 fn the_nearest_place_is_beyond_the_next_width_mode_and_the_near_field() {
     let linear = {

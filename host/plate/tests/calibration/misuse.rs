@@ -1,4 +1,4 @@
-//! What goes wrong while a person measures: it is refused by its name, or the table is good anyway.
+//! Mistakes of a user in a measurement: each is refused by its name, or the table is good nevertheless.
 //!
 //! | what | here, with two places | one place (`one_sensor.rs`) | through the protocol (`tests/tests/measuring.rs`) |
 //! |---|---|---|---|
@@ -15,7 +15,7 @@ use super::{PLACES, calibrated, count, measured};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement};
 use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
 
-/// What `cargo test` shows, and the second pass of the long tests.
+/// The presets of `cargo test`, and of the second pass in the long tests.
 const FIRST: &str = "membrane";
 const SECOND: &str = "al-bending";
 
@@ -24,8 +24,8 @@ fn rig(name: &str, seed: u64) -> (Rig, Random) {
     (Rig::new(name, Solver::OneMode, &mut random), random)
 }
 
-/// The refusal, or nothing if the table is as good as stated: never a bad one without a word. `moved_m` is how far each
-/// sensor is from its mark.
+/// The refusal; `None` if the table is as good as stated. A bad table without a refusal fails the test. `moved_m` is
+/// the distance of each sensor from its mark.
 fn refused_or_good(
     rig: &Rig,
     sensors: &[Measurement; 2],
@@ -35,7 +35,7 @@ fn refused_or_good(
     good_or_refused(rig, calibrated(rig, sensors), &moved_m, what)
 }
 
-/// The same of what any way of calibrating found.
+/// The same for the result of any calibration.
 pub(crate) fn good_or_refused(
     rig: &Rig,
     found: Result<Calibrated, CalibrateError>,
@@ -54,10 +54,10 @@ pub(crate) fn good_or_refused(
         .zip(moved_m)
         .map(|(per_place, moved_m)| per_place * moved_m.abs())
         .sum();
-    let told_m = 1e-3_f64.max(1.5 * found.boundary_tolerance_m) + by_places;
-    assert!(judged.boundary_m < told_m, "{what}: {judged:?}, told {told_m}");
-    let told_db = 2_f64.max(1.5 * found.level_tolerance_db);
-    assert!(judged.level_db < told_db, "{what}: {judged:?}, told {told_db}");
+    let allowed_m = 1e-3_f64.max(1.5 * found.boundary_tolerance_m) + by_places;
+    assert!(judged.boundary_m < allowed_m, "{what}: {judged:?}, allowed {allowed_m}");
+    let allowed_db = 2_f64.max(1.5 * found.level_tolerance_db);
+    assert!(judged.level_db < allowed_db, "{what}: {judged:?}, allowed {allowed_db}");
     None
 }
 
@@ -86,7 +86,7 @@ fn finger(name: &str) {
 }
 
 #[test]
-fn a_sensor_at_another_place_than_told_is_noticed_where_it_matters() {
+fn a_sensor_at_another_place_than_stated_is_noticed_where_it_matters() {
     another_place(FIRST);
 }
 
@@ -105,7 +105,7 @@ fn another_place(name: &str) {
 }
 
 #[test]
-fn how_far_a_misplaced_sensor_takes_the_boundary_is_told_in_a_sentence() {
+fn how_far_a_misplaced_sensor_shifts_the_boundary_is_stated_in_a_sentence() {
     let (rig, mut random) = rig("membrane", 31);
     let sensors = measured("membrane", &rig, &mut random);
     let found = calibrated(&rig, &sensors).expect("accepted");
@@ -160,8 +160,8 @@ fn node(name: &str) {
         for places in [[first, last], [first, far_m], [PLACES[0] * rig.nominal.length_m(), last]] {
             let sensors = rig.measure(places, count(name), &mut random);
             let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {places:?} m"));
-            let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
-            assert!(is_told, "{name} {places:?}: {error:?}");
+            let is_allowed = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
+            assert!(is_allowed, "{name} {places:?}: {error:?}");
             refused += usize::from(error.is_some());
         }
     }
@@ -194,7 +194,7 @@ fn signals(name: &str) {
     }
     let error = calibrated(&rig, &clipped).expect_err("clipped");
     assert!(matches!(error, CalibrateError::Clipped { .. }), "{error}");
-    // Who imports a file knows no headroom.
+    // A file by another program states no headroom.
     clipped[0].points.iter_mut().for_each(|point| point.headroom_db = None);
     let error = calibrated(&rig, &clipped).expect_err("clipped");
     assert!(matches!(error, CalibrateError::Unlike { .. }), "{error}");
@@ -246,7 +246,7 @@ fn another_file(name: &str) {
 }
 
 #[test]
-fn at_twenty_decibels_over_the_noise_the_told_interval_is_wider_and_holds() {
+fn at_twenty_decibels_over_the_noise_the_stated_interval_is_wider_and_holds() {
     twenty_decibels(FIRST);
 }
 
@@ -257,8 +257,8 @@ fn twenty_decibels(name: &str) {
         rig.snr_db = 20.0;
         let sensors = measured(name, &rig, &mut random);
         let error = refused_or_good(&rig, &sensors, [0.0; 2], &format!("{name} {seed} 20 dB"));
-        let is_told = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
-        assert!(is_told, "{name} {seed}: {error:?}");
+        let is_allowed = matches!(error, None | Some(CalibrateError::NotCarried { .. }));
+        assert!(is_allowed, "{name} {seed}: {error:?}");
         accepted += usize::from(error.is_none());
     }
     assert!(accepted > 0, "{name}: all refused");
@@ -266,7 +266,7 @@ fn twenty_decibels(name: &str) {
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run long_tests"]
-fn what_goes_wrong_with_two_places_is_refused_or_told_on_aluminium_too() {
+fn what_goes_wrong_with_two_places_is_refused_or_stated_on_aluminium_too() {
     finger(SECOND);
     another_place(SECOND);
     nothing_to_be_seen(SECOND);

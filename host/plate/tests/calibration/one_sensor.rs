@@ -1,4 +1,4 @@
-//! One sensor, with the full model of the source.
+//! Calibration by one sensor, with the full model of the source.
 
 use super::misuse::good_or_refused;
 use super::rig::{Random, Rig, Solver, middle_and_worst};
@@ -6,7 +6,7 @@ use super::{MANY, count, within};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_one_sensor};
 use slipline_plate::{Complex64, DriveEnd, Finger, Impedance, Model, Plate};
 
-/// Share of the length at which the sensor stands.
+/// Place of the sensor over the length.
 const PLACE: f64 = 0.1;
 
 fn measured(name: &str, rig: &Rig, random: &mut Random) -> Measurement {
@@ -36,12 +36,12 @@ fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
     one_sensor(20);
 }
 
-/// Calibrates `number` truths of both presets.
+/// Calibrates `number` truths of each preset.
 fn one_sensor(number: u64) {
     for (name, boundary_mm, level_db) in
         [("membrane", [0.6, 1.2], [0.6, 2.0]), ("al-bending", [0.4, 0.8], [0.6, 2.5])]
     {
-        let (mut judged, mut sources_told) = (Vec::new(), 0_u64);
+        let (mut judged, mut sources_stated) = (Vec::new(), 0_u64);
         for seed in 0..number {
             let mut random = Random::new(seed);
             let rig = Rig::new(name, Solver::OneMode, &mut random);
@@ -53,7 +53,7 @@ fn one_sensor(number: u64) {
             assert!(after.boundary_m < 1.5 * found.boundary_tolerance_m, "{name} {seed}: {after:?}");
             assert!(after.level_db < 1.5 * found.level_tolerance_db.max(0.5), "{name} {seed}: {after:?}");
             let truth = impedance(&rig.truth);
-            sources_told += u64::from(
+            sources_stated += u64::from(
                 within(&found, "drive.resistance_n_s_per_m", truth.resistance_n_s_per_m)
                     && within(&found, "drive.mass_kg", truth.mass_kg)
                     && within(&found, "delay_s", rig.delay_s),
@@ -62,23 +62,25 @@ fn one_sensor(number: u64) {
         }
         let boundary = middle_and_worst(judged.iter().map(|it| 1e3 * it.boundary_m).collect());
         let level = middle_and_worst(judged.iter().map(|it| it.level_db).collect());
-        println!("{name}: {boundary:?} mm, {level:?} dB; the source is told for {sources_told} of {number}");
+        println!(
+            "{name}: {boundary:?} mm, {level:?} dB; the source is stated for {sources_stated} of {number}"
+        );
         assert!(boundary.1 <= boundary_mm[1] && level.1 <= level_db[1], "{name}: {boundary:?} {level:?}");
         if number >= MANY {
             assert!(boundary.0 <= boundary_mm[0] && level.0 <= level_db[0], "{name}: {boundary:?} {level:?}");
         }
-        assert!(20 * sources_told >= 17 * number, "{name}: {sources_told} of {number}");
+        assert!(20 * sources_stated >= 17 * number, "{name}: {sources_stated} of {number}");
     }
 }
 
 #[test]
-fn what_goes_wrong_with_one_sensor_is_refused_or_told() {
+fn what_goes_wrong_with_one_sensor_is_refused_or_stated() {
     misuse(&["membrane"]);
 }
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run long_tests"]
-fn what_goes_wrong_with_one_sensor_is_refused_or_told_on_aluminium_too() {
+fn what_goes_wrong_with_one_sensor_is_refused_or_stated_on_aluminium_too() {
     misuse(&["al-bending"]);
 }
 
@@ -87,14 +89,14 @@ fn misuse(presets: &[&str]) {
         let mut random = Random::new(50);
         let rig = Rig::new(name, Solver::OneMode, &mut random);
         let sensor = measured(name, &rig, &mut random);
-        let told = |rig: &Rig, sensor: &Measurement, moved_m: f64, what: &str| {
+        let refusal = |rig: &Rig, sensor: &Measurement, moved_m: f64, what: &str| {
             good_or_refused(rig, calibrated(rig, sensor), &[moved_m], &format!("{name} {what}"))
         };
-        assert_eq!(told(&rig, &sensor, 0.0, "as it should be"), None);
+        assert_eq!(refusal(&rig, &sensor, 0.0, "as it should be"), None);
         for moved_m in [1e-3, -1e-3, 1e-2, -1e-2] {
             let [mut moved] = rig.measure([sensor.place_m + moved_m], count(name), &mut random);
             moved.place_m = sensor.place_m;
-            let error = told(&rig, &moved, moved_m, "moved");
+            let error = refusal(&rig, &moved, moved_m, "moved");
             assert_eq!(error.is_some(), f64::abs(moved_m) > 5e-3, "{name} {moved_m}: {error:?}");
         }
         let mut unplugged = sensor.clone();
@@ -119,7 +121,7 @@ fn misuse(presets: &[&str]) {
         let firm = Finger { resistance_n_s_per_m: 1.0, mass_kg: 1e-4, ..Finger::light(0.12) };
         let touched = Rig { finger: Some(firm), ..rig.clone() };
         let [under_finger] = touched.measure([sensor.place_m], 60, &mut random);
-        let error = told(&touched, &under_finger, 0.0, "finger");
+        let error = refusal(&touched, &under_finger, 0.0, "finger");
         assert!(error.is_some() || name == "al-bending", "a finger goes unnoticed on {name}");
     }
 }

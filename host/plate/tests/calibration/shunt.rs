@@ -1,4 +1,4 @@
-//! The current of the drive alone, with nothing on the plate.
+//! Calibration by the current of the drive alone, without a sensor on the plate.
 
 use super::misuse::good_or_refused;
 use super::rig::{Random, Rig, Solver, middle_and_worst};
@@ -7,8 +7,8 @@ use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors,
 use slipline_plate::{Complex64, DriveEnd, Finger, Plate};
 use std::f64::consts::{PI, TAU};
 
-/// A rig whose truth is driven at a voltage: the electrical side is part of what resists the end, and the actuator is the
-/// amplifier.
+/// A rig whose truth is driven by a voltage: the electrical side is part of the end's impedance, and the actuator is
+/// the amplifier.
 pub(crate) fn rig(name: &str, seed: u64) -> (Rig, Electrics, Random) {
     let mut random = Random::new(seed);
     let rig = Rig::new(name, Solver::OneMode, &mut random);
@@ -23,17 +23,17 @@ pub(crate) fn rig(name: &str, seed: u64) -> (Rig, Electrics, Random) {
 /// Unknowns of the drive.
 pub(crate) struct Electrics {
     transducer: Transducer,
-    /// Of a coil: the share of the source's resistance that is electrical, (Bl)^2/Re.
+    /// Coil: the electrical fraction of the source's resistance, (Bl)^2/Re.
     share: f64,
-    /// Of a piezo: its motional current over the capacitive one, where the load is the plate's wave impedance.
+    /// Piezo: motional over capacitive current with the plate's wave impedance as the load.
     coupling: f64,
 }
 
-/// The current over the code, as a person measures it.
+/// The measured current over the code.
 pub(crate) fn current(rig: &Rig, electrics: &Electrics, random: &mut Random) -> Measurement {
     let frequencies_hz = rig.frequencies_hz(count(rig.nominal.name()));
     let DriveEnd::Source(source) = rig.truth.spec().drive_end else { panic!("a source") };
-    let z = rig.truth.wave_impedance_n_s_per_m(source.at_frequency_hz).expect("told");
+    let z = rig.truth.wave_impedance_n_s_per_m(source.at_frequency_hz).expect("stated");
     let force = 2.0 * TAU * source.at_frequency_hz * z;
     let clean = |(field, &hz): (Vec<Complex64>, &f64)| {
         let rate = Complex64::new(0.0, -TAU * hz);
@@ -102,13 +102,13 @@ fn by_current([membranes, plates]: [u64; 2]) {
 }
 
 #[test]
-fn what_goes_wrong_with_the_current_is_refused_or_told() {
+fn what_goes_wrong_with_the_current_is_refused_or_stated() {
     misuse(&["membrane"]);
 }
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run long_tests"]
-fn what_goes_wrong_with_the_current_is_refused_or_told_on_aluminium_too() {
+fn what_goes_wrong_with_the_current_is_refused_or_stated_on_aluminium_too() {
     misuse(&["al-bending"]);
 }
 
@@ -116,10 +116,10 @@ fn misuse(presets: &[&str]) {
     for &name in presets {
         let (rig, electrics, mut random) = rig(name, 1);
         let measured = current(&rig, &electrics, &mut random);
-        let told = |rig: &Rig, measured: &Measurement, what: &str| {
+        let refusal = |rig: &Rig, measured: &Measurement, what: &str| {
             good_or_refused(rig, calibrated(rig, &electrics, measured), &[], &format!("{name} {what}"))
         };
-        assert_eq!(told(&rig, &measured, "as it should be"), None);
+        assert_eq!(refusal(&rig, &measured, "as it should be"), None);
         let mut open = measured.clone();
         for point in &mut open.points {
             point.response = Complex64::new(random.normal(), random.normal()) * point.noise;
@@ -130,7 +130,7 @@ fn misuse(presets: &[&str]) {
         clipped.points[5].headroom_db = Some(0.0);
         let error = calibrated(&rig, &electrics, &clipped).expect_err("clipped");
         assert!(matches!(error, CalibrateError::Clipped { .. }), "{error}");
-        // A drive that does not move: nothing of the plate is in its current.
+        // A blocked drive: its current carries no information on the plate.
         let mut blocked = measured.clone();
         for point in &mut blocked.points {
             let rate = match electrics.transducer {
@@ -141,16 +141,16 @@ fn misuse(presets: &[&str]) {
             (point.response, point.noise) = (rate + noise, 1e-3);
         }
         let error = calibrated(&rig, &electrics, &blocked).expect_err("blocked");
-        let is_told =
+        let is_refused =
             matches!(error, CalibrateError::NotCarriedByCurrent { .. } | CalibrateError::Ambiguous { .. });
-        assert!(is_told, "{name}, blocked: {error}");
+        assert!(is_refused, "{name}, blocked: {error}");
         let another = Rig { nominal: rig.nominal.with_wave_speed(1.2).expect("valid"), ..rig.clone() };
         let error = calibrated(&another, &electrics, &measured).expect_err("another plate");
         assert!(matches!(error, CalibrateError::AnotherPlate { .. }), "{name}, another plate: {error}");
         let firm = Finger { resistance_n_s_per_m: 1.0, mass_kg: 1e-4, ..Finger::light(0.12) };
         let touched = Rig { finger: Some(firm), ..rig.clone() };
         let under_finger = current(&touched, &electrics, &mut random);
-        let error = told(&touched, &under_finger, "finger");
+        let error = refusal(&touched, &under_finger, "finger");
         assert!(error.is_some() || name == "al-bending", "a finger goes unnoticed on {name}");
     }
 }

@@ -1,4 +1,4 @@
-//! Two and more touches, without any sensor: where the edge is felt afterwards.
+//! Calibration by two and more touches, without a sensor: the error of the felt edge afterwards.
 
 use super::rig::{Random, Rig, Solver, middle_and_worst};
 use super::shunt;
@@ -6,27 +6,27 @@ use slipline_plate::calibrate::{CalibrateError, Priors, Touch, TouchedDrive, fro
 use slipline_plate::feeling::{Feeling, FeltTone};
 use slipline_plate::{DriveEnd, Equation, Model, Peak, Plate, PlateSpec, respond_batch};
 
-/// Share of the table's peak at full scale that is played: a vibration is felt from less than a micrometre on.
+/// Level of the tones over the table's peak at full scale: vibration is felt from less than a micrometre.
 fn level(name: &str) -> f64 {
     if name == "membrane" { 0.03 } else { 1.0 }
 }
 
-/// What is known of the drive before anybody touches the plate.
+/// Knowledge of the drive before the touches.
 #[derive(Debug, Clone, Copy)]
 enum Drive {
-    /// It is as the file states it.
-    Told,
-    /// Its mass, spring and actuator make the levels swing.
+    /// The drive is as the file states it.
+    Stated,
+    /// The levels vary by its mass, stiffness and actuator.
     Unknown,
-    /// The same, and its current was measured.
+    /// The same, with a measured current.
     Measured,
 }
 
-/// How far a felt edge may be from its mark, metres.
+/// Largest distance of a mark from the felt edge, metres.
 const MARK_M: f64 = 3e-3;
 
-/// The felt edge of a field whose peak is `peak_m`, metres.
-fn told_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64, feeling: &Feeling) -> Option<f64> {
+/// The predicted felt edge of a field whose peak is `peak_m`, metres.
+fn stated_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64, feeling: &Feeling) -> Option<f64> {
     let spec = PlateSpec { drive_end: DriveEnd::Displacement, ..plate.spec().clone() };
     let plate = Plate::new(spec).expect("valid");
     let field = &respond_batch(&plate, &[frequency_hz], 601, Equation::Corrected).ok()?[0];
@@ -36,15 +36,15 @@ fn told_edge_m(plate: &Plate, frequency_hz: f64, peak_m: f64, feeling: &Feeling)
     Feeling::edge(&plate, &feeling.strength(&plate, &[tone])).place_m()
 }
 
-/// What touches do to one plate.
+/// Result of the touches on one plate.
 #[derive(Debug, Clone, Copy)]
 struct Judged {
-    /// Distance of the calibrated and the felt edge over the frequencies, root of the mean square in mm: by the plain file and its
-    /// table, and by the file after the touches and its table.
+    /// Root mean square over the frequencies of the distance between the calibrated and the felt edge, mm: by the
+    /// plain file and its table, and by the file after the touches and its table.
     off_mm: [f64; 2],
-    /// Half of the stated 95 % interval of that, mm.
-    told_mm: f64,
-    /// Whether the stated interval of the wave speed holds the true one.
+    /// Half of the stated 95 % interval of that distance, mm.
+    stated_mm: f64,
+    /// Whether the stated interval of the wave speed contains the true one.
     holds_speed: bool,
 }
 
@@ -52,7 +52,7 @@ struct Judged {
 fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     let mut random = Random::new(seed);
     let rig = match drive {
-        Drive::Told => Rig::new(name, Solver::OneMode, &mut random).with_told_drive(),
+        Drive::Stated => Rig::new(name, Solver::OneMode, &mut random).with_told_drive(),
         Drive::Unknown => Rig::new(name, Solver::OneMode, &mut random),
         Drive::Measured => {
             let (mut rig, electrics, mut random) = shunt::rig(name, seed);
@@ -61,18 +61,18 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
             rig
         }
     };
-    // Nobody knows the source's gain nor this finger's threshold.
+    // The source's gain and this finger's threshold are unknown.
     let finger = Feeling { threshold: random.factor(0.5, 2.0), ..Feeling::default() };
     let gain = random.factor(0.7, 1.4);
     let (low, high) = rig.nominal.band_hz();
     let frequencies: Vec<f64> =
         (0..=20).map(|i| low * (high / low).powf(0.1 + 0.04 * f64::from(i))).collect();
-    // Where the edge of each frequency is felt with a plate's table, and the peak that this table predicts: as loud for the
-    // stated threshold as the plain file predicts it.
+    // The felt edge of each frequency with a plate's table, and the peak that this table predicts: at the level that
+    // the plain file predicts for the stated threshold.
     let loud = level(name) * rig.table(&rig.nominal).peak_at_full_scale_m;
-    let felt = |plate: &Plate, told: &Feeling| -> Vec<(f64, f64, f64)> {
+    let felt = |plate: &Plate, stated: &Feeling| -> Vec<(f64, f64, f64)> {
         let table = rig.table(plate);
-        let level = (loud * told.threshold / table.peak_at_full_scale_m).min(1.0);
+        let level = (loud * stated.threshold / table.peak_at_full_scale_m).min(1.0);
         let edge = |&hz: &f64| {
             let boundary_m = plate.turning_point_m(hz).expect("enters");
             let tone = rig.tone(hz, gain * level * table.gain(boundary_m));
@@ -91,7 +91,7 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     };
     let touches: Vec<Touch> = (0..count).map(touch).collect();
     let known = match drive {
-        Drive::Told => TouchedDrive::AsTold,
+        Drive::Stated => TouchedDrive::AsTold,
         Drive::Unknown | Drive::Measured => TouchedDrive::of(&rig.nominal),
     };
     let found = from_touches(&rig.nominal, &touches, &Feeling::default(), known, &Priors::default()).ok()?;
@@ -102,8 +102,8 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     let truly = numbers(&rig.truth) / numbers(&rig.nominal);
     let off = |plate: &Plate, feeling: &Feeling, edges: &[(f64, f64, f64)]| {
         let off = |&(hz, edge_m, peak_m): &(f64, f64, f64)| {
-            let told_m = told_edge_m(plate, hz, peak_m, feeling).unwrap_or(plate.length_m());
-            (1e3 * (told_m - edge_m)).powi(2)
+            let stated_m = stated_edge_m(plate, hz, peak_m, feeling).unwrap_or(plate.length_m());
+            (1e3 * (stated_m - edge_m)).powi(2)
         };
         (edges.iter().map(off).sum::<f64>() / edges.len() as f64).sqrt()
     };
@@ -112,12 +112,12 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
             off(&rig.nominal, &Feeling::default(), &edges),
             off(&found.plate, &found.feeling, &felt(&found.plate, &found.feeling)),
         ],
-        told_mm: 1e3 * found.edge_tolerance_m,
+        stated_mm: 1e3 * found.edge_tolerance_m,
         holds_speed: (low..=high).contains(&truly),
     })
 }
 
-/// The wave speed, or what goes with it.
+/// The wave speed, or a quantity proportional to it.
 fn numbers(plate: &Plate) -> f64 {
     match &plate.spec().model {
         Model::Membrane { wave_speed_m_per_s, .. } => *wave_speed_m_per_s,
@@ -125,15 +125,15 @@ fn numbers(plate: &Plate) -> f64 {
     }
 }
 
-/// Truths: median and worst before and after, and those that were accepted.
+/// Median and worst over the truths before and after, and the accepted ones.
 fn truths(name: &str, drive: Drive, count: usize, truths: u64) -> ([(f64, f64); 2], Vec<Judged>) {
     let judged: Vec<Judged> = (0..truths).filter_map(|seed| judge(name, seed, drive, count)).collect();
     let figures = [0, 1].map(|i| middle_and_worst(judged.iter().map(|it| it.off_mm[i]).collect()));
     println!(
-        "{name}, {drive:?}, {count} touches: {} of {truths}, felt edge off by (mm, median and worst) {figures:?}; told {:?}, beyond it {}, speed held {}",
+        "{name}, {drive:?}, {count} touches: {} of {truths}, felt edge off by (mm, median and worst) {figures:?}; stated {:?}, beyond it {}, speed held {}",
         judged.len(),
-        middle_and_worst(judged.iter().map(|it| it.told_mm).collect()),
-        judged.iter().filter(|it| it.off_mm[1] > it.told_mm).count(),
+        middle_and_worst(judged.iter().map(|it| it.stated_mm).collect()),
+        judged.iter().filter(|it| it.off_mm[1] > it.stated_mm).count(),
         judged.iter().filter(|it| it.holds_speed).count(),
     );
     (figures, judged)
@@ -141,23 +141,23 @@ fn truths(name: &str, drive: Drive, count: usize, truths: u64) -> ([(f64, f64); 
 
 #[test]
 fn two_touches_put_the_felt_edges_of_the_first_plates_right() {
-    let ([before, after], judged) = truths("membrane", Drive::Told, 2, 2);
+    let ([before, after], judged) = truths("membrane", Drive::Stated, 2, 2);
     assert_eq!(judged.len(), 2);
     assert!(after.1 <= 4.0 && after.0 < before.0, "{before:?} {after:?}");
-    let held = judged.iter().filter(|it| it.off_mm[1] <= it.told_mm && it.holds_speed).count();
+    let held = judged.iter().filter(|it| it.off_mm[1] <= it.stated_mm && it.holds_speed).count();
     assert_eq!(held, 2, "{judged:?}");
 }
 
 #[test]
 #[ignore = "statistics: .ci/run long_tests"]
 fn touches_on_an_unknown_drive_put_the_felt_edge_nearly_as_right_as_anything_can() {
-    // What no method can better on average stands in PHYSICS.md, by the example `felt_edges`.
+    // The limit for any method on average is in PHYSICS.md, by the example `felt_edges`.
     for (count, most_mm) in [(2, 4.5), (6, 2.0)] {
         let ([before, after], judged) = truths("membrane", Drive::Unknown, count, 20);
         assert_eq!(judged.len(), 20, "none is refused");
         assert!(after.0 <= most_mm && after.0 < 0.4 * before.0, "{count}: {before:?} {after:?}");
-        // The stated intervals of edge and speed must hold: for 95 % of all, so for 17 of 20 nearly always.
-        let within = judged.iter().filter(|it| it.off_mm[1] <= it.told_mm).count();
+        // The stated intervals of edge and speed must hold for 95 % of all: almost surely for 17 of 20.
+        let within = judged.iter().filter(|it| it.off_mm[1] <= it.stated_mm).count();
         let held = judged.iter().filter(|it| it.holds_speed).count();
         assert!(within >= 17 && held >= 17, "{count}: {within} {held}");
     }
@@ -167,8 +167,8 @@ fn touches_on_an_unknown_drive_put_the_felt_edge_nearly_as_right_as_anything_can
 #[ignore = "statistics: .ci/run long_tests"]
 fn two_touches_put_the_felt_edge_right_where_the_drive_is_known_or_matters_less() {
     for (name, drive, most_mm) in [
-        ("membrane", Drive::Told, 2.0),
-        ("al-bending", Drive::Told, 2.0),
+        ("membrane", Drive::Stated, 2.0),
+        ("al-bending", Drive::Stated, 2.0),
         ("al-bending", Drive::Unknown, 2.5),
         ("membrane", Drive::Measured, 2.5),
     ] {
@@ -196,10 +196,10 @@ fn touches_that_tell_nothing_are_refused() {
     assert!(matches!(close, CalibrateError::CloseMarks { count: 2, .. }), "{close}");
     let silent = refused(&[(0.15, 120.0), (0.2, 150.0)], 1e-12);
     assert!(matches!(silent, CalibrateError::NoEdge), "{silent}");
-    // A higher frequency has its edge farther away.
+    // A higher frequency has its edge farther from the drive.
     let exchanged = refused(&[(0.25, 120.0), (0.12, 150.0)], 5e-6);
-    let is_told = matches!(exchanged, CalibrateError::EdgesUnlike { .. } | CalibrateError::NoEdge);
-    assert!(is_told, "{exchanged}");
+    let is_refused = matches!(exchanged, CalibrateError::EdgesUnlike { .. } | CalibrateError::NoEdge);
+    assert!(is_refused, "{exchanged}");
     let off = refused(&[(0.5, 120.0), (0.12, 170.0)], 5e-6);
     assert!(off.to_string().starts_with("mark_m = 0.5 m"), "{off}");
 }

@@ -1,6 +1,7 @@
-//! The lights of random plates against the truth: the plate in two dimensions, as it is and as it may be instead.
+//! The lights of random plates against the truth: the plate in two dimensions, with its own and with other
+//! parameters.
 //!
-//! Each light is judged by itself, for what it says when it is green:
+//! Each light is judged separately, by the meaning of its green:
 //!
 //! | light | is not green where, in two dimensions, |
 //! |---|---|
@@ -9,11 +10,11 @@
 //! | peak | there is none, or another place vibrates 2 dB more |
 //! | sensitivity | the level is 2 dB off: as the plate is, with 1 % of wave speed, with its tolerance of loss |
 //! | finger load | a light touch takes 2 dB from the peak |
-//! | drive match | the end sends so much back that the level ripples by 2 dB, 20 lg(1 + abs r) |
+//! | drive match | the end reflects enough for a ripple of the level of 2 dB, 20 lg(1 + abs r) |
 //! | thin plate | shear and rotary inertia move the peak by a quarter of the edge |
 //!
-//! Edge slope and edge curvature say whether there is one wave of the local width at all. Where one of them is not green,
-//! the user is informed, and what the others compute from that wave is not judged.
+//! Edge slope and edge curvature state whether there is one wave of the local width at all. Where one of them is not
+//! green, the user is informed, and the results that the others compute from that wave are not judged.
 
 mod plates;
 mod truth;
@@ -23,25 +24,25 @@ use slipline_plate::check::{Checker, Colour, Conditions, Report};
 use slipline_plate::{Finger, Plate, Response, plane};
 use std::collections::BTreeMap;
 
-/// How far a level may be off under a green light, dB.
+/// Largest level error under a green light, dB.
 const LEVEL_DB: f64 = 2.0;
-/// How far a place may be off under a green light, in widths of the edge.
+/// Largest place error under a green light, in widths of the edge.
 const EDGE_SHARE: f64 = 0.25;
 const PLATES: usize = 30;
 
-/// The lights that say whether the amplitude equation holds.
+/// The lights that state whether the amplitude equation holds.
 const EQUATION: [&str; 2] = ["edge slope", "edge curvature"];
 
-/// A plate at a boundary: what the lights say of it, and what it does.
+/// A plate at a boundary: the statements of its lights, and its behaviour in two dimensions.
 struct Case<'a> {
     plate: &'a Plate,
     frequency_hz: f64,
     report: Report,
-    told: Response,
+    stated: Response,
     real: Response,
 }
 
-/// What is off, by how much of what is allowed, and the lights of which one has to say so.
+/// A deviation over its limit, and the lights of which at least one must not be green.
 struct Deviation {
     what: &'static str,
     share: f64,
@@ -56,12 +57,12 @@ impl Case<'_> {
     /// Peak, felt edge, and the width of the edge.
     fn places(&self) -> Vec<Deviation> {
         let width_m = self.plate.edge_width_m(self.frequency_hz).expect("enters");
-        let (Some(told), Some(real)) = (self.told.peak, self.real.peak) else { return Vec::new() };
+        let (Some(stated), Some(real)) = (self.stated.peak, self.real.peak) else { return Vec::new() };
         let off = |by_m: f64| by_m.abs() / width_m / EDGE_SHARE;
         let mut found =
-            vec![deviation("place of the peak", off(real.position_m - told.position_m), "wavelengths")];
-        if let Some((told_m, real_m)) = truth::edge_m(&self.told).zip(truth::edge_m(&self.real)) {
-            found.push(deviation("place of the edge", off(real_m - told_m), "wavelengths"));
+            vec![deviation("place of the peak", off(real.position_m - stated.position_m), "wavelengths")];
+        if let Some((stated_m, real_m)) = truth::edge_m(&self.stated).zip(truth::edge_m(&self.real)) {
+            found.push(deviation("place of the edge", off(real_m - stated_m), "wavelengths"));
             found.push(deviation("width of the edge", off(real_m - real.position_m - width_m), "edge width"));
         }
         found
@@ -72,7 +73,7 @@ impl Case<'_> {
         deviation("peak", above_db / LEVEL_DB, "peak")
     }
 
-    /// The level of the plate as it is, after `factor_db`, and as it may be.
+    /// The level of the plate itself, after `factor_db`, and with other parameters.
     fn levels(&self, factor_db: f64) -> Vec<Deviation> {
         let (plate, hz) = (self.plate, self.frequency_hz);
         let real_db = truth::level_db(&self.real);
@@ -89,7 +90,7 @@ impl Case<'_> {
         let worst = |levels_db: &[f64]| {
             levels_db.iter().map(|db| (db - intended_db).abs()).fold(0.0, f64::max) / LEVEL_DB
         };
-        let off_db = real_db - truth::level_db(&self.told) - factor_db;
+        let off_db = real_db - truth::level_db(&self.stated) - factor_db;
         vec![
             deviation("level", off_db.abs() / LEVEL_DB, "sensitivity"),
             deviation("level at another speed", worst(&detuned_db), "sensitivity"),
@@ -136,7 +137,8 @@ impl Case<'_> {
 fn no_light_is_green_where_the_plate_itself_is_two_decibels_or_a_quarter_of_the_edge_off() {
     let mut random = Random(13);
     let mut found = Vec::new();
-    // How often each of them is off, and how often where the equation holds, so that its own light has to say so.
+    // Number of cases with each deviation, and number among these where the equation holds, so that its own light
+    // must show it.
     let mut off: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     let plates = (0..PLATES).map(|number| {
         std::iter::repeat_with(|| plates::plate(&mut random, number)).flatten().next().expect("endless")
@@ -153,7 +155,7 @@ fn no_light_is_green_where_the_plate_itself_is_two_decibels_or_a_quarter_of_the_
                 plate: &plate,
                 frequency_hz,
                 report: checker.at(boundary_m).expect("on it"),
-                told: truth::told(&plate, frequency_hz),
+                stated: truth::stated(&plate, frequency_hz),
                 real: truth::field(&plate, frequency_hz, None),
             };
             let holds = EQUATION.iter().all(|light| case.is_green(light));
@@ -172,7 +174,7 @@ fn no_light_is_green_where_the_plate_itself_is_two_decibels_or_a_quarter_of_the_
         }
     }
     assert!(found.is_empty(), "{} green: {found:#?}\n{off:?}", found.len());
-    // A truth that is never off would judge nothing. (No edge was ever found a quarter wider than stated.)
+    // A deviation that never occurs would test nothing. (No edge was ever found a quarter wider than stated.)
     for (what, own) in [
         ("place of the peak", false),
         ("peak", true),

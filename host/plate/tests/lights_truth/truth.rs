@@ -1,10 +1,10 @@
-//! What a plate does in two dimensions: as it is, with another wave speed or loss, under a finger, and taken as thick.
+//! The plate in two dimensions: as it is, with another wave speed or loss, under a finger, and as a thick plate.
 
 use slipline_plate::{DriveEnd, Equation, Finger, Model, Plate, PlateSpec, Response, plane, respond};
 
 /// Points of a field along the centre line.
 const POINTS: usize = 257;
-/// Boundaries over the span for the factor between an end with a near field and one without.
+/// Boundaries over the span for the mean factor between an end with a near field and one without.
 const PLACES: usize = 9;
 
 /// The field in two dimensions.
@@ -14,18 +14,18 @@ pub(crate) fn field(plate: &Plate, frequency_hz: f64, finger: Option<Finger>) ->
 }
 
 /// The field that the lights assume.
-pub(crate) fn told(plate: &Plate, frequency_hz: f64) -> Response {
+pub(crate) fn stated(plate: &Plate, frequency_hz: f64) -> Response {
     respond(plate, frequency_hz, POINTS, Equation::Corrected).expect("responds")
 }
 
-/// Height of the peak, dB; where there is none, that of the Airy function with the amplitude at the turning point, as in a
+/// Height of the peak, dB; without a peak, that of the Airy function with the amplitude at the turning point, as in a
 /// table.
 pub(crate) fn level_db(response: &Response) -> f64 {
     let height = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     20.0 * height.log10()
 }
 
-/// Where the amplitude beyond the peak has fallen to a tenth of it, metres.
+/// Place beyond the peak where the amplitude has fallen to a tenth of it, metres.
 pub(crate) fn edge_m(response: &Response) -> Option<f64> {
     let peak = response.peak?;
     let tenth = 0.1 * peak.amplitude;
@@ -54,8 +54,8 @@ pub(crate) fn largest_over_peak_db(response: &Response) -> Option<f64> {
     response.peak.map(|peak| 20.0 * (largest / peak.amplitude).log10())
 }
 
-/// The factor by which the plate's level is above that of an end in bending without its near field, dB, on the mean over the
-/// span: one measurement of the level finds it. 0 for every other end.
+/// Level of the plate over that of an end in bending without its near field, dB, mean over the span: one measurement
+/// of the level determines it. 0 for every other end.
 pub(crate) fn factor_db(plate: &Plate) -> f64 {
     let one_mode = match plate.spec().drive_end {
         DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => {
@@ -69,12 +69,12 @@ pub(crate) fn factor_db(plate: &Plate) -> f64 {
     let (start, end) = plate.span_m();
     let above_db = (0..PLACES).map(|i| {
         let hz = plate.frequency_for_boundary_hz(start + (end - start) * i as f64 / (PLACES - 1) as f64);
-        level_db(&field(plate, hz, None)) - level_db(&told(plate, hz))
+        level_db(&field(plate, hz, None)) - level_db(&stated(plate, hz))
     });
     above_db.sum::<f64>() / PLACES as f64
 }
 
-/// The plate with `factor` times its loss.
+/// The plate with its loss times `factor`.
 pub(crate) fn with_loss(plate: &Plate, factor: f64) -> Plate {
     let loss_factor = (factor * plate.spec().loss_factor).min(0.5);
     Plate::new(PlateSpec { loss_factor, ..plate.spec().clone() }).expect("valid")

@@ -1,11 +1,12 @@
-//! The felt edge of one tone on one plate for every level at once.
+//! The felt edge of one tone on one plate as a function of its level.
 
 use crate::definition::Plate;
 use crate::feeling::{Feeling, FeltEdge};
 use num_complex::Complex64;
 
-/// How a tone's field falls along the plate: for each place the logarithm of the largest amplitude that a finger feels from
-/// there on. The edge for a level is where it falls below the least amplitude that is felt.
+/// Fall of a tone's field along the plate. At each place: the logarithm of the largest contact amplitude from there
+/// to the end of the plate. The felt edge is where it falls below the logarithm of the smallest amplitude that is
+/// felt.
 #[derive(Debug, Clone)]
 pub(crate) struct Envelope {
     from_here_on: Vec<f64>,
@@ -13,7 +14,7 @@ pub(crate) struct Envelope {
 }
 
 impl Envelope {
-    /// Of a field at places uniform from 0 to the plate's end, in any unit.
+    /// The envelope of a field sampled at equal distances from 0 to the plate's end, in any unit.
     pub(crate) fn of(field: &[Complex64], plate: &Plate, feeling: &Feeling) -> Self {
         let mut from_here_on = feeling.contact_amplitude(plate, field);
         let mut largest = f64::NEG_INFINITY;
@@ -25,7 +26,7 @@ impl Envelope {
         Self { from_here_on, step_m }
     }
 
-    /// The felt edge where an amplitude is felt from exp(`least`) on, in the field's unit.
+    /// The felt edge for a smallest felt amplitude of exp(`least`), in the field's unit.
     pub(crate) fn edge(&self, least: f64) -> FeltEdge {
         let felt = self.from_here_on.partition_point(|amplitude| *amplitude >= least);
         let Some(last) = felt.checked_sub(1) else { return FeltEdge::Nowhere };
@@ -34,7 +35,7 @@ impl Envelope {
         FeltEdge::At((last as f64 + (here - least) / (here - beyond)) * self.step_m)
     }
 
-    /// The same, with the ends of the plate for an edge that is not on it, metres.
+    /// Place of the edge in metres; the driven end if nothing is felt, the plate's end if everything is.
     pub(crate) fn place_m(&self, least: f64) -> f64 {
         match self.edge(least) {
             FeltEdge::At(place_m) => place_m,
@@ -52,7 +53,7 @@ mod tests {
     use crate::{Equation, respond_batch};
 
     #[test]
-    fn for_every_level_it_is_the_edge_that_the_feeling_tells() {
+    fn the_edge_of_every_level_is_that_of_the_feeling() {
         for (name, frequency_hz, peak_m) in [("membrane", 140.0, 1e-5), ("al-bending", 28e3, 1e-6)] {
             let plate = preset(name).expect("a preset");
             let feeling = Feeling::default();
@@ -80,7 +81,7 @@ mod tests {
                     }
                 }
             }
-            // On aluminium nothing that could be played is felt up to the end.
+            // On aluminium no level that can be played is felt up to the end.
             let reaches_end = name == "membrane";
             assert!(kinds[0] > 0 && kinds[1] > 0 && (kinds[2] > 0) == reaches_end, "{name}: {kinds:?}");
         }

@@ -1,66 +1,68 @@
-//! Adaptive importance sampling of the plates and drives that few data leave possible.
+//! Adaptive importance sampling of the plates and drives that agree with few data.
 //!
-//! With a handful of numbers for ten unknowns the least squares give one of many solutions that fit alike. The best estimate
-//! is the mean over all of them, each weighted by its likelihood. Samples are drawn from what is known beforehand. Where
-//! too few of them fit, they are drawn again, up to six times, from a normal distribution with the weighted mean and
-//! covariance of those before, somewhat wider.
-//! The weight is prior x likelihood over the density from which a sample was drawn, so the result does not depend on that
-//! density (Cappé, Douc, Guillin, Marin and Robert 2008).
+//! With a handful of data for ten unknowns, least squares give one of many solutions that fit equally well. The best
+//! estimate is the mean over all of them, each weighted by its likelihood. The first samples are drawn from the
+//! prior. Where too few of them fit, up to six further stages draw from a normal distribution with the weighted mean
+//! and covariance of the stage before, with a larger standard deviation (`WIDER`). The weight is prior x likelihood
+//! over the density from which a sample was drawn, so the result does not depend on that density (Cappé, Douc,
+//! Guillin, Marin and Robert 2008).
 //!
-//! A sample has two parts: an outer one that costs a computation (the plate), and an inner one that costs little (its drive).
+//! A sample has two parts: an outer one that is costly to evaluate (the plate), and an inner one that is cheap (its
+//! drive).
 
 use crate::truth::Random;
 use nalgebra::{SMatrix, SVector};
 
 /// Coordinates of a sample.
 pub(crate) const COUNT: usize = 10;
-/// Those of the outer part, which come first.
+/// Coordinates of the outer part, which come first.
 pub(crate) const OUTER: usize = 4;
 
 pub(crate) type Coordinates = SVector<f64, COUNT>;
 pub(crate) type Covariance = SMatrix<f64, COUNT, COUNT>;
 
-/// Outer parts of a stage, and inner parts of each.
+/// Outer parts of a stage, and inner parts for each outer part.
 const OUTERS: usize = 192;
 const INNERS: usize = 192;
-/// Most stages.
+/// Largest number of stages.
 const STAGES: usize = 7;
-/// Effective numbers of samples and of outer parts that a stage must leave; else the likelihood counts less in it.
+/// Effective numbers of samples and of outer parts required in a stage; with fewer, the likelihood is tempered by a
+/// power below 1.
 const EFFECTIVE: [f64; 2] = [250.0, 16.0];
-/// Standard deviations of the normal distribution over those of the samples before.
+/// Standard deviation of the proposal over that of the stage before.
 const WIDER: f64 = 1.25;
-/// Powers of the likelihood that are tried, from 1 on downwards, and from one to the next.
+/// Number of powers of the likelihood to try, from 1 downwards, and the ratio of two successive powers.
 const POWERS: i32 = 40;
 const POWER_STEP: f64 = 0.7;
 
-/// What is sampled.
+/// The distribution to sample.
 pub(crate) trait Target {
-    /// What the outer coordinates give.
+    /// Result of the computation that depends on the outer coordinates alone.
     type Outer;
-    /// Coordinates as they are known beforehand.
+    /// A random draw from the prior.
     fn draw(&self, random: &mut Random) -> Coordinates;
-    /// Logarithm of the density of [`Target::draw`], but for a constant.
+    /// Logarithm of the prior density, up to a constant.
     fn log_prior(&self, at: &Coordinates) -> f64;
-    /// `None` where such coordinates have no meaning.
+    /// Evaluates the outer coordinates; `None` where they are not valid.
     fn outer(&self, at: &Coordinates) -> Option<Self::Outer>;
-    /// Logarithm of the likelihood, but for a constant; `None` where the data cannot be.
+    /// Logarithm of the likelihood, up to a constant; `None` where it is zero.
     fn log_likelihood(&self, outer: &Self::Outer, at: &Coordinates) -> Option<f64>;
 }
 
-/// A sample with its share of the whole weight.
+/// A sample with its normalised weight.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sample {
     pub(crate) at: Coordinates,
     pub(crate) share: f64,
-    /// The number of its outer part.
+    /// Index of its outer part.
     pub(crate) outer: usize,
     log_prior_share: f64,
     log_likelihood: f64,
 }
 
-/// What the data leave open.
+/// The posterior as weighted samples.
 pub(crate) struct Samples {
-    /// Those of the last stage.
+    /// Samples of the last stage.
     pub(crate) samples: Vec<Sample>,
     pub(crate) mean: Coordinates,
     pub(crate) covariance: Covariance,
@@ -103,7 +105,7 @@ pub(crate) fn sample(target: &impl Target, random: &mut Random) -> Option<Sample
     None
 }
 
-/// One stage, without weights.
+/// The samples of one stage, without weights.
 fn drawn<T: Target>(target: &T, normal: Option<&Normal>, random: &mut Random) -> Vec<Sample> {
     let mut samples = Vec::with_capacity(OUTERS * INNERS);
     for number in 0..OUTERS {
@@ -123,7 +125,7 @@ fn drawn<T: Target>(target: &T, normal: Option<&Normal>, random: &mut Random) ->
                     log_likelihood,
                 });
             }
-            // The next inner part of the same outer one.
+            // The next inner part for the same outer part.
             let (next, mut next_standard) = draw(target, normal, random);
             drawn = match normal {
                 Some(normal) => {
@@ -141,7 +143,7 @@ fn drawn<T: Target>(target: &T, normal: Option<&Normal>, random: &mut Random) ->
     samples
 }
 
-/// Coordinates, and the standard normal numbers from which they are made.
+/// Coordinates, and the standard normal deviates from which they were made.
 fn draw(target: &impl Target, normal: Option<&Normal>, random: &mut Random) -> (Coordinates, Coordinates) {
     match normal {
         Some(normal) => {
@@ -152,14 +154,15 @@ fn draw(target: &impl Target, normal: Option<&Normal>, random: &mut Random) -> (
     }
 }
 
-/// Gives every sample its share, with the likelihood to the largest power up to 1 that leaves enough effective samples.
+/// Sets the weight of every sample, with the likelihood to the largest power up to 1 that leaves enough effective
+/// samples.
 fn weigh(samples: &mut [Sample]) -> Option<f64> {
     let most = |of: fn(&Sample) -> f64| samples.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
     let (largest_prior, largest) = (most(|it| it.log_prior_share), most(|it| it.log_likelihood));
     let weight = |sample: &Sample, power: f64| {
         (sample.log_prior_share - largest_prior + power * (sample.log_likelihood - largest)).exp()
     };
-    // 1 and more: enough samples, and enough outer parts.
+    // The smaller of two ratios to the required numbers, of samples and of outer parts; from 1 on both suffice.
     let effective = |power: f64| {
         let (mut sum, mut squares, mut of_outer) = (0.0, 0.0, [0.0; OUTERS]);
         for sample in samples.iter() {
@@ -171,7 +174,7 @@ fn weigh(samples: &mut [Sample]) -> Option<f64> {
         let of_outers = of_outer.iter().map(|weight| weight * weight).sum::<f64>();
         (sum * sum / squares / EFFECTIVE[0]).min(sum * sum / of_outers / EFFECTIVE[1])
     };
-    // Samples of a narrow distribution stand for a small power as badly as for a large one.
+    // Samples of a narrow proposal represent a small power as badly as a large one, so the best power tried is kept.
     let mut best = (f64::NEG_INFINITY, 1.0);
     for step in 0..POWERS {
         let power = POWER_STEP.powi(step);
@@ -205,7 +208,7 @@ fn moments(samples: &[Sample]) -> (Coordinates, Covariance) {
 mod tests {
     use super::*;
 
-    /// Two sums of coordinates are measured, an outer and an inner one; all are known to 1 beforehand.
+    /// An outer and an inner sum of coordinates are measured; all coordinates have a prior deviation of 1.
     struct Sums {
         values: [f64; 2],
         deviation: f64,
@@ -234,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_linear_problem_has_the_mean_and_the_covariance_of_the_formula() {
-        // Two or four standard deviations from what was known, measured to a third, a tenth and a fiftieth of it.
+        // Means of two or four prior deviations, measured to a third, a tenth and a fiftieth of a deviation.
         for (values, deviation) in [([1.0, -0.5], 0.3), ([2.0, 2.5], 0.1), ([0.3, -1.5], 0.02)] {
             let found = sample(&Sums { values, deviation }, &mut Random::new(3)).expect("samples");
             let rows = nalgebra::SMatrix::<f64, 2, COUNT>::from_fn(|row, i| match (row, i) {
@@ -245,7 +248,7 @@ mod tests {
             let gain = rows.transpose() * of_data.try_inverse().expect("regular");
             let mean = gain * nalgebra::Vector2::from(values);
             let covariance = Covariance::identity() - gain * rows;
-            // The error of a mean and of a deviation from some tens of effective outer parts.
+            // Statistical error of a mean and of a deviation with some tens of effective outer parts.
             for i in 0..COUNT {
                 let deviation = covariance[(i, i)].sqrt();
                 assert!(

@@ -5,14 +5,15 @@ use super::importance_sampling::{Coordinates, OUTER, Sample, Samples};
 use crate::calibrate::fit::least_squares::{self, Problem, STEPS_MAX, slope};
 use crate::feeling::FeltEdge;
 
-/// Deviation of an edge of the calibrated plate from the mean of all edges that does not matter, metres.
+/// Deviation of a calibrated edge from the mean edge that is negligible, metres: the least scale of a residual.
 const EDGE_M: f64 = 5e-4;
-/// Shares of the whole below which a sample does not count, and a tone has no edge to speak of.
+/// Least weight of a sample that is evaluated, and least weight of all samples with an edge for a tone to have a mean
+/// edge.
 const LEAST_SHARE: f64 = 1e-9;
 const EDGE_SHARE: f64 = 0.2;
-/// Weight of the mean of the drive's coordinates against the mean of the edges.
+/// Weight of the residuals of the drive's coordinates, relative to those of the edges.
 const DRIVE_WEIGHT: f64 = 0.2;
-/// Way of a coordinate over which a derivative is taken.
+/// Step of a coordinate for a difference quotient.
 const STEP: f64 = 1e-3;
 
 /// Mean edge positions, and the plate of the mean whose drive reproduces them.
@@ -20,10 +21,10 @@ pub(crate) struct MeanEdges<'a> {
     marked: &'a Marked<'a>,
     mean: Coordinates,
     deviations: Coordinates,
-    /// The judged tones and then the touched ones on the plate of the mean.
+    /// The judged tones, then the touched ones, on the plate of the mean.
     felt: Vec<Felt>,
     judged: usize,
-    /// Mean and standard deviation of the edge of each of them, metres; `None` where there hardly is one.
+    /// Mean and standard deviation of the edge of each tone, metres; `None` where too few samples have an edge.
     edges_m: Vec<Option<[f64; 2]>>,
 }
 
@@ -31,7 +32,8 @@ impl<'a> MeanEdges<'a> {
     pub(crate) fn new(marked: &'a Marked<'a>, judged: &[PlayedTone], samples: &Samples) -> Option<Self> {
         let near = &marked.near;
         let tones = [judged, &marked.tones].concat();
-        // Of each tone: the share of samples that have an edge on the plate, and the sums of it and of its square.
+        // For each tone: the weight of the samples with an edge on the plate, and the weighted sums of the edge and
+        // of its square.
         let mut sums = vec![[0.0; 3]; tones.len()];
         for of_one in samples.samples.chunk_by(|a, b| a.outer == b.outer) {
             let weighty = |sample: &&Sample| sample.share > LEAST_SHARE;
@@ -63,7 +65,7 @@ impl<'a> MeanEdges<'a> {
         })
     }
 
-    /// Root of the mean square of the judged edges' deviations, metres.
+    /// Root mean square of the standard deviations of the judged edges, metres.
     pub(crate) fn deviation_m(&self) -> f64 {
         let judged: Vec<f64> = self.edges_m[..self.judged].iter().flatten().map(|edge| edge[1]).collect();
         (judged.iter().map(|deviation| deviation * deviation).sum::<f64>() / judged.len() as f64).sqrt()

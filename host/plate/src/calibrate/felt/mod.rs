@@ -1,5 +1,5 @@
-//! The calibration by felt edges, without a sensor: samples of all plates and drives that fit, and their mean. What sensors
-//! measure is in [`super::fit`].
+//! The calibration by felt edges, without a sensor: weighted samples of plates and drives, and their mean.
+//! Calibrations by sensors are in [`super::fit`].
 //!
 //! ```text
 //! touch -> candidates (edges of a tone on one plate: edge_envelope) -> importance_sampling -> mean_edges -> touches

@@ -1,36 +1,37 @@
-//! A felt edge at a mark, and how well the drive of its tone is known.
+//! A felt edge at a mark, and the prior knowledge of the drive of its tone.
 
 use crate::calibrate::error::CalibrateError;
 use crate::definition::{Plate, limits};
 use crate::quantity::{OutOfRange, Range};
 
-/// Least distance of the nearest and the farthest mark, in standard deviations of a mark.
+/// Least distance of the nearest from the farthest mark, in standard deviations of a mark.
 const MARKS_APART: f64 = 10.0;
 
 /// A felt edge at a mark.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
-    /// Where the edge is felt, metres from the driven end.
+    /// Place of the mark, metres from the driven end.
     pub mark_m: f64,
-    /// Standard deviation of that, metres (1e-5 to 0.05); 0.002 for a fingertip.
+    /// Standard deviation of the felt edge from the mark, metres (1e-5 to 0.05); 0.002 for a fingertip.
     pub tolerance_m: f64,
     /// The tone's frequency, Hz.
     pub frequency_hz: f64,
-    /// The peak that the plate file predicts of it, metres (1e-12 to 0.1): that of its table, times the level.
+    /// Peak amplitude of the tone as the plate file predicts it, metres (1e-12 to 0.1): that of the table, times the
+    /// level.
     pub peak_m: f64,
 }
 
 /// Knowledge of the drive whose tones are touched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TouchedDrive {
-    /// It is as the plate file states it but for one factor, because its current or its levels were measured.
+    /// The drive is as the plate file states it up to one factor, because its current or its levels were measured.
     AsTold,
-    /// It has 0.4 to 2.5 times the resistance that matches, some mass and spring, and a resonance near the band.
+    /// The drive has 0.4 to 2.5 times the matched resistance, some mass and stiffness, and a resonance near the band.
     Unknown,
 }
 
 impl TouchedDrive {
-    /// That of a plate: unknown, unless a calibration has measured the levels.
+    /// The drive of a plate: unknown, unless a calibration has measured the levels.
     #[must_use]
     pub fn of(plate: &Plate) -> Self {
         let measured = plate.spec().calibration.as_ref().and_then(|it| it.correction.as_ref());
@@ -38,7 +39,7 @@ impl TouchedDrive {
     }
 }
 
-/// Refuses numbers out of their ranges, a single mark, and marks too close.
+/// Refuses numbers out of their ranges, a single mark, and marks that are too close.
 pub(crate) fn check(plate: &Plate, touches: &[Touch]) -> Result<(), CalibrateError> {
     for touch in touches {
         OutOfRange::check("mark_m", touch.mark_m, Range::new(0.0, plate.length_m(), "m"))?;

@@ -1,11 +1,12 @@
 //! The calibration by felt edges: wave speed, drive and threshold of feeling without a sensor.
 //!
-//! A person drags until the felt edge lies at a mark, twice or more. The felt edge goes with the wave speed, with the
-//! threshold over the level, and with what the drive does to the level from frequency to frequency: a factor of ten moves it
-//! by 70 mm on a membrane. Some marks do not determine this many numbers. But what they leave open is known: among all plates
-//! and drives near the file's, those with such edges, each with its likelihood ([`super::importance_sampling`]). The calibrated
-//! plate has the mean of their numbers and puts each edge at the mean of their edges, the estimate of least mean square error;
-//! their spread is its interval. This gives places and no levels.
+//! A person drags until the felt edge lies at a mark, at two marks or more. The felt edge depends on the wave speed,
+//! on the threshold over the level, and on the drive's response over frequency: a factor of ten in level moves it by
+//! 70 mm on a membrane. Two or three marks do not determine all of these. The posterior is known, however: the plates
+//! and drives near the file's, each weighted by the likelihood of its edges ([`super::importance_sampling`]). The
+//! calibrated plate has the mean of their parameters, and its drive puts each edge at the mean of their edges, the
+//! estimate of least mean square error. The spread of the samples gives the interval. The result determines places,
+//! not levels.
 
 use super::candidates::{Marked, Near, PlayedTone, THRESHOLD, THRESHOLD_KNOWN};
 use super::importance_sampling::{Coordinates, Samples, sample};
@@ -19,44 +20,47 @@ use crate::definition::{Calibration, Impedance, Plate, limits};
 use crate::feeling::Feeling;
 use crate::truth::{DriveSpread, Random};
 
-/// Standard deviation of the logarithm of the wave speed beforehand, at most: touches determine it less than a sensor does.
+/// Largest prior standard deviation of the logarithm of the wave speed: touches determine it less than a sensor does.
 const SPEED_KNOWN: f64 = 0.03;
-/// The same of the loss factor, which they hardly determine.
+/// Largest prior standard deviation of the logarithm of the loss factor, which touches hardly determine.
 const LOSS_KNOWN: f64 = 0.5;
-/// Most that the felt edge may be open to afterwards, half of the 95 % interval in metres: the plain file is as good.
+/// Largest half of the 95 % interval of the felt edge after a calibration, metres: beyond it the uncalibrated file is
+/// as good.
 const OPEN_MAX: f64 = 0.025;
-/// Tones at which the calibrated edges are judged, and the shares of the band's logarithm of the first and the last.
+/// Tones at which the calibrated edges are judged: their number, and the places of the first and the last in the
+/// band, as fractions of its logarithm.
 const JUDGED: (usize, f64, f64) = (9, 0.1, 0.9);
-/// Where the random numbers begin: the same touches always give the same result.
+/// Seed of the random numbers: the same touches always give the same result.
 const SEED: u64 = 12;
-/// Half of a 95 % interval in standard deviations.
+/// Half of a 95 % interval, in standard deviations.
 const INTERVAL: f64 = 1.96;
 
 /// A calibration by touches.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Touched {
-    /// The plate of the mean, with the drive that puts the edges where they are expected. Nobody has measured its levels.
+    /// The plate of mean parameters, with the drive that puts the edges at their means. Its levels are not measured.
     pub plate: Plate,
-    /// The feeling with the threshold that does.
+    /// The feeling with the threshold that belongs to it.
     pub feeling: Feeling,
     /// Wave speed over the file's: value and the ends of its 95 % interval.
     pub speed: [f64; 3],
     /// Threshold over the level, over the stated ones: value and the ends of its 95 % interval.
     pub threshold: [f64; 3],
-    /// How well the felt edge is known: half of its 95 % interval, the root of the mean square over the band, metres.
+    /// Half of the 95 % interval of the felt edge, metres: root mean square over the band.
     pub edge_tolerance_m: f64,
-    /// Sum of the squared distances of the calibrated edges from their marks, over their variances and number.
+    /// Sum of the squared distances of the calibrated edges from their marks, each over its variance, divided by
+    /// their number.
     pub chi2_per_n: f64,
-    /// Both with their names in the plate file and in the feeling.
+    /// Wave speed and threshold with their names in the plate file and in the feeling.
     pub parameters: Vec<Parameter>,
 }
 
-/// Calibrates the places of `plate` by felt edges of single tones. Takes some tenths of a second, and seconds for a plate
+/// Calibrates the places of `plate` by felt edges of single tones. Takes some tenths of a second; seconds for a plate
 /// with clamped edges.
 ///
 /// # Errors
-/// [`CalibrateError`]: a number out of range, fewer than two marks or marks too close, edges that no plate and drive near
-/// the file's have, or that leave the felt edge open.
+/// [`CalibrateError`]: a number out of range; fewer than two marks, or marks too close; edges that no plate and drive
+/// near the file's can have, or that leave the felt edge undetermined.
 pub fn from_touches(
     plate: &Plate,
     touches: &[Touch],
@@ -108,7 +112,7 @@ fn touched_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
     played(near, &peaks)
 }
 
-/// Tones over the band, as loud as those that were touched.
+/// Tones over the band, at the level of the touched ones.
 fn judged_tones(near: &Near<'_>, touches: &[Touch]) -> Vec<PlayedTone> {
     let (low_hz, high_hz) = near.nominal.band_hz();
     let (count, first, last) = JUDGED;
@@ -129,18 +133,18 @@ struct Posterior<'a> {
 }
 
 impl Posterior<'_> {
-    /// Half of the interval of a coordinate; wider where the edges do not fit so well.
+    /// Half of the 95 % interval of a coordinate, wider where chi^2/n exceeds 1.
     fn half(&self, i: usize, scale: f64) -> f64 {
         INTERVAL * self.chi2_per_n.max(1.0).sqrt() * scale * self.samples.covariance[(i, i)].sqrt()
     }
 
-    /// A coordinate that is a logarithm over `scale`: value and the ends of its interval.
+    /// Value and interval of a quantity whose logarithm is `scale` times a coordinate.
     fn interval(&self, i: usize, scale: f64) -> [f64; 3] {
         let (value, mean, half) = (scale * self.at[i], scale * self.samples.mean[i], self.half(i, scale));
         [value, value.min(mean - half), value.max(mean + half)].map(f64::exp)
     }
 
-    /// Halves of the intervals of the source.
+    /// Halves of the intervals of the source's resistance, mass and stiffness.
     fn source_tolerance(&self) -> Option<Impedance> {
         let source = self.marked.near.drive.as_ref()?.source?;
         let (mut mean, mut square) = ([0.0; 3], [0.0; 3]);
@@ -165,7 +169,7 @@ impl Posterior<'_> {
             self.half(SPEED, near.deviations[SPEED]).min(limits::WAVE_SPEED_TOLERANCE.high);
         let loss = self.half(LOSS, near.deviations[LOSS]).exp() - 1.0;
         spec.loss_tolerance = Some(loss.min(limits::LOSS_TOLERANCE.high));
-        // A drive that is as stated keeps what was measured of its levels.
+        // A drive as stated keeps the measured levels of the calibration before.
         let before = nominal.calibration.as_ref().filter(|_| near.drive.is_none());
         spec.calibration = Some(Calibration {
             chi2_per_n: self.chi2_per_n,
@@ -196,7 +200,7 @@ impl Posterior<'_> {
     }
 }
 
-/// The feeling whose thresholds are `factor` times as high.
+/// The feeling with its thresholds multiplied by `factor`.
 fn with_threshold(feeling: &Feeling, factor: f64) -> Feeling {
     let mut feeling = *feeling;
     feeling.threshold *= factor;

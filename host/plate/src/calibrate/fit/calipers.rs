@@ -19,10 +19,10 @@ pub struct Calipers {
 }
 
 impl Calipers {
-    /// `plate` with these lengths, and the priors that follow.
+    /// `plate` with these lengths, and the priors of their errors.
     ///
     /// # Errors
-    /// A length or the tolerance is out of its range, or the plate that they make is refused.
+    /// A length or the tolerance is out of its range, or the resulting plate is refused.
     pub fn applied_to(&self, plate: &Plate) -> Result<(Plate, Priors), PlateError> {
         let Self { half_width_m, end_half_width_m, length_m, tolerance_m } = *self;
         Range::new(1e-7, 0.01, "m").check("tolerance_m", tolerance_m)?;

@@ -1,4 +1,4 @@
-//! Comparison of a measurement with the plate file's prediction: whether the plate is the file's.
+//! Comparison of a measurement with the plate file's prediction: tests whether the file describes the plate.
 
 use super::acceptance::CHI2_PER_N_MAX;
 use super::gain::DECIBELS;
@@ -9,32 +9,32 @@ use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::definition::Plate;
 use num_complex::Complex64;
 
-/// Median of the magnitude of a normal deviate over its standard deviation.
+/// Median magnitude of a normal deviate over its standard deviation.
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
-/// How a measurement differs from the prediction of a plate file.
+/// Differences of a measurement from the prediction of a plate file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// The prediction at each point, [`Comparison::level_db`] included; `None` where no wave enters the plate.
     pub predicted: Vec<Option<Complex64>>,
     /// The measured magnitude over the predicted one at each point, dB; `None` where nothing is predicted.
     pub off_db: Vec<Option<f64>>,
-    /// By how much the prediction was raised to meet the measurement in the middle, dB: an uncalibrated sensor does not measure
-    /// it. 0 for a calibrated one.
+    /// Median of the measured over the predicted magnitudes, dB, by which the prediction was raised: an uncalibrated
+    /// sensor does not measure the level. 0 for a calibrated one.
     pub level_db: f64,
-    /// Points at which both are known.
+    /// Number of points at which both are known.
     pub count: usize,
-    /// Half of the points are off by no more than this, dB.
+    /// Median of the differences' magnitudes, dB.
     pub usual_db: f64,
-    /// How far off that half would be by noise and by what the one-mode equation misses of a plate, dB.
+    /// Median expected from the noise and from the error of the one-mode equation, dB.
     pub allowed_db: f64,
-    /// Sum of the squared differences of the magnitudes over their variance, over their number. The variance is that of the
-    /// noise and of a model that misses 1.5 %.
+    /// Sum of the squared differences of the magnitudes, each over its variance, divided by their number. The
+    /// variance is that of the noise and of a model error of 1.5 %.
     pub chi2_per_n: f64,
 }
 
 impl Comparison {
-    /// Whether the differences are more than noise and model explain: where a calibration would be refused.
+    /// Whether the differences exceed noise and model error: then a calibration would be refused.
     pub fn is_other_plate(&self) -> bool {
         self.count > 0 && self.chi2_per_n > CHI2_PER_N_MAX
     }
@@ -62,7 +62,8 @@ impl Comparison {
         for (point, at) in sensor.points.iter().zip(&predicted) {
             let Some(at) = at.map(Complex64::norm) else { continue };
             let measured = point.response.norm();
-            // Beside a node both are small, and what the model misses is a share of the wave, not of the node.
+            // The model error is a share of the wave, not of its magnitude at a node, where measured and predicted
+            // are both small.
             let deviation = point.noise.hypot(MODEL_ERROR * measured.max(at));
             chi2 += ((measured - at) / deviation).powi(2);
             allowed.push(DECIBELS * MEDIAN_OF_NORMAL * deviation / measured.max(at));
@@ -81,7 +82,7 @@ impl Comparison {
     }
 }
 
-/// The middle of a list; `None` of an empty one.
+/// The median of a list; `None` if it is empty.
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
@@ -93,7 +94,7 @@ mod tests {
     use crate::calibrate::measurement::sensor::SensorKind;
     use crate::definition::preset;
 
-    /// What an acceleration sensor at 32 mm measures of `truth`, 7.3 times as loud as stated, with noise of a hundredth.
+    /// Responses of an acceleration sensor at 32 mm on `truth`, with 7.3 times the stated gain and 1 % of noise.
     fn measured(truth: &Plate, unit_per_response: Option<f64>) -> Measurement {
         let point = |i: u32| MeasuredPoint {
             frequency_hz: 90.0 + 2.0 * f64::from(i),
@@ -125,7 +126,7 @@ mod tests {
             let other = Comparison::of(&plate, &measured(&other, None)).expect("compared");
             assert!(other.is_other_plate() && other.usual_db > 3.0 * other.allowed_db, "{share}: {other:?}");
         }
-        // A calibrated sensor measures the level, too.
+        // A calibrated sensor measures the level as well.
         let loud = Comparison::of(&plate, &measured(&plate, Some(1.0))).expect("compared");
         assert!(loud.level_db == 0.0 && loud.is_other_plate(), "{loud:?}");
     }

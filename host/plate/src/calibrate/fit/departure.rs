@@ -5,23 +5,23 @@ use crate::progress::Progress;
 use crate::table::level::DriveToPeak;
 use crate::table::{DriveTable, TableError};
 
-/// Knots of the table; more would not change what is judged here.
+/// Knots of the table; more would not change the result.
 const KNOTS: usize = 129;
-/// Boundaries over the span.
+/// Boundaries judged over the span.
 const BOUNDARIES: usize = 33;
 
 /// The largest errors over the table's span when it drives another plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
-    /// Distance of the asked and the actual boundary, metres.
+    /// Distance of the commanded from the actual boundary, metres.
     pub boundary_m: f64,
-    /// How far the level of the peak is from the middle of its highest and lowest, dB. One factor for the whole span is left
-    /// out of it: an uncalibrated sensor does not measure that.
+    /// Half of the range of the peak level over the span, dB. A common factor does not count: an uncalibrated sensor
+    /// does not measure it.
     pub level_db: f64,
 }
 
-/// Drives `actual` with the table made for `stated`, at a sample rate in hertz. Boundaries whose wave does not enter
-/// `actual` are at its driven end.
+/// Drives `actual` with the table made for `stated`, at a sample rate in hertz. A boundary whose wave does not enter
+/// `actual` counts as lying at its driven end.
 ///
 /// ```
 /// use slipline_plate::{calibrate::departure, preset};

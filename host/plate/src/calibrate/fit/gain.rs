@@ -1,8 +1,10 @@
-//! The measured gain, carried from the sensors to the peak by the fitted wave, as the correction of a plate file's drive.
+//! The measured gain, carried from the sensors to the peak by the fitted wave: the correction of a plate file's
+//! drive.
 //!
-//! At each frequency the fit leaves the source's amplitude s, and the wave's peak is s p_peak. Over what the fitted
-//! plate file says of its drive this is the correction that the file carries: with it a table inverts what was measured.
-//! Every answer counts with its variance, and the correction is a smooth curve through them: a Gaussian process over ln f.
+//! At each frequency the fit gives the source amplitude s, and the wave has its peak at s p_peak. The correction of
+//! the plate file is this over the peak predicted from the file's drive, so a table inverts the measured gain. Every
+//! point counts with its variance, and the correction is a smooth curve through the points: a Gaussian process over
+//! ln f.
 
 use super::gaussian_process::{Places, Process};
 use super::least_squares::Fit;
@@ -15,47 +17,49 @@ use crate::progress::Progress;
 use crate::table::level::{DriveToPeak, Level};
 use nalgebra::{DMatrix, DVector};
 
-/// Answers with a larger relative standard deviation have no logarithm to begin with.
+/// Largest relative standard deviation of a point for the first curve: the logarithm of a noisier one is too
+/// uncertain.
 const CLEAR: f64 = 0.3;
-/// Times that the logarithm is taken anew about the curve.
+/// Iterations in which the logarithm is linearised about the curve.
 const TURNS: usize = 2;
-/// Places over the span at which the level is judged, beside the answers.
+/// Places over the span at which the level is judged, besides the measured points.
 const JUDGED: usize = 33;
-/// dB per relative change.
+/// Decibels per unit of relative change.
 pub(crate) const DECIBELS: f64 = 20.0 / std::f64::consts::LN_10;
-/// The rate that stands for a source without a zero-order hold: its droop is below 1e-6 up to 50 kHz.
+/// Sample rate used for a source without a zero-order hold: the droop is below 1e-6 up to 50 kHz.
 const NO_HOLD_HZ: f64 = 1e8;
 
 /// A measured gain, carried to the peak.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried {
     pub(crate) frequency_hz: f64,
-    /// From the code to the peak of the fitted wave, in units of the sensor's signal; an answer of noise may be below 0.
+    /// Amplitude of the peak of the fitted wave per code, in units of the sensor's signal; noise can make it
+    /// negative.
     pub(crate) peak: f64,
-    /// Its standard deviation by noise and by what the model misses, in the same unit.
+    /// Its standard deviation by noise and model error, in the same unit.
     pub(crate) error: f64,
 }
 
-/// What the levels of a fit are known by.
+/// The results of a fit that determine the levels.
 pub(crate) struct Levels<'a> {
     /// The fitted plate without a correction.
     pub(crate) plate: &'a Plate,
-    /// Whose mean level an uncalibrated sensor leaves; `None` for that of `plate`.
+    /// The plate whose mean level is kept where the sensor is uncalibrated; `None` for that of `plate`.
     pub(crate) nominal: Option<&'a Plate>,
     pub(crate) sensor: &'a Measurement,
     pub(crate) carried: &'a [Carried],
-    /// Derivatives of the gains by each coordinate of the fit.
+    /// Derivatives of the gains with respect to each coordinate of the fit.
     pub(crate) slopes: &'a [Vec<f64>],
     pub(crate) fit: &'a Fit,
-    /// By how much all standard deviations are larger than noise and model error make them.
+    /// Factor on all standard deviations, over those by noise and model error.
     pub(crate) scale: f64,
 }
 
 impl Levels<'_> {
-    /// The correction of the plate's drive, and the largest standard deviation of the level of the peak over the span, dB.
+    /// The correction of the plate's drive, and the largest standard deviation of the peak level over the span, dB.
     ///
-    /// An uncalibrated sensor measures the shape alone: the mean level stays that of the plate, or that of the nominal
-    /// one, whose drive may be another one.
+    /// An uncalibrated sensor measures the shape alone: the mean level stays that of the plate, or that of the
+    /// nominal plate, whose drive may differ.
     pub(crate) fn correction(&self) -> Result<(ResponseCurve, f64), CalibrateError> {
         let predicted = self.predicted(self.plate)?;
         let relative: Vec<(f64, f64)> = self
@@ -66,7 +70,7 @@ impl Levels<'_> {
             .collect();
         let logs = |at: &[f64]| -> Vec<f64> { at.iter().map(|hz| hz.ln()).collect() };
         let measured_hz: Vec<f64> = self.carried.iter().map(|it| it.frequency_hz).collect();
-        // The first curve is that of the clear answers; then all answers are taken about the curve before.
+        // The first curve is fitted to the clear points; later ones to all points, linearised about the curve before.
         let mut places = Places { at: logs(&measured_hz), variances: Vec::new() };
         let mut values: Vec<f64> = Vec::new();
         for (share, error) in &relative {
@@ -108,7 +112,7 @@ impl Levels<'_> {
         Ok((ResponseCurve { points }, deviation_db))
     }
 
-    /// The gains that a plate's file predicts at the answers' frequencies, in units of the sensor's signal.
+    /// The gains that a plate file predicts at the measured frequencies, in units of the sensor's signal.
     fn predicted(&self, plate: &Plate) -> Result<Vec<f64>, CalibrateError> {
         let frequencies_hz: Vec<f64> = self.carried.iter().map(|it| it.frequency_hz).collect();
         let levels = DriveToPeak::unchecked(plate, self.sensor.sample_rate_hz.unwrap_or(NO_HOLD_HZ))
@@ -122,11 +126,12 @@ impl Levels<'_> {
 }
 
 impl Process {
-    /// The largest standard deviation over a band, dB, of a curve by answers at `places`, the logarithms of their frequencies:
-    /// of the curve itself, and by coordinates of this covariance. `slopes` are the derivatives of the answers' logarithms by
-    /// each of these; the curve has them with the same weights as the answers. Of a shape alone, one factor for all
-    /// levels counts for nothing. What the model misses on the way from the sensors to the peak is alike at neighbouring
-    /// frequencies, so no number of answers averages it: [`MODEL_ERROR`] stays.
+    /// Largest standard deviation over a band, dB, of a curve through points at `places` (logarithms of their
+    /// frequencies), from the curve itself and from fitted coordinates with this covariance. `slopes` are the
+    /// derivatives of the points' logarithms with respect to each coordinate; the curve weights them as it weights
+    /// the points. Where the curve is a shape alone (`is_shape`), a common factor does not count. The model error
+    /// between the sensors and the peak is correlated over neighbouring frequencies, so no number of points averages
+    /// it out: [`MODEL_ERROR`] is added.
     pub(crate) fn deviation_db(
         &self,
         places: &Places,

@@ -1,24 +1,26 @@
-//! Gaussian process regression on a line: covariance s^2 (1 + r) e^(-r), r = sqrt(3) |x - x'|/l (Matern's with 3/2), and a
-//! constant mean that nothing is known of.
+//! Gaussian process regression on a line with Matérn's covariance of order 3/2 and a constant mean with a flat prior.
+//! The covariance is s^2 (1 + r) e^(-r) with r = sqrt(3) |x - x'|/l.
 //!
-//! Such a process is the first component of a Markov process of two (value, slope over sqrt(3)/l), so Kalman's filter and
-//! Rauch, Tung and Striebel's smoother give the exact posterior in a time that grows with the number of points alone
-//! (Hartikainen and Sarkka 2010). In u = sqrt(3) dx/l the transition is e^(-u) [[1 + u, u], [-u, 1 - u]], and both components
-//! have the variance s^2. Both passes are linear in the values: those of a column of ones give the mean and its variance.
+//! The process is the first component of a Markov process with two (the value, and the slope over sqrt(3)/l), so
+//! Kalman's filter and the smoother of Rauch, Tung and Striebel give the exact posterior in a time linear in the
+//! number of points (Hartikainen and Sarkka 2010). In u = sqrt(3) dx/l the transition is
+//! e^(-u) [[1 + u, u], [-u, 1 - u]], and both components have the variance s^2. Both passes are linear in the values:
+//! those of a column of ones give the mean and its variance.
 
 use nalgebra::{Matrix2, Vector2};
 
-/// Standard deviations s that are tried, in the unit of the values, from 0.009 dB to 26 dB where those are nepers; the
-/// correlation length l over the median distance of two points, at least, and over the length of all, at most; steps to try.
+/// Search ranges: the standard deviation s in the unit of the values (0.009 to 26 dB for nepers); the correlation
+/// length l, at least this times the median distance of two points and at most this times the length of all; and
+/// steps in each.
 const SIZES: (f64, f64) = (1e-3, 3.0);
 const LENGTHS: (f64, f64) = (1.0, 2.0);
 const TRIED: usize = 9;
-/// Halvings of the step from one to the next about the best.
+/// Halvings of the step about the best value.
 const HALVINGS: usize = 4;
-/// Least variance of a value, so that two values at nearly one place are no contradiction.
+/// Least variance of a value: two different values at nearly one place must not contradict each other.
 const VARIANCE_MIN: f64 = 1e-10;
 
-/// Matern's covariance with its hyperparameters.
+/// Matérn's covariance with its hyperparameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Process {
     /// s, in the unit of the values.
@@ -27,7 +29,7 @@ pub(crate) struct Process {
     pub(crate) length: f64,
 }
 
-/// Places in rising order with the variances of the values there; infinite where a place has none.
+/// Places in rising order with the variances of their values; infinite where a place has no value.
 #[derive(Debug, Clone)]
 pub(crate) struct Places {
     pub(crate) at: Vec<f64>,
@@ -37,14 +39,14 @@ pub(crate) struct Places {
 /// The posterior at all places of a [`Places`].
 #[derive(Debug, Clone)]
 pub(crate) struct Posterior {
-    /// The mean of the first column of values, and those of the others by the same weights.
+    /// Posterior mean of the first column of values, and the other columns smoothed with the same weights.
     pub(crate) means: Vec<Vec<f64>>,
-    /// Variances of the first.
+    /// Posterior variances of the first column.
     pub(crate) variances: Vec<f64>,
 }
 
 impl Process {
-    /// The hyperparameters of the largest marginal likelihood of `values`.
+    /// The hyperparameters of largest marginal likelihood of `values`.
     pub(crate) fn likeliest(places: &Places, values: &[f64]) -> Option<Self> {
         let known: Vec<f64> = places
             .at
@@ -88,7 +90,7 @@ impl Process {
         likelihood.is_finite().then(|| Self { size: size.exp(), length: length.exp() })
     }
 
-    /// Logarithm of the marginal likelihood, but for a constant, with the mean integrated out.
+    /// Logarithm of the marginal likelihood, up to a constant, with the mean integrated out.
     fn likelihood(&self, places: &Places, values: &[f64]) -> Option<f64> {
         let filtered = Filtered::new(self, places, &[values])?;
         let mean = filtered.mean_of(0);
@@ -96,7 +98,7 @@ impl Process {
         Some(-0.5 * (filtered.log_variances + filtered.ones().ln() + square))
     }
 
-    /// The posterior by the values of the first column; further columns are smoothed alike.
+    /// The posterior for the values of the first column; further columns are smoothed with the same weights.
     pub(crate) fn posterior(&self, places: &Places, columns: &[&[f64]]) -> Option<Posterior> {
         let filtered = Filtered::new(self, places, columns)?;
         let (smoothed, variances) = filtered.smoothed();
@@ -106,7 +108,7 @@ impl Process {
             let at = |i: usize| mean + smoothed[i][column] - mean * smoothed[i][ones];
             (0..places.at.len()).map(at).collect()
         });
-        // What the unknown mean adds.
+        // The variance that the unknown mean adds.
         let open =
             |(variance, row): (&f64, &Vec<f64>)| variance + (1.0 - row[ones]).powi(2) / filtered.ones();
         let variances = variances.iter().zip(&smoothed).map(open).collect();
@@ -116,13 +118,13 @@ impl Process {
 
 /// Kalman's filter over all places: the state before and after each value.
 struct Filtered {
-    /// Transition to a place from the one before it.
+    /// Transition to each place from the one before it.
     transitions: Vec<Matrix2<f64>>,
     before: Vec<Matrix2<f64>>,
     after: Vec<Matrix2<f64>>,
-    /// Of each column, and of ones.
+    /// For each column, and for ones.
     states: Vec<Vec<(Vector2<f64>, Vector2<f64>)>>,
-    /// Sums of the products of the columns' innovations over their variance.
+    /// Sums of the products of two columns' innovations over their variance.
     sums: Vec<Vec<f64>>,
     /// Sum of the logarithms of the innovations' variances.
     log_variances: f64,
@@ -176,18 +178,18 @@ impl Filtered {
         self.sums[a][b]
     }
 
-    /// The weight of the mean: 1 over its variance.
+    /// The weight of the mean: the inverse of its variance.
     fn ones(&self) -> f64 {
         let last = self.sums.len() - 1;
         self.products(last, last)
     }
 
-    /// The mean that suits a column best.
+    /// The most likely mean of a column.
     fn mean_of(&self, column: usize) -> f64 {
         self.products(column, self.sums.len() - 1) / self.ones()
     }
 
-    /// The values of all columns and of ones at each place, with a mean of 0, and their variances.
+    /// The smoothed values of all columns and of ones at each place, for a mean of 0, and their variances.
     fn smoothed(&self) -> (Vec<Vec<f64>>, Vec<f64>) {
         let count = self.after.len();
         let (mut values, mut variances) = (vec![Vec::new(); count], vec![0.0; count]);
@@ -219,7 +221,7 @@ mod tests {
     use super::*;
     use nalgebra::{DMatrix, DVector};
 
-    /// The textbook's formulas with whole matrices, the mean as a coordinate of its own.
+    /// The textbook formulas with full matrices, the mean as a coordinate of its own.
     fn direct(process: &Process, places: &Places, values: &[f64]) -> (Vec<f64>, Vec<f64>, f64) {
         let covariance = |a: f64, b: f64| {
             let r = 3_f64.sqrt() * (a - b).abs() / process.length;

@@ -5,20 +5,20 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Steps of lambda and of the parameters together, after which a fit that has not converged is given up.
+/// Largest number of iterations, each with its own lambda; a fit that has not converged by then fails.
 pub(crate) const STEPS_MAX: usize = 60;
-/// Largest lambda: with it the parameters stand still.
+/// Largest lambda: the parameters no longer move with it.
 const LAMBDA_MAX: f64 = 1e12;
 
 /// Residuals as a function of parameters.
 pub(crate) trait Problem {
-    /// r, each of variance 1; `None` where the parameters have no meaning. Such a step is not taken.
+    /// r, each of variance 1; `None` where the parameters are not valid. Such a step is not taken.
     fn residuals(&self, at: &[f64]) -> Option<Vec<f64>>;
-    /// The columns of J = dr/dparameters, where the residuals are `r`.
+    /// The columns of J = dr/dparameters at the point where the residuals are `r`.
     fn slopes(&self, at: &[f64], r: &[f64]) -> Option<Vec<Vec<f64>>>;
 }
 
-/// A column of J: the residuals at one place less those at another, over the way between them.
+/// A column of J: the difference of the residuals at two points over the difference of the parameter.
 pub(crate) fn slope(there: &[f64], here: &[f64], way: f64) -> Vec<f64> {
     there.iter().zip(here).map(|(there, here)| (there - here) / way).collect()
 }
@@ -27,14 +27,14 @@ pub(crate) fn slope(there: &[f64], here: &[f64], way: f64) -> Vec<f64> {
 #[derive(Debug, Clone)]
 pub(crate) struct Fit {
     pub(crate) parameters: Vec<f64>,
-    /// |r|^2 there.
+    /// |r|^2 at these parameters.
     pub(crate) chi2: f64,
     /// (J^T J)^-1: the covariance of the parameters.
     pub(crate) covariance: DMatrix<f64>,
 }
 
-/// Minimises |r|^2 from `start`, until no parameter moves by more than the share `still` of its standard deviation, in at
-/// most this many steps. `None` if the start has no residuals, or if a parameter has no effect.
+/// Minimises |r|^2 from `start`, until no parameter moves by more than the fraction `still` of its standard
+/// deviation, in at most `steps` iterations. `None` if the start has no residuals, or if a parameter has no effect.
 pub(crate) fn fit(problem: &impl Problem, start: &[f64], still: f64, steps: usize) -> Option<Fit> {
     let mut at = DVector::from_column_slice(start);
     let mut r = DVector::from_vec(problem.residuals(start)?);
@@ -90,13 +90,14 @@ impl Normal {
         Some(-damped.cholesky()?.solve(&self.gradient))
     }
 
-    /// Whether a step moves no parameter by a noticeable share of its standard deviation, the others held.
+    /// Whether a step moves every parameter by less than the fraction `still` of its standard deviation with the
+    /// others held.
     fn is_still(&self, step: &DVector<f64>, still: f64) -> bool {
         step.iter().enumerate().all(|(i, step)| step.abs() * self.squares[(i, i)].sqrt() < still)
     }
 }
 
-/// The finite values that are no higher than their neighbours, with their indices: where valleys of a scan are.
+/// The finite local minima of a scan, with their indices.
 pub(crate) fn minima(along: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
     along.iter().copied().enumerate().filter(|&(i, here)| {
         let is_higher = |at: Option<usize>| at.and_then(|at| along.get(at)).is_none_or(|it| *it >= here);
@@ -108,7 +109,7 @@ pub(crate) fn minima(along: &[f64]) -> impl Iterator<Item = (usize, f64)> + '_ {
 mod tests {
     use super::*;
 
-    /// Residuals whose derivatives are taken over a small way.
+    /// Residuals with derivatives by small differences.
     struct Numeric<F>(F);
 
     impl<F: Fn(&[f64]) -> Option<Vec<f64>>> Problem for Numeric<F> {

@@ -1,11 +1,12 @@
-//! What a model misses of the signals beyond their noise, as one number.
+//! The model error of the signals beyond their noise, as one number.
 
-/// Largest model error that is looked for: a fit that misses more is refused long before.
+/// Largest model error in the search: a fit with more is refused anyway.
 const MISFIT_MAX: f64 = 0.3;
-/// Halvings of that range: to a hundred-thousandth.
+/// Halvings of that range: to 1e-5.
 const HALVINGS: usize = 15;
 
-/// The relative model error with which `chi2` would be the number of degrees of freedom; 0 where the noise explains all.
+/// The relative model error with which `chi2` equals the number of degrees of freedom; 0 where the noise explains
+/// everything.
 pub(crate) fn misfit(chi2: impl Fn(f64) -> f64, freedom: f64) -> f64 {
     if chi2(0.0) <= freedom {
         return 0.0;

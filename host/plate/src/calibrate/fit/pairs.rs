@@ -3,23 +3,23 @@
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::quantity::Range;
 
-/// Relative model error of the one-mode equation: smaller differences say nothing of the plate. Against
-/// plates in two dimensions it is 1 to 3 % (`tests/calibration`).
+/// Relative error of the one-mode equation: smaller differences carry no information on the plate. Against plates in
+/// two dimensions it is 1 to 3 % (`tests/calibration`).
 pub(crate) const MODEL_ERROR: f64 = 0.015;
 /// Median of |H|^2 over the noise's variance, for noise alone: 2 ln 2.
 const NOISE_MEDIAN: f64 = 2.0 * std::f64::consts::LN_2;
-/// Two frequencies that are equal to this share are the same.
+/// Two frequencies with a smaller relative difference are the same.
 pub(crate) const SAME: f64 = 1e-7;
 
 /// Magnitudes and variances of both sensors' responses at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) frequency_hz: f64,
-    /// The root of |H|^2 less what noise alone would have, with the sign of that difference: a magnitude has a bias, and an
-    /// answer that is all noise is as often below zero as above.
+    /// Signed root of |H|^2 minus its median for noise alone. The plain magnitude is biased by noise; this one, for a
+    /// response of noise alone, is as likely negative as positive.
     pub(crate) magnitude: [f64; 2],
     pub(crate) variance: [f64; 2],
-    /// Free amplitude below full scale of the fuller input, dB.
+    /// Headroom of the fuller input below its full scale, dB.
     pub(crate) headroom_db: Option<f64>,
 }
 
@@ -34,7 +34,7 @@ impl Pair {
         }
     }
 
-    /// The source's amplitude that suits both magnitudes best where the wave has the magnitudes `p`, and its variance.
+    /// The most likely source amplitude for both magnitudes where the wave has the magnitudes `p`, and its variance.
     pub(crate) fn source(&self, p: &[f64], model_error: f64) -> (f64, f64) {
         let weights = [0, 1].map(|i| p[i] / self.variance_with(i, model_error));
         let weight: f64 = weights.iter().zip(p).map(|(weight, p)| weight * p).sum();
@@ -42,7 +42,7 @@ impl Pair {
         (sum / weight, weight.recip())
     }
 
-    /// The variance of a magnitude by noise and by what the model misses of it.
+    /// The variance of a magnitude by noise and model error.
     fn variance_with(&self, i: usize, model_error: f64) -> f64 {
         self.variance[i] + (model_error * self.magnitude[i]).powi(2)
     }
@@ -55,7 +55,7 @@ impl Pair {
     }
 }
 
-/// The root of |H|^2 less what noise alone would have, with the sign of that difference.
+/// Signed root of |H|^2 minus its median for noise alone.
 pub(crate) fn unbiased_magnitude(point: &MeasuredPoint) -> f64 {
     let square = point.response.norm_sqr() - NOISE_MEDIAN * point.noise * point.noise;
     square.abs().sqrt().copysign(square)
@@ -113,7 +113,7 @@ mod tests {
             };
             let (source, variance) = pair.source(&p, 0.0);
             assert!((pair.residual(&p, 0.0).powi(2) - left(source)).abs() < 1e-12);
-            // The parabola of the least squares rises by 1 within one standard deviation.
+            // chi^2 of least squares rises by 1 within one standard deviation.
             let rise = left(source + variance.sqrt()) - left(source);
             assert!((rise - 1.0).abs() < 1e-9, "{rise}");
         }

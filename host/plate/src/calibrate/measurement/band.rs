@@ -4,10 +4,10 @@ use crate::definition::Plate;
 use crate::frequency::respond_range;
 use crate::quantity::Range;
 
-/// How far the wave speed may be from the file's for the measured band to cover the span still.
+/// Relative error of the file's wave speed up to which the measured band still covers the span.
 const SPEED: f64 = 0.06;
-/// The frequencies to measure on a plate that is calibrated, Hz: the band of its span, wider by what 6 % of wave speed
-/// would move it. Levels are measured for these frequencies only.
+/// The frequencies to measure for a calibration of a plate, Hz: the band of its span, widened for an error of 6 % in
+/// wave speed. Levels are measured at these frequencies only.
 ///
 /// ```
 /// use slipline_plate::{calibrate, preset};

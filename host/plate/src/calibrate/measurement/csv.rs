@@ -9,8 +9,8 @@
 //! 88.9,0.0231,-0.0039,0.0002,
 //! ```
 //!
-//! `place_m` and `sensor` are needed, `place_tolerance_m`, `unit_per_response` and `sample_rate_hz` may be left out, and so
-//! may the column of the headroom or a number in it. Columns are separated by commas, semicolons or tabs.
+//! `place_m` and `sensor` are required; `place_tolerance_m`, `unit_per_response` and `sample_rate_hz` are optional,
+//! and so are the column of the headroom and each number in it. Columns are separated by commas, semicolons or tabs.
 
 use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
 use crate::calibrate::error::CalibrateError;
@@ -31,18 +31,18 @@ pub enum CsvError {
     /// A line that cannot be read.
     #[error(transparent)]
     Line(#[from] BadLine),
-    /// A field that is needed is absent.
+    /// A required field is absent.
     #[error("{field} is missing: write a line \"# {field} = ...\" above the table")]
     Missing {
         /// The field.
         field: &'static str,
     },
-    /// A number that is read and out of its range.
+    /// A number is out of its range.
     #[error(transparent)]
     Value(#[from] CalibrateError),
 }
 
-/// Whether a text is in this form: it has one of the fields that are needed, or the head of the table.
+/// Whether a text is in this format: it has a required field, or the head of the table.
 pub(crate) fn is_own(text: &str) -> bool {
     lines(text).any(|(_, line)| match line.strip_prefix('#') {
         Some(field) => {
@@ -62,10 +62,10 @@ fn is_head(cells: &[&str]) -> bool {
 }
 
 impl Measurement {
-    /// Reads a measurement from text, see the module's page for its form.
+    /// Reads a measurement from text in the format of this module.
     ///
     /// # Errors
-    /// [`CsvError`] with the line and the field, and what is allowed. No text makes this function panic.
+    /// [`CsvError`] with the line, the field, and the allowed values. No text makes this function panic.
     pub fn from_csv(text: &str) -> Result<Self, CsvError> {
         let mut numbers = [None; FIELDS.len()];
         let mut sensor = None;
@@ -113,14 +113,14 @@ impl Measurement {
         let [place_m, place_tolerance_m, _, unit_per_response, sample_rate_hz] = numbers;
         let place_m = place_m.ok_or(CsvError::Missing { field: "place_m" })?;
         let sensor = sensor.ok_or(CsvError::Missing { field: "sensor" })?;
-        let told = Self::at(place_m, sensor, points);
-        let place_tolerance_m = place_tolerance_m.unwrap_or(told.place_tolerance_m);
-        let measurement = Self { place_tolerance_m, unit_per_response, sample_rate_hz, ..told };
+        let default = Self::at(place_m, sensor, points);
+        let place_tolerance_m = place_tolerance_m.unwrap_or(default.place_tolerance_m);
+        let measurement = Self { place_tolerance_m, unit_per_response, sample_rate_hz, ..default };
         measurement.check()?;
         Ok(measurement)
     }
 
-    /// The measurement as text that [`Measurement::from_csv`] reads back to the same measurement.
+    /// The measurement as text; [`Measurement::from_csv`] reads it back to the same measurement.
     #[must_use]
     pub fn to_csv(&self) -> String {
         let mut text =

@@ -1,9 +1,9 @@
-//! "Is it on?": amplifier and drive checked by the current of quiet tones, before anything loud is played.
+//! Check of amplifier and drive by the current of quiet tones, before loud ones are played.
 //!
-//! Well below the plate's cut-off and the drive's own resonance nothing moves much: the current is that of the blocked drive,
-//! I0 = V A/Re for a coil and I0 = V A (-j omega C) for a piezo, with the amplifier's voltage V at full scale and the plate
-//! file's actuator A. What is judged is rho = I/I0, the median over the frequencies. The motion that is left takes from a coil's
-//! current, and adds to a piezo's.
+//! Well below the plate's cut-off and the drive's own resonance the drive hardly moves, and its current is that of
+//! the blocked drive: I0 = V A/Re for a coil and I0 = V A (-j omega C) for a piezo, with the amplifier's voltage V at
+//! full scale and the plate file's actuator A. The judged quantity is rho = I/I0, the median over the frequencies.
+//! The remaining motion lowers a coil's current and raises a piezo's.
 
 use super::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::error::CalibrateError;
@@ -16,20 +16,21 @@ use std::f64::consts::TAU;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// The frequencies are these multiples of a share of the cut-off, so that a comb of that base resolves them.
+/// The tones are these multiples of a fraction of the cut-off, so a comb with that fundamental resolves them.
 const MULTIPLES: RangeInclusive<u16> = 3..=10;
-/// That share for a coil: at 10 % of the cut-off the plate holds the drive, and an unsprung coil of twice the wave impedance moves
-/// so little that the current of a membrane's coil is within 10 % of the blocked one.
+/// That fraction for a coil. At 10 % of the cut-off the plate holds the drive: an unsprung coil of twice the wave
+/// impedance moves so little that the current of a membrane's coil is within 10 % of the blocked one.
 const OF_COIL: f64 = 0.01;
-/// And for a piezo, whose own current rises with the frequency, and is larger than what the motion adds below the cut-off.
+/// The fraction for a piezo. Its blocked current rises with frequency, and below the cut-off exceeds the current that
+/// the motion adds.
 const OF_PIEZO: f64 = 0.05;
-/// Shares of the expected current: below the first nothing drives, above the second it is a short.
+/// Limits of |rho|: below the first there is no drive, above the second a short circuit.
 const FEEBLE: f64 = 0.03;
 const SHORT: f64 = 4.0;
-/// Largest phase of a drive of the stated kind, radians.
+/// Largest phase of rho for a drive of the stated kind, radians.
 const PHASE: f64 = 0.8;
 
-/// What the amplifier drives, as its data sheet states it.
+/// The load of the amplifier, as its data sheet states it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DriveLoad {
     /// A voice coil.
@@ -49,44 +50,45 @@ pub enum DriveLoad {
 pub struct DriveCircuit {
     /// Amplitude of the amplifier's voltage for a code of full scale, volt (1e-3 to 1e4).
     pub full_scale_v: f64,
-    /// What it drives.
+    /// The load of the amplifier.
     pub load: DriveLoad,
-    /// How far resistance or capacitance may be from the stated one, as a fraction (0.05 to 1); 0.25 for a data sheet.
+    /// Allowed relative deviation of resistance or capacitance from the stated one (0.05 to 1); 0.25 for a data
+    /// sheet.
     pub tolerance: f64,
 }
 
-/// The result of the check. Its text is a sentence for a person.
+/// The result of the check. `Display` gives a sentence for a user.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DriveCheck {
     /// The stated drive is connected.
     On,
-    /// No current at all.
+    /// No current is measured.
     Open,
-    /// A current that is far too small.
+    /// The current is far too small.
     NoAmplifier {
-        /// Its share of the expected one.
+        /// Measured over expected current.
         share: f64,
     },
-    /// A current that is far too large, or beyond the input's range.
+    /// The current is far too large, or beyond the input's range.
     Short {
-        /// Its share of the expected one; at least this, where the input is clipped.
+        /// Measured over expected current; a lower limit where the input is clipped.
         share: f64,
     },
-    /// The drive is another one than stated.
+    /// The drive differs from the stated one.
     WrongLoad {
-        /// What the current fits, in the unit of the stated one: ohm or farad.
+        /// Resistance (ohm) or capacitance (farad) that the current corresponds to.
         found: f64,
         /// The stated drive.
         told: DriveLoad,
     },
-    /// The current is neither a coil's nor a piezo's where the other is stated.
+    /// The phase of the current does not belong to the stated kind of drive.
     WrongKind {
         /// The stated drive.
         told: DriveLoad,
     },
-    /// The tone is too quiet for a result: nothing would be seen of a drive that is on.
+    /// The tones are too quiet for a result: the current of a working drive would be below the noise limit.
     TooQuiet {
-        /// By how much it must be louder, dB.
+        /// Required increase of the level, dB.
         louder_db: f64,
     },
 }
@@ -138,15 +140,15 @@ impl fmt::Display for DriveCheck {
             }
             Self::TooQuiet { louder_db } => write!(
                 text,
-                "The tones are too quiet to tell whether the drive is on: play them {} dB louder.",
+                "The tones are too quiet to show whether the drive is on: play them {} dB louder.",
                 number(louder_db)
             ),
         }
     }
 }
 
-/// The frequencies at which [`check_drive`] wants the current, Hz: 3 to 10 % of the plate's cut-off for a coil, 15 to 50 % for a
-/// piezo. They are multiples of their distance.
+/// The frequencies at which [`check_drive`] needs the current, Hz: 3 to 10 % of the plate's cut-off for a coil, 15 to
+/// 50 % for a piezo. They are multiples of their spacing.
 #[must_use]
 pub fn drive_check_hz(plate: &Plate, load: &DriveLoad) -> Vec<f64> {
     let share = match load {
@@ -156,8 +158,8 @@ pub fn drive_check_hz(plate: &Plate, load: &DriveLoad) -> Vec<f64> {
     MULTIPLES.map(|multiple| f64::from(multiple) * share * plate.cut_off_hz()).collect()
 }
 
-/// Checks by the current of quiet tones whether the drive of `plate` is on. `current` holds the current over the code at
-/// the frequencies of [`drive_check_hz`], in ampere or with its ampere per unit of response.
+/// Checks the drive of `plate` by the current of quiet tones. `current` holds the current over the code at the
+/// frequencies of [`drive_check_hz`], in ampere or with its ampere per unit of response.
 ///
 /// ```
 /// use slipline_plate::Complex64;
@@ -194,7 +196,7 @@ pub fn check_drive(
     let expected = |point: &MeasuredPoint| circuit.blocked(point.frequency_hz) * actuator(point.frequency_hz);
     let above_noise = |point: &MeasuredPoint, signal: f64| signal / (point.noise * ampere);
     let points = &current.points;
-    // What a drive that is on would show, and what is seen.
+    // Largest signal-to-noise ratio of a working drive.
     let best = points.iter().map(|point| above_noise(point, expected(point).norm())).fold(0.0, f64::max);
     if best < AUDIBLE / FEEBLE {
         return Ok(DriveCheck::TooQuiet { louder_db: 20.0 * (AUDIBLE / FEEBLE / best).log10() });
@@ -216,7 +218,7 @@ pub fn check_drive(
         return Ok(DriveCheck::Short { share });
     }
     let sum: Complex64 = points.iter().map(|point| point.response * ampere / expected(point)).sum();
-    // The sign of a shunt is its own.
+    // Squared, because the sign of the shunt's signal depends on its wiring.
     if (sum * sum).arg().abs() > 2.0 * PHASE {
         return Ok(DriveCheck::WrongKind { told: circuit.load });
     }
@@ -245,7 +247,7 @@ impl DriveCircuit {
         }
     }
 
-    /// The current of a drive that does not move, ampere per code of full scale.
+    /// The current of a blocked drive, ampere per code of full scale.
     fn blocked(&self, frequency_hz: f64) -> Complex64 {
         match self.load {
             DriveLoad::Coil { resistance_ohm } => Complex64::from(self.full_scale_v / resistance_ohm),

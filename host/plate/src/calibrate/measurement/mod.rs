@@ -1,5 +1,5 @@
-//! Measurements: what sensors reported, the files that hold it, the frequencies to measure, and the refusals of a single
-//! measurement. No plate is fitted here.
+//! Measurements: the responses that sensors reported, their files, the frequencies to measure, and the refusals of a
+//! single measurement. No plate is fitted here.
 
 pub(crate) mod band;
 pub(crate) mod csv;

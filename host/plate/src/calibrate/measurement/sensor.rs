@@ -5,18 +5,18 @@ use crate::definition::{limits, sample_rate};
 use crate::quantity::{Count, Counted, OutOfRange, Range, WrongCount};
 use num_complex::Complex64;
 
-/// Points of a measurement.
+/// Number of points of a measurement.
 pub const POINTS: Count = Count::new(8, 10_000, Counted::Points);
-/// How far from its mark a sensor may be, metres.
+/// Range of the standard deviation of a sensor's place, metres.
 pub const PLACE_TOLERANCE: Range = Range::new(0.0, 0.01, "m");
-/// Magnitude of a response, in any unit: what squares of it still fit into a number.
+/// Magnitude of a response, in any unit: its square must not overflow.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
-/// Free amplitude of an input below its full scale.
+/// Range of the headroom of an input below its full scale.
 const HEADROOM: Range = Range::new(-200.0, 400.0, "dB");
-/// The rate of a DAC.
+/// Range of the sample rate of a DAC.
 const SAMPLE_RATE: Range = Range::new(1.0, 1e9, "Hz");
 
-/// What a sensor's signal is proportional to.
+/// The quantity that a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorKind {
     /// The deflection w: a laser triangulator, a capacitive or eddy-current probe.
@@ -34,7 +34,7 @@ impl SensorKind {
     /// All kinds, in the order of their words in a list.
     pub const ALL: [Self; 4] = [Self::Displacement, Self::Velocity, Self::Acceleration, Self::Strain];
 
-    /// The word for it on a command line and in a file.
+    /// Its word on a command line and in a file.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -45,7 +45,7 @@ impl SensorKind {
         }
     }
 
-    /// The signal over deflection or curvature, where a derivative in time is a factor `rate`.
+    /// The signal over deflection or curvature, with `rate` as the factor of a derivative in time.
     pub(crate) fn rise(self, rate: Complex64) -> Complex64 {
         match self {
             Self::Displacement | Self::Strain => Complex64::ONE,
@@ -60,17 +60,18 @@ impl SensorKind {
 pub struct MeasuredPoint {
     /// Frequency, Hz; rising from point to point.
     pub frequency_hz: f64,
-    /// The sensor's signal over the DAC's amplitude (1 = full scale): the signal is Re(response e^(-j omega t)) where the
-    /// code is cos(omega t), so a lag has a positive argument. Its unit is the sensor's own unless
-    /// [`Measurement::unit_per_response`] states it. An instrument that shows e^(+j omega t) gives its conjugate.
+    /// The sensor's signal over the DAC's amplitude (1 = full scale): the signal is Re(response e^(-j omega t)) for a
+    /// code of cos(omega t), so a lag has a positive argument. Its unit is the sensor's own unless
+    /// [`Measurement::unit_per_response`] states it. An instrument that uses e^(+j omega t) gives the complex
+    /// conjugate.
     pub response: Complex64,
     /// Standard deviation of the real part and of the imaginary part of `response`, in its unit; above 0.
     pub noise: f64,
-    /// How far the input stayed below its full scale, dB; 0 or less is a clipped signal. `None` if unknown.
+    /// Headroom of the input below its full scale, dB; 0 or less is a clipped signal. `None` if unknown.
     pub headroom_db: Option<f64>,
 }
 
-/// Responses of a sensor at one place, over the frequency.
+/// Responses of a sensor at one place, over frequency.
 ///
 /// ```
 /// use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
@@ -90,24 +91,24 @@ pub struct MeasuredPoint {
 pub struct Measurement {
     /// The sensor's place on the centre line, metres from the driven end.
     pub place_m: f64,
-    /// Standard deviation of that place, metres (0 to 0.01): how well the sensor meets its mark.
+    /// Standard deviation of that place from its mark, metres (0 to 0.01).
     pub place_tolerance_m: f64,
-    /// What the sensor measures.
+    /// The measured quantity.
     pub sensor: SensorKind,
     /// Metres, m/s, m/s^2 or strain per unit of `response`; `None` for an uncalibrated sensor.
     pub unit_per_response: Option<f64>,
-    /// Sample rate of the DAC that played the tones, Hz: its zero-order hold is in the responses. `None` for a source
-    /// without one.
+    /// Sample rate of the DAC that played the tones, Hz: the responses include its zero-order hold. `None` for a
+    /// source without a hold.
     pub sample_rate_hz: Option<f64>,
     /// The responses, in rising frequency; 8 to 10 000.
     pub points: Vec<MeasuredPoint>,
 }
 
-/// Standard deviation of a place that a person marks with a ruler, metres.
+/// Standard deviation of a place marked with a ruler, metres.
 pub const PLACE_TOLERANCE_M: f64 = 2e-4;
 
 impl Measurement {
-    /// The responses of an uncalibrated sensor at a place marked with a ruler, of tones without a zero-order hold.
+    /// The responses of an uncalibrated sensor at a place marked with a ruler, without a zero-order hold.
     #[must_use]
     pub const fn at(place_m: f64, sensor: SensorKind, points: Vec<MeasuredPoint>) -> Self {
         Self {
@@ -128,7 +129,7 @@ impl Measurement {
     /// Refuses a number that is out of its range.
     ///
     /// # Errors
-    /// The first field that is not allowed, and what is.
+    /// The first field that is out of range, and the range.
     pub fn check(&self) -> Result<(), CalibrateError> {
         WrongCount::check("the measurement", self.points.len(), POINTS)?;
         OutOfRange::check("place_m", self.place_m, Range::new(0.0, limits::LENGTH.high, "m"))?;
@@ -143,7 +144,7 @@ impl Measurement {
         for point in &self.points {
             let rising = Range { low: lowest_hz, ..limits::CURVE_FREQUENCY };
             OutOfRange::check("frequency_hz", point.frequency_hz, rising)?;
-            // A step of a millionth, as between the points of a plate file's curve.
+            // A relative step of 1e-6, as between the points of a plate file's curve.
             lowest_hz = point.frequency_hz * (1.0 + 1e-6);
             OutOfRange::check("response", point.response.norm(), MAGNITUDE)?;
             OutOfRange::check("noise", point.noise, Range { low: 1e-30, ..MAGNITUDE })?;

@@ -4,10 +4,11 @@ use super::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::calibrate::error::CalibrateError;
 use crate::definition::Plate;
 
-/// An answer below this multiple of its noise shows nothing. Of 10 000 answers of noise alone the largest is 4.3 times
-/// its standard deviation.
+/// Least signal-to-noise ratio of a response. The largest of 10 000 responses of noise alone is 4.3 times their
+/// standard deviation.
 pub(crate) const AUDIBLE: f64 = 6.0;
-/// Refuses a measurement that is none of this plate: beyond it, or of a strain that it does not have.
+/// Refuses a measurement that does not belong to this plate: a place beyond it, or a strain on a plate without
+/// bending.
 pub(crate) fn check_place(plate: &Plate, sensor: &Measurement) -> Result<(), CalibrateError> {
     sensor.check()?;
     let place_m = sensor.place_m;
@@ -17,7 +18,7 @@ pub(crate) fn check_place(plate: &Plate, sensor: &Measurement) -> Result<(), Cal
     check_kind(plate, sensor.sensor)
 }
 
-/// Refuses a strain that the plate does not have.
+/// Refuses a strain sensor on a plate without bending.
 pub(crate) fn check_kind(plate: &Plate, kind: SensorKind) -> Result<(), CalibrateError> {
     if kind == SensorKind::Strain && plate.spec().model.bending().is_none() {
         return Err(CalibrateError::NoStrain);
@@ -25,7 +26,7 @@ pub(crate) fn check_kind(plate: &Plate, kind: SensorKind) -> Result<(), Calibrat
     Ok(())
 }
 
-/// Refuses a measurement that has nothing to show, too: no signal, clipped.
+/// Refuses such a measurement, and one without a signal or clipped.
 pub(crate) fn check_sensor(plate: &Plate, sensor: &Measurement) -> Result<(), CalibrateError> {
     check_place(plate, sensor)?;
     let place_m = sensor.place_m;

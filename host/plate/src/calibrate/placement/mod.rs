@@ -1,7 +1,7 @@
 //! Places of the two sensors of a calibration, proposed from the nominal plate.
 //!
 //! ```text
-//! near_limit: where one wave alone is left -> plan: pairs of places beyond it -> information: what each pair would reach
+//! near_limit: end of the near field -> plan: pairs of places beyond it -> information: accuracy of each pair
 //! ```
 
 mod information;

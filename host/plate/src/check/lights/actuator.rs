@@ -10,14 +10,14 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
     let name = "actuator band";
     let Some(actuator) = &site.plate.spec().actuator else {
         let sentence =
-            "The plate file names no actuator: whether one reaches this frequency was not checked."
+            "The plate file has no actuator: the response of one at this frequency was not checked."
                 .to_owned();
         return site.judged(name, None, "dB", Colour::Unchecked, 0.0, sentence);
     };
     if let Actuator::Measured(curve) = actuator
         && !curve.covers(site.frequency_hz)
     {
-        let sentence = "The actuator's measured curve does not reach this frequency: its nearest end was taken, measure it here, too.";
+        let sentence = "The actuator's measured curve does not cover this frequency: its nearest end was used; measure the actuator here as well.";
         return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned()).at(0.0);
     }
     let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
@@ -48,13 +48,13 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
     .at(0.0)
 }
 
-/// How far a tone at level 1 moves the actuator, before the peak travel lowers the table.
+/// Travel of the actuator for a tone at level 1, before the travel limit lowers the table.
 pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Finding {
     let name = "excursion";
     let actuator = site.plate.spec().actuator.as_ref().and_then(Actuator::resonator);
     let Some(share) = actuator.and_then(|actuator| actuator.travel_share(site.frequency_hz)) else {
         let sentence =
-            "The plate file names no peak travel: how far the actuator moves is not limited.".to_owned();
+            "The plate file states no peak travel: the travel of the actuator is not limited.".to_owned();
         return site.judged(name, None, "%", Colour::Unchecked, 0.0, sentence);
     };
     let percent = 100.0 * share * site.prepared.lowest_gain / site.levels.nominal;
@@ -65,14 +65,14 @@ pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Finding {
         EXCURSION_PERCENT,
         [
             format!("At level 1 the actuator moves by {percent:.0} % of its peak travel: the table need not be lowered."),
-            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: the table's level is lowered to what it allows."),
-            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: what it allows is less than a tenth of the level."),
+            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: the table's level is lowered to its limit."),
+            format!("At level 1 the actuator would move by {percent:.0} % of its peak travel: its limit leaves less than a tenth of the level."),
         ],
     )
     .at(0.0)
 }
 
-/// How many steps of the DAC the amplitude of a tone at level 1 has.
+/// Amplitude of a tone at level 1 in steps of the DAC.
 pub(in crate::check) fn resolution_light(site: &Site<'_>) -> Finding {
     let prepared = site.prepared;
     let steps = DAC_AMPLITUDE_STEPS * prepared.lowest_gain / site.levels.nominal * prepared.travel_scale;

@@ -1,4 +1,4 @@
-//! The light for the driven end: how much of the returning wave it sends back.
+//! The light for the driven end: its reflection of the returning wave.
 
 use crate::check::grading::{Finding, Site, colour};
 use crate::check::interval::{End, Interval};
@@ -12,8 +12,8 @@ use crate::definition::source::Source;
 use crate::frequency::driven_end::{reflection, resistance_reflection};
 use crate::quantity::show_si;
 
-/// The light's value is |r| of the end as it really is; for an end in bending whose near field the file leaves out, it is
-/// that of the free end with the same damper.
+/// The light's value is |r| of the real end; for an end in bending whose near field the file leaves out, that of the
+/// free end with the same damper.
 pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
     let reflected = |plate: &Plate| reflection(plate, site.frequency_hz).map_or(1.0, |r| r.norm());
     let in_equation = reflected(site.plate);
@@ -35,7 +35,7 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
     let sentence = match (judged, end) {
         (_, DriveEnd::Resistance { .. }) if is_one_mode_bending => {
             let really = value.map_or_else(
-                || "a share that is not known".to_owned(),
+                || "an unknown share".to_owned(),
                 |_| format!("{percent:.0} %"),
             );
             format!(
@@ -46,7 +46,7 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
             "The drive end absorbs the returning wave ({percent:.0} % comes back): the plate hardly resonates."
         ),
         (_, DriveEnd::Source(source)) if hides_its_match(site, source) => format!(
-            "The mass and the stiffness of the drive end hide what would absorb the wave: {percent:.0} % of it comes back. Use a softer actuator."
+            "The mass and the stiffness of the drive end hide the resistance that would absorb the wave: {percent:.0} % of it comes back. Use a softer actuator."
         ),
         (Colour::Amber, _) => format!(
             "The drive end sends {percent:.0} % of the returning wave back: the plate resonates a little; a closer match of its resistance helps."
@@ -84,7 +84,8 @@ pub(in crate::check) fn match_light(site: &Site<'_>) -> Finding {
             },
         )
         .at(0.0);
-    // What a damper in bending sends back in the equation is not what its light states.
+    // The limit does not apply to the value here: the colour follows from the equation, the value from the end with
+    // its near field.
     if is_one_mode_bending { found } else { found.limited(Limit::AtMost(DRIVE_REFLECTION)) }
 }
 
@@ -92,7 +93,7 @@ fn source_tolerance(site: &Site<'_>) -> Option<Impedance> {
     site.plate.spec().calibration.as_ref()?.source_tolerance
 }
 
-/// How well what the light depends on is known.
+/// The accuracy of the quantities behind the light, in words.
 fn known(site: &Site<'_>, interval: &Interval) -> String {
     match source_tolerance(site) {
         Some(half) => format!(
@@ -100,12 +101,12 @@ fn known(site: &Site<'_>, interval: &Interval) -> String {
             interval.boundary(),
             show_si(half.resistance_n_s_per_m, "N s/m")
         ),
-        None => format!("{}; the drive is what the file says, it was not measured", interval.boundary()),
+        None => format!("{}; the drive is as stated in the file, not measured", interval.boundary()),
     }
 }
 
-/// The plate with the lowest and the highest loss of the interval. Between clamped edges a loss takes a law of its own, which is
-/// long to make, and the share that comes back hardly depends on it: there it is the plate itself.
+/// The plate with the lowest and the highest loss of the interval. Between clamped edges a loss needs its own law,
+/// which takes long to compute, and the reflection hardly depends on it: there the plate is returned unchanged.
 fn with_losses(site: &Site<'_>, end: &End) -> Vec<Plate> {
     let is_clamped = matches!(end.plate.spec().model, Model::BendingClamped(_));
     let factor = site.interval.as_ref().filter(|_| !is_clamped).map_or(1.0, |interval| interval.loss);
@@ -113,8 +114,9 @@ fn with_losses(site: &Site<'_>, end: &End) -> Vec<Plate> {
     if is_clamped { vec![end.plate.clone()] } else { lossy.collect() }
 }
 
-/// The plate with its source at the corners of the interval. The impedances that send back at most a share below 1 fill a disc
-/// in the plane of resistance and reactance, so what holds at the corners holds between them.
+/// The plate with its source at the corners of the interval. The impedances with a reflection of at most a given
+/// value below 1 fill a disc in the plane of resistance and reactance, so a limit that holds at the corners holds
+/// between them.
 fn with_sources(plate: &Plate, half: Option<Impedance>) -> Vec<Plate> {
     let (Some(half), DriveEnd::Source(source)) = (half, plate.spec().drive_end) else {
         return vec![plate.clone()];

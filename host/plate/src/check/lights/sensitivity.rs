@@ -1,4 +1,4 @@
-//! The light for what the table cannot know: the true wave speed and the true loss.
+//! The light for deviations of the wave speed and the loss from the plate file.
 
 use super::sound::level_words;
 use crate::check::grading::{Finding, Site, colour};
@@ -6,14 +6,15 @@ use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::SENSITIVITY_DB;
 use crate::quantity::number_format::with_decimals;
 
-/// The peak against the table's level where the plate is not quite the file's: the worst of its end, of speed and of loss.
+/// Largest change of the peak from the table's level where the driven end, the wave speed or the loss differ from the
+/// file's.
 pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
     if let Some(open_db) = site.levels.open_db(site.plate) {
         return calibrated_light(site, open_db);
     }
     let (end, speed, loss) = (site.levels.by_end_db, site.levels.by_speed_db, site.levels.by_loss_db);
     let worst = end.max(speed).max(loss);
-    // Both others include what the end does.
+    // The changes by speed and by loss include that by the end.
     let by_end = end > 0.5 * worst;
     let off = if by_end {
         "The near field of the driven end, which this file leaves out,".to_owned()
@@ -25,7 +26,7 @@ pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
                 format!("A loss that is {} times as high or as low", with_decimals(1.0 + tolerance, 2))
             }
             None => {
-                "A loss that is halved or doubled (the plate file does not tell loss_tolerance)".to_owned()
+                "A loss that is halved or doubled (the plate file does not state loss_tolerance)".to_owned()
             }
         }
     };
@@ -38,19 +39,19 @@ pub(in crate::check) fn sensitivity_light(site: &Site<'_>) -> Finding {
             format!("{off} changes the peak by {} dB: the table can be trusted.", with_decimals(worst, 2)),
             format!("{off} changes the peak by {worst:.1} dB: calibrate on your own plate."),
             if by_end {
-                format!("{off} changes the peak by {worst:.0} dB: no table holds that, tell the drive's slope or its source.")
+                format!("{off} changes the peak by {worst:.0} dB: no table is accurate enough, state the drive's slope or its source.")
             } else if loss <= speed {
-                format!("{off} changes the peak by {worst:.0} dB: no table holds that, match the drive end.")
+                format!("{off} changes the peak by {worst:.0} dB: no table is accurate enough, match the drive end.")
             } else {
-                format!("{off} changes the peak by {worst:.0} dB: no table holds that, measure the loss.")
+                format!("{off} changes the peak by {worst:.0} dB: no table is accurate enough, measure the loss.")
             },
         ],
     )
     .at(site.peak_m())
 }
 
-/// On a calibrated plate: what its calibration leaves open. Temperature and tension go on after it, so it is amber where a drift
-/// of 1 % would leave nothing of the table.
+/// The light of a calibrated plate: the interval of its level. Temperature and tension drift after a calibration, so
+/// the light is amber where a drift of 1 % would make the table useless.
 fn calibrated_light(site: &Site<'_>, open_db: f64) -> Finding {
     let drift_db = site.levels.by_speed_db;
     let drifts = colour(drift_db, SENSITIVITY_DB) == Colour::Red;
@@ -67,10 +68,12 @@ fn calibrated_light(site: &Site<'_>, open_db: f64) -> Finding {
         (Colour::Amber, _) => {
             format!("By the calibration {known}: measure it again with less noise; {drift}.")
         }
-        _ => format!("By the calibration {known}: no table holds that, measure it again with less noise."),
+        _ => format!(
+            "By the calibration {known}: no table is accurate enough, measure it again with less noise."
+        ),
     };
     let found = site.judged("sensitivity", Some(open_db), "dB", judged, open_db, sentence);
-    // Where the drift decides it is not this number.
+    // Where the drift decides the colour, this number has no limit.
     let found = if judged > colour(open_db, SENSITIVITY_DB) {
         found
     } else {

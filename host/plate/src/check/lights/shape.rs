@@ -54,7 +54,7 @@ fn most_curved(plate: &Plate, to_m: f64) -> (f64, f64) {
 pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
     let slope = edge_slope(site.plate, site.boundary_m);
     let turning_width = site.plate.spec().turning_width;
-    // The most that the turning width is off, as a share of it over W'^2.
+    // Largest relative error of the turning width, over W'^2.
     let share = match turning_width {
         TurningWidth::Arc => 1.0 / 9.0,
         TurningWidth::Plain => 1.0 / 3.0,
@@ -186,8 +186,8 @@ pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
     };
     let ghosts = ghosts_on(site.plate);
     let nearest = ghosts.first().map_or(f64::NAN, |ghost| ghost.1);
-    // A mode that enters is never green, because the shape of the drive over the width is not known: a point on the
-    // centre line drives all odd modes equally, and a uniform drive drives mode m with 1/m of the first.
+    // A mode that enters is never green, because the distribution of the drive over the width is not known: a point
+    // drive on the centre line excites all odd modes equally, a uniform drive excites mode m at 1/m of the first.
     let colour_of = |ghosts: &[(u32, f64)]| match (ghosts.is_empty(), off_centre) {
         (true, _) => Colour::Green,
         (false, false) => Colour::Amber,
@@ -215,11 +215,11 @@ pub(in crate::check) fn ghost_light(site: &Site<'_>) -> Finding {
     )
     .over_interval(site, Interval::boundary, |end| {
         let ghosts = ghosts_on(&end.plate);
-        // Where no mode enters there is no number, and it is green.
+        // Where no mode enters there is no number, and the light is green.
         (ghosts.first().map_or(f64::NAN, |ghost| ghost.1), colour_of(&ghosts))
     })
     .over(|| match &ghosts[..] {
-        // One that only an end of the interval has enters at the driven end.
+        // A ghost at an end of the interval only: it enters at the driven end.
         [] => vec![Stretch::at(0.0)],
         ghosts => ghosts.iter().map(|ghost| Stretch::at(ghost.1)).collect(),
     })

@@ -69,7 +69,7 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
     } else {
         (bound, "dB", ULTRASOUND_DB)
     };
-    // At level 0 the sound level is minus infinity; 0 dB stands for it.
+    // At level 0 the sound level is minus infinity; it is stated as 0 dB.
     let value = value.max(0.0);
     let open_db = site.levels.open_db(site.plate);
     let at_ends = open_db.map_or(Vec::new(), |open_db| {
@@ -94,7 +94,7 @@ pub(in crate::check) fn level_light(site: &Site<'_>) -> Finding {
     .between(&at_ends, &known)
 }
 
-/// How well the level of the peak is known, in words.
+/// The accuracy of the peak level, in words.
 pub(in crate::check) fn level_words(open_db: f64) -> String {
     format!("the level of the peak is known to ±{} dB", with_decimals(open_db, 2))
 }
@@ -107,7 +107,7 @@ pub(in crate::check) fn beat_light(site: &Site<'_>) -> Finding {
         .chain([(site.frequency_hz, site.boundary_m)])
         .filter(|&(frequency_hz, _)| frequency_hz >= ULTRASONIC_HZ)
         .collect();
-    // How far two tones are apart, and how far from the drive both of them go.
+    // Smallest difference of two frequencies, Hz, and the distance from the drive that both tones reach.
     let (mut nearest, mut reach_m) = (f64::INFINITY, 0.0);
     for (i, first) in tones.iter().enumerate() {
         for second in &tones[i + 1..] {

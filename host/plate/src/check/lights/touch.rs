@@ -1,4 +1,4 @@
-//! Lights for the finger on the plate: whether it finds room between the edges, and whether the peak survives it.
+//! Lights for the finger on the plate: its room between the edges, and the peak under it.
 
 use crate::check::grading::{Finding, Site, colour, colour_at_least, pick};
 use crate::check::interval::{End, Interval};
@@ -14,7 +14,7 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
     let fingers = fingers_at(site.boundary_m);
     let millimetres = with_decimals(fingers * FINGERTIP_M * 1e3, 1);
     let colour = colour_at_least(fingers, WIDTH);
-    let told = match colour {
+    let room = match colour {
         Colour::Green | Colour::Unchecked => "a fingertip rests between the edges",
         Colour::Amber => {
             "a fingertip also rests on the edges, which do not move; a boundary nearer the drive is wider"
@@ -23,7 +23,7 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
             "most of a fingertip rests on the edges, which do not move, take a boundary nearer the drive"
         }
     };
-    let sentence = format!("The plate is {millimetres} mm wide at the boundary: {told}.");
+    let sentence = format!("The plate is {millimetres} mm wide at the boundary: {room}.");
     site.judged("width", Some(fingers), "fingertips", colour, -fingers, sentence)
         .limited(Limit::AtLeast(WIDTH))
         .over_interval(site, Interval::boundary, |end| {
@@ -36,13 +36,13 @@ pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
         })
 }
 
-/// |Z_f|/Z of a light touch, and what it takes from the peak; it has the colour of the worse of the two.
+/// |Z_f|/Z of a light touch, and the reduction of the peak by it; the light has the colour of the worse of the two.
 pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
     let name = "finger load";
     let place_m = site.peak_m();
     let finger = Finger::light(place_m);
     let Ok(load) = finger.load(site.plate, site.frequency_hz) else {
-        let sentence = "The plate file tells no tension or thickness: how heavy a finger is for the wave was not checked.";
+        let sentence = "The plate file states no tension or thickness: the load of a finger on the wave was not checked.";
         return site.judged(name, None, "", Colour::Unchecked, 0.0, sentence.to_owned());
     };
     let by_load = colour(load, FINGER_LOAD);
@@ -59,7 +59,7 @@ pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
             .at(place_m);
     }
     let [light_db, firm_db] = touched_db(site, &finger);
-    // The dB are those of the highest peak over the interval already.
+    // These dB are those of the highest peak over the interval.
     let by_db = colour(light_db, FINGER_DB);
     let judged = by_load.max(by_db);
     let costs = format!(
@@ -72,7 +72,7 @@ pub(in crate::check) fn finger_load_light(site: &Site<'_>) -> Finding {
         judged,
         [
             format!("{costs}: the peak survives a light touch."),
-            format!("{costs}: the peak is felt weaker than it is computed; a heavier plate keeps it."),
+            format!("{costs}: the felt peak is weaker than the computed one; a heavier plate keeps it."),
             format!("{costs}: a finger stops the wave that it should feel, take a heavier plate."),
         ],
     );
@@ -89,11 +89,11 @@ fn load_at(site: &Site<'_>, finger: &Finger, end: &End, by_db: Colour) -> (f64, 
     (load, colour(load, FINGER_LOAD).max(by_db))
 }
 
-/// By how many dB a light touch and a firm press at the place of `light` lower the amplitude under them, at most.
+/// Largest reduction of the amplitude under a light touch and under a firm press at the place of `light`, dB.
 ///
-/// A force under the contact moves the plate there by Y per unit, so a finger of the impedance Z leaves 1/(1 + Y Z) of the
-/// motion. The light touch is solved, the firm press has the same contact and so the same Y. Where another wave speed
-/// brings a resonance here, Y rises as the peak does.
+/// A force under the contact moves the plate there by Y per unit of force, so a finger of impedance Z leaves
+/// 1/(1 + Y Z) of the motion. The light touch is solved; the firm press has the same contact and therefore the same
+/// Y. Where another wave speed has a resonance here, Y rises with the peak.
 pub(in crate::check) fn touched_db(site: &Site<'_>, light: &Finger) -> [f64; 2] {
     let firm = Finger::firm(light.place_m);
     let left = site.prepared.variants.share_left(light, site.frequency_hz);

@@ -30,7 +30,7 @@ pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
     0.5 * plate.wave_loss_at(frequency_hz) * total * boundary_m / f64::from(steps)
 }
 
-/// From [`LOSS_SMALL`] on the light takes its colour from the computed peak, so that the two never contradict each other.
+/// From [`LOSS_SMALL`] on, the computed peak decides the colour, so that the two lights never contradict each other.
 pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
     let name = "loss";
     let loss = loss_integral(site.plate, site.boundary_m);
@@ -61,7 +61,7 @@ pub(in crate::check) fn loss_light(site: &Site<'_>) -> Finding {
         .over(|| vec![Stretch { from_m: 0.0, to_m: site.boundary_m }])
 }
 
-/// The loss light over the interval of the calibration: the integral is proportional to the loss.
+/// The loss light over the interval of the calibration: the loss integral is proportional to the loss.
 fn over_losses(found: Finding, site: &Site<'_>) -> Finding {
     let factor = site.interval.as_ref().map_or(1.0, |interval| interval.loss);
     found.over_corners(site, Interval::boundary_and_loss, |end| {
@@ -85,9 +85,10 @@ fn peak_colour_over_interval(site: &Site<'_>) -> Colour {
     }
 }
 
-/// Green where the peak is the largest amplitude on the plate and has room, amber where there is one, red where there is
-/// none. It has to be the largest with the near field of a driven end that the file leaves out, and where the wave speed is
-/// 1 % off (on a calibrated plate: anywhere in its intervals): between two resonances what the drive moves beside it may be larger.
+/// Green where the peak is the largest amplitude on the plate and has room, amber where there is a peak, red where
+/// there is none. It must be the largest also with the near field of a driven end that the file leaves out, and for a
+/// wave speed 1 % off (on a calibrated plate: within its intervals), because between two resonances the motion next
+/// to the drive may be larger.
 fn peak_colour(site: &Site<'_>) -> Colour {
     match site.response.peak {
         Some(_) if site.levels.peak_largest && has_room(site) => Colour::Green,
@@ -104,7 +105,7 @@ pub(in crate::check) fn peak_light(site: &Site<'_>) -> Finding {
     let (value, colour) = (site.response.peak.map(|peak| peak.amplitude), peak_colour(site));
     let amplitude = value.unwrap_or(0.0);
     let at_ends: Vec<(f64, Colour)> = match site.levels.calibrated {
-        // How high it is goes with the widths, too, and decides nothing.
+        // The height of the peak depends on the widths as well and does not decide the colour.
         Some(_) => vec![(f64::NAN, peak_colour_over_interval(site))],
         None => Vec::new(),
     };

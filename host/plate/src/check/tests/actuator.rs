@@ -15,7 +15,7 @@ fn the_actuator_light_follows_its_resonance() {
     let plate = Plate::new(spec.clone()).expect("plate");
     let report = Checker::new(&plate, Conditions::default()).expect("checks").at(0.16).expect("on it");
     assert_eq!(light(&report, "actuator band").colour, Colour::Green);
-    // Two octaves and a half above resonance: -12 dB per octave.
+    // Two and a half octaves above resonance: -12 dB per octave.
     spec.actuator =
         Some(crate::Actuator::Resonator(crate::Resonator { resonance_hz: 20.0, quality: 0.7, travel: None }));
     let plate = Plate::new(spec).expect("plate");
@@ -73,7 +73,7 @@ fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_
     let (large, colour) = excursion(5e-3);
     assert!((large / small - 50.0).abs() < 1e-9 && colour == Colour::Amber, "{large} {colour:?}");
     assert_eq!(excursion(50e-3).1, Colour::Red);
-    // The other lights judge the level that is left.
+    // The other lights judge the level after the travel limit.
     let free_m = checker(None).peak_m();
     assert_eq!(checker(Some(1e-4)).peak_m(), free_m);
     let left = checker(Some(5e-3)).peak_m() / free_m;
@@ -85,7 +85,7 @@ fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_
 
 #[test]
 fn a_resonator_whose_table_needs_few_steps_of_the_dac_is_not_green() {
-    // Without loss a held plate's resonances stand so high that the table turns them down to a few steps.
+    // Without loss the resonances of a held plate are so high that the table's amplitude there is only a few steps.
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     let mut steps = Vec::new();
     for loss_factor in [0.002, 0.0] {
@@ -96,7 +96,7 @@ fn a_resonator_whose_table_needs_few_steps_of_the_dac_is_not_green() {
         let found = light(&report, "DAC resolution").clone();
         let value = found.value.expect("a number");
         assert_eq!(found.colour == Colour::Green, value >= 16.0, "{found:?}");
-        // The lowest gain of the table, whose knots lie nearer to the resonances than the light's boundaries.
+        // The lowest gain of the table, whose knots are nearer to the resonances than the light's boundaries.
         let table = crate::DriveTable::build(&plate, 400e3, 257).expect("table");
         let lowest = table.knots.iter().map(|knot| knot.gain).fold(1.0, f64::min);
         steps.push((value, 2047.5 * lowest));

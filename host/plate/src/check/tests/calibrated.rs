@@ -1,4 +1,4 @@
-//! Lights over the intervals of a calibration, against plates drawn within them.
+//! Lights over the intervals of a calibration, against random plates within them.
 
 use super::{light, report};
 use crate::check::{Checker, Colour, Conditions, Light, Report};
@@ -7,7 +7,7 @@ use crate::truth::Random;
 use crate::{DriveEnd, Impedance, Plate, PlateSpec, Source, preset};
 use std::collections::BTreeSet;
 
-/// Halves of intervals: of wave speed, loss, half-width and taper.
+/// Halves of the intervals of wave speed, loss, half-width and taper.
 #[derive(Clone, Copy)]
 struct Halves {
     speed: f64,
@@ -18,7 +18,7 @@ struct Halves {
 
 const NOTHING: Halves = Halves { speed: 0.0, loss: 0.0, half_width: 0.0, taper: 0.0 };
 
-/// The plate as a calibration of places would have left it.
+/// The plate after a calibration with these intervals.
 fn calibrated(mut spec: PlateSpec, halves: Halves, level_tolerance_db: Option<f64>) -> Plate {
     (spec.wave_speed_tolerance, spec.loss_tolerance) = (halves.speed, Some(halves.loss));
     spec.calibration = Some(Calibration {
@@ -32,8 +32,8 @@ fn calibrated(mut spec: PlateSpec, halves: Halves, level_tolerance_db: Option<f6
     Plate::new(spec).expect("valid")
 }
 
-/// A plate within the intervals, for which the wave of `frequency_hz` turns within the boundary's: drawn, half of the time at
-/// the very ends. Its own lights know it exactly.
+/// A random plate within the intervals on which the wave of `frequency_hz` turns within the boundary's interval; each
+/// parameter is at an end of its interval with a probability of one half. The truth has no intervals of its own.
 fn truth(plate: &Plate, frequency_hz: f64, halves: Halves, random: &mut Random) -> Plate {
     let mut way = || {
         let drawn = random.within(-1.0, 1.0);
@@ -46,12 +46,12 @@ fn truth(plate: &Plate, frequency_hz: f64, halves: Halves, random: &mut Random) 
     let here_m = plate.turning_point_m(frequency_hz).expect("enters");
     let wanted_m = here_m + way() * plate.boundary_tolerance_m(here_m).expect("calibrated");
     let stretched = calibrated(spec, NOTHING, None);
-    // The speed at which it turns there, by halving: a faster wave turns farther.
+    // The speed for which the wave turns there, by bisection.
     let (mut slow, mut fast) = (0.8, 1.25);
     for _ in 0..60 {
         let middle = 0.5 * (slow + fast);
         let place_m = stretched.with_wave_speed(middle).expect("near").turning_point_m(frequency_hz);
-        // A faster wave is longer, and turns nearer the drive.
+        // A faster wave is longer and turns nearer the drive.
         *if place_m.is_some_and(|x| x > wanted_m) { &mut slow } else { &mut fast } = middle;
     }
     stretched.with_wave_speed(slow).expect("near")
@@ -61,7 +61,7 @@ fn at(plate: &Plate, boundary_m: f64) -> Report {
     Checker::new(plate, Conditions::default()).expect("checks").at(boundary_m).expect("on it")
 }
 
-/// Numbers that the table makes of the plate: on the true plate it would be another table.
+/// Lights whose numbers depend on the table; the table of the true plate differs.
 const OF_THE_TABLE: [&str; 4] = ["excursion", "DAC resolution", "sensitivity", "sound level"];
 
 #[test]
@@ -73,22 +73,22 @@ fn what_is_green_on_a_calibrated_plate_is_green_on_every_plate_within_its_interv
     {
         let plate = calibrated(preset(name).expect("a preset").spec().clone(), halves, None);
         for boundary_m in places {
-            let told = at(&plate, boundary_m);
-            let frequency_hz = told.frequency_hz.0;
+            let stated = at(&plate, boundary_m);
+            let frequency_hz = stated.frequency_hz.0;
             for _ in 0..4 {
                 let truth = truth(&plate, frequency_hz, halves, &mut random);
                 let found = at(&truth, truth.turning_point_m(frequency_hz).expect("enters"));
-                let judged = told.lights.iter().zip(&found.lights);
-                for (told, found) in judged.filter(|(told, _)| !OF_THE_TABLE.contains(&told.name)) {
-                    let place = format!("{name} {boundary_m}: {told:?} {found:?}");
-                    assert!(told.colour > Colour::Green || found.colour <= Colour::Green, "{place}");
-                    within(told, found, &place);
-                    if told.colour == Colour::Green && told.low.is_some() {
+                let judged = stated.lights.iter().zip(&found.lights);
+                for (stated, found) in judged.filter(|(stated, _)| !OF_THE_TABLE.contains(&stated.name)) {
+                    let place = format!("{name} {boundary_m}: {stated:?} {found:?}");
+                    assert!(stated.colour > Colour::Green || found.colour <= Colour::Green, "{place}");
+                    within(stated, found, &place);
+                    if stated.colour == Colour::Green && stated.low.is_some() {
                         assert!(
-                            told.sentence.contains("It holds over") && told.sentence.contains('±'),
-                            "{told:?}"
+                            stated.sentence.contains("It holds over") && stated.sentence.contains('±'),
+                            "{stated:?}"
                         );
-                        held.insert(told.name);
+                        held.insert(stated.name);
                     }
                 }
             }
@@ -97,7 +97,7 @@ fn what_is_green_on_a_calibrated_plate_is_green_on_every_plate_within_its_interv
     assert!(held.len() >= 8, "{held:?}");
 }
 
-/// The places just on the green side of a light's limit, each with the light's name.
+/// The places just on the green side of a light's limit, with the light's name.
 fn just_green(plate: &Plate) -> Vec<(f64, &'static str)> {
     let checker = Checker::new(plate, Conditions::default()).expect("checks");
     let lights = |x: f64| checker.at(x).expect("on it").lights;
@@ -145,9 +145,9 @@ fn a_light_that_fails_at_an_end_of_the_interval_is_amber_and_says_how_well_the_p
         let checker = Checker::new(&calibrated(spec, halves, None), Conditions::default()).expect("checks");
         for (boundary_m, name) in just_green(&exact) {
             let report = checker.at(boundary_m).expect("on it");
-            let told = light(&report, name);
-            assert_eq!(told.colour, Colour::Amber, "{told:?}");
-            assert!(told.sentence.contains('±'), "{told:?}");
+            let stated = light(&report, name);
+            assert_eq!(stated.colour, Colour::Amber, "{stated:?}");
+            assert!(stated.sentence.contains('±'), "{stated:?}");
             failed.insert(name);
         }
     }
@@ -166,21 +166,21 @@ fn a_light_that_fails_at_an_end_of_the_interval_is_amber_and_says_how_well_the_p
     ] {
         assert!(failed.contains(name), "{name}: {failed:?}");
     }
-    // The curvature is largest at the drive, wherever the boundary is: d^2 W0^2 = 0.0611, where 0.0625 is green.
+    // The curvature is largest at the drive, for every boundary: d^2 W0^2 = 0.0611; green up to 0.0625.
     let curved = changed("membrane", |spec| spec.taper = spec.taper.stretched(1.07, 1.0));
     let of = |halves: Halves| at(&calibrated(curved.clone(), halves, None), 0.2);
-    let [exact, told] = [NOTHING, halves].map(of);
-    let colours = [&exact, &told].map(|report| light(report, "edge curvature").colour);
+    let [exact, stated] = [NOTHING, halves].map(of);
+    let colours = [&exact, &stated].map(|report| light(report, "edge curvature").colour);
     assert_eq!(colours, [Colour::Green, Colour::Amber]);
 }
 
-/// The true number lies between the stated ends. The share that comes back may be less than at all of them: only its highest is
-/// at one.
-fn within(told: &Light, found: &Light, place: &str) {
-    let (Some(low), Some(high), Some(value)) = (told.low, told.high, found.value) else { return };
+/// The true number lies between the stated ends. The reflection may be lower than at all ends: only its highest value
+/// is at one.
+fn within(stated: &Light, found: &Light, place: &str) {
+    let (Some(low), Some(high), Some(value)) = (stated.low, stated.high, found.value) else { return };
     let slack = 2e-3 * value.abs();
     assert!(value <= high + slack, "{place}");
-    assert!(low - slack <= value || told.name == "drive match", "{place}");
+    assert!(low - slack <= value || stated.name == "drive match", "{place}");
 }
 
 #[test]
@@ -220,14 +220,14 @@ fn what_was_measured_of_the_level_decides_sensitivity_and_sound() {
         let value = sound.value.expect("a number");
         assert_eq!((sound.low, sound.high), (Some((value - level_db).max(0.0)), Some(value + level_db)));
     }
-    // Without levels it is what speed and loss leave open: by the 2-D solver twice the loss takes 3 dB here.
+    // Without levels, speed and loss decide: by the 2-D solver twice the loss changes the level by 3 dB here.
     let open = of(None);
     let open_db = light(&open, "sensitivity").value.expect("a number");
     assert!((0.05..0.6).contains(&open_db), "{open_db}");
     let wide = Halves { loss: 1.0, ..halves };
     let wide = at(&calibrated(spec.clone(), wide, None), 0.2);
     assert!(light(&wide, "sensitivity").value.expect("a number") > 2.0 * open_db);
-    // A resonator's table is lost with a per cent of wave speed, however well it was measured.
+    // A drift of 1 % in wave speed makes the table of a resonator useless, however well it was measured.
     let still = preset("al-bending-displacement").expect("a preset").spec().clone();
     let report = at(&calibrated(still, halves, Some(0.3)), 0.24);
     let sensitivity = light(&report, "sensitivity");
@@ -240,7 +240,8 @@ fn a_drive_matches_only_if_it_does_over_the_whole_interval_of_its_source() {
     let mut spec =
         calibrated(preset("membrane").expect("a preset").spec().clone(), NOTHING, None).spec().clone();
     let frequency_hz = Plate::new(spec.clone()).expect("valid").frequency_for_boundary_hz(0.2);
-    let wave = Plate::new(spec.clone()).expect("valid").wave_impedance_n_s_per_m(frequency_hz).expect("told");
+    let wave =
+        Plate::new(spec.clone()).expect("valid").wave_impedance_n_s_per_m(frequency_hz).expect("stated");
     let impedance = Impedance::damper(1.2 * wave);
     let source = Source { impedance, ..Source::soft(&spec.model, frequency_hz) };
     spec.drive_end = DriveEnd::Source(source);
@@ -258,9 +259,9 @@ fn a_drive_matches_only_if_it_does_over_the_whole_interval_of_its_source() {
     let (known, unknown) = (with(0.02), with(0.4));
     assert_eq!((known.colour, unknown.colour), (Colour::Green, Colour::Amber), "{known:?} {unknown:?}");
     assert!(known.sentence.contains("the drive's resistance to ±"), "{known:?}");
-    // (1.6 - 1)/(1.6 + 1), and a little of the mass.
+    // (1.6 - 1)/(1.6 + 1), plus a small part by the mass.
     assert!((unknown.high.expect("an interval") - 0.23).abs() < 0.05, "{unknown:?}");
-    // Whatever source within the interval: not above the highest at the corners.
+    // For every source within the interval the reflection is at most the highest at the corners.
     let mut random = Random::new(3);
     for _ in 0..200 {
         let resistance_n_s_per_m = wave * random.within(0.8, 1.6);

@@ -1,4 +1,4 @@
-//! The lights on the presets, a file for each group of lights; here what holds for all of them.
+//! The lights on the presets, a file for each group of lights; this file has the checks common to all.
 
 mod actuator;
 mod calibrated;
@@ -76,7 +76,7 @@ fn boundaries_off_the_plate_and_absurd_conditions_are_refused_with_their_range()
 #[test]
 fn a_plate_whose_band_just_fits_the_rate_is_checked_to_its_very_end() {
     let plate = preset("membrane").expect("a preset");
-    // At 1 % more wave speed the band would no longer fit: the boundaries' own frequencies do.
+    // For 1 % more wave speed the band would exceed the limit of the rate; the boundaries' own frequencies do not.
     let sample_rate_hz = 1.001 * crate::sample_rates(&plate).low;
     let checker = Checker::new(&plate, Conditions { sample_rate_hz, ..Conditions::default() }).expect("fits");
     assert!(checker.at(plate.span_m().1).is_ok());

@@ -4,7 +4,7 @@ use super::light;
 use crate::check::{Checker, Colour, Conditions, Light};
 use crate::{DriveEnd, Impedance, Plate, PlateSpec, Source, preset};
 
-/// The membrane whose loss is known within `tolerance`: the sensitivity light at each end of the span.
+/// The sensitivity light at each end of the span of the membrane with this loss tolerance.
 fn sensitivity_of_membrane(tolerance: Option<f64>) -> [Light; 2] {
     let mut spec = preset("membrane").expect("preset").spec().clone();
     spec.loss_tolerance = tolerance;
@@ -14,7 +14,7 @@ fn sensitivity_of_membrane(tolerance: Option<f64>) -> [Light; 2] {
 
 #[test]
 fn a_loss_that_may_be_twice_as_high_is_no_green_sensitivity() {
-    // By the 2-D solver the peak of the membrane changes by -1.1 to -6.0 dB if its loss is doubled.
+    // By the 2-D solver, twice the loss changes the peak of the membrane by -1.1 to -6.0 dB.
     let [near, far] = sensitivity_of_membrane(None);
     for (light, wanted) in [(&near, 1.1), (&far, 6.0)] {
         assert!(light.colour > Colour::Green, "{light:?}");
@@ -24,18 +24,18 @@ fn a_loss_that_may_be_twice_as_high_is_no_green_sensitivity() {
     let [_, known] = sensitivity_of_membrane(Some(0.05));
     assert_eq!(known.colour, Colour::Green, "{known:?}");
     assert!(known.sentence.contains("1.05 times"), "{known:?}");
-    // What the file states is what the table is levelled for: the middle of the two peaks, so that neither is farther
-    // off than half of their distance.
-    let [_, told] = sensitivity_of_membrane(Some(1.0));
-    let ratio = told.value.expect("a number") / far.value.expect("a number");
-    assert!((0.5..0.9).contains(&ratio), "{told:?} {far:?}");
+    // The table is levelled for the stated tolerance: at the middle of the two peaks, so neither is farther off than
+    // half of their distance.
+    let [_, stated] = sensitivity_of_membrane(Some(1.0));
+    let ratio = stated.value.expect("a number") / far.value.expect("a number");
+    assert!((0.5..0.9).contains(&ratio), "{stated:?} {far:?}");
     let [_, wide] = sensitivity_of_membrane(Some(4.0));
     assert_eq!(wide.colour, Colour::Red, "{wide:?}");
 }
 
 #[test]
 fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_leaves_out() {
-    // By the page the 2-D plate with R = Z costs 8.6 dB per 1 % of speed, where the file's end costs 0.1 dB.
+    // PHYSICS.md: the 2-D plate with R = Z changes by 8.6 dB per 1 % of speed, that with the file's end by 0.1 dB.
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
     (spec.span_start_m, spec.loss_tolerance) = (0.2, Some(0.0));
@@ -47,14 +47,14 @@ fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_lea
     assert_eq!(found.colour, Colour::Red, "{found:?}");
     assert!((7.0..10.0).contains(&found.value.expect("a number")), "{found:?}");
     assert!(found.sentence.contains("near field"), "{found:?}");
-    // Where the file states the near field, the wave speed is to blame.
+    // Where the file states the near field, the wave speed dominates.
     let impedance = checker(&spec).plate().wave_impedance_n_s_per_m(28e3).expect("bending");
     spec.drive_end = DriveEnd::Source(Source {
         impedance: Impedance::damper(impedance),
         ..Source::soft(&spec.model, 28e3)
     });
     let span = checker(&spec).over_span().expect("span");
-    let told = light(&span, "sensitivity");
-    assert!((7.0..10.0).contains(&told.value.expect("a number")), "{told:?}");
-    assert!(told.sentence.contains("wave speed"), "{told:?}");
+    let stated = light(&span, "sensitivity");
+    assert!((7.0..10.0).contains(&stated.value.expect("a number")), "{stated:?}");
+    assert!(stated.sentence.contains("wave speed"), "{stated:?}");
 }

@@ -18,7 +18,8 @@ fn a_half_width_of_100_mm_is_not_a_small_slope() {
     assert!((value(&report, "edge curvature") - 0.213_444).abs() < 1e-9);
     assert_eq!(light(&report, "edge slope").colour, Colour::Green);
     assert_eq!(light(&report, "edge curvature").colour, Colour::Amber);
-    // Straight across, 0.319 at 80 mm makes W'^2/3 = 3.4 % of the width; along the arc a third of that is left at most.
+    // Straight across, 0.319 at 80 mm gives W'^2/3 = 3.4 % of the width; along the arc at most a third of that
+    // remains.
     let slope_light = |plate: &Plate, x: f64| {
         let report = Checker::new(plate, Conditions::default()).expect("checks").at(x).expect("on it");
         let light = light(&report, "edge slope");
@@ -35,7 +36,7 @@ fn a_half_width_of_100_mm_is_not_a_small_slope() {
     assert_eq!(slope_light(&steep, 0.1).0, Colour::Amber);
     assert_eq!(slope_light(&steep, 0.02).0, Colour::Red);
     assert_eq!(slope_light(&steep.with_turning_width(TurningWidth::Plain), 0.1).0, Colour::Red);
-    // Clamped edges have the limits of the straight width: 0.3 at the drive of a linear taper.
+    // Clamped edges have the limits of the plain width: 0.3 at the drive of a linear taper.
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     spec.taper = Taper::Linear { half_width_m: 0.06, end_half_width_m: 0.06 - 0.3 * 0.18 };
     (spec.length_m, spec.span_start_m, spec.span_end_m) = (0.18, 0.05, 0.15);

@@ -29,7 +29,7 @@ fn sound_grows_by_20_db_for_ten_times_the_level_and_stays_below_the_plane_wave()
     assert!((full - tenth - 20.0).abs() < 1e-9);
     assert!(full < plane_wave_level_db(frequency_hz, 3.0 * peak_m) && full > 60.0, "{full}");
     assert_eq!(at_level(0.0).0, 0.0);
-    // The membrane's slow waves hardly radiate: far below the 120 dB and more of a plane wave.
+    // The slow waves of the membrane hardly radiate: the level is far below the 120 dB and more of a plane wave.
     let membrane = report("membrane", 0.16);
     assert!(value(&membrane, "sound level") < 85.0, "{:?}", light(&membrane, "sound level"));
 }
@@ -50,6 +50,6 @@ fn two_ultrasonic_tones_closer_than_a_kilohertz_beat() {
     assert!((value.unwrap_or(0.0) - 500.0).abs() < 0.01);
     assert_eq!(colour, Colour::Amber);
     assert_eq!(with(vec![far]).1, Colour::Green);
-    // Two tones of a membrane, 20 Hz apart, are not ultrasonic: that is what a texture is made of.
+    // Two tones of a membrane, 20 Hz apart, are not ultrasonic; a texture consists of such tones.
     assert_eq!(light(&report("membrane", 0.16), "beat").colour, Colour::Green);
 }

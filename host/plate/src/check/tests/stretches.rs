@@ -1,4 +1,4 @@
-//! Where on the plate a light fails, against places worked out by hand.
+//! The parts of the plate where a light fails, against places worked out by hand.
 
 use super::{light, report};
 use crate::check::{Checker, Colour, Conditions, Light, Limit, Stretch};
@@ -16,7 +16,7 @@ fn near(light: &Light, from_m: f64, to_m: f64) {
 
 #[test]
 fn what_fails_has_a_place_on_the_plate_and_what_holds_has_none() {
-    // The steps of the DAC are those of the electronics, and sound is everywhere.
+    // The steps of the DAC and the sound level have no place on the plate.
     const NO_PLACE: [&str; 2] = ["DAC resolution", "sound level"];
     let mut seen = std::collections::BTreeSet::new();
     for preset in presets() {
@@ -68,7 +68,7 @@ fn curved_and_narrow_edges_fail_where_they_are_curved_and_narrow() {
     spec.taper = Taper::Exponential { half_width_m: 0.01, rate_per_m: 4.62 };
     let narrow = Plate::new(spec).expect("plate");
     near(light(&at(&narrow, 0.2), "width"), 2.0_f64.ln() / 4.62, 0.2);
-    // The slope counts where the wave turns.
+    // The slope is judged at the turning point.
     let steep = preset("al-sh").expect("preset");
     near(light(&at(&steep, 0.1), "edge slope"), 0.1, 0.1);
 }

@@ -1,4 +1,4 @@
-//! The lights of the finger: its room between the edges, and what it takes from the peak.
+//! The lights of the finger: its room between the edges, and the reduction of the peak.
 
 use super::{light, report, value};
 use crate::check::lights::touch::touched_db;
@@ -24,8 +24,8 @@ fn a_plate_narrower_than_a_fingertip_is_not_green() {
     }
 }
 
-/// The estimate of PHYSICS.md: 1 + (P^2/4) |Z_f|/Z with the peak P = 0.5357 2 sqrt(pi k0 W0/(kappa W)) of a wave that
-/// passes once.
+/// The estimate of PHYSICS.md: 1 + (P^2/4) |Z_f|/Z, with the peak P = 0.5357 2 sqrt(pi k0 W0/(kappa W)) of a single
+/// passing wave.
 fn estimate_db(plate: &Plate, frequency_hz: f64, load: f64) -> f64 {
     let mode = plate.width_mode(1);
     let k0 = mode.wavenumber_squared(0.0, frequency_hz).sqrt();
@@ -57,7 +57,7 @@ fn a_light_touch_costs_what_the_finger_light_says_and_the_heavy_membrane_survive
             };
             let truth_db = 20.0 * (at(&free) / at(&touched)).log10();
             assert!((said_db - truth_db).abs() < 1.5, "{name} {said_db} {truth_db}");
-            let estimate_db = estimate_db(&plate, hz, finger.load(&plate, hz).expect("told"));
+            let estimate_db = estimate_db(&plate, hz, finger.load(&plate, hz).expect("stated"));
             assert!((estimate_db - truth_db).abs() < 1.5, "{name} {estimate_db} {truth_db}");
         }
     }
@@ -87,7 +87,7 @@ fn where_no_peak_is_left_the_finger_light_judges_the_load_alone() {
 
 #[test]
 fn a_finger_heavy_for_the_wave_is_not_green_even_where_it_takes_little() {
-    // At 80 mm there is hardly a wavelength, so that even a heavy finger takes little from the low peak.
+    // At 80 mm there is hardly one wavelength, so that even a heavy finger hardly lowers the low peak.
     let mut spec = preset("membrane-heavy").expect("preset").spec().clone();
     let Model::Membrane { tension_n_per_m, .. } = &mut spec.model else { panic!("a membrane") };
     *tension_n_per_m = tension_n_per_m.map(|tension| 0.8 * tension);
@@ -134,15 +134,15 @@ fn beside_a_resonance_the_finger_light_counts_what_a_touch_takes_from_it() {
 fn a_finger_is_put_on_the_plate_with_the_near_field_that_its_file_leaves_out() {
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     spec.drive_end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 28e3 };
-    let told = Plate::new(spec.clone()).expect("plate");
+    let stated = Plate::new(spec.clone()).expect("plate");
     spec.drive_end = DriveEnd::Source(Source {
-        impedance: Impedance::damper(told.wave_impedance_n_s_per_m(28e3).expect("bending")),
+        impedance: Impedance::damper(stated.wave_impedance_n_s_per_m(28e3).expect("bending")),
         ..Source::soft(&spec.model, 28e3)
     });
-    let [told, whole] = [told, Plate::new(spec).expect("plate")].map(|plate| {
+    let [stated, whole] = [stated, Plate::new(spec).expect("plate")].map(|plate| {
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
         let sites = checker.sites(&[0.2087]).expect("on it");
         touched_db(&sites[0], &Finger::light(0.198))
     });
-    assert!((told[0] / whole[0] - 1.0).abs() < 1e-9 && told[1] > 1.0, "{told:?} {whole:?}");
+    assert!((stated[0] / whole[0] - 1.0).abs() < 1e-9 && stated[1] > 1.0, "{stated:?} {whole:?}");
 }

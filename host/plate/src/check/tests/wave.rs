@@ -1,4 +1,4 @@
-//! Loss and peak: the loss integral against its closed forms, and that the two lights agree.
+//! Loss and peak: the loss integral against its closed forms, and the agreement of the two lights.
 
 use super::{light, value};
 use crate::check::{Checker, Colour, Conditions, loss_integral, wavelengths};
@@ -97,8 +97,8 @@ fn a_peak_that_stands_near_the_drive_is_not_green() {
 
 #[test]
 fn a_peak_is_green_only_if_it_is_the_largest_at_other_speeds_too() {
-    // Under a force the near field of the end does not follow the resonances: between two of them it is larger than the
-    // peak, if that has lost enough on its way.
+    // Under a prescribed force the near field of the end does not follow the resonances: between two of them it
+    // exceeds a peak that has lost enough on its way.
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     spec.drive_end = DriveEnd::Source(Source::soft(&spec.model, 28e3));
     let mut seen = [0; 3];
@@ -126,8 +126,8 @@ fn a_peak_is_green_only_if_it_is_the_largest_at_other_speeds_too() {
 
 #[test]
 fn a_peak_that_the_near_field_halves_is_not_green() {
-    // A hinged moved end puts half of its motion into the near field, which the file leaves out: what is stated to be 1.5
-    // times the drive is less than the drive.
+    // A hinged moved end puts half of its motion into the near field, which the file leaves out: a stated peak of 1.5
+    // times the drive is in fact smaller than the drive.
     let mut spec = preset("al-bending-displacement").expect("preset").spec().clone();
     spec.loss_factor = 0.1;
     let plate = Plate::new(spec).expect("plate");
@@ -136,12 +136,12 @@ fn a_peak_that_the_near_field_halves_is_not_green() {
     for i in 0..40 {
         let boundary_m = 0.12 + 0.003 * f64::from(i);
         let hz = plate.frequency_for_boundary_hz(boundary_m);
-        let told = respond(&plate, hz, 513, Equation::Corrected).expect("responds").peak;
+        let stated = respond(&plate, hz, 513, Equation::Corrected).expect("responds").peak;
         let truth = plane::respond(&plate, hz, 513, &plane::Setup::of(&plate)).expect("solves").peak;
         let report = checker.at(boundary_m).expect("on it");
-        if told.is_some_and(|peak| peak.is_largest) && truth.is_none_or(|peak| peak.amplitude < 0.9) {
+        if stated.is_some_and(|peak| peak.is_largest) && truth.is_none_or(|peak| peak.amplitude < 0.9) {
             seen += 1;
-            assert_eq!(light(&report, "peak").colour, Colour::Amber, "{boundary_m}: {told:?} {truth:?}");
+            assert_eq!(light(&report, "peak").colour, Colour::Amber, "{boundary_m}: {stated:?} {truth:?}");
         }
     }
     assert!(seen > 3, "{seen}");

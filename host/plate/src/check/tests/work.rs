@@ -1,4 +1,4 @@
-//! What the lights cost, by the solver's own count of its work.
+//! The cost of the lights, by the solver's own count of its work.
 
 use crate::check::{Checker, Conditions, SPAN_PLACES};
 use crate::frequency::driven_end::with_whole_end;
@@ -16,7 +16,8 @@ fn the_lights_of_a_preset_take_one_grid_for_each_plate_that_they_ask_about() {
         let before = work::done();
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
         let prepared = work::done();
-        // The plate itself, at most its other 8 speeds and 2 losses, and with the near field that its file leaves out.
+        // The plate itself, at most 8 other speeds and 2 losses, and the plate with the near field that its file
+        // leaves out.
         let plates = prepared.grids - before.grids;
         assert!((7..=11).contains(&plates), "{}: {plates}", preset.name);
         let whole = usize::from(with_whole_end(&plate).is_some());
@@ -24,10 +25,10 @@ fn the_lights_of_a_preset_take_one_grid_for_each_plate_that_they_ask_about() {
         assert_eq!(prepared.sweeps - before.sweeps, (1 + whole) * once, "{}", preset.name);
         checker.over_span().expect("span");
         let all = work::done();
-        // A level on each plate, and the amplitude over the plate itself.
+        // A level on each plate, and the amplitude of the plate itself.
         assert_eq!(all.sweeps - prepared.sweeps, groups * (plates + 1), "{}", preset.name);
         assert_eq!(all.grids - prepared.grids, groups, "{}", preset.name);
-        // The finger at each boundary.
+        // The finger load at each boundary.
         assert!(all.single - before.single <= SPAN_PLACES, "{}", preset.name);
     }
 }

@@ -7,7 +7,8 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Most characters that a message quotes from a file, because a hostile file may hold very long names and values.
+/// Largest number of characters that a message quotes from a file, because a hostile file may hold very long names
+/// and values.
 const QUOTED: usize = 40;
 
 /// The parsed text.
@@ -90,7 +91,7 @@ impl<'t> Text<'t> {
         given.refuse_unknown(|_| true)?;
         if let Some(&(kind, fields)) = given.find_kind()? {
             given.kind = kind;
-            // A section of its own is judged by its reader, which knows why it does not belong to a kind.
+            // A subsection is judged by its own reader, which knows why it does not belong to a kind.
             let is_section = |name: &str| {
                 schema.field(name).is_some_and(|field| matches!(field.field_type, FieldType::Section))
             };
@@ -137,7 +138,7 @@ impl<'a> Given<'a> {
         let home = SECTIONS.iter().find(|section| section.field(&name).is_some());
         let reason = match (home, nearest(&name, names())) {
             (Some(home), _) if home.name.is_empty() => {
-                "it is the plate's own: write it above the first [section]".to_owned()
+                "it is a field of the plate itself: write it above the first [section]".to_owned()
             }
             (Some(home), _) => format!("it is a field of [{}]", home.name),
             (None, Some(near)) => format!("did you mean {near}?"),
@@ -184,11 +185,12 @@ impl<'a> Given<'a> {
 
     /// The error for a field that is absent.
     pub(super) fn missing(&self, name: &str) -> PlateError {
-        let told = self
+        let allowed = self
             .schema
             .field(name)
             .map_or_else(String::new, |field| format!("{}, {}", field.meaning, self.schema.allowed(field)));
-        let needed = if self.kind.is_empty() { told } else { format!("\"{}\" needs it: {told}", self.kind) };
+        let needed =
+            if self.kind.is_empty() { allowed } else { format!("\"{}\" needs it: {allowed}", self.kind) };
         PlateError::Missing { field: self.schema.path(name), needed }
     }
 
@@ -204,27 +206,27 @@ impl<'a> Given<'a> {
         })
     }
 
-    /// A number that may be left out.
+    /// An optional number.
     pub(super) fn number(&self, name: &str) -> Result<Option<f64>, PlateError> {
         self.read(name, as_number)
     }
 
-    /// A number.
+    /// A required number.
     pub(super) fn required(&self, name: &str) -> Result<f64, PlateError> {
         self.number(name)?.ok_or_else(|| self.missing(name))
     }
 
-    /// A text that may be left out.
+    /// An optional text.
     pub(super) fn text(&self, name: &str) -> Result<Option<String>, PlateError> {
         self.read(name, |value| value.as_str().map(str::to_owned))
     }
 
-    /// true or false; false if it is left out.
+    /// true or false; false if it is absent.
     pub(super) fn flag(&self, name: &str) -> Result<bool, PlateError> {
         Ok(self.read(name, DeValue::as_bool)?.unwrap_or(false))
     }
 
-    /// One of a few words; `None` if it is left out.
+    /// One of a few words; `None` if it is absent.
     pub(super) fn word(&self, name: &str) -> Result<Option<&'static str>, PlateError> {
         let Some((FieldSpec { field_type: FieldType::OneOf(words), .. }, _)) = self.value(name) else {
             return Ok(None);
@@ -263,8 +265,8 @@ fn entry<'m, 't>(
     table.iter().find(|(key, _)| key.get_ref() == name)
 }
 
-/// A finite number from a float or an integer in any base; `inf` and `nan` pass, so that the range check names them.
-/// A literal too large for `f64` is `None`: as infinity it would be quoted wrongly.
+/// A finite number from a float or an integer in any base; `inf` and `nan` pass, so that the range check reports
+/// them. A literal too large for `f64` is `None`: as infinity it would be quoted wrongly.
 fn as_number(value: &DeValue<'_>) -> Option<f64> {
     match value {
         DeValue::Float(float) => {

@@ -1,18 +1,19 @@
-//! The driven end of a bending plate with clamped edges: every wave of the strip, every polynomial across the width.
+//! The driven end of a bending plate with clamped edges, with all waves of the strip and polynomials across the
+//! width.
 //!
 //! The waves of a strip between clamped edges have different shapes across the width ([`strip_waves`]), so the end's
-//! conditions hold for each polynomial p_i by itself. An agent at x = 0 of a plate on x > 0 exerts on w = sum w_i p_i
+//! conditions are stated for each polynomial p_i. An agent at x = 0 of a plate on x > 0 exerts on w = sum w_i p_i
 //!
 //! ```text
 //! on w_i:    F =  D (W w''' - (2 - nu) B w'/W)      Kirchhoff's force
 //! on w_i':   M = -D (W w'' - nu B w/W)              the moment
 //! ```
-//! The source acts on the share of the width mode at its cut-off: its force on w_i is F P_i, and it is moved by the sum of
-//! P_i w_i. The propagating wave enters by p(0) and p'(0), the other 2 N - 1 waves by their amplitudes; with the drive that
-//! makes 2 N unknowns for 2 N conditions, linear in p(0) and p'(0). Of these waves some may run, too: a higher width mode
-//! goes to its own turning point and comes back ([`turning_wave`](super::turning_wave)). The others die out from the end
-//! on, and the strip has the width of the end: what the taper changes within the reach of that near field, less than W, is
-//! left out.
+//! The source acts on the projection on the width mode at its cut-off: its force on w_i is F P_i, and its deflection
+//! is the sum of P_i w_i. The propagating wave enters by p(0) and p'(0), the other 2 N - 1 waves by their amplitudes.
+//! With the drive this makes 2 N unknowns for 2 N conditions, linear in p(0) and p'(0). Some of the other waves may
+//! propagate: a higher width mode travels to its own turning point and returns
+//! ([`turning_wave`](super::turning_wave)). The others decay from the end, and the strip has the width of the end:
+//! the change of the taper within the reach of that near field, less than W, is neglected.
 
 use super::DrivenEnd;
 use super::near_field::{Course, Decay, NearField, NearWave};
@@ -27,7 +28,7 @@ use num_complex::Complex64;
 use std::f64::consts::TAU;
 
 const ROWS: usize = 2 * ORDERS;
-/// Largest |ds/dt| of a wave that dies out; away from where two waves meet it is 1 to 2.
+/// Largest |ds/dt| of an evanescent wave; away from where two waves meet it is 1 to 2.
 const SLOPE_MOST: f64 = 2.0;
 
 /// The strip at the driven end at one frequency.
@@ -41,7 +42,7 @@ struct Strip {
     axial: Complex64,
     /// 1 + j eta of the plate's own stiffness.
     compliance: Complex64,
-    /// D without loss, N m. Where shear and rotary inertia are included, what makes the power of the wave right.
+    /// D without loss, N m. With shear and rotary inertia, the value that gives the correct power of the wave.
     rigidity: f64,
     poisson: f64,
 }
@@ -60,13 +61,13 @@ impl Strip {
         let model = &plate.spec().model;
         let lossless = plate.wavenumber_squared(frequency_hz);
         let vacuum = TAU * plate.vacuum_frequency_hz(frequency_hz);
-        // The width mode's a K^2 has the factor a.
+        // a K^2 of the width mode contains the factor a.
         let rise = plate.axial_rise(frequency_hz) / plate.width_mode(1).slope;
         let surface_density = model.surface_density("a source").unwrap_or(f64::NAN);
         Self {
             section: section(),
             omega,
-            // As for the wave on the plate, so that the waves of the end and of the plate are the same.
+            // The turning width, so that the waves of the end equal those of the plate.
             half_width: plate.turning_half_width_m(0.0),
             lossless,
             axial: lossless * plate.lossy(frequency_hz),
@@ -82,7 +83,7 @@ impl Strip {
         self.rigidity * ratio * ratio
     }
 
-    /// D of the plate.
+    /// D of the plate, with its own loss.
     fn own_rigidity(&self) -> Complex64 {
         self.lossy_rigidity(self.lossless * self.compliance)
     }
@@ -93,7 +94,8 @@ impl Strip {
         self.section.waves(axial * square, self.half_width, propagating * square)
     }
 
-    /// What w with the derivatives `w`[n] of order n, all with the shape `shape`, asks of an agent at x = 0.
+    /// The conditions at x = 0 on w with the derivatives `w`[n] of order n, all with the shape `shape`: the force and
+    /// the moment that an agent must exert.
     fn end(&self, rigidity: Complex64, shape: &DVector<Complex64>, w: [Complex64; 4]) -> End {
         let across = self.section.slope.map(Complex64::from) * shape / Complex64::from(self.half_width);
         let along = shape * Complex64::from(self.half_width);
@@ -105,34 +107,34 @@ impl Strip {
         }
     }
 
-    /// The same of a wave.
+    /// The same for a wave.
     fn wave_end(&self, rigidity: Complex64, wave: &Wave) -> End {
         let rate = Complex64::I * wave.wavenumber;
         self.end(rigidity, &wave.shape, [Complex64::ONE, rate, rate * rate, rate * rate * rate])
     }
 
-    /// P P^T x, the generalised forces of an agent that opposes the motion of the width mode with a force of 1.
+    /// P P^T x: the generalised forces of an agent that opposes the motion of the width mode with unit stiffness.
     fn on_mode(&self, value: &DVector<Complex64>) -> DVector<Complex64> {
         let share: Complex64 = value.iter().zip(&self.section.projection).map(|(w, p)| w * p).sum();
         self.section.projection.map(|p| share * p)
     }
 }
 
-/// A wave beside the propagating one.
+/// A wave of the end other than the propagating one.
 struct Beside {
     /// Its value on the centre line.
     centre: Complex64,
     course: Course,
 }
 
-/// `wave` beside the propagating one, and what it asks of the end. `number` is that of the width mode if it runs and
-/// returns.
+/// A wave other than the propagating one, with its conditions at the end. `number` is that of its width mode if it
+/// propagates and returns.
 fn beside(strip: &Strip, plate: &Plate, wave: &Wave, number: Option<u32>) -> (Beside, End) {
     let rigidity = strip.own_rigidity();
     let square = wave.wavenumber * wave.wavenumber;
     let Some(number) = number else {
-        // k^2 = s/W^2 with s linear in t = (W K)^2. Where two waves meet, their slopes are infinite; beside that
-        // point each goes on more slowly.
+        // k^2 = s/W^2 with s linear in t = (W K)^2. Where two waves meet, their slopes are infinite, but only at that
+        // point: the slope is limited for the plate beyond it.
         let slope = wave.slope / (wave.slope.norm() / SLOPE_MOST).max(1.0);
         let axial = -slope * strip.axial;
         let course = Course::DiesOut(Decay { axial, across: -square - axial });
@@ -145,8 +147,8 @@ fn beside(strip: &Strip, plate: &Plate, wave: &Wave, number: Option<u32>) -> (Be
     (Beside { centre: wave.centre, course: Course::Turns(law) }, end)
 }
 
-/// The number of the width mode (3, 5, ..) of the wave `index` of those beside the propagating one, if it runs: the
-/// wavenumbers of the even modes fall in the order of their numbers.
+/// The number of the width mode (3, 5, ..) of `near[index]` if that wave propagates: the wavenumbers of the even
+/// modes fall in the order of their numbers.
 fn number_of_running(near: &[Wave], index: usize) -> Option<u32> {
     let square = |wave: &Wave| (wave.wavenumber * wave.wavenumber).re;
     let own = square(&near[index]);
@@ -154,20 +156,20 @@ fn number_of_running(near: &[Wave], index: usize) -> Option<u32> {
     (own > 0.0).then_some(2 * before as u32 + 3)
 }
 
-/// The columns of the conditions: p(0), p'(0) and each wave beside it.
+/// The columns of the conditions: p(0), p'(0) and each of the other waves.
 struct Columns {
     ends: Vec<End>,
     near: Vec<Beside>,
 }
 
 impl Columns {
-    /// `narrowing_per_m` is W'/W at x = 0; 0 for the straight strip of the end's width, from which no wave returns.
+    /// `narrowing_per_m` is W'/W at x = 0; 0 for the straight strip of the end's width, on which no wave returns.
     fn new(strip: &Strip, plate: &Plate, narrowing_per_m: f64, propagating: Complex64) -> Self {
         let mut waves = strip.waves(strip.axial, propagating);
         let rigidity = strip.own_rigidity();
         let near = waves.split_off(1);
         let shape = waves.first().map_or_else(|| DVector::zeros(ORDERS), |wave| &wave.shape / wave.centre);
-        // With p'' = -k^2 p.
+        // Because p'' = -k^2 p.
         let by_value = [Complex64::ONE, Complex64::ZERO, -propagating, Complex64::ZERO];
         let by_slope = [Complex64::ZERO, Complex64::ONE, Complex64::ZERO, -propagating];
         let mut ends = vec![strip.end(rigidity, &shape, by_value), strip.end(rigidity, &shape, by_slope)];
@@ -200,7 +202,7 @@ impl Columns {
         let mut right = DMatrix::<Complex64>::zeros(ROWS, 2);
         right.set_column(0, &-&columns[0]);
         right.set_column(1, &-&columns[1]);
-        // Rows of one size: a force and a moment differ by a length.
+        // Rows are scaled to one size: force and moment differ by a length.
         for row in 0..ROWS {
             let size = matrix.row(row).iter().map(|term| term.norm()).fold(f64::MIN_POSITIVE, f64::max);
             matrix.row_mut(row).scale_mut(size.recip());
@@ -247,12 +249,12 @@ pub(super) fn sourced(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, so
     Sourced::new(plate, frequency_hz, narrowing_per_m, losses.as_slice()).with(source)
 }
 
-/// An end on which one source or another acts: what does not depend on the source.
+/// The driven end without its source: everything that does not depend on the source.
 pub(super) struct Sourced<'a> {
     plate: &'a Plate,
     strip: Strip,
     columns: Columns,
-    /// Strips with the losses of the lead-ins.
+    /// Strips with the loss factors of the lead-ins.
     behind: Vec<LossyStrip>,
 }
 
@@ -306,15 +308,15 @@ impl<'a> Sourced<'a> {
 
 impl LossyStrip {
     fn new(strip: &Strip, loss_factor: f64, propagating: Complex64) -> Self {
-        // D (1 - j eta) with K^4 D the same: K^2 goes with the inverse root.
+        // D (1 - j eta) at the same K^4 D: K^2 varies as the inverse root.
         let axial = strip.lossless / Complex64::new(1.0, -loss_factor).sqrt();
         Self { loss_factor, rigidity: strip.lossy_rigidity(axial), waves: strip.waves(axial, propagating) }
     }
 
-    /// The forces on (w_i, w_i') at the junction that move the strip behind it, per unit of w_i and w_i'.
+    /// The forces on (w_i, w_i') at the junction that move the strip behind it, per unit of w_i and of w_i'.
     ///
-    /// With y = -x the strip lies at y = 0..l. Each wave runs away from either end; at the far end the moment is zero and
-    /// a damper takes the force on the width mode.
+    /// With y = -x the strip is y = 0..l. Each wave leads away from one of the ends; at the far end the moment is
+    /// zero and a damper takes the force on the width mode.
     fn dynamic_stiffness(&self, strip: &Strip, lead_in: &LeadIn) -> DMatrix<Complex64> {
         let Self { rigidity, waves, .. } = self;
         let damper = -Impedance::damper(lead_in.end_resistance_n_s_per_m).dynamic_stiffness(strip.omega);
@@ -328,7 +330,7 @@ impl LossyStrip {
             ] {
                 let directed = Wave { wavenumber, shape: wave.shape.clone(), ..*wave };
                 let end = strip.wave_end(*rigidity, &directed);
-                // The agent at the far end is on the other side: -F takes the damper's force j omega R w.
+                // The agent at the far end is on the other side: -F is the damper's force j omega R w.
                 let far_force = &end.force + strip.on_mode(&end.value) * damper;
                 for row in 0..ORDERS {
                     conditions[(row, column)] = near * end.value[row];
@@ -349,7 +351,7 @@ impl LossyStrip {
         }
         let amplitude = conditions.lu().solve(&right).unwrap_or_else(|| DMatrix::zeros(2 * ROWS, ROWS));
         let mut stiffness = forces * amplitude;
-        // y = -x: w' and the force on it change their signs.
+        // y = -x reverses the signs of w' and of the force on it.
         for row in 0..ROWS {
             for column in 0..ROWS {
                 if (row < ORDERS) != (column < ORDERS) {

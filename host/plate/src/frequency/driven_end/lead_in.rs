@@ -1,4 +1,4 @@
-//! The strip behind a driven end in bending, as a dynamic stiffness that loads the end.
+//! The strip behind a driven end in bending: its dynamic stiffness as a load of the end.
 //!
 //! With y = 0 at the junction and y = l at the far end its four waves are e^(jky), e^(jk(l - y)), e^(-gamma y) and
 //! e^(-gamma (l - y)), each at most 1 on the strip, with k^2 = K^2 - q^2 and gamma^2 = K^2 + q^2. At the far end the
@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 /// The forces on (f, f') at the junction that move the strip, per unit of f and of f' (x points away from the strip).
 pub(super) fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn) -> [[Complex64; 2]; 2] {
-    // D (1 - j eta) with K^4 D the same: K^2 goes with the inverse root.
+    // D (1 - j eta) at the same K^4 D: K^2 varies as the inverse root.
     let loss = Complex64::new(1.0, -lead_in.loss_factor);
     let axial = strip.lossless_axial / loss.sqrt();
     let stiffness = strip.stiffness * loss;
@@ -43,7 +43,7 @@ pub(super) fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn) -> [[Complex64;
         forces[0][column] = near * stiffness * rate * (laplacian - lateral);
         forces[1][column] = -near * stiffness * (laplacian + lateral);
     }
-    // Rows of one size: the force row is in N/m, the others in powers of 1/m.
+    // Rows are scaled to one size: the force row is in N/m, the others in powers of 1/m.
     let scale = (strip.stiffness * axial.norm().powf(1.5)).recip();
     for column in 0..4 {
         conditions[(1, column)] /= axial.norm().sqrt();
@@ -60,6 +60,6 @@ pub(super) fn dynamic_stiffness(strip: &Strip, lead_in: &LeadIn) -> [[Complex64;
     let per_value: [Complex64; 2] = response(0, 1.0);
     let per_turn: [Complex64; 2] = response(1, axial.norm().sqrt().recip());
     let of_y = Matrix2::new(per_value[0], per_turn[0], per_value[1], per_turn[1]);
-    // y = -x: f' and the force on it change their signs.
+    // y = -x reverses the signs of f' and of the force on it.
     [[of_y[(0, 0)], -of_y[(0, 1)]], [-of_y[(1, 0)], of_y[(1, 1)]]]
 }

@@ -1,14 +1,15 @@
-//! The other waves at the driven end of a plate in bending: evanescent ones, and higher width modes that run there.
+//! The other waves at the driven end of a plate in bending: evanescent waves, and higher width modes that propagate
+//! there.
 
 use super::turning_wave::{ModeLaw, TurningWave};
 use num_complex::Complex64;
 
-/// Exponents of decay after which a near wave is left out: e^-21 = 1e-9, the solver's own error.
+/// Decay, in nepers, beyond which a near wave is neglected: e^-21 = 1e-9, the solver's own error.
 const EXPONENTS_MAX: f64 = 21.0;
-/// Points from one evaluation of a near wave to the next; between them its logarithm goes linearly.
+/// Points from one evaluation of a near wave to the next; between them its logarithm is linear.
 const STRIDE: usize = 8;
 
-/// The waves beside the propagating one p that start at the driven end, each with
+/// The waves other than the propagating wave p that start at the driven end, each with
 /// e(0) = `per_value` p(0) + `per_slope` p'(0).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct NearField {
@@ -20,31 +21,31 @@ pub(crate) struct NearField {
 pub(crate) struct NearWave {
     pub(crate) per_value: Complex64,
     pub(crate) per_slope: Complex64,
-    /// How it goes on along the plate.
+    /// Its course along the plate.
     pub(crate) course: Course,
 }
 
-/// How a wave goes on along the plate.
+/// The course of a wave along the plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Course {
-    /// It dies out: e(x) = e(0) sqrt(W0 gamma0/(W gamma)) exp(-integral of gamma).
+    /// It decays: e(x) = e(0) sqrt(W0 gamma0/(W gamma)) exp(-integral of gamma).
     DiesOut(Decay),
-    /// It runs, turns where the plate is narrower and comes back: a [`TurningWave`].
+    /// It propagates, turns where the plate is narrower and returns: a [`TurningWave`].
     Turns(ModeLaw),
 }
 
 /// The rate of a wave along the plate, gamma^2 = `axial` + `across` (W0/W)^2, 1/m^2. gamma = -jk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Decay {
-    /// What is the same everywhere: K^2 between supported edges.
+    /// The part independent of the width: K^2 between supported edges.
     pub(crate) axial: Complex64,
-    /// What the width adds at x = 0: (q/W0)^2 between supported edges.
+    /// The part of the width at x = 0: (q/W0)^2 between supported edges.
     pub(crate) across: Complex64,
 }
 
 impl NearField {
-    /// Adds the near field to `field`, which holds p at each `every`-th (1 and more) of the points that lie uniform in steps
-    /// of `step_m` from 0 on; `scale` is sqrt(W0/W) at all of them, `value` is p(0) and `slope` p'(0).
+    /// Adds the near field to `field`, which holds p at every `every`-th (1 or more) of the points in steps of
+    /// `step_m` from 0; `scale` is sqrt(W0/W) at all points, `value` is p(0) and `slope` p'(0).
     pub(crate) fn add(
         &self,
         field: &mut [Complex64],
@@ -82,10 +83,10 @@ impl Decay {
         self.square(scale).sqrt()
     }
 
-    /// Adds a wave that dies out and is `now` at x = 0.
+    /// Adds an evanescent wave that is `now` at x = 0.
     fn add(self, field: &mut [Complex64], scale: &[f64], step_m: f64, mut now: Complex64) {
         let (first, last) = (self.rate(scale[0]), scale.len() - 1);
-        // Of the point `from`: ln of the wave over its value at 0, gamma, and the integral of gamma.
+        // At the point `from`: ln of the wave over its value at 0, gamma, and the integral of gamma.
         let (mut from, mut log, mut rate, mut exponent) = (0, Complex64::ZERO, first, Complex64::ZERO);
         while from < last && exponent.re <= EXPONENTS_MAX {
             let to = (from + STRIDE).min(last);
@@ -113,8 +114,8 @@ impl Decay {
         2.0 * narrowing * self.across * scale[point].powi(4) / rate
     }
 
-    /// As [`Decay::add`], at each `every`-th point alone: so far apart that gamma is integrated from one to the next with
-    /// its slopes, too (the trapezoidal rule and the first term of Euler and Maclaurin: an error of the fourth order).
+    /// As [`Decay::add`], at every `every`-th point only. These are so far apart that the integral of gamma also uses
+    /// its slopes (trapezoidal rule with the first term of Euler and Maclaurin: an error of the fourth order).
     fn add_apart(self, field: &mut [Complex64], every: usize, scale: &[f64], step_m: f64, at_end: Complex64) {
         let first = self.rate(scale[0]);
         let apart_m = step_m * every as f64;

@@ -1,4 +1,4 @@
-//! How much of the returning wave the driven end sends back.
+//! Reflection of the returning wave at the driven end.
 
 use super::DrivenEnd;
 use super::whole_end::with_whole_end;
@@ -9,7 +9,7 @@ use num_complex::Complex64;
 /// Reflection r of the propagating wave at the driven end: on a straight strip of the end's width and with the drive at
 /// rest, p = e^(-j k0 x) + r e^(+j k0 x). `None` if the wave of `frequency_hz` cannot enter.
 ///
-/// It is the reflection of the end as the solvers have it: for a plate in bending the ends `Force` and `Resistance` are
+/// It is the reflection in the solvers' equation: for a plate in bending the ends `Force` and `Resistance` are
 /// approximations, see [`resistance_reflection`].
 pub fn reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
     let k0 = entering(plate, frequency_hz)?;
@@ -31,8 +31,8 @@ impl DrivenEnd {
     }
 }
 
-/// [`reflection`] of the free end with a damper of the same resistance that an end `Resistance` of a plate in bending
-/// stands for. `None` for other plates and ends.
+/// [`reflection`] of a free end with a damper, for an end `Resistance` of a plate in bending with the same
+/// resistance. `None` for other plates and ends.
 pub fn resistance_reflection(plate: &Plate, frequency_hz: f64) -> Option<Complex64> {
     match plate.spec().drive_end {
         DriveEnd::Resistance { .. } => reflection(&with_whole_end(plate)?, frequency_hz),

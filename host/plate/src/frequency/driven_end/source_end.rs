@@ -1,4 +1,4 @@
-//! One end of a plate in bending under many sources: what each sends back, and what it launches.
+//! One driven end of a plate in bending for many sources: reflection and launched wave.
 
 use super::DrivenEnd;
 use super::clamped;
@@ -8,7 +8,8 @@ use crate::definition::plate::Plate;
 use crate::definition::source::Source;
 use num_complex::Complex64;
 
-/// The straight strip of the driven end's width at one frequency. What does not depend on the source is computed once.
+/// The straight strip of the driven end's width at one frequency; everything that does not depend on the source is
+/// computed once.
 pub(crate) struct SourceEnd<'a> {
     plate: &'a Plate,
     frequency_hz: f64,
@@ -19,17 +20,17 @@ pub(crate) struct SourceEnd<'a> {
     clamped: Option<clamped::Sourced<'a>>,
 }
 
-/// What a driven end does to the waves of its strip.
+/// Reflection and launched wave of a driven end.
 pub(crate) struct Scattering {
     /// |r| of the returning wave.
     pub(crate) reflected: f64,
-    /// The level of the wave that a drive of 1 launches into an endless strip: the root of its power, in any unit that does
-    /// not depend on the wave speed, as ln.
+    /// Logarithm of the level of the wave that a unit drive launches into an infinite strip: the root of its power,
+    /// in an arbitrary unit that does not depend on the wave speed.
     pub(crate) launched_ln: f64,
 }
 
 impl<'a> SourceEnd<'a> {
-    /// `losses` are the loss factors of the lead-ins that will be tried. `None` if the wave of `frequency_hz` cannot enter.
+    /// `losses` are the loss factors of the lead-ins to try. `None` if the wave of `frequency_hz` cannot enter.
     pub(crate) fn new(plate: &'a Plate, frequency_hz: f64, losses: &[f64]) -> Option<Self> {
         let wavenumber = entering(plate, frequency_hz)?;
         let impedance = plate.wave_impedance_n_s_per_m(frequency_hz)?;
@@ -38,14 +39,14 @@ impl<'a> SourceEnd<'a> {
         Some(Self { plate, frequency_hz, wavenumber, impedance, clamped })
     }
 
-    /// The end with `source`, in place of the plate's own drive end.
+    /// The end with `source` in place of the plate's own drive end.
     pub(crate) fn scattering(&self, source: &Source) -> Scattering {
         let end = match &self.clamped {
             Some(clamped) => clamped.with(source),
             None => DrivenEnd::sourced(self.plate, self.frequency_hz, 0.0, source),
         };
         let reflected = end.reflection(self.wavenumber).norm();
-        // p = t e^(jkx) meets alpha p + beta p' = drive, and its power goes with Z |t|^2.
+        // p = t e^(jkx) satisfies alpha p + beta p' = drive, and its power is proportional to Z |t|^2.
         let launched = end.drive / (end.alpha + Complex64::I * self.wavenumber * end.beta);
         Scattering { reflected, launched_ln: launched.norm().ln() + 0.5 * self.impedance.ln() }
     }

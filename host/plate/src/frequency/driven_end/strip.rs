@@ -1,4 +1,4 @@
-//! The supported strip at the driven end: what its two waves and the agents behind them are computed from.
+//! The supported strip at the driven end: parameters of its two waves and of the agents behind them.
 
 use crate::definition::plate::Plate;
 use crate::frequency::axial::lossy_axial_squared;

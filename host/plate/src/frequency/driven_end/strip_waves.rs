@@ -1,19 +1,19 @@
-//! All waves of a clamped strip at one frequency: the propagating one and those that decay from an end.
+//! All waves of a clamped strip at one frequency: the propagating one and the evanescent ones.
 //!
 //! Across the width a wave is a sum of polynomials with value and slope zero at the edges, p_i(b), b = z/W, orthonormal
 //! over b = -1..1. With B = integral of p_i' p_j', C = integral of p_i'' p_j'' and s = (W k)^2 the plate's equation is
 //!
 //! (s^2 + 2 s B + C) v = t^2 v,   t = (W K)^2,
 //!
-//! quadratic in s. It has two s per polynomial; of k = +-sqrt(s)/W one leads or decays away from an end.
+//! quadratic in s. It has two solutions s per polynomial; of k = +-sqrt(s)/W one leads or decays away from an end.
 
 use nalgebra::{DMatrix, DVector, Schur};
 use num_complex::Complex64;
 use std::sync::LazyLock;
 
-/// Polynomials across the width; the reflection of an end is then right to 1e-3.
+/// Polynomials across the width, for an error of the end's reflection of 1e-3.
 pub(super) const ORDERS: usize = 5;
-/// Steps of the inverse iteration for a shape; each is exact to rounding if the waves are distinguished.
+/// Steps of the inverse iteration for a shape; each is exact to rounding if the waves are distinct.
 const SHAPE_STEPS: usize = 3;
 
 /// The polynomials across the width and their products.
@@ -26,7 +26,7 @@ pub(super) struct Section {
     centre: DVector<f64>,
     /// The width mode at its cut-off, 1 on the centre line.
     pub(super) mode: DVector<f64>,
-    /// The linear form that gives the share of that mode in a deflection.
+    /// The linear form that gives the component of that mode in a deflection.
     pub(super) projection: DVector<f64>,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Section {
 pub(super) struct Wave {
     /// k of the wave that leads or decays toward positive x, 1/m.
     pub(super) wavenumber: Complex64,
-    /// Its share of each polynomial.
+    /// Its component on each polynomial.
     pub(super) shape: DVector<Complex64>,
     /// Its value on the centre line.
     pub(super) centre: Complex64,
@@ -51,7 +51,7 @@ impl Polynomial {
         Self(self.0.iter().enumerate().skip(1).map(|(power, term)| power as f64 * term).collect())
     }
 
-    /// Integral over b = -1..1 of the product of two.
+    /// Integral over b = -1..1 of the product of two polynomials.
     fn product(&self, other: &Self) -> f64 {
         let terms = self.0.iter().enumerate().flat_map(|(i, a)| {
             other
@@ -71,14 +71,14 @@ impl Polynomial {
     }
 }
 
-/// (1 - b^2)^2 b^(2m), made orthonormal in turn.
+/// (1 - b^2)^2 b^(2m), orthonormalised in order.
 fn polynomials() -> Vec<Polynomial> {
     let mut found: Vec<Polynomial> = Vec::with_capacity(ORDERS);
     for order in 0..ORDERS {
         let mut terms = vec![0.0; 2 * order];
         terms.extend([1.0, 0.0, -2.0, 0.0, 1.0]);
         let mut next = Polynomial(terms);
-        // Twice: what rounding leaves of the others after the first pass, the second removes.
+        // Twice: the second pass removes the components that rounding leaves in the first.
         for _ in 0..2 {
             next = found.iter().fold(next, |next, other| next.less(next.product(other), other));
         }
@@ -88,7 +88,7 @@ fn polynomials() -> Vec<Polynomial> {
     found
 }
 
-/// The section, worked out once.
+/// The section, computed once.
 pub(super) fn section() -> &'static Section {
     static SECTION: LazyLock<Section> = LazyLock::new(|| {
         let value = polynomials();
@@ -129,7 +129,7 @@ impl Section {
     }
 
     fn wave(&self, t: Complex64, square: Complex64, still: &DMatrix<Complex64>, half_width_m: f64) -> Wave {
-        // A little off the eigenvalue, so that the matrix can be factored.
+        // Slightly off the eigenvalue, so that the matrix can be factored.
         let near = square * (1.0 + 1e-11);
         let matrix = still
             + self.slope.map(|value| 2.0 * near * value)
@@ -141,7 +141,7 @@ impl Section {
             shape /= Complex64::from(shape.norm());
         }
         let root = square.sqrt();
-        // Decaying, or without any loss leading, toward positive x.
+        // Decaying, or without loss leading, toward positive x.
         let root = if root.im < 0.0 { -root } else { root };
         let centre = shape.iter().zip(&self.centre).map(|(share, centre)| share * centre).sum();
         // From v (s^2 + 2 s B + C - t^2) v = 0, whose matrix is symmetric.

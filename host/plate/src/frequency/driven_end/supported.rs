@@ -8,8 +8,8 @@
 //! on f':  -D W (L f + (1 - nu) q^2 f)                       the moment, times the integral of cos^2 over the width = W
 //! on f:    D W ((L f)' - (1 - nu) q^2 (f' - s f))           Kirchhoff's force
 //! ```
-//! that an agent outside has to exert. D is complex with loss, K^4 = rho h omega^2/D. Where shear and rotary inertia are
-//! included, K is Mindlin's and D the value that makes the power of the wave right, rho h omega/(K^2 dK^2/d omega).
+//! that an external agent must exert. D is complex with loss, K^4 = rho h omega^2/D. With shear and rotary inertia, K
+//! is Mindlin's and D the value that gives the correct power of the wave, rho h omega/(K^2 dK^2/d omega).
 
 use super::DrivenEnd;
 use super::lead_in;
@@ -47,7 +47,7 @@ impl Strip {
         [kirchhoff.map(|term| stiffness * term), moment.map(|term| stiffness * term)]
     }
 
-    /// The end whose conditions are `first` = `drive` and `second` = 0, each as coefficients of p(0), p'(0) and e(0).
+    /// The end with the conditions `first` = `drive` and `second` = 0, each as coefficients of p(0), p'(0) and e(0).
     fn end(&self, first: [Complex64; 3], second: [Complex64; 3], drive: Complex64) -> DrivenEnd {
         let per_value = -second[0] / second[2];
         let per_slope = -second[1] / second[2];

@@ -1,23 +1,24 @@
-//! A higher width mode that runs at the driven end of a clamped plate, turns on the plate and comes back.
+//! A higher width mode that propagates at the driven end of a clamped plate, turns on the plate and returns.
 //!
-//! Between clamped edges the driven end excites every even width mode. The second one runs where the plate is more than
-//! 2.32 times as wide as where the first one turns. It goes its own way: with k^2 = s/W^2 at the local half-width W,
-//! g = e sqrt(W/W0) solves g'' + k^2 g = 0 and dies out beyond its turning point. What the taper exchanges between the
-//! two on their way is left out. Against two dimensions the field before that point is then right to 0.06 of the peak
-//! with |W'| up to 0.1 (`tests/bending_truth`); taken as a wave that does not return, it was 0.2 off.
+//! Between clamped edges the driven end excites every even width mode. The second one propagates where the plate is
+//! more than 2.32 times as wide as where the first one turns. It follows its own equation: with k^2 = s/W^2 at the
+//! local half-width W, g = e sqrt(W/W0) solves g'' + k^2 g = 0 and decays beyond its turning point. The coupling of
+//! the two by the taper is neglected. Against two dimensions, the error of the field before that point is then up to
+//! 0.06 of the peak for |W'| up to 0.1 (`tests/bending_truth`); as a wave that does not return it was 0.2.
 
 use crate::definition::plate::Plate;
 use num_complex::Complex64;
 
-/// Exponents of decay beyond the turning point after which the wave is left out.
+/// Decay beyond the turning point, in nepers, after which the wave is neglected.
 const EXPONENTS_MAX: f64 = 30.0;
-/// Steps of the own grid per radian at the driven end: the slope there is then right to 1e-5.
+/// Steps of its own grid per radian at the driven end, for an error of the slope there of 1e-5.
 const STEPS_PER_RADIAN: f64 = 20.0;
 /// Fewest and most steps of that grid.
 const STEPS: (f64, f64) = (128.0, 20_000.0);
 
-/// s = (W k)^2 of a width mode over t = (W K)^2: t - s as the cubic in v = t^(-1/2), 1/(W K), with the mode's values and
-/// slopes at the driven end and at the cut-off, and the tangent beyond the cut-off. (Far above it t - s is nearly linear in v.)
+/// s = (W k)^2 of a width mode over t = (W K)^2: t - s is the cubic in v = t^(-1/2) = 1/(W K) with the mode's values
+/// and slopes at the driven end and at the cut-off, continued by the tangent beyond the cut-off. (Far above it t - s
+/// is nearly linear in v.)
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ModeLaw {
     /// 1/W^2 at the driven end, 1/m^2.
@@ -28,13 +29,13 @@ pub(crate) struct ModeLaw {
     cut_off: f64,
     /// ds/dt at the cut-off.
     slope: f64,
-    /// t - s over u, which rises from 0 at the cut-off to 1 at the driven end as v falls: the terms of u, u^2 and u^3.
+    /// Coefficients of u, u^2 and u^3 in t - s; u rises from 0 at the cut-off to 1 at the driven end as v falls.
     across: [Complex64; 3],
 }
 
 impl ModeLaw {
-    /// The law of width mode `number` of `plate`, which has `s` and ds/dt = `slope` at `t` at the driven end, where 1/W^2
-    /// is `inverse_square`.
+    /// The law of width mode `number` of `plate`. At the driven end it has the values `s` and ds/dt = `slope` at `t`,
+    /// and 1/W^2 is `inverse_square`.
     pub(super) fn new(
         plate: &Plate,
         number: u32,
@@ -93,15 +94,15 @@ impl TurningWave {
         Self::on(law, &scale, step_m).slope_per_m - 0.5 * start.slope
     }
 
-    /// The wave on points `step_m` apart from x = 0 on, where sqrt(W0/W) is `scale`, by Numerov's method from beyond the
-    /// turning point, or from the last point.
+    /// The wave on points in steps of `step_m` from x = 0, where sqrt(W0/W) is `scale`, by Numerov's method from
+    /// beyond the turning point, or from the last point.
     pub(super) fn on(law: &ModeLaw, scale: &[f64], step_m: f64) -> Self {
         let mut exponents = 0.0;
         let mut squared: Vec<Complex64> = Vec::with_capacity(scale.len());
         for &scale in scale {
             let here = law.decay_squared(scale);
             squared.push(here);
-            // Where it runs, only the loss takes from it.
+            // Where the wave propagates, its amplitude falls by loss alone.
             exponents += if here.re > 0.0 { here.sqrt().re * step_m } else { 0.0 };
             if exponents > EXPONENTS_MAX {
                 break;
@@ -110,7 +111,7 @@ impl TurningWave {
         let Some(last) = squared.len().checked_sub(1) else {
             return Self { shape: Vec::new(), slope_per_m: Complex64::ZERO };
         };
-        // y = (1 - h^2/12 gamma^2) g, from the wave that leads or dies away from the last point.
+        // y = (1 - h^2/12 gamma^2) g, starting from the wave that leads or decays away from the last point.
         let weight = |i: usize| 1.0 - step_m * step_m / 12.0 * squared[i];
         let mut g = vec![Complex64::ZERO; squared.len()];
         let mut next = Complex64::from(1e-20);
@@ -129,7 +130,7 @@ impl TurningWave {
     }
 }
 
-/// gamma of the wave that leads or dies away toward the narrow end.
+/// gamma of the wave that leads or decays toward the narrow end.
 fn leading_away(squared: Complex64) -> Complex64 {
     let root = squared.sqrt();
     // Without loss the root of a negative number has the wrong sign.

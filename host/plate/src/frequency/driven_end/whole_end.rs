@@ -1,15 +1,15 @@
-//! The end with both of its conditions that a one-mode end of a plate in bending stands for.
+//! The end of a plate in bending with both conditions, in place of an end with one.
 
 use crate::definition::drive::DriveEnd;
 use crate::definition::impedance::Impedance;
 use crate::definition::plate::Plate;
 use crate::definition::source::{EndSlope, Source};
 
-/// `plate` with the near field at its driven end, if its drive end leaves that out: a prescribed displacement becomes one
-/// with a free slope, a force one on a free end, a resistance a damper on a free end. `None` for a plate whose end is
-/// exact.
+/// `plate` with the near field at its driven end, if its drive end leaves that out: a prescribed displacement becomes
+/// one with a free slope, a force becomes one on a free end, a resistance a damper on a free end. `None` for a plate
+/// whose end is exact.
 ///
-/// Its drive may differ by a factor from that of `plate`, see [`drive_rise`].
+/// Its drive may differ from that of `plate` by a factor, see [`drive_rise`].
 pub(crate) fn with_whole_end(plate: &Plate) -> Option<Plate> {
     let model = &plate.spec().model;
     model.bending()?;
@@ -25,8 +25,8 @@ pub(crate) fn with_whole_end(plate: &Plate) -> Option<Plate> {
     Some(plate.with_drive_end(drive_end))
 }
 
-/// How the drive of `plate` goes with the frequency where that of [`with_whole_end`] is constant: in proportion behind a
-/// damper that is moved, not at all otherwise.
+/// Drive of `plate` over frequency where that of [`with_whole_end`] is constant: proportional to frequency for a
+/// resistance, whose damper is moved at its other side, constant otherwise.
 pub(crate) fn drive_rise(plate: &Plate, frequency_hz: f64) -> f64 {
     match plate.spec().drive_end {
         DriveEnd::Resistance { at_frequency_hz, .. } => frequency_hz / at_frequency_hz,

@@ -1,13 +1,13 @@
 //! A finger on the plate: a mechanical impedance at a place on the centre line.
 //!
 //! ```text
-//! Finger -> respond_touched, predict_envelope: the plate's own field and what the finger's force adds to it  (touch)
+//! Finger -> respond_touched, predict_envelope: the plate's own field plus that of the finger's force         (touch)
 //!                                              the near field of that force                                  (contact)
 //! ```
 //!
-//! The finger moves with the plate under it and pushes back with the force F = -Z v, Z = R - j omega m, where v is the
-//! velocity under its contact, a square of the side a; it resists locally, everywhere in the contact with the same
-//! impedance per area Z/a^2. All values are illustrative: fingers differ, and one finger differs from minute to minute.
+//! The finger moves with the plate under it and exerts the force F = -Z v, Z = R - j omega m, where v is the velocity
+//! under its contact, a square of side a. It acts locally, with the same impedance per area Z/a^2 everywhere in the
+//! contact. All values are illustrative: fingers differ, and one finger differs from minute to minute.
 
 mod contact;
 mod touch;
@@ -53,19 +53,19 @@ impl Finger {
         Impedance { resistance_n_s_per_m, mass_kg, stiffness_n_per_m: 0.0 }
     }
 
-    /// How heavy the finger is for the plate's wave: |Z| over the wave impedance at the driven end, at `frequency_hz`.
+    /// Load of the finger on the plate's wave: |Z| over the wave impedance at the driven end, at `frequency_hz`.
     ///
-    /// A finger of much less than 1 leaves the wave alone; one of more than 1 takes the peak down.
+    /// A finger of much less than 1 hardly changes the wave; one of more than 1 lowers the peak.
     ///
     /// # Errors
-    /// [`RespondError::Untold`] if the plate file does not state what the wave impedance needs.
+    /// [`RespondError::Untold`] if the plate file does not state the inputs of the wave impedance.
     pub fn load(&self, plate: &Plate, frequency_hz: f64) -> Result<f64, RespondError> {
         plate.spec().model.surface_density("a finger").map_err(RespondError::Untold)?;
         let wave = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
         Ok(self.impedance().at_n_s_per_m(frequency_hz).norm() / wave)
     }
 
-    /// Refuses what is out of range, and a plate whose file does not state how heavy its wave is.
+    /// Refuses fields out of range, and a plate whose file does not state its surface density.
     pub(crate) fn check(&self, plate: &Plate) -> Result<(), RespondError> {
         let places = Range::new(0.0, plate.length_m(), "m");
         OutOfRange::check("finger place", self.place_m, places)?;
@@ -76,12 +76,12 @@ impl Finger {
         plate.spec().model.surface_density("a finger").map(drop).map_err(RespondError::Untold)
     }
 
-    /// How far the contact reaches to each side of the centre line at `x`, metres: no farther than the plate.
+    /// Extent of the contact to each side of the centre line at `x`, metres: at most the plate's half-width.
     fn half_across(&self, plate: &Plate, x: f64) -> f64 {
         (0.5 * self.contact_m).min(plate.half_width_m(x))
     }
 
-    /// Where the contact begins and ends on the plate, metres.
+    /// Start and end of the contact on the plate, metres.
     pub(crate) fn reach(&self, plate: &Plate) -> (f64, f64) {
         let half = 0.5 * self.contact_m;
         ((self.place_m - half).max(0.0), (self.place_m + half).min(plate.length_m()))

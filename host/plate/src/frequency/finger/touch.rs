@@ -1,10 +1,11 @@
-//! The field with a finger: the plate's own, and what the finger's force adds.
+//! The field with a finger: the plate's own field plus that of the finger's force.
 //!
-//! Two solutions of the homogeneous equation are enough: the one that decays beyond the turning point, r, and the one
-//! that meets the driven end's condition at rest, l. A force per length q(x) then moves the propagating wave by
-//! -(1/(w S)) (r(x) integral of l q to the left of x + l(x) integral of r q to the right of it), with w = l r' - l' r.
-//! The force F on a cell of the contact follows from the mean motion m of that cell, of which the plate's own is m0:
-//! F = c m and m = m0 + sum of C F over all cells, with c = j omega Z times the cell's share of the contact.
+//! Two solutions of the homogeneous equation suffice: r, which decays beyond the turning point, and l, which
+//! satisfies the driven end's condition without a drive. A force per length q(x) changes the propagating wave by
+//! -(1/(w S)) (r(x) integral of l q to the left of x + l(x) integral of r q to the right of it),
+//! with w = l r' - l' r. The force F on a cell of the contact follows from the mean motion m of that cell, with the
+//! plate's own part m0: F = c m and m = m0 + sum of C F over all cells, with c = j omega Z times the cell's fraction
+//! of the contact.
 
 use super::Finger;
 use super::contact::{BANDS, COLUMNS, Contact, means_across, strip_half_width};
@@ -15,7 +16,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Places of Gauss's rule on each stretch.
+/// Gauss points on each stretch.
 const PLACES: usize = 3;
 
 /// f at the grid points on the plate, relative to the drive, with `finger` on it.
@@ -28,7 +29,7 @@ pub(crate) fn touched(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz:
     field
 }
 
-/// What is left of the mean motion under the contact: the touched plate's over the free one's.
+/// Mean motion under the contact on the touched plate over that on the free plate.
 pub(crate) fn share_left(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz: f64) -> Complex64 {
     let (begins_m, ends_m) = finger.reach(plate);
     if ends_m <= begins_m {
@@ -38,8 +39,8 @@ pub(crate) fn share_left(grid: &Grid, plate: &Plate, finger: &Finger, frequency_
     Touch::new(&field, &solutions, plate, finger, frequency_hz).share_left
 }
 
-/// A stretch of the contact within one column and between two grid points, and the means over its column's width of the
-/// two solutions on it.
+/// A stretch of the contact within one column and between two grid points, with the integrals of the two solutions
+/// over it, each divided by the column's width.
 struct Stretch {
     column: usize,
     ends_m: f64,
@@ -84,7 +85,7 @@ impl<'a> Touch<'a> {
             let (begins, ends) = (contact.column_m(column), contact.column_m(column + 1));
             let mut from = begins;
             while from < ends {
-                // Up to the next grid point; a sliver of rounding is taken with the stretch after it.
+                // Up to the next grid point; a remainder of rounding size is merged with the next stretch.
                 let to = (((from / step_m + 1e-6).floor() + 1.0) * step_m).min(ends);
                 let mut stretch =
                     Stretch { column, ends_m: to, left: Complex64::ZERO, right: Complex64::ZERO };
@@ -99,7 +100,7 @@ impl<'a> Touch<'a> {
                 from = to;
             }
         }
-        // S goes with the inverse square of a solution's weight.
+        // The stiffness S is proportional to the inverse square of a solution's weight.
         let weight = interpolated(&solutions.weight, step_m, finger.place_m);
         let mut touch = Self {
             solutions,
@@ -115,7 +116,7 @@ impl<'a> Touch<'a> {
         touch
     }
 
-    /// Solves for the force on each cell, where `own` is the mean of the plate's own field over each column.
+    /// Solves for the force on each cell; `own` is the mean of the plate's own field over each column.
     fn push_back(&mut self, own: &[Complex64; COLUMNS], plate: &Plate, finger: &Finger, frequency_hz: f64) {
         let near = self.contact.compliance();
         let wave = self.wave_compliance();
@@ -162,7 +163,7 @@ impl<'a> Touch<'a> {
         for stretch in &self.stretches {
             let column = stretch.column;
             // With the stretches before it, twice by symmetry, and with itself: within a short stretch both solutions
-            // are as good as constant.
+            // are nearly constant.
             itself[column] += stretch.right * (2.0 * left[column] + stretch.left);
             left[column] += stretch.left;
             right[column] += stretch.right;
@@ -179,7 +180,7 @@ impl<'a> Touch<'a> {
         })
     }
 
-    /// Adds to `field`, the untouched plate's, what the forces change.
+    /// Adds the field of the forces to `field`, that of the untouched plate.
     fn add_to(&self, field: &mut [Complex64]) {
         let TwoSolutions { step_m, left, right, .. } = self.solutions;
         // The force on the propagating wave, column by column.

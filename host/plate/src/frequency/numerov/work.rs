@@ -1,8 +1,8 @@
-//! Counts what this thread has solved, so that a test can hold the cost of a computation without a clock.
+//! Counts the solutions of this thread, so that a test can limit the cost of a computation without a clock.
 
 use std::cell::Cell;
 
-/// Work done so far.
+/// Work of the solver up to now.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Work {
     /// Grids that were set up.
@@ -17,7 +17,7 @@ thread_local! {
     static DONE: Cell<Work> = const { Cell::new(Work { grids: 0, sweeps: 0, single: 0 }) };
 }
 
-/// What this thread has done since it began.
+/// Work of this thread since it began.
 pub(crate) fn done() -> Work {
     DONE.get()
 }

@@ -1,5 +1,5 @@
-//! The air's mass against closed forms and published numbers: discs, rectangles, an endless wave, a strip, a plate of
-//! Lamb's, a kettledrum's head.
+//! The air's mass against closed forms and published numbers: discs, rectangles, an infinite wave, a strip, Lamb's
+//! plate, the head of a kettledrum.
 
 use super::super::discrete::Resolution;
 use super::super::error::PlaneError;
@@ -13,12 +13,12 @@ use crate::{Air, AirMounting, Complex64, Faces, Gas, Plate, preset};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// M of a sheet of these panels, in air of density 1 with the wavenumber `k`, on one face where it is in a baffle.
+/// M of a sheet of these panels in air of density 1 with the wavenumber `k`; in a baffle, on one face.
 fn mass(kernel: Kernel, panels: Vec<Panel>, k: f64) -> AddedMass {
     AddedMass::new(&Fluid { kernel, density: 1.0, sound_speed: 1.0 }, panels, k)
 }
 
-/// Panels of a rectangle of the length `length` and the half-width 1 about 0.
+/// Panels of a rectangle of length `length` and half-width 1, centred on 0.
 fn rectangle(kernel: Kernel, length: f64, counts: (usize, usize)) -> Vec<Panel> {
     panels(kernel, &Outline::Uniform(0.0), (-0.5 * length, 0.5 * length), counts)
 }
@@ -91,8 +91,8 @@ fn a_rigid_rectangle_without_a_baffle_carries_the_published_mass() {
     }
 }
 
-/// A packet of waves K = 18 that dies out before the edges carries 1/sqrt(K^2 - k^2) per face in both mountings. Its
-/// spectrum has a variance of 9/2 in x and in z, which adds 9/4/K^2 of that.
+/// A packet of waves K = 18 that decays before the edges carries 1/sqrt(K^2 - k^2) per face in both mountings. Its
+/// spectrum has a variance of 9/2 in x and in z, which adds a relative (9/4)/K^2.
 #[test]
 fn a_wave_far_from_the_edges_carries_rho_over_k() {
     let wave = |[x, z]: [f64; 2]| (18.0 * x).cos() * (-4.5 * (x * x + z * z)).exp();
@@ -106,8 +106,8 @@ fn a_wave_far_from_the_edges_carries_rho_over_k() {
     }
 }
 
-/// The half-wave across a long strip without a baffle: 2 alpha rho/K with alpha = 1.342, by the potential on the strip
-/// as a sum of sines (see `BARE_FRAME`).
+/// The half-wave across a long strip without a baffle: 2 alpha rho/K with alpha = 1.342, from the potential on the
+/// strip as a sum of sines (see `BARE_FRAME`).
 #[test]
 fn a_half_wave_across_a_long_bare_strip_carries_1_342_of_a_plane_wave() {
     let k = 0.5 * PI;
@@ -129,9 +129,10 @@ fn the_clamped_disc_carries_what_lamb_says() {
     assert!((found / 0.6689 - 1.0).abs() < 5e-3, "{found}");
 }
 
-/// A kettledrum's head of 65 cm without its kettle: the frequencies of the modes with 1 to 5 nodal diameters over the first
-/// are 1, 1.48, 1.92, 2.36, 2.78 (Rossing 1982, "Acoustics of timpani"); in vacuum they were 1, 1.34, 1.67, 1.98, 2.29. The
-/// tension drops out. The head is polyester of 0.19 mm, 0.262 kg/m^2, and its stiffness is left out.
+/// The head of a 65 cm kettledrum without its kettle: the frequencies of the modes with 1 to 5 nodal diameters over
+/// the first are 1, 1.48, 1.92, 2.36, 2.78 (Rossing 1982, "Acoustics of timpani"); in vacuum 1, 1.34, 1.67, 1.98,
+/// 2.29. The ratios do not depend on the tension. The head is polyester of 0.19 mm, 0.262 kg/m^2; its stiffness is
+/// neglected.
 #[test]
 fn a_bare_kettledrum_head_has_the_ratios_that_rossing_measured() {
     const ROOTS: [[f64; 3]; 5] = [
@@ -141,7 +142,7 @@ fn a_bare_kettledrum_head_has_the_ratios_that_rossing_measured() {
         [7.588_34, 11.064_71, 14.372_54],
         [8.771_48, 12.338_60, 15.700_17],
     ];
-    // Density of the air times the radius over the head's mass per area.
+    // Density of the air times the radius, over the head's mass per area.
     let load = 1.2 * 0.325 / 0.262;
     let mass = mass(Kernel::Jump, disc(Kernel::Jump, 11, 20), 0.0);
     let lowest: Vec<f64> = (1..)
@@ -154,7 +155,7 @@ fn a_bare_kettledrum_head_has_the_ratios_that_rossing_measured() {
                 }
             };
             let shapes = roots.map(shape);
-            // (stiffness) = omega^2 (own mass + air), with the mass per area, tension and radius 1.
+            // (stiffness) = omega^2 (own mass + air), for unit mass per area, tension and radius.
             let stiffness: [f64; 3] =
                 std::array::from_fn(|i| roots[i].powi(2) * overlap(mass.panels(), &shapes[i], &shapes[i]));
             let scaled = DMatrix::from_fn(3, 3, |i, j| {

@@ -8,7 +8,7 @@ mod sheet;
 
 use crate::{Model, Plate, PlateSpec, preset};
 
-/// The plate of the al-bending presets, its end moved, between supported or clamped edges.
+/// The plate of the al-bending presets with a moved end, between supported or clamped edges.
 fn aluminium(clamped: bool, loss_factor: f64) -> Plate {
     let supported = preset("al-bending-displacement").expect("a preset").spec().clone();
     let model = match supported.model.bending() {

@@ -30,7 +30,7 @@ impl Strip {
         Self { bending, q: PI / (2.0 * width), width, omega: TAU * frequency_hz, stiffness: modulus }
     }
 
-    /// The two roots g of f = e^(g x): of the travelling wave (jk) and of the near field (-gamma), both into x > 0.
+    /// The two roots g of f = e^(g x) into x > 0: the travelling wave (jk) and the near field (-gamma).
     fn roots(&self) -> [Complex64; 2] {
         let surface = self.bending.density_kg_per_m3 * self.bending.thickness_m;
         let square = (self.omega * self.omega * surface / self.stiffness).sqrt();
@@ -38,8 +38,8 @@ impl Strip {
         [J * (square - q2).sqrt(), -(square + q2).sqrt()]
     }
 
-    /// Deflection, slope, moment and force of e^(g x) as it acts on what is at smaller x; moment and force are those of
-    /// the whole width.
+    /// Deflection, slope, moment and force of e^(g x), the last two as they act on the part at smaller x, over the
+    /// whole width.
     fn state(&self, g: Complex64) -> [Complex64; 4] {
         let (nu, q2) = (self.bending.poisson_ratio, self.q * self.q);
         let d = self.stiffness * self.width;
@@ -78,7 +78,7 @@ fn closed_form(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Complex64 {
     let mut matrix = DMatrix::<Complex64>::zeros(count, count);
     let mut right = DVector::<Complex64>::zeros(count);
     let behind = waves.iter().flat_map(|(_, states)| states).enumerate();
-    // The held deflection, or the balance of the forces; the held slope, or the balance of the moments.
+    // The prescribed deflection, or the balance of forces; the held slope, or the balance of moments.
     let first = |[f, _, _, force]: [Complex64; 4]| if held { f } else { dynamic * f - force };
     let second = |[_, slope, moment, _]: [Complex64; 4]| if guided { slope } else { moment };
     for (column, state) in [into, near].into_iter().enumerate() {
@@ -89,14 +89,14 @@ fn closed_form(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Complex64 {
     right[1] = -second(from);
     for (wave, (_, state)) in behind {
         let at = 2 + wave;
-        // The lead-in ends at x = 0 with the normal +x.
+        // At x = 0 the normal of the lead-in is +x.
         if !held {
             matrix[(0, at)] = state[3];
         }
         if !guided {
             matrix[(1, at)] = -state[2];
         }
-        // Deflection and slope are the plate's.
+        // Deflection and slope equal those of the plate.
         for row in [2, 3] {
             matrix[(row, at)] = state[row - 2];
         }
@@ -149,7 +149,7 @@ fn dampers_reflect_what_the_closed_form_and_the_physics_page_say() {
             assert!((exact.norm() - page).abs() < 0.01, "{slope:?} {ratio} {frequency_hz}: {exact} {page}");
         }
     }
-    // What absorbs all: (0.29 + 0.24 j) Z.
+    // The source that absorbs the whole wave: (0.29 + 0.24 j) Z.
     let mut setup = damper(&plate, 28e3, 0.29, Slope::Free);
     if let End::Source { impedance, .. } = &mut setup.end {
         impedance.stiffness_n_per_m = 0.24 / 0.29 * impedance.resistance_n_s_per_m * TAU * 28e3;
@@ -222,7 +222,7 @@ fn a_membrane_reflects_what_differs_from_its_impedance() {
     let source = Complex64::new(0.1, 30.0 / omega - omega * 1e-4);
     let found = reflection(&plate, frequency_hz, &setup).unwrap();
     assert!(close(found, (z - source) / (z + source)), "{found}");
-    // The file's ratio is that to Z with the turning width, which on a straight strip is the half-width.
+    // The file's ratio refers to Z with the turning width, which on a straight strip is the half-width.
     let straight = plate.with_turning_width(TurningWidth::Plain);
     let matched = reflection(&straight, frequency_hz, &Setup::of(&straight)).unwrap();
     assert!(matched.norm() < 3e-4, "the preset's damper: {matched}");
@@ -231,7 +231,7 @@ fn a_membrane_reflects_what_differs_from_its_impedance() {
 #[test]
 fn a_held_end_of_a_clamped_strip_returns_the_whole_wave() {
     let plate = aluminium(true, 0.0);
-    // Above 37 kHz a second even width mode travels, too, and takes a part of the power.
+    // Above 37 kHz a second even width mode also propagates and carries a part of the power.
     for frequency_hz in [20e3, 30e3] {
         for slope in [Slope::Free, Slope::Held] {
             let setup = Setup { end: End::Displacement(slope), ..Setup::of(&plate) };

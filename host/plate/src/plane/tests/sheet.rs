@@ -1,7 +1,7 @@
-//! The plane against the sheet of the time domain, where the two have another driven end.
+//! The plane against the sheet of the time domain, whose driven end differs.
 //!
-//! The plane's damper resists the first width mode alone, as in the one-mode equation; the sheet's resists every
-//! point of the driven end. That is the same only as long as no other width mode is there. On al-sh the edges meet the
+//! The plane's damper acts on the first width mode alone, as in the one-mode equation; the sheet's acts on every
+//! point of the driven end. The two agree only where no other width mode propagates. On al-sh the edges meet the
 //! driven end at 43 degrees, and the third mode propagates there.
 
 use super::super::discrete::Discrete;
@@ -14,7 +14,7 @@ use crate::{DriveEnd, Plate, Sheet, SheetGrid, preset};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// |w| on the centre line at `points` uniform places; with a damper at every point of the end, or on the first mode.
+/// |w| on the centre line at `points` uniform places, with a damper at every point of the end or on the first mode.
 fn centre_line(plate: &Plate, frequency_hz: f64, points: usize, resists_everywhere: bool) -> Vec<f64> {
     let outline = Outline::of(&plate.width, 0.0, RESOLUTION.rounding);
     let end_m = far_end(plate, frequency_hz);
@@ -23,7 +23,7 @@ fn centre_line(plate: &Plate, frequency_hz: f64, points: usize, resists_everywhe
     let mut system = discrete.equations(plate.wave_loss(), 1.0, discrete.level);
     let (section, node) = (&discrete.section, discrete.mesh.node_at(0.0));
     if resists_everywhere {
-        // The sheet's tension is that without loss, which is (1 + j eta) times the plane's: so is its damper.
+        // The sheet's tension has no loss; the plane's has the factor 1/(1 + j eta). The damper is scaled alike.
         let compliance = Complex64::new(1.0, plate.wave_loss());
         system.right.iter_mut().for_each(|force| *force /= compliance);
         let DriveEnd::Resistance { ratio, at_frequency_hz } = plate.spec().drive_end else {
@@ -47,7 +47,8 @@ fn centre_line(plate: &Plate, frequency_hz: f64, points: usize, resists_everywhe
     (0..points).map(|i| at(plate.length_m() * i as f64 / (points - 1) as f64).norm()).collect()
 }
 
-/// |v| on the centre line of a sheet with `cells` cells on the half-width at the end of the span, once it is steady.
+/// |v| on the centre line of a sheet with `cells` cells on the half-width at the end of the span, in the steady
+/// state.
 fn on_the_sheet(plate: &Plate, frequency_hz: f64, cells: f64) -> Vec<f64> {
     let cell = plate.half_width_m(plate.span_m().1) / cells;
     let count = |length_m: f64| (length_m / cell).ceil() as usize;

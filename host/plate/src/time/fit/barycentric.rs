@@ -1,8 +1,8 @@
 //! Poles by the set-valued AAA algorithm (Nakatsukasa, Sete and Trefethen 2018; Lietaert and others 2022).
 //!
-//! A rational function that takes the values F(s_k) at its support points s_k is
-//! r(s) = sum of w_k F(s_k)/(s - s_k) over sum of w_k/(s - s_k), with any weights w_k. The weights are those that make
-//! the linear residual sum of w_k (F(s_i) - F(s_k))/(s_i - s_k) least over all samples s_i: the last right singular
+//! A rational function with the values F(s_k) at its support points s_k is
+//! r(s) = sum of w_k F(s_k)/(s - s_k) over sum of w_k/(s - s_k), for any weights w_k. The chosen weights minimise the
+//! linear residual sum of w_k (F(s_i) - F(s_k))/(s_i - s_k) over all samples s_i: they are the last right singular
 //! vector of that matrix. All sums of positions share the weights, so they share the poles.
 
 use super::samples::{SUMS, Sample, largest};
@@ -53,7 +53,7 @@ impl Barycentric {
     /// The zeros of sum of w_k/(s - s_k).
     pub(super) fn poles(&self) -> Vec<Complex64> {
         // With t = s - origin they are the eigenvalues of D (I - w e^T/(e^T w)), where D is the diagonal of the t_k,
-        // and one more, t = 0. The origin is far from the band, so that no pole of the band is near t = 0.
+        // plus an additional one, t = 0. The origin is far from the band, so that no pole of the band is near t = 0.
         let origin = Complex64::new(0.0, -ORIGIN);
         let total: Complex64 = self.weight.iter().sum();
         let count = self.s.len();
@@ -74,7 +74,7 @@ impl Barycentric {
     }
 }
 
-/// Most QR sweeps per eigenvalue; two or three are usual.
+/// Largest number of QR sweeps per eigenvalue; two or three are usual.
 const SWEEPS_MAX: usize = 100;
 /// Distance of the additional eigenvalue of [`Barycentric::poles`] from the middle of the band, in half bands.
 const ORIGIN: f64 = 8.0;
@@ -89,7 +89,7 @@ fn last_singular_vector(matrix: DMatrix<Complex64>) -> Vec<Complex64> {
     let missing = columns.saturating_sub(matrix.nrows());
     let rows = matrix.nrows();
     let mut triangle = matrix.insert_rows(rows, missing, Complex64::ZERO).qr().r();
-    // A vanishing pivot would stop the iteration. One at the level of rounding keeps it going and changes nothing.
+    // A zero pivot would stop the iteration. A pivot at the level of rounding keeps it going and changes nothing.
     let smallest = 1e-15 * largest(triangle.iter()).max(f64::MIN_POSITIVE);
     for k in 0..columns {
         if triangle[(k, k)].norm() < smallest {

@@ -1,13 +1,13 @@
-//! A modal bank by a rational fit of the frequency-domain field, whatever computes that field.
+//! A modal bank by a rational fit of the frequency-domain field, for any solver of that field.
 //!
 //! ```text
 //! field at sampled frequencies --> AAA --> poles --> least squares --> residues at all positions
 //!              ^                                          |
 //!              +---- more samples: where the error is largest, at the poles
 //! ```
-//! field(x, omega) = c0 + c1 (omega - centre) + c2 (omega - centre)^2 + sum of r/(p - omega) over the whole band that
-//! the filter of the drive passes, where only c and r depend on x. The samples of a field are exact, and a field has
-//! many positions: so a resonance is found by samples that are far apart compared with its width.
+//! field(x, omega) = c0 + c1 (omega - centre) + c2 (omega - centre)^2 + sum of r/(p - omega) over the whole band of
+//! the drive's filter, where only c and r depend on x. The samples of a field are exact, and a field has many
+//! positions: so a resonance is found from samples that are far apart compared with its width.
 
 mod barycentric;
 mod plate;
@@ -27,28 +27,29 @@ use residues::{PartialFractions, QUASI_STATIC};
 use samples::{Sample, Samples};
 use std::f64::consts::TAU;
 
-/// How near to its field a fit has to come. Errors are relative to the largest amplitude at the same frequency.
+/// Accuracy of a fit. Errors are relative to the largest amplitude at the same frequency.
 #[derive(Debug, Clone, Copy)]
 struct Accuracy {
-    /// Frequencies at which an error counts, Hz, and the share of it that counts beyond them.
+    /// Frequencies with full weight of the error, Hz, and its weight beyond them.
     counts_hz: (f64, f64),
     beyond: f64,
-    /// Least decay of a resonance over its frequency: a sharper one is none of the plate's.
+    /// Least decay of a resonance over its frequency: the plate has none that is sharper.
     decay: f64,
-    /// Largest error of the sums of positions with which the search for poles ends.
+    /// Error of the sums of positions at which the search for poles ends.
     poles: f64,
-    /// Largest error of the field with which the fit ends.
+    /// Error of the field at which the fit ends.
     field: f64,
-    /// Most fits that may miss that.
+    /// Largest number of fits that may miss that error.
     fits: usize,
-    /// How much larger than the best fit's an error may become where fewer poles have it; 0: all are kept.
+    /// Largest error of a fit with fewer poles, over that of the best fit; 0: all poles are kept.
     spare: f64,
-    /// Largest error of a field that can be used.
+    /// Largest error of a usable fit.
     most: f64,
 }
 
 impl Accuracy {
-    /// Of a field that is a sum of decaying resonances. One or two fits are usual; one that grows, or has noise, has none.
+    /// For a field that is a sum of decaying resonances. One or two fits are usual; a field that grows or has noise
+    /// cannot be fitted.
     const EXACT: Self = Self {
         counts_hz: (0.0, f64::INFINITY),
         beyond: 1.0,
@@ -60,44 +61,45 @@ impl Accuracy {
         most: 5e-3,
     };
 
-    /// Of a field between clamped edges, from a lowest to a highest frequency. What the strip's law has in the tail is real at
-    /// every frequency, and no decaying resonance is. So it is fitted where it is needed, and later than it is.
+    /// For a field between clamped edges, from a lowest to a highest frequency. In the tail s of the strip's law is
+    /// real at every frequency, which no sum of decaying resonances is. So the field is fitted where it is needed,
+    /// and delayed.
     const fn of_strip(counts_hz: (f64, f64), decay: f64) -> Self {
         Self { counts_hz, beyond: 0.01, decay, poles: 2e-3, field: 2e-3, fits: 3, spare: 1.1, most: 3e-2 }
     }
 
-    /// The share of an error at a frequency that counts.
+    /// Weight of the error at a frequency.
     fn weight(&self, frequency_hz: f64) -> f64 {
         let (low_hz, high_hz) = self.counts_hz;
         if (low_hz..=high_hz).contains(&frequency_hz) { 1.0 } else { self.beyond }
     }
 }
 
-/// Samples at the beginning; every eighth is a support point.
+/// Initial number of samples; every eighth is a support point.
 const FIRST_SAMPLES: usize = 40;
-/// Most support points. A plate of 60 wavelengths, the most that is allowed, has about 200 poles.
+/// Largest number of support points. A plate of 60 wavelengths, the longest allowed, has about 200 poles.
 const SUPPORTS_MAX: usize = 320;
-/// Poles farther from the middle of the band than this many half bands are left to the quasi-static terms.
+/// Poles farther than this from the middle of the band, in half bands, are represented by the quasi-static terms.
 const REACH: f64 = 3.5;
-/// A sharp resonance is sampled this near to its pole, in half bands, and not nearer: an error of the pole's frequency
-/// by a part of it is not felt, but the field without loss is infinite there.
+/// Closest sample to a sharp resonance, in half bands: a smaller error of the pole's frequency has no visible effect,
+/// and the field without loss is infinite at the pole.
 const NEAREST: f64 = 1e-5;
 
 /// A fitted bank.
 pub(super) struct Fit {
     pub(super) bank: ModalBank,
     pub(super) quasi_static: QuasiStatic,
-    /// How much later than its drive's the fitted field is, seconds.
+    /// Delay of the fitted field against its drive, seconds.
     pub(super) delay_s: f64,
-    /// Largest error at the samples, relative to the largest amplitude at the same frequency. It is small, unless the
-    /// field has no poles that a fit can find, as with noise.
+    /// Largest error at the samples, relative to the largest amplitude at the same frequency. It is large only for a
+    /// field whose poles a fit cannot find, for example with noise.
     pub(super) error: f64,
-    /// The largest such error that can be used.
+    /// Largest usable error.
     pub(super) most: f64,
 }
 
-/// Fits the field that `response` computes for each of many frequencies (Hz), one value per place, relative to the
-/// drive, over the band of the filter's `plan`.
+/// Fits the field that `response` computes for many frequencies (Hz), one value per place, relative to the drive,
+/// over the band of the filter's `plan`.
 ///
 /// `response` must be smooth: the same grid at all frequencies. Every pole of the bank decays.
 fn bank(
@@ -129,7 +131,7 @@ pub(super) fn exact(
     bank(response, plan, places, Accuracy::EXACT)
 }
 
-/// The fit between `low` and `high`, in its own scale.
+/// The fit between `low` and `high`, in its own scale of frequency.
 fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>(
     samples: &mut Samples<R, W>,
     places: usize,
@@ -140,7 +142,7 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>
 ) -> PartialFractions {
     let step = (high - low) / (FIRST_SAMPLES - 1) as f64;
     samples.take(&(0..FIRST_SAMPLES).map(|i| low + step * i as f64).collect::<Vec<f64>>());
-    // Few supports: a rational function with more poles than the field has spurious ones, which nothing can place.
+    // Few supports: a rational function with more poles than the field has spurious ones at undetermined places.
     let mut support: Vec<f64> = samples.all().iter().skip(4).step_by(8).map(|sample| sample.s).collect();
     let mut is_checked = false;
     let mut best: Option<PartialFractions> = None;
@@ -172,7 +174,7 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>
                 let tolerance = accuracy.spare * best.worst();
                 return fewest_poles(samples.all(), best, tolerance);
             }
-            // First the weights must fit the new samples. Only if that is not enough are more poles needed.
+            // First fit the weights to the new samples. Add poles only if that is not enough.
             if samples.all().len() > known && !is_checked {
                 is_checked = true;
                 continue;
@@ -181,20 +183,20 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>
         is_checked = false;
         let fresh = refine(samples.all(), &error, &mut support, accuracy.poles);
         if fresh.is_empty() {
-            // All samples are support points or without error: nothing can be added.
+            // All samples are support points or have no error: nothing can be added.
             return PartialFractions::new(samples.all(), stable(&rational.poles()), places);
         }
         samples.take(&fresh);
     }
 }
 
-/// The poles near the band. A growing one is replaced by its mirror image, which decays; each at least by `decay`.
+/// The poles near the band. A growing pole is replaced by its decaying mirror image; each decays at least by `decay`.
 fn stable(poles: &[Complex64], decay: impl Fn(f64) -> f64) -> Vec<Complex64> {
     let near = poles.iter().filter(|p| p.norm() < REACH);
     near.map(|p| Complex64::new(p.re, -p.im.abs().max(decay(p.re)))).collect()
 }
 
-/// Places on both sides of the poles of the band.
+/// Places on both sides of each pole in the band.
 fn beside_resonances(pole: &[Complex64], low: f64, high: f64) -> Vec<f64> {
     let sides = pole.iter().flat_map(|p| {
         let aside = NEAREST.max(-p.im);
@@ -207,7 +209,7 @@ fn beside_resonances(pole: &[Complex64], low: f64, high: f64) -> Vec<f64> {
 fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>, tolerance: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..samples.len()).filter(|&i| !support.contains(&samples[i].s)).collect();
     order.sort_by(|&a, &b| error[b].total_cmp(&error[a]));
-    // Several at a time, because each time costs a decomposition; fewer near the end, for few poles.
+    // Several at a time, because each round costs a decomposition; fewer near the end, for few poles.
     let is_far = order.first().is_some_and(|&i| error[i] > 300.0 * tolerance);
     let most = (support.len() / if is_far { 4 } else { 12 }).max(1);
     let mut chosen: Vec<usize> = Vec::new();
@@ -226,7 +228,7 @@ fn refine(samples: &[Sample], error: &[f64], support: &mut Vec<f64>, tolerance: 
     fresh
 }
 
-/// Removes the poles with the least effect, as many as the tolerance allows: each costs time in every step.
+/// Removes the poles with the least effect, as many as the tolerance allows: each pole costs time in every step.
 fn fewest_poles(samples: &[Sample], all: PartialFractions, tolerance: f64) -> PartialFractions {
     let effect = all.effect(samples);
     let mut order: Vec<usize> = (0..all.pole.len()).collect();

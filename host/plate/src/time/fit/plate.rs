@@ -1,4 +1,4 @@
-//! The field of a plate's width mode as the fit asks for it: by Numerov's method, with the actuator's resonance.
+//! The field of a plate's width mode for the fit: by Numerov's method, with the actuator's resonance.
 
 use super::{Accuracy, Fit, bank};
 use crate::definition::actuator::Actuator;
@@ -10,18 +10,19 @@ use crate::time::band_plan::BandPlan;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Error of the field, well below that of the fit.
+/// Error of the field, far below that of the fit.
 const ERROR: f64 = 1e-6;
 
-/// A clamped plate's field is later than its drive by this many periods of the lowest frequency.
+/// Delay of a clamped plate's field against its drive, in periods of the lowest frequency.
 const DELAY_PERIODS: f64 = 4.0;
-/// No resonance of a clamped plate decays more slowly than by this share of its material's rate, or of its actuator's.
+/// Least decay of a resonance of a clamped plate, over the decay rate by its material's or its actuator's loss.
 const LEAST_DECAY: f64 = 0.4;
 
 /// Fits the field of width mode `mode`, that of `respond` with the actuator's resonance, over the band of the filter's
 /// `plan`. A finger rests on the first width mode alone.
 ///
-/// Between clamped edges the fit is near the field from `exact_hz.0` to `exact_hz.1`, and late: see [`Fit::delay_s`].
+/// Between clamped edges the fit is approximate, from `exact_hz.0` to `exact_hz.1`, and delayed: see
+/// [`Fit::delay_s`].
 pub(crate) fn of_plate(
     plate: &Plate,
     mode: u32,
@@ -44,15 +45,15 @@ pub(crate) fn of_plate(
     Fit { delay_s, ..fit }
 }
 
-/// The least decay of a resonance of a clamped plate, over its frequency.
+/// Least decay of a resonance of a clamped plate, over its frequency.
 fn least_decay(plate: &Plate) -> f64 {
     let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
     let of_actuator = resonator.map_or(f64::INFINITY, |it| 0.5 / it.quality);
-    // K^2 goes with the frequency, or with a power of it up to two.
+    // K^2 is proportional to the frequency or to a power of it up to two.
     LEAST_DECAY * plate.wave_loss().min(of_actuator)
 }
 
-/// A field that is later by `delay_s`.
+/// A field with the delay `delay_s`.
 fn late(
     mut response: impl FnMut(&[f64]) -> Vec<Vec<Complex64>>,
     delay_s: f64,
@@ -85,7 +86,7 @@ pub(crate) fn response(
     }
 }
 
-/// As [`response`], of the first width mode with a finger on the plate.
+/// As [`response`], for the first width mode with a finger on the plate.
 fn touched_response(
     plate: &Plate,
     finger: &Finger,
@@ -99,14 +100,14 @@ fn touched_response(
     }
 }
 
-/// A grid for frequencies up to `top_hz`, and how much finer than `points` it is.
+/// A grid for frequencies up to `top_hz`, and its refinement over `points`.
 fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
     let step = plate.length_m() / (points - 1) as f64;
     let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
     (Grid::new(plate, mode, Equation::Corrected, points, refinement), refinement)
 }
 
-/// The field at the positions, relative to the resonator's input; curves of the drive are left to its filter.
+/// The field at the positions, relative to the resonator's input; the drive's filter applies the curves.
 fn row(plate: &Plate, frequency_hz: f64, fine: &[Complex64], refinement: usize) -> Vec<Complex64> {
     let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
     let actuator = resonator.map_or(Complex64::ONE, |it| it.response(frequency_hz));

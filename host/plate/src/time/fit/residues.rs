@@ -1,4 +1,4 @@
-//! The field as a sum over given poles: residues and quasi-static terms by least squares.
+//! The field as a sum over known poles: residues and quasi-static terms by least squares.
 
 use super::samples::{self, Sample};
 use nalgebra::DMatrix;
@@ -6,8 +6,8 @@ use num_complex::Complex64;
 
 /// The quasi-static terms: 1, s and s^2.
 pub(super) const QUASI_STATIC: usize = 3;
-/// Weight of the terms' own size against the error. It keeps out large terms that cancel each other, because the time
-/// steps add them in single precision.
+/// Weight of the terms' own size against the error. It suppresses large terms that cancel each other, because the
+/// time steps add them in single precision.
 const RIDGE: f64 = 1e-6;
 
 /// field(s) = c_0 + c_1 s + c_2 s^2 + sum over i of r_i/(p_i - s), in the fit's own scale.
@@ -20,7 +20,7 @@ pub(super) struct PartialFractions {
 }
 
 impl PartialFractions {
-    /// The terms for these poles with the least sum of squares of the relative errors.
+    /// The terms for these poles, by least squares of the relative errors.
     pub(super) fn new(samples: &[Sample], pole: Vec<Complex64>, places: usize) -> Self {
         let (rows, columns) = (samples.len(), QUASI_STATIC + pole.len());
         let data = DMatrix::from_fn(rows, places, |row, place| samples[row].field[place] / samples[row].top);
@@ -43,7 +43,8 @@ impl PartialFractions {
         self.error.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The largest part of each pole in the field of a sample, relative to the largest amplitude at its frequency.
+    /// The largest contribution of each pole to the field of a sample, relative to the largest amplitude at its
+    /// frequency.
     pub(super) fn effect(&self, samples: &[Sample]) -> Vec<f64> {
         let parts = self.pole.iter().enumerate().map(|(i, pole)| {
             let gain = samples.iter().map(|it| 1.0 / ((pole - it.s).norm() * it.top)).fold(0.0, f64::max);
@@ -57,7 +58,7 @@ impl PartialFractions {
 fn inverse(basis: &DMatrix<Complex64>) -> DMatrix<Complex64> {
     let (rows, columns) = basis.shape();
     let mut matrix = basis.clone().insert_rows(rows, columns, Complex64::ZERO);
-    // Columns of equal size, so that the ridge weighs the terms by their effect on the field.
+    // Columns are scaled to equal size, so that the ridge weighs the terms by their effect on the field.
     let size: Vec<f64> = matrix.column_iter().map(|column| column.norm().max(f64::MIN_POSITIVE)).collect();
     for (column, size) in size.iter().enumerate() {
         matrix.column_mut(column).unscale_mut(*size);
@@ -65,7 +66,7 @@ fn inverse(basis: &DMatrix<Complex64>) -> DMatrix<Complex64> {
     }
     let (unitary, triangle) = matrix.qr().unpack();
     let mut inverse = unitary.rows(0, rows).adjoint();
-    // The ridge keeps every pivot from zero, so there is a solution.
+    // The ridge keeps every pivot above zero, so a solution exists.
     triangle.solve_upper_triangular_mut(&mut inverse);
     for (mut row, size) in inverse.row_iter_mut().zip(size) {
         row.unscale_mut(size);
@@ -73,7 +74,7 @@ fn inverse(basis: &DMatrix<Complex64>) -> DMatrix<Complex64> {
     inverse
 }
 
-/// A product of complex matrices by four products of real ones, which are many times faster.
+/// A product of complex matrices by four products of real ones, which is many times faster.
 fn product(left: &DMatrix<Complex64>, right: &DMatrix<Complex64>) -> DMatrix<Complex64> {
     let (a, b) = (left.map(|it| it.re), left.map(|it| it.im));
     let (c, d) = (right.map(|it| it.re), right.map(|it| it.im));

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-/// Sums of all positions that stand for the field while the poles are searched.
+/// Sums over all positions that represent the field in the search for poles.
 pub(super) const SUMS: usize = 4;
 
 /// The field at one frequency.
@@ -10,9 +10,9 @@ pub(super) struct Sample {
     pub(super) s: f64,
     /// Field at the positions, relative to the drive.
     pub(super) field: Vec<Complex64>,
-    /// Largest |field| over the weight of an error at this frequency: errors are relative to it.
+    /// Largest |field| over the weight at this frequency: the scale of relative errors.
     pub(super) top: f64,
-    /// That weight, 1 or less.
+    /// Weight of an error at this frequency, 1 or less.
     pub(super) weight: f64,
     /// Sums over all positions with different signs.
     pub(super) sum: [Complex64; SUMS],
@@ -23,13 +23,13 @@ pub(super) fn largest<'a>(values: impl IntoIterator<Item = &'a Complex64>) -> f6
     values.into_iter().map(Complex64::norm_sqr).fold(0.0, f64::max).sqrt()
 }
 
-/// Samples by rising frequency.
+/// Samples in the order of frequency.
 pub(super) struct Samples<R, W> {
     /// The field at each of many s.
     response: R,
     /// The weight of an error at s.
     weight: W,
-    /// Sign of each position in each sum, without pattern, so that no mode is missed by all sums.
+    /// Random sign of each position in each sum, so that no mode cancels in all sums.
     sign: Vec<[f64; SUMS]>,
     sample: Vec<Sample>,
 }
@@ -53,7 +53,7 @@ impl<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64> Samples<R, W> {
         &self.sample
     }
 
-    /// Takes a sample at each `wanted` place that has none yet. A field that is zero or not finite is left out.
+    /// Takes a sample at each `wanted` place without one. A field that is zero or not finite is left out.
     pub(super) fn take(&mut self, wanted: &[f64]) {
         let mut fresh: Vec<f64> = Vec::with_capacity(wanted.len());
         for &s in wanted {

@@ -39,8 +39,8 @@ fn difference(exact: &[Complex64], found: &[Complex64]) -> f64 {
     samples::largest(&apart) / samples::largest(exact)
 }
 
-/// Largest difference between a fit and `response` at 301 frequencies over the whole of the filter's band and, with
-/// `resonances`, beside every pole in it.
+/// Largest difference between a fit and `response` at 301 frequencies over the whole band of the filter and, with
+/// `resonances`, near every pole in it.
 fn worst(
     fit: &Fit,
     plan: &BandPlan,
@@ -130,7 +130,7 @@ fn a_mode_that_enters_only_in_the_upper_half_of_the_band_gets_no_spurious_poles(
     assert!(fit.bank.pole.len() < 16, "{} poles", fit.bank.pole.len());
 }
 
-/// A membrane by finite differences with a patch that resists: f'' + (W'/W) f' + (k^2 + j omega r chi(x)) f = 0, with
+/// A membrane by finite differences with a resistive patch: f'' + (W'/W) f' + (k^2 + j omega r chi(x)) f = 0, with
 /// f(0) = 1 or with a matched resistance there.
 fn touched(
     plate: &Plate,
@@ -228,7 +228,7 @@ fn a_known_rational_field_gives_its_poles_and_a_growing_one_is_turned_to_decay()
 fn a_resonance_a_thousand_times_sharper_than_the_distance_of_the_samples_is_right_at_its_peak() {
     let plan = BandPlan::new(400e3, 10e3, 40e3);
     for width in [1.0, 1.5, 5.0, 100.0] {
-        // A broad resonance, and a sharp one of half its size at its peak.
+        // A broad resonance, and a sharp one with half its peak.
         let pole = [Complex64::new(1.5e5, -4e4), Complex64::new(1.7e5, -width)];
         let response = |frequencies: &[f64]| -> Vec<Vec<Complex64>> {
             let value = |f: &f64, x: usize| {
@@ -254,7 +254,7 @@ fn a_field_that_is_zero_or_not_finite_leaves_the_plate_at_rest() {
         assert_eq!((fit.bank.shape.shape(), fit.quasi_static.shape.shape()), ((20, 0), (20, 3)));
         assert!(fit.quasi_static.shape.iter().all(|value| *value == Complex64::ZERO));
     }
-    // One bad place is enough to leave a frequency out.
+    // One bad place excludes a frequency.
     for value in [f64::NAN, f64::INFINITY] {
         let one_bad = |f: &[f64]| {
             let row = |f: &f64| -> Vec<Complex64> {
@@ -265,7 +265,7 @@ fn a_field_that_is_zero_or_not_finite_leaves_the_plate_at_rest() {
         let fit = exact(one_bad, &plan, 20);
         assert!(difference(&[Complex64::ONE; 20], &steady(&fit, &plan, 20e3)) < 1e-4, "{value}");
     }
-    // A field without poles: the quasi-static terms hold it alone.
+    // A field without poles: the quasi-static terms alone represent it.
     let fit = exact(|f: &[f64]| vec![vec![Complex64::new(0.5, 2.0); 20]; f.len()], &plan, 20);
     assert!(fit.error < 1e-5 && fit.bank.pole.len() <= 1, "{} {}", fit.error, fit.bank.pole.len());
 }

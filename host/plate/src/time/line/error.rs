@@ -1,4 +1,4 @@
-//! Why a line could not be made.
+//! Reasons why a line could not be made.
 
 use crate::definition::sample_rate::SampleRateError;
 use crate::frequency::error::RespondError;
@@ -6,27 +6,27 @@ use crate::quantity::OutOfRange;
 use crate::time::drive_filter::DriveCurveError;
 use thiserror::Error;
 
-/// Why a line could not be made.
+/// Reason why a line could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]
     SampleRate(#[from] SampleRateError),
-    /// No filter has the measured curve of the plate's drive: its actuator's or its calibration's.
+    /// No filter follows the measured curve of the plate's drive, that of its actuator or of its calibration.
     #[error(transparent)]
     Drive(#[from] DriveCurveError),
     /// The number of positions or the width mode is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A finger that the plate cannot have.
+    /// The finger is not possible on this plate.
     #[error(transparent)]
     Finger(RespondError),
-    /// The field over the band is no sum of decaying resonances.
+    /// The field over the band is not a sum of decaying resonances.
     #[error("the plate cannot be simulated in time: the best sum of decaying resonances is off by {:.1} % of its amplitude, at most {:.1} % is allowed", .error * 100.0, .most * 100.0)]
     Unfit {
         /// Largest error, relative to the largest amplitude at the same frequency.
         error: f64,
-        /// The largest that is allowed.
+        /// Largest allowed error.
         most: f64,
     },
 }

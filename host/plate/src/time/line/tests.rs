@@ -14,7 +14,7 @@ fn settled_tones_agree(plate: &Plate, line: TimeDomainLine, rate: f64) {
     settled_tones_agree_touched(plate, None, line, rate);
 }
 
-/// As [`settled_tones_agree`], perhaps with a finger.
+/// As [`settled_tones_agree`], optionally with a finger.
 fn settled_tones_agree_touched(plate: &Plate, finger: Option<&Finger>, mut line: TimeDomainLine, rate: f64) {
     let name = plate.name();
     let (low, high) = plate.band_hz();
@@ -62,7 +62,8 @@ fn a_settled_tone_of_codes_has_the_frequency_domain_amplitude_and_peak() {
 fn a_settled_tone_on_a_fitted_line_has_the_frequency_domain_amplitude_and_peak() {
     for preset in presets() {
         let plate = preset.plate().expect("a preset");
-        // The lowest rate that carries the band with ease: the low presets settle for seconds.
+        // A rate with ample room for the band: at a higher one the low presets, which settle for seconds, would take
+        // too long.
         let rate = (10.0 * plate.band_hz().1).clamp(4e3, 400e3);
         let line = TimeDomainLine::fitted(&plate, rate, 257, 1).expect("the rate carries the band");
         settled_tones_agree(&plate, line, rate);
@@ -81,7 +82,7 @@ fn a_step_of_amplitude_decays_on_a_fitted_line_as_on_the_line_of_eigenfunctions(
         let mut field = [vec![Complex64::ZERO; 65], vec![Complex64::ZERO; 65]];
         let (mut worst, mut top, mut after): (f64, f64, f64) = (0.0, 0.0, 0.0);
         let mut n = 0;
-        // A tone of full scale for 4 ms, then of a tenth of it, in blocks of 0.1 ms.
+        // A tone of full scale for 4 ms, then of a tenth of full scale, in blocks of 0.1 ms.
         for block in 0..160 {
             let amplitude = if block < 40 { 1.0 } else { 0.1 };
             let codes: Vec<f32> = (n..n + 40)
@@ -103,7 +104,7 @@ fn a_step_of_amplitude_decays_on_a_fitted_line_as_on_the_line_of_eigenfunctions(
     }
 }
 
-/// `name` with another driven end.
+/// Preset `name` with another driven end.
 fn with_end(name: &str, drive_end: DriveEnd) -> Plate {
     Plate::new(PlateSpec { drive_end, ..preset(name).expect("a preset").spec().clone() })
         .expect("a valid plate")

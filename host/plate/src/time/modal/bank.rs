@@ -27,7 +27,7 @@ pub(crate) struct ModalBank {
     pub(crate) direct: DVector<Complex64>,
 }
 
-/// The sum of the oscillators far from the band: their response as a quadratic in omega about the band's middle.
+/// The sum of the oscillators far from the band: their response as a quadratic in omega about the middle of the band.
 pub(crate) struct QuasiStatic {
     /// Field per unit of the input, of (omega - centre) times the input, and of (omega - centre)^2 times the input: one
     /// column each.
@@ -65,7 +65,7 @@ impl ModalBank {
         (bank, QuasiStatic { shape: quasi_static })
     }
 
-    /// Steady field at `frequency_hz` per unit of drive: what the time steps converge to.
+    /// Steady field at `frequency_hz` per unit of drive: the limit of the time steps.
     #[cfg(test)]
     pub(crate) fn steady(&self, frequency_hz: f64) -> Vec<Complex64> {
         let omega = TAU * frequency_hz;

@@ -41,7 +41,8 @@ pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option
         matrix[(count + i, count + i)] = -J * poles[i];
         drive[count + i] = J;
     }
-    // F is a sum of the oscillators' states (`own`) and of the source or, with a resistance, of the source's rate.
+    // F is a sum of the oscillators' states (`own`) and of the source or, with a resistance, of the source's time
+    // derivative.
     let (own, source_gain) = match resistance {
         Some(ratio) => {
             // F = (R/T) (f(0)' - 2 s') and f(0)' = sum g (-j p z + j F).
@@ -81,7 +82,7 @@ pub(super) fn couple(free: &Uncoupled, resistance: Option<f64>, actuator: Option
 /// Poles and residues of the actuator: H = sum r/(p - omega).
 fn actuator_poles(actuator: Resonator) -> ([Complex64; 2], [Complex64; 2]) {
     let omega = TAU * actuator.resonance_hz;
-    // At Q = 1/2 both poles are equal, and the residues infinite. A change of Q by 1e-6 keeps them apart and has no
+    // At Q = 1/2 both poles are equal and the residues infinite. A change of Q by 1e-6 separates them and has no
     // visible effect.
     let quality = if (actuator.quality - 0.5).abs() < 1e-6 { 0.500_001 } else { actuator.quality };
     let half = Complex64::new(0.0, -0.5 / quality);

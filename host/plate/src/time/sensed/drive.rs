@@ -1,4 +1,4 @@
-//! Resonances that follow the curves of a plate's drive.
+//! Resonances that represent the curves of a plate's drive.
 
 use super::fields;
 use super::output::{Held, Output};
@@ -7,21 +7,23 @@ use crate::time::DriveCurve;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Error of the curve with which the search for more resonances ends, relative to the curve at the same frequency.
+/// Error at which the search for more resonances ends, relative to the curve at the same frequency.
 const TOLERANCE: f64 = 1e-3;
 /// Numbers of resonances, fewest first.
 const COUNTS: [usize; 3] = [0, 24, 120];
-/// Half width of a resonance over the distance to the next one: the sum of equal ones then ripples by 2 e^(-3 pi).
+/// Half width of a resonance over the distance to the next one: the ripple of a sum of equal resonances is then
+/// 2 e^(-3 pi).
 const HALF_WIDTH: f64 = 1.5;
-/// Frequencies at which they are tried, uniform in the logarithm: over the exact band, and over all that passes the filter of
-/// the band; and most corners of the curve beside them. They are more than the unknowns.
+/// Number of test frequencies, uniform in the logarithm: over the exact band, and over the whole band of the filter;
+/// and largest number of corners of the curve in addition. They exceed the number of unknowns.
 const TRIED: [usize; 3] = [400, 100, 300];
 
-/// The fewest resonances that follow the curves of `plate` within a thousandth, else the most; none where no part of its
-/// drive is a curve. Complex angular frequencies, rad/s. `decay` gives the factors per sample of such frequencies.
+/// The smallest number of resonances that represents the curves of `plate` within 1e-3, otherwise the largest number;
+/// none if its drive has no curve. Complex angular frequencies, rad/s. `decay` gives the factors per sample for such
+/// frequencies.
 ///
-/// They follow the least phase of the curve's gain. A calibration measures no phase, its points have 0 degrees, and no sum
-/// of decaying resonances has that phase where the gain changes.
+/// They represent the minimum phase of the curve's gain. A calibration does not measure the phase and writes 0
+/// degrees, and no sum of decaying resonances has that phase where the gain changes.
 pub(super) fn resonances(
     plate: &Plate,
     exact_hz: (f64, f64),

@@ -1,16 +1,16 @@
-//! Why a place cannot be sensed.
+//! Reasons why a place cannot be sensed.
 
 use crate::quantity::OutOfRange;
 
-/// Largest error of an output over the exact band, relative to the answer itself.
+/// Largest error of an output over the exact band, relative to the response at the same frequency.
 pub(super) const ERROR_MAX: f64 = 5e-3;
-/// The same where the drive is a measured curve, whose points have noise.
+/// Largest error where the drive is a measured curve, whose points have noise.
 pub(super) const CURVE_ERROR_MAX: f64 = 3e-2;
-/// The same between clamped edges. No sum of decaying resonances has the strip's law in the tail, and where the second even
-/// width mode begins to run at the driven end, the answer near it jumps.
+/// Largest error between clamped edges. No sum of decaying resonances follows the strip's law in the tail, and where
+/// the second even width mode begins to propagate at the driven end, the response near it has a jump.
 pub(super) const CLAMPED_ERROR_MAX: f64 = 0.1;
 
-/// Why a place cannot be sensed.
+/// Reason why a place cannot be sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SenseError {
     /// The place or the delay is out of range.
@@ -21,12 +21,12 @@ pub enum SenseError {
         "a membrane or a shear wave strains its surface only with the square of its slope: sense displacement, velocity or acceleration"
     )]
     NoStrain,
-    /// The answer at this place is no sum of decaying resonances.
-    #[error("the answer at this place cannot be simulated in time: it is off by {:.2} % of itself, at most {:.2} % is allowed", .error * 100.0, .most * 100.0)]
+    /// The response at this place is not a sum of decaying resonances.
+    #[error("the response at this place cannot be simulated in time: it is off by {:.2} % of itself, at most {:.2} % is allowed", .error * 100.0, .most * 100.0)]
     Unfit {
-        /// Largest error over the exact band, relative to the answer.
+        /// Largest error over the exact band, relative to the response.
         error: f64,
-        /// The largest that is allowed.
+        /// Largest allowed error.
         most: f64,
     },
 }

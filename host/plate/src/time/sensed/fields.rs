@@ -1,4 +1,4 @@
-//! The field of the plate at the frequencies that the outputs are fitted to.
+//! The field of the plate at the frequencies of the outputs' fit.
 
 use crate::calibrate::{SensorKind, seen};
 use crate::definition::plate::Plate;
@@ -8,32 +8,34 @@ use crate::frequency::numerov::{self, Grid};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Radians of the shortest wave per station: the polynomial through six of them is right to 1e-6 of the wave.
+/// Radians of the shortest wave per station: the error of the polynomial through six stations is then 1e-6 of the
+/// wave.
 const RADIANS_PER_STATION: f64 = 0.15;
 /// Error of the field.
 const ERROR: f64 = 1e-7;
-/// Fewest and most stations.
+/// Smallest and largest number of stations.
 const STATIONS: (usize, usize) = (65, 8193);
-/// Frequencies spread over the band, uniform and uniform in the logarithm.
+/// Numbers of frequencies over the band, uniform and uniform in the logarithm.
 const SPREAD: (usize, usize) = (240, 120);
-/// Frequencies beside each resonance, in its half widths.
+/// Frequencies near each resonance, as offsets in its half widths.
 const BESIDE: [f64; 7] = [-4.0, -1.7, -0.7, 0.0, 0.7, 1.7, 4.0];
-/// Frequencies above the band, and how far they go.
+/// Number of frequencies above the band, and their highest over the end of the band.
 const ROUGHLY: (usize, f64) = (48, 4.0);
-/// A resonance without loss is sampled this near to its frequency, as a share of it.
+/// Least half width of a resonance for these offsets, over its frequency: for a resonance without loss.
 const NEAREST: f64 = 1e-5;
-/// Broad poles per octave for what varies slowly: far resonances, the hold, a delay, a coil.
+/// Broad poles per octave for slow variations: distant resonances, the hold, a delay, a coil.
 const BACKGROUND_PER_OCTAVE: f64 = 1.5;
 
-/// The poles of the plate and broad ones from well below the band to above it, all with a positive frequency; rad/s.
+/// The poles of the plate, plus broad ones from well below the band to above it, all with a positive frequency;
+/// rad/s.
 pub(super) fn with_background(
     fitted: &[Complex64],
     (low_hz, high_hz): (f64, f64),
     sample_rate_hz: f64,
 ) -> Vec<Complex64> {
-    // A resonator of a real signal answers at both signs of the frequency.
+    // A resonator of a real signal responds at both signs of the frequency.
     let mut pole: Vec<Complex64> = fitted.iter().map(|p| Complex64::new(p.re.abs(), p.im)).collect();
-    // The broadest ones of the fit are its own background.
+    // The broadest poles of the fit are its own background and are left out.
     let top_hz = (16.0 * high_hz).min(0.45 * sample_rate_hz);
     pole.retain(|p| p.norm() < TAU * top_hz);
     let octaves = (top_hz / low_hz).log2();
@@ -55,7 +57,7 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Solves the plate from `stop_hz.0` to `stop_hz.1`, more densely beside the resonances `pole` (rad/s).
+    /// Solves the plate from `stop_hz.0` to `stop_hz.1`, with more frequencies near the resonances `pole` (rad/s).
     pub(super) fn new(
         plate: &Plate,
         finger: Option<&Finger>,
@@ -71,7 +73,7 @@ impl Fields {
         let refinement = numerov::refinement_for(plate, stop_hz.1, step_m, ERROR);
         let grid = Grid::new(plate, 1, Equation::Corrected, stations, refinement);
         let mut frequency_hz = frequencies(pole, stop_hz);
-        // Above the band the plate is only followed roughly, so that an output need not fall off steeply.
+        // Above the band the plate is only sampled coarsely, so that an output need not fall off steeply.
         let octaves = (ROUGHLY.1.min(0.45 * sample_rate_hz / stop_hz.1)).log2().max(0.0);
         let above = |i: usize| stop_hz.1 * (octaves * i as f64 / ROUGHLY.0 as f64).exp2();
         frequency_hz.extend((1..=ROUGHLY.0).map(above));

@@ -1,11 +1,11 @@
-//! How resonators and outputs lie in memory: in whole vectors.
+//! Memory layout of resonators and outputs: whole vectors.
 
-/// Resonators that are computed together.
+/// Number of resonators computed together.
 pub(super) const LANES: usize = 8;
 /// A vector.
 pub(super) type Lanes = [f64; LANES];
 
-/// Values in whole vectors; what fills the last one is zero.
+/// Values in whole vectors; the last one is padded with zeros.
 pub(super) fn in_lanes(values: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut values: Vec<f64> = values.collect();
     values.resize(values.len().next_multiple_of(LANES), 0.0);

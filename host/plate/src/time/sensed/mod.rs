@@ -1,13 +1,13 @@
-//! The plate as the inputs of a device sample it: DAC codes in, the signal of a sensor at a place and the motion of the
-//! drive point out, one value per code.
+//! The plate as sampled by the inputs of a device: DAC codes in, the signal of a sensor at a place and the motion of
+//! the drive point out, one value per code.
 //!
 //! ```text
 //! field at sampled frequencies --> poles (fit) --> resonators at the sample rate, common to all places
 //!              |                                          |
 //!              +--> residues of one place (output) ------>+--> one value per code
 //! ```
-//! The resonators do not know where the sensor stands: it may be moved while they ring. No filter lies between the codes
-//! and the plate, so an answer is late by the hold of the DAC alone.
+//! The resonators do not depend on the sensor's place: it may be moved while they ring. There is no filter between
+//! the codes and the plate, so a response is delayed by the hold of the DAC alone.
 
 mod drive;
 mod error;
@@ -36,23 +36,23 @@ use output::Held;
 pub use output::Output;
 pub use resonators::Resonators;
 
-/// Places for the search of the poles.
+/// Number of places for the search of the poles.
 const PLACES: usize = 129;
-/// How far beyond the span's band the plate is exact, as a factor of its lowest and of its highest frequency.
+/// Exact band: factors on the lowest and the highest frequency of the span's band.
 const BEYOND: (f64, f64) = (0.8, 1.5);
-/// The same with a finger, far above whose band its contact is no sum of resonances.
+/// The same with a finger: far above the band, its contact is not a sum of resonances.
 const BEYOND_TOUCHED: (f64, f64) = (1.0, 1.05);
-/// Frequencies at which the plate holds its drive.
+/// Number of frequencies at which the plate holds its drive.
 const HELD_FREQUENCIES: u32 = 24;
-/// Their weights over that of the band: the second where the first leaves too little for the band.
+/// Their weights over that of the band: the second is used where the first leaves too large an error in the band.
 const HELD_WEIGHTS: [f64; 2] = [0.03, 0.01];
-/// Factors per sample of what decays within a few samples: it follows the codes themselves.
+/// Factors per sample of signals that decay within a few samples: they follow the codes directly.
 const SHORT: [Complex64; 4] =
     [Complex64::ZERO, Complex64::new(0.5, 0.0), Complex64::new(-0.5, 0.0), Complex64::new(0.0, 0.6)];
-/// Highest frequency of that over the sample rate.
+/// Highest frequency of the background poles over the sample rate.
 const TOP_TO_RATE: f64 = 0.4;
 
-/// A plate at a sample rate, ready to be sampled at any place.
+/// A plate at a sample rate, prepared for sampling at any place.
 ///
 /// ```
 /// use slipline_plate::calibrate::SensorKind;
@@ -80,13 +80,12 @@ pub struct SensedPlate {
 }
 
 impl SensedPlate {
-    /// Prepares a plate, perhaps with a finger that rests on it, for codes at one of [`crate::sample_rates`].
+    /// Prepares a plate, optionally with a resting finger, for codes at one of [`crate::sample_rates`].
     ///
-    /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest to 1.05
-    /// of the highest) the answer is that of the frequency domain, between clamped edges within a hundredth or two; above it
-    /// falls off. A measured actuator and the
-    /// correction of a calibration belong to it, with the least phase of their gain; noise from one of their points to the
-    /// next is smoothed, see [`Output::error`].
+    /// From 0.8 of the lowest frequency of the plate's span to 1.5 of its highest one (with a finger from the lowest
+    /// to 1.05 of the highest) the response is that of the frequency domain, between clamped edges within one or two
+    /// hundredths; above this band it falls off. It includes a measured actuator and the correction of a calibration,
+    /// with the minimum phase of their gain; noise between their points is smoothed, see [`Output::error`].
     ///
     /// # Errors
     /// Those of [`super::TimeDomainLine::touched`].
@@ -102,7 +101,7 @@ impl SensedPlate {
         let stop_hz = plan.stop_hz();
         let exact_hz = (beyond.0 * low_hz, top_hz);
         let fit = fit::of_plate(plate, 1, finger, &plan, PLACES, exact_hz);
-        // Between clamped edges only the resonances are taken from a fit that is near; each output has its own error.
+        // Between clamped edges only the resonances are taken from an approximate fit; each output has its own error.
         if plate.width_mode(1).strip.is_none() {
             check_fit(&fit)?;
         }
@@ -118,15 +117,16 @@ impl SensedPlate {
         Ok(Self { plate: plate.clone(), sample_rate_hz, fields, advance })
     }
 
-    /// What a sensor at `place_m` (0 to the plate's length) shows per code of 1: metres, m/s, m/s^2 or strain, later than
-    /// the plate by `delay_s` (0 to one sample).
+    /// The signal of a sensor at `place_m` (0 to the plate's length) per code of 1, in metres, m/s, m/s^2 or strain,
+    /// with an additional delay of `delay_s` (0 to one sample).
     ///
     /// A tone whose codes are cos(omega t_n) gives Re(H e^(-j omega (t_n - delay))) at sample n, with H = the steady
-    /// amplitude at the place times the hold's droop sinc(f/fs), and the delay `delay_s` + [`SensedPlate::hold_delay_s`].
+    /// amplitude at the place times the hold's droop sinc(f/fs), and the delay `delay_s` +
+    /// [`SensedPlate::hold_delay_s`].
     ///
     /// # Errors
-    /// [`SenseError`]: the place is not on the plate, the delay is out of range, the surface of this plate has no strain,
-    /// or the answer at this place is no sum of resonances.
+    /// [`SenseError`]: the place is not on the plate, the delay is out of range, the surface of this plate has no
+    /// strain, or the response at this place is not a sum of resonances.
     pub fn sensor(&self, sensor: SensorKind, place_m: f64, delay_s: f64) -> Result<Output, SenseError> {
         OutOfRange::check("sensor place", place_m, Range::new(0.0, self.plate.length_m(), "m"))?;
         OutOfRange::check("sensor delay", delay_s, Range::new(0.0, 1.0 / self.sample_rate_hz, "s"))?;
@@ -144,8 +144,8 @@ impl SensedPlate {
         self.with_drive_point(|_, velocity| velocity)
     }
 
-    /// A signal that follows the drive: `signal` gets a frequency in Hz and the drive point's velocity per code of 1 there,
-    /// m/s, and states the signal's amplitude per code of 1.
+    /// A signal that depends on the drive point: `signal` gets a frequency in Hz and the drive point's velocity per
+    /// code of 1 there, m/s, and returns the signal's amplitude per code of 1.
     ///
     /// # Errors
     /// [`SenseError::Unfit`].
@@ -158,8 +158,8 @@ impl SensedPlate {
         })
     }
 
-    /// The largest amplitude anywhere on the plate per code of 1, at the frequency of the span's band where that is least:
-    /// about what a table's tone at level 1 reaches everywhere. In metres, m/s, m/s^2 or strain.
+    /// The largest amplitude on the plate per code of 1, at the frequency of the span's band where it is least: about
+    /// the level that a table's tone at level 1 reaches everywhere. In metres, m/s, m/s^2 or strain.
     ///
     /// # Errors
     /// [`SenseError::NoStrain`].
@@ -171,16 +171,16 @@ impl SensedPlate {
         };
         let band = || self.fields.each().filter(|(hz, _)| (low_hz..=high_hz).contains(hz));
         let least_m = band().map(|(hz, field)| deflection(hz, field)).fold(f64::INFINITY, f64::min);
-        // A table levels the deflection, so the highest frequency is the loudest one in every other kind.
+        // A table levels the deflection, so for every other kind the highest frequency is the loudest.
         let curvature = match sensor {
-            // Of a plane wave.
+            // For a plane wave.
             SensorKind::Strain => self.plate.width_mode(1).wavenumber_squared(0.0, high_hz).max(0.0),
             _ => 1.0,
         };
         Ok(least_m * curvature * per_deflection(high_hz).norm())
     }
 
-    /// What a sensor shows of a deflection of 1 m (of a curvature of 1/m for strain) at a frequency.
+    /// The signal of a sensor for a deflection of 1 m (a curvature of 1/m for strain) at a frequency.
     fn per_deflection(&self, sensor: SensorKind) -> Result<impl Fn(f64) -> Complex64 + use<>, SenseError> {
         // The surface is half of the thickness away from the neutral plane.
         let half_thickness_m = self.plate.spec().model.bending().map(|bending| 0.5 * bending.thickness_m);
@@ -198,7 +198,7 @@ impl SensedPlate {
         })
     }
 
-    /// Metres of the drive per code of 1, over a drive of 1 of the plate's solver.
+    /// Metres of drive per code of 1, over a unit drive of the plate's solver.
     fn code_to_drive(&self, frequency_hz: f64) -> Complex64 {
         let spec = self.plate.spec();
         let resonator = spec.actuator.as_ref().and_then(Actuator::resonator);
@@ -207,18 +207,19 @@ impl SensedPlate {
         DriveCurve::of(&self.plate).map_or(drive, |curve| drive * curve.least_phase_response(frequency_hz))
     }
 
-    /// The same without the correction of a calibration: what the actuator alone does.
+    /// The same without the correction of a calibration: the actuator alone.
     fn code_to_actuator(&self, frequency_hz: f64) -> Complex64 {
         let spec = self.plate.spec();
         let actuator = spec.actuator.as_ref().map_or(Complex64::ONE, |it| it.response(frequency_hz));
         actuator * spec.full_scale_m
     }
 
-    /// As [`SensedPlate::with_drive_point`], and between two shares of the cut-off, where no wave enters and the plate holds
-    /// its drive, within some per cent of `signal`'s for a drive point that stands still.
+    /// As [`SensedPlate::with_drive_point`], and in addition between two fractions of the cut-off, where no wave
+    /// enters and the plate holds its drive: there the output is within some per cent of `signal` for a drive point
+    /// at rest.
     ///
-    /// The velocity is that behind the actuator alone, in proportion to the actuator's input. The correction of a calibration,
-    /// the gain from the code to the peak, is not in it.
+    /// The velocity is that behind the actuator alone, in proportion to the actuator's input. It does not include the
+    /// correction of a calibration, the gain from the code to the peak.
     ///
     /// # Errors
     /// [`SenseError::Unfit`].
@@ -241,12 +242,12 @@ impl SensedPlate {
         };
         let fit =
             |weight: f64| self.output_with(0.0, drive, held().collect(), Held { low_hz, high_hz, weight });
-        // The resonances that carry the band cannot always follow it below, too: the band comes first.
+        // The resonances of the band cannot always follow it below as well: the band has priority.
         let [heaviest, lightest] = HELD_WEIGHTS;
         fit(heaviest).or_else(|_| fit(lightest))
     }
 
-    /// The output of a steady signal per code, without the codes' own hold and delay.
+    /// The output of a steady signal per code; hold and delay of the codes are added here.
     fn output(
         &self,
         delay_s: f64,
@@ -255,7 +256,7 @@ impl SensedPlate {
         self.output_with(delay_s, amplitude, Vec::new(), Held::NOWHERE)
     }
 
-    /// The same with amplitudes at frequencies below all fields.
+    /// The same with additional amplitudes at frequencies below all fields.
     fn output_with(
         &self,
         delay_s: f64,
@@ -279,7 +280,7 @@ impl SensedPlate {
         if error.is_nan() || error > most { Err(SenseError::Unfit { error, most }) } else { Ok(output) }
     }
 
-    /// How late every output is, seconds: by half a sample, for which the DAC has held a code in the mean. Inputs that are
+    /// Delay of every output, seconds: half a sample, the mean time for which the DAC holds a code. Inputs that are
     /// sampled as each code leaves have no other delay.
     pub fn hold_delay_s(&self) -> f64 {
         0.5 / self.sample_rate_hz
@@ -295,7 +296,7 @@ impl SensedPlate {
         Resonators::new(&self.advance)
     }
 
-    /// Frequencies between which every output is that of the frequency domain, Hz.
+    /// The band in which every output is that of the frequency domain, Hz.
     pub fn exact_hz(&self) -> (f64, f64) {
         self.fields.exact_hz()
     }

@@ -1,16 +1,16 @@
-//! One output: what the state of the resonators says of a place.
+//! One output: the coefficients that make a sensor's signal of the resonators' states.
 
 use super::lanes::in_lanes;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// An answer below this share of the largest one of the band need not be more exact than that.
+/// Responses below this fraction of the largest in the band get the same absolute accuracy.
 const FAINTEST: f64 = 1e-6;
 /// Weight of the frequencies beyond the exact band.
 const BEYOND: f64 = 0.003;
-/// Weight of the frequencies above all fields, and the octaves after which they have it: a steep fall would delay the
-/// band, or swell before it falls.
+/// Final weight of the frequencies above all fields, and the octaves over which it rises to that: a steep fall would
+/// delay the band, or add a maximum before the fall.
 const FALLING: (f64, f64) = (1e-3, 2.0);
 /// Frequencies at which the plate holds its drive, Hz, and their weight.
 #[derive(Debug, Clone, Copy)]
@@ -21,15 +21,15 @@ pub(super) struct Held {
 }
 
 impl Held {
-    /// Nowhere.
+    /// No such frequencies.
     pub(super) const NOWHERE: Self = Self { low_hz: 0.0, high_hz: 0.0, weight: 0.0 };
 }
 
-/// Frequencies above all fields at which an output falls off.
+/// Number of frequencies above all fields at which an output falls off.
 const ABOVE: usize = 96;
-/// How far above the fields the frequencies begin at which an output falls off.
+/// Lowest of these frequencies over the end of the fields.
 const FREE: f64 = 1.15;
-/// Weight of the outputs' own size against the error.
+/// Weight of the coefficients' own size against the error.
 const RIDGE: f64 = 1e-10;
 
 /// The signal Re(sum of c z) of the resonators' states z.
@@ -41,13 +41,15 @@ pub struct Output {
 }
 
 impl Output {
-    /// The output whose amplitude per code is each goal's at its frequency, Hz; they rise. Between the frequencies
-    /// `exact_hz` it must be exact, and nearly so where the drive is `held`. `advance` are the factors of the states per sample.
+    /// The output with the amplitude per code of each goal at its frequency, Hz (in rising order). It must be exact
+    /// between the frequencies `exact_hz`, and approximate where the drive is `held`. `advance` has the factors of
+    /// the states per sample.
     ///
-    /// Codes u = cos(theta n) make a state of which the part at this frequency is g(theta) e^(-j theta n)/2, and its mirror
-    /// image, so that the amplitude is (c g(theta) + c* g~(theta))/2 with g = 1/(1 - lambda e^(j theta)), g~ the same with
-    /// lambda*. That is linear in Re c and Im c. Each frequency counts relative to its own answer; above all goals the
-    /// output has to fall off, as behind the filter of an input. What is left in the exact band is [`Output::error`].
+    /// Codes u = cos(theta n) give a state with the part g(theta) e^(-j theta n)/2 at this frequency, and its mirror
+    /// image, so that the amplitude is (c g(theta) + c* g~(theta))/2 with g = 1/(1 - lambda e^(j theta)) and g~ the
+    /// same with lambda*. It is linear in Re c and Im c. Each frequency counts relative to its own amplitude; above
+    /// all goals the output must fall off, as behind the filter of an input. The remaining error in the exact band is
+    /// [`Output::error`].
     pub(super) fn fit(
         mut goals: Vec<(f64, Complex64)>,
         exact_hz: (f64, f64),
@@ -107,7 +109,7 @@ impl Output {
         let mut solved = data.clone();
         solver.q_tr_mul(&mut solved);
         let mut solution = solved.rows(0, columns).into_owned();
-        // The ridge keeps every pivot from zero, so there is a solution.
+        // The ridge keeps every pivot above zero, so a solution exists.
         solver.r().solve_upper_triangular_mut(&mut solution);
         let left = basis * &solution - data;
         let errors = goals.iter().enumerate().filter(|(_, (hz, _))| is_exact(*hz));
@@ -127,8 +129,8 @@ impl Output {
         terms.sum()
     }
 
-    /// Largest error over the exact band, relative to the answer at the same frequency (to 1e-6 of the largest one, where
-    /// the answer is fainter than that).
+    /// Largest error over the exact band, relative to the response at the same frequency (or to 1e-6 of the largest
+    /// response, where that is larger).
     pub fn error(&self) -> f64 {
         self.error
     }

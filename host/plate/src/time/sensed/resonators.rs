@@ -5,8 +5,8 @@ use super::output::Output;
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
-/// A state below this, in units of a code of full scale, is nothing. It is far above the smallest normal number, so that
-/// no resonator that matters falls through it within one run.
+/// States below this, in units of a full-scale code, are set to zero. It is so far above the smallest normal number
+/// that no resonator that matters decays from it to subnormal numbers within one run.
 const FAINT: f64 = 1e-150;
 
 /// The state of a plate's resonators: z(n) = lambda z(n-1) + u(n), with the code u.
@@ -20,7 +20,7 @@ pub struct Resonators {
 }
 
 impl Resonators {
-    /// At rest, with these factors per sample.
+    /// Resonators at rest with these factors per sample.
     pub(super) fn new(advance: &[Complex64]) -> Self {
         let padded = advance.len().next_multiple_of(LANES);
         let part = |of: fn(&Complex64) -> f64| in_lanes(advance.iter().map(of));
@@ -40,10 +40,10 @@ impl Resonators {
         [first[0], second[0]]
     }
 
-    /// As [`Resonators::step`] for many codes: both inputs are sampled as each code leaves. It ends with the shortest of
+    /// As [`Resonators::step`] for many codes: both inputs are sampled as each code leaves. Ends with the shortest of
     /// the slices.
     ///
-    /// The outputs must be of the plate of these resonators; what an output of another plate gives has no meaning.
+    /// The outputs must belong to the plate of these resonators; the signal of another plate's output has no meaning.
     pub fn run(&mut self, codes: &[f64], outputs: [&Output; 2], signals: [&mut [f64]; 2]) {
         let [first, second] = signals;
         let samples =
@@ -57,8 +57,8 @@ impl Resonators {
         self.forget_faint();
     }
 
-    /// Sets what has died away to zero. In silence the strongly damped resonators would else fall to subnormal numbers within
-    /// milliseconds, with which a processor computes many times more slowly, and stay there.
+    /// Sets decayed states to zero. Without it, strongly damped resonators in silence would fall to subnormal numbers
+    /// within milliseconds and stay there, where a processor is many times slower.
     fn forget_faint(&mut self) {
         for (re, im) in self.re.iter_mut().zip(&mut self.im) {
             if re.abs() < FAINT && im.abs() < FAINT {
@@ -67,7 +67,7 @@ impl Resonators {
         }
     }
 
-    /// Puts the plate to rest.
+    /// Sets all states to zero.
     pub fn rest(&mut self) {
         self.re.fill(0.0);
         self.im.fill(0.0);

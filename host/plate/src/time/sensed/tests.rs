@@ -6,9 +6,9 @@ use crate::frequency::respond::respond;
 use crate::{Air, PlateSpec};
 
 const RATE_HZ: f64 = 400e3;
-/// What the hold of the DAC delays.
+/// Delay by the hold of the DAC.
 const LAG_S: f64 = 1.25e-6;
-/// 0.05 dB and 0.3 degrees.
+/// Tolerances: 0.05 dB and 0.3 degrees.
 const DECIBELS: f64 = 0.05;
 const DEGREES: f64 = 0.3;
 
@@ -22,7 +22,7 @@ fn field(plate: &Plate, hz: f64) -> Vec<Complex64> {
     field.into_iter().map(|f| f * drive).collect()
 }
 
-/// What a sensor shows of such a field.
+/// The signal of a sensor for such a field.
 fn shown(plate: &Plate, field: &[Complex64], sensor: SensorKind, place_m: f64, hz: f64) -> Complex64 {
     let step_m = plate.length_m() / (POINTS - 1) as f64;
     let kind = match sensor {
@@ -34,12 +34,12 @@ fn shown(plate: &Plate, field: &[Complex64], sensor: SensorKind, place_m: f64, h
     kind * seen(field, step_m, place_m, sensor)
 }
 
-/// The steady amplitude of the solver at a place, per code, as the outputs have it.
+/// The steady amplitude of the solver at a place, per code, in the sensor's unit.
 fn exact(plate: &Plate, sensor: SensorKind, place_m: f64, hz: f64) -> Complex64 {
     shown(plate, &field(plate, hz), sensor, place_m, hz)
 }
 
-/// `floor` is what may be missed of a faint answer.
+/// `floor` is the allowed error scale of a faint response.
 fn assert_close(what: &str, found: Complex64, exact: Complex64, floor: f64) {
     // An error of 0.5 % is within both limits.
     if (found - exact).norm() < 5e-3 * floor {
@@ -59,7 +59,7 @@ fn every_output_of_every_preset_is_that_of_the_frequency_domain_over_the_whole_b
         let plate = preset.plate().expect("a preset");
         let sensed = SensedPlate::new(&plate, None, RATE_HZ).expect("a plate in time");
         let (low_hz, high_hz) = plate.band_hz();
-        // Between the frequencies of the fit.
+        // Frequencies between those of the fit.
         let frequencies: Vec<f64> =
             (0..=30).map(|i| low_hz * (high_hz / low_hz).powf(f64::from(i) / 30.0)).collect();
         let fields: Vec<Vec<Complex64>> = frequencies.iter().map(|&hz| field(&plate, hz)).collect();
@@ -82,13 +82,14 @@ fn every_output_of_every_preset_is_that_of_the_frequency_domain_over_the_whole_b
                     let found = sensed.steady(&output, hz) / lag(hz);
                     assert_close(&format!("{what} {hz} Hz"), found, wanted, floor);
                 }
-                // No code between the band and half of the sample rate is louder than the loudest of the band by much.
+                // Between the band and half of the sample rate, the gain is limited relative to the largest gain in
+                // the band.
                 let gain = |hz: f64| sensed.steady(&output, hz).norm();
                 let inside = frequencies.iter().map(|&hz| gain(hz)).fold(0.0, f64::max);
                 let above =
                     (0..400).map(|i| gain(high_hz * (0.5 * RATE_HZ / high_hz).powf(f64::from(i) / 399.0)));
                 let above = above.fold(0.0, f64::max);
-                // At the drive point the plate itself goes on answering there.
+                // At the drive point the plate itself still responds above the band.
                 let most = if share == 0.0 { 400.0 } else { 40.0 };
                 // Beyond the span only waves from above the band arrive.
                 assert!(

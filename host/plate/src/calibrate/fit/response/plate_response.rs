@@ -1,8 +1,9 @@
 //! Response of the plate to a force on its driven end: the motion there, at a sensor and at the peak.
 //!
-//! The driven end's condition is linear in the source's dynamic stiffness D = s - omega^2 m - j omega R, for every model and
-//! with a lead-in: the part F_p of the force F that reaches the plate and the motion f(0) of the end are both linear in
-//! p(0) and p'(0), and F = F_p + D f(0). So two sources determine all others.
+//! The driven end's condition is linear in the source's dynamic stiffness D = s - omega^2 m - j omega R, for every
+//! model and with a lead-in: the part F_p of the force F that reaches the plate and the motion f(0) of the end are
+//! both linear in p(0) and p'(0), and F = F_p + D f(0). So the responses to two sources determine those to all
+//! others.
 
 use super::wave::Wave;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, SensorKind};
@@ -11,7 +12,7 @@ use crate::frequency::driven_end::DrivenEnd;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The units in which a fit counts a source: about what the plate itself has.
+/// Units in which a fit expresses a source: of the order of the plate's own values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Units {
     /// The plate's wave impedance in the middle of the band, N s/m.
@@ -21,14 +22,15 @@ pub(crate) struct Units {
 }
 
 impl Units {
-    /// For a nominal plate that is measured at these points; `None` if the file does not state the impedance.
+    /// Units for a nominal plate measured at these points; `None` if the file does not state what the impedance
+    /// needs.
     pub(crate) fn of(plate: &Plate, points: &[MeasuredPoint]) -> Option<Self> {
         let middle_hz = (points.first()?.frequency_hz * points.last()?.frequency_hz).sqrt();
         let impedance = plate.wave_impedance_n_s_per_m(middle_hz).filter(|z| *z > 0.0)?;
         Some(Self { impedance, omega: TAU * middle_hz })
     }
 
-    /// -j omega in units of the middle's.
+    /// The rate -j omega over the middle's angular frequency.
     pub(crate) fn rate(self, frequency_hz: f64) -> Complex64 {
         Complex64::new(0.0, -TAU * frequency_hz / self.omega)
     }
@@ -43,35 +45,35 @@ impl Units {
     }
 }
 
-/// Response of the plate at one frequency, in any scale of the wave.
+/// Response of the plate at one frequency; the scale of the wave is arbitrary.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PlateResponse {
     pub(crate) frequency_hz: f64,
-    /// -j omega in units of the middle's.
+    /// -j omega over the middle's angular frequency.
     pub(crate) rate: Complex64,
-    /// F_p over the force F of a drive of 1.
+    /// F_p over the force F, for a unit drive.
     pub(crate) force: Complex64,
     /// f(0) times the unit of stiffness, over F.
     pub(crate) motion: Complex64,
-    /// p at each place, or p'' for strain.
+    /// p at each place; p'' for a strain sensor.
     pub(crate) seen: Vec<Complex64>,
-    /// The amplitude of the peak, where it was asked for.
+    /// Amplitude of the peak, where it was requested.
     pub(crate) peak: f64,
 }
 
-/// D in units: s + R (-j omega) + m (-j omega)^2.
+/// D in these units: s + R (-j omega) + m (-j omega)^2.
 pub(crate) fn dynamic_stiffness([resistance, mass, stiffness]: [f64; 3], rate: Complex64) -> Complex64 {
     stiffness + rate * (resistance + rate * mass)
 }
 
 impl PlateResponse {
-    /// F/F_p times F_p: what the source of these numbers makes of a drive of 1.
+    /// F in the scale of F_p: the force that this source needs for a unit drive.
     pub(crate) fn load(&self, source: [f64; 3]) -> Complex64 {
         self.force + dynamic_stiffness(source, self.rate) * self.motion
     }
 }
 
-/// The end on which a source acts: that of the file, without what the source itself resists.
+/// The driven end with a source of zero impedance and the source kind of the file.
 pub(crate) fn soft_source(spec: &PlateSpec, middle_hz: f64) -> Source {
     match spec.drive_end {
         DriveEnd::Source(source) => Source { impedance: Impedance::default(), ..source },
@@ -81,21 +83,21 @@ pub(crate) fn soft_source(spec: &PlateSpec, middle_hz: f64) -> Source {
 
 /// The driven end of a plate under a source of any impedance.
 pub(crate) struct LoadedEnd {
-    /// The plate under the source without an impedance, and with the unit of stiffness.
+    /// The plate with a source of zero impedance, and with one of unit stiffness.
     soft: Plate,
     stiff: Plate,
 }
 
 impl LoadedEnd {
-    /// `soft` is the source without an impedance; `None` where the plate is refused.
+    /// `soft` is the source of zero impedance; `None` where the plate is refused.
     pub(crate) fn new(spec: &PlateSpec, soft: Source, units: Units) -> Option<Self> {
         let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Source(soft), ..spec.clone() }).ok()?;
         let stiff = Source { impedance: units.impedance([0.0, 0.0, 1.0]), ..soft };
         Some(Self { stiff: plate.with_drive_end(DriveEnd::Source(stiff)), soft: plate })
     }
 
-    /// What a wave with p(0) = `value` and p'(0) = `slope` asks of the source: F_p over the force F of a drive of 1, and f(0)
-    /// times the unit of stiffness over F.
+    /// The load on the source by a wave with p(0) = `value` and p'(0) = `slope`: F_p over the force F of a unit
+    /// drive, and f(0) times the unit of stiffness over F.
     pub(crate) fn of_wave(&self, frequency_hz: f64, value: Complex64, slope: Complex64) -> [Complex64; 2] {
         let condition = |plate: &Plate| {
             let end = DrivenEnd::of(plate, frequency_hz);
@@ -106,8 +108,8 @@ impl LoadedEnd {
     }
 }
 
-/// Responses of `spec`'s plate at these frequencies, on a grid of `points`; `None` where the plate is refused or a frequency
-/// does not enter it.
+/// Responses of the plate of `spec` at these frequencies, on a grid of `points`; `None` where the plate is refused or
+/// a frequency does not enter it.
 pub(crate) fn answers(
     spec: &PlateSpec,
     points: usize,
@@ -120,7 +122,7 @@ pub(crate) fn answers(
     let (&lowest_hz, &highest_hz) = (frequencies_hz.first()?, frequencies_hz.last()?);
     let middle_hz = units.omega / TAU;
     let end = LoadedEnd::new(spec, soft_source(spec, middle_hz), units)?;
-    // With a prescribed slope the field itself is p(0) over p'(0).
+    // For a prescribed slope the field is p(0) over p'(0).
     let wave = Wave::with_slope(spec.clone(), points, middle_hz).ok()?;
     if !(wave.enters(lowest_hz) && wave.enters(highest_hz)) {
         return None;
@@ -134,7 +136,7 @@ pub(crate) fn answers(
     Some(frequencies_hz.iter().zip(rows).map(answer).collect())
 }
 
-/// Whether a source acts on such a plate: an end of a plate in bending, or a sheet whose tension or thickness is stated.
+/// Refuses a plate that a source cannot act on: it needs bending, or a stated tension or thickness.
 pub(crate) fn takes_a_source(model: &Model) -> Result<(), crate::definition::PlateError> {
     model.surface_density("a fit of the source").map(drop)
 }

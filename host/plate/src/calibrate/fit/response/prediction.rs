@@ -1,4 +1,4 @@
-//! Sensor responses as the plate file predicts them: drive, wave and kind of sensor together.
+//! Sensor responses predicted from the plate file: drive, wave and kind of sensor.
 
 use super::wave::{FINE, points, seen};
 use crate::calibrate::error::CalibrateError;
@@ -10,8 +10,8 @@ use crate::frequency::{Equation, respond_range};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The response that `plate`'s file predicts at the place, for the kind of sensor and at the frequencies of `sensor`, in its
-/// unit: metres, m/s, m/s^2 or strain over the DAC's amplitude where the sensor is not calibrated. `None` at a frequency
+/// The response that the file of `plate` predicts at the place and frequencies of `sensor`, for its kind and in its
+/// unit; for an uncalibrated sensor in metres, m/s, m/s^2 or strain over the DAC's amplitude. `None` at a frequency
 /// whose wave does not enter the plate.
 ///
 /// ```
@@ -32,8 +32,8 @@ use std::f64::consts::TAU;
 /// ```
 ///
 /// # Errors
-/// [`CalibrateError`]: a number of the measurement is out of its range, its place is beyond the plate, or the plate has no
-/// strain.
+/// [`CalibrateError`]: a number of the measurement is out of its range, its place is beyond the plate, or the plate
+/// has no strain.
 pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Complex64>>, CalibrateError> {
     signal::check_place(plate, sensor)?;
     let allowed = respond_range(plate);
@@ -54,7 +54,7 @@ pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Compl
     Ok(hertz().map(|hertz| if allowed.contains(hertz) { found.next() } else { None }).collect())
 }
 
-/// The sensor's response over the deflection, or over the curvature for strain. Time goes as e^(-j omega t).
+/// The sensor's response over the deflection, or over the curvature for strain, with time as e^(-j omega t).
 pub(crate) fn per_metre(plate: &Plate, sensor: &Measurement, frequency_hz: f64) -> Complex64 {
     let rise = sensor.sensor.rise(Complex64::new(0.0, -TAU * frequency_hz));
     if sensor.sensor != SensorKind::Strain {
@@ -81,7 +81,7 @@ mod tests {
         Measurement::at(place_m, sensor, frequencies_hz.iter().map(point).collect())
     }
 
-    /// Against the field of [`respond`], which has a grid and a boundary row of its own refinement.
+    /// Compared with the field of [`respond`], which has its own grid and refines the row of the boundary.
     #[test]
     fn a_sensor_shows_the_field_behind_actuator_and_hold_in_its_own_unit() {
         let actuator = Resonator { resonance_hz: 140.0, quality: 2.0, travel: None };
@@ -106,9 +106,12 @@ mod tests {
                     let rate = Complex64::new(0.0, -TAU * hertz);
                     let power = SensorKind::ALL.iter().position(|it| *it == kind).expect("listed") as i32;
                     let deflection = field.amplitude[500] * moved * (half_turn.sin() / half_turn);
-                    let told = deflection * plate.spec().full_scale_m * rate.powi(power) / 4.0;
+                    let wanted = deflection * plate.spec().full_scale_m * rate.powi(power) / 4.0;
                     let found = found.expect("enters");
-                    assert!((found - told).norm() < 1e-4 * told.norm(), "{name} {hertz}: {found} {told}");
+                    assert!(
+                        (found - wanted).norm() < 1e-4 * wanted.norm(),
+                        "{name} {hertz}: {found} {wanted}"
+                    );
                 }
             }
         }

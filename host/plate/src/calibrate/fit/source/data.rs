@@ -1,4 +1,4 @@
-//! The measured responses that plate and source are fitted to.
+//! The measured responses to which plate and source are fitted.
 
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::check_count;
@@ -8,32 +8,32 @@ use crate::definition::Plate;
 use crate::frequency::respond_range;
 use num_complex::Complex64;
 
-/// A response without the hold and the sensor's own rise, over its root mean square.
+/// A response without the zero-order hold and the sensor's own factor, over the root mean square of all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Datum {
     pub(crate) response: Complex64,
-    /// Of the real and of the imaginary part.
+    /// Variance of the real part and of the imaginary part.
     pub(crate) variance: f64,
 }
 
 impl Datum {
-    /// The standard deviation of both parts with what the model misses.
+    /// Standard deviation of each part by noise and model error.
     pub(crate) fn deviation(&self, model_error: f64) -> f64 {
         (self.variance + model_error * model_error * self.response.norm_sqr()).sqrt()
     }
 
-    /// The same over the response.
+    /// That deviation over the response's magnitude.
     pub(crate) fn relative(&self, model_error: f64) -> f64 {
         self.deviation(model_error) / self.response.norm().max(1e-300)
     }
 }
 
-/// The responses without the sensor's own rise and the hold of the DAC.
+/// The responses without the sensor's own factor and the hold of the DAC.
 pub(crate) fn of_deflection(points: &[MeasuredPoint], sensor: &Measurement, units: Units) -> Vec<Datum> {
     normalised(points, |hz| sensor.sensor.rise(units.rate(hz)) * sensor.hold_droop(hz))
 }
 
-/// The points of a measurement at which a wave enters the plate.
+/// The points of a measurement whose wave enters the plate.
 pub(crate) fn entering(plate: &Plate, sensor: &Measurement) -> Result<Vec<MeasuredPoint>, CalibrateError> {
     let allowed = respond_range(plate);
     let points: Vec<MeasuredPoint> =
@@ -42,7 +42,7 @@ pub(crate) fn entering(plate: &Plate, sensor: &Measurement) -> Result<Vec<Measur
     Ok(points)
 }
 
-/// The responses over `rise`, and over the root of their mean square.
+/// The responses over `rise`, divided by their root mean square.
 pub(crate) fn normalised(points: &[MeasuredPoint], rise: impl Fn(f64) -> Complex64) -> Vec<Datum> {
     let plain = points.iter().map(|point| {
         let rise = rise(point.frequency_hz);

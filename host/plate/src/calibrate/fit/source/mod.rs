@@ -1,5 +1,5 @@
-//! Models of what lies before the plate, with the coordinates that a fit moves, and the source in the plate file. The plate
-//! itself is in [`super::response`].
+//! Models of the chain before the plate, with the coordinates of their fit, and the fitted source in the plate file.
+//! The plate itself is in [`super::response`].
 
 pub(crate) mod data;
 pub(crate) mod drive_current;

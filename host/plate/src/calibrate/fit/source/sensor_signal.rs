@@ -6,8 +6,8 @@
 //! H = G e^(j omega tau) p(x) / (A (F_p + D f(0))),   A = 1 + a1 sigma + a2 sigma^2
 //! ```
 //!
-//! so e^(j omega tau) p(x)/H is linear in the eight products c_k = [1, a1, a2]/G and b_k of A and D: what a scan solves. With D
-//! known it is linear in (1, a1, a2)/G, with A known in (1, R, m, s)/G.
+//! so e^(j omega tau) p(x)/H is linear in the eight products c_k = [1, a1, a2]/G and b_k of A and D, which a scan
+//! solves. With D known it is linear in (1, a1, a2)/G, with A known in (1, R, m, s)/G.
 
 use super::data::Datum;
 use super::source_model::SourceModel;
@@ -15,32 +15,32 @@ use crate::calibrate::fit::linear_least_squares::Columns;
 use crate::calibrate::fit::response::plate_response::{PlateResponse, Units};
 use num_complex::Complex64;
 
-/// Coordinates beside resistance, mass and stiffness.
+/// Coordinates after resistance, mass and stiffness: a1, a2, gain, delay.
 pub(crate) const RISE: usize = 3;
 pub(crate) const CURVE: usize = 4;
 pub(crate) const GAIN: usize = 5;
 pub(crate) const DELAY: usize = 6;
-/// Coordinates of the source.
+/// Number of coordinates of the source.
 const COUNT: usize = 7;
-/// Standard deviations of resistance, mass and stiffness beforehand.
+/// Prior standard deviations of resistance, mass and stiffness, in units of the plate.
 pub(crate) const OF_PLATE_SIZE: f64 = 3.0;
-/// The same of a1 and a2: no resonance below a third of the band's middle.
+/// Prior standard deviations of a1 and a2: no resonance below a third of the band's middle.
 pub(crate) const OF_ACTUATOR: f64 = 10.0;
-/// Delays that are tried, in periods of the highest frequency, and their step.
+/// Range of the delays in a scan, in periods of the highest frequency, and their step.
 const DELAYS: (f64, f64) = (-2.0, 12.0);
 const DELAY_STEP: f64 = 0.08;
-/// Share of the usual |p(x)| below which a place counts as a node of the wave that is tried.
+/// Fraction of the rms |p(x)| below which the place counts as a node of the trial wave.
 const NODE: f64 = 0.15;
-/// Relative error of an answer while the source is looked for.
+/// Relative error of a response during the scan for the source.
 const START_ERROR: f64 = 0.05;
-/// Resistance, mass and stiffness to begin with.
+/// Initial resistances, masses and stiffnesses.
 pub(crate) const IMPEDANCES: [[f64; 3]; 5] =
     [[0.3, 0.1, 0.1], [1.0, 0.1, 0.1], [1.0, 0.8, 0.2], [1.0, 0.2, 0.8], [2.5, 1.0, 1.0]];
-/// Largest coordinate to begin with.
+/// Largest initial coordinate.
 const LARGEST: f64 = 20.0;
-/// Starts from one plate.
+/// Starting points for one plate.
 const STARTS: usize = 2;
-/// Rounds in which D and A are made to suit each other.
+/// Rounds of alternating fits of D and A.
 const ROUNDS: usize = 12;
 
 /// The model of a sensor's responses.
@@ -54,7 +54,7 @@ impl SensorSignal {
         Self { units, highest_hz }
     }
 
-    /// Delays that are tried, in units.
+    /// The delays of a scan, in units.
     fn delays(&self) -> impl Iterator<Item = f64> + use<> {
         let period = self.units.omega / self.highest_hz;
         let count = ((DELAYS.1 - DELAYS.0) / DELAY_STEP) as usize;
@@ -108,7 +108,7 @@ impl SourceModel for SensorSignal {
                 source[..3].copy_from_slice(&impedance);
                 source[DELAY] = delay;
                 let left = weighed.suit_actuator(answers, &mut source)?;
-                // A delay that is too long suits an actuator that amplifies itself, which is none.
+                // Too long a delay is fitted by an unstable actuator (negative a1 or a2): such a start is left out.
                 (source[RISE] >= 0.0 && source[CURVE] >= 0.0).then_some((left, source))
             });
             let Some((mut left, mut source)) = best.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
@@ -129,12 +129,12 @@ impl SourceModel for SensorSignal {
     }
 }
 
-/// The equations of a scan, H A load/G = e^(j omega tau) p(x), with their weights: an answer counts by its relative error,
-/// and less where the wave that is tried has a node.
+/// The equations of a scan, H A load/G = e^(j omega tau) p(x), with their weights: a response counts by its relative
+/// error, and less where the trial wave has a node.
 struct Weighed {
-    /// p(x) over its weight.
+    /// p(x) times its weight.
     wanted: Vec<Complex64>,
-    /// H over the weight.
+    /// H times its weight.
     responses: Vec<Complex64>,
 }
 
@@ -152,7 +152,7 @@ impl Weighed {
         Self { wanted, responses }
     }
 
-    /// Equations with these columns for each frequency.
+    /// Equations with the columns `of` at each frequency.
     fn columns<const N: usize>(
         &self,
         answers: &[PlateResponse],
@@ -167,7 +167,7 @@ impl Weighed {
         Columns::new(columns)
     }
 
-    /// The impedance that suits the actuator of `source`.
+    /// Fits the impedance to the actuator of `source`.
     fn suit_impedance(&self, answers: &[PlateResponse], source: &mut [f64]) -> Option<()> {
         let columns = self.columns(answers, |answer| {
             let a = actuator(&source[RISE..], answer.rate);
@@ -181,7 +181,7 @@ impl Weighed {
         x.iter().all(|x| x.is_finite()).then_some(())
     }
 
-    /// The actuator and the gain that suit the impedance of `source`; and the sum of the squares that they leave.
+    /// Fits the actuator and the gain to the impedance of `source`; returns the sum of the squared residuals.
     fn suit_actuator(&self, answers: &[PlateResponse], source: &mut [f64]) -> Option<f64> {
         let impedance = [source[0], source[1], source[2]];
         let columns = self.columns(answers, |answer| {
@@ -196,7 +196,7 @@ impl Weighed {
         x.iter().all(|x| x.is_finite() && *x != 0.0).then_some(left)
     }
 
-    /// The right-hand side for a delay.
+    /// The right-hand side with a delay.
     fn delayed(&self, answers: &[PlateResponse], delay: f64) -> Vec<Complex64> {
         answers.iter().zip(&self.wanted).map(|(answer, wanted)| lag(answer, delay) * wanted).collect()
     }

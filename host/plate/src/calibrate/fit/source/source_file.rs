@@ -16,16 +16,16 @@ pub(crate) struct FittedSource {
     pub(crate) impedance: [f64; 3],
     /// a1 and a2.
     pub(crate) actuator: [f64; 2],
-    /// Coordinate of a1, counted from `first`; that of a2 follows.
+    /// Offset of the coordinate of a1 from `first`; that of a2 follows.
     pub(crate) actuator_at: usize,
-    /// The delay in units and its coordinate, counted from `first`; `None` where it is no result.
+    /// The delay in units and the offset of its coordinate from `first`; `None` where it is not a result.
     pub(crate) delay: Option<(f64, usize)>,
 }
 
 impl FittedSource {
-    /// The plate of `spec` with this source, and with the resonator 1/(1 + a1 sigma + a2 sigma^2), sigma = -j omega in units.
-    /// An actuator whose travel the file limits stays: the limit is stated for it, and the correction of the gain makes up
-    /// for the difference. So it does for numbers that are no resonator's.
+    /// The plate of `spec` with this source, and with the resonator 1/(1 + a1 sigma + a2 sigma^2), sigma = -j omega
+    /// in units. The actuator of the file is kept where its travel is limited, because the limit is stated for it,
+    /// and where a1 and a2 are not those of a resonator. The correction of the gain then makes up for the difference.
     pub(crate) fn on(&self, mut spec: PlateSpec) -> Result<Plate, PlateError> {
         let source = soft_source(&spec, self.units.omega / TAU);
         let impedance = self.units.impedance(self.impedance);
@@ -37,7 +37,7 @@ impl FittedSource {
         Plate::new(spec)
     }
 
-    /// The resonator of a1 and a2, if there is one.
+    /// The resonator of a1 and a2, if its resonance and quality are in range.
     fn resonator(&self) -> Option<Resonator> {
         let [a1, a2] = self.actuator;
         let resonance_hz = self.units.omega / TAU / a2.sqrt();
@@ -46,12 +46,12 @@ impl FittedSource {
         is_one.then_some(Resonator { resonance_hz, quality, travel: None })
     }
 
-    /// Halves of the intervals of resistance, mass and stiffness; `half` is that of a coordinate.
+    /// Halves of the intervals of resistance, mass and stiffness; `half` gives that of a coordinate.
     fn halves(&self, half: impl Fn(usize) -> f64) -> Impedance {
         self.units.impedance([0, 1, 2].map(|i| half(self.first + i)))
     }
 
-    /// The same, at most the highest that a file may have.
+    /// The same, limited to the largest tolerance that a file may have.
     pub(crate) fn tolerance(&self, half: impl Fn(usize) -> f64) -> Impedance {
         let [resistance_n_s_per_m, mass_kg, stiffness_n_per_m] =
             self.halves(half).fields().map(|(_, half, range)| half.min(range.high));
@@ -67,7 +67,7 @@ impl FittedSource {
             (0..3).map(|i| Parameter::about(names[i], values[i], halves[i])).collect();
         let half = |i: usize| half(self.first + i);
         if let Some(Resonator { resonance_hz, quality, .. }) = self.resonator() {
-            // By propagation: f0 goes with a2^(-1/2), Q with a2^(1/2)/a1.
+            // Error propagation: f0 varies as a2^(-1/2), Q as a2^(1/2)/a1.
             let [of_rise, of_curve] = [0, 1].map(|i| half(self.actuator_at + i) / self.actuator[i]);
             let half_hz = 0.5 * of_curve * resonance_hz;
             let of_quality = quality * of_rise.hypot(0.5 * of_curve);

@@ -1,9 +1,9 @@
-//! Rows of frequency, level and, if it was measured, phase, as every measuring program exports them: REW's text, `.frd`, a
-//! spreadsheet.
+//! Tables of frequency, level and optional phase, as measuring programs export them: REW's text, `.frd`,
+//! spreadsheets.
 //!
-//! What does not begin with a number, and what begins with `*`, `#` or a quotation mark, is a comment above the table; the last
-//! one that names a frequency is the head of its columns. Without a head three columns are those of `.frd` (Hz, dB, degrees),
-//! and two are decibels if one of the levels is negative.
+//! A line that does not begin with a number, or that begins with `*`, `#` or a quotation mark, is a comment above the
+//! table; the last one that names a frequency is the head of the columns. Without a head, three columns are those of
+//! `.frd` (Hz, dB, degrees), and two are frequency and decibels if one of the levels is negative.
 
 use super::{FileError, Foreign, LEVEL};
 use crate::calibrate::measurement::sensor::Measurement;
@@ -12,10 +12,10 @@ use crate::text_table::{BadLine, FINITE, Row, Separator, cells, lines, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
 
-/// Magnitudes that a file may have: what squares of it still fit into a number.
+/// Largest magnitude in a file: its square must not overflow.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 
-/// Whether a line is a row of numbers: its first two cells are.
+/// Whether a line is a row of the table: its first two cells are numbers.
 fn is_row(line: &str) -> bool {
     let cells = cells(line);
     cells.len() >= 2 && cells.iter().take(2).all(|cell| cell.parse::<f64>().is_ok())
@@ -25,7 +25,7 @@ fn is_comment(line: &str) -> bool {
     line.starts_with(['*', '#', '%', ';', '"']) && !is_row(line)
 }
 
-/// What a column holds.
+/// Unit of the level column.
 #[derive(Clone, Copy, PartialEq)]
 enum Level {
     Decibel,
@@ -43,10 +43,10 @@ struct Columns {
 }
 
 impl Columns {
-    /// What the head of a table names, if it names what is needed.
+    /// The columns named by the head of a table; `None` if a required one is missing.
     fn named(head: &str, separator: Separator) -> Option<Self> {
         let head = head.trim_start_matches(['*', '#', '%', ' ']);
-        // A head may be separated by commas over rows that are not, as in some of REW's texts.
+        // In some of REW's texts the head is separated by commas and the rows by blanks.
         let cells = match separator {
             Separator::Blank if head.contains(',') => Separator::Comma.cells(head),
             separator => separator.cells(head),
@@ -67,7 +67,7 @@ impl Columns {
         Some(Self { frequency, level, unit, phase, hertz })
     }
 
-    /// What a table without a head has.
+    /// The columns of a table without a head.
     fn guessed(line: usize, rows: &[Row<String>]) -> Result<Self, BadLine> {
         let has_phase = rows.first().is_some_and(|row| row.cells.len() >= 3);
         let is_negative = |row: &Row<String>| row.cells.get(1).is_some_and(|cell| cell.starts_with('-'));

@@ -5,7 +5,7 @@
 //!                +-> Foreign: frequencies and responses alone -> place, kind of sensor and noise from the user -> Measurement
 //! ```
 //!
-//! All these forms count time as e^(+j omega t): their responses are the conjugates of ours.
+//! All these formats use e^(+j omega t): their responses are the complex conjugates of this crate's.
 
 mod frequency_table;
 mod uff58;
@@ -18,19 +18,19 @@ use crate::text_table::BadLine;
 use num_complex::Complex64;
 use thiserror::Error;
 
-/// Signal over noise of a measurement that does not state it, dB: that of a careful one.
+/// Signal-to-noise ratio assumed where a file does not state it, dB: that of a careful measurement.
 pub const SNR_DB: f64 = 40.0;
-/// Range of the signal over the noise.
+/// Range of the signal-to-noise ratio.
 pub const SNR: Range = Range::new(0.0, 140.0, "dB");
-/// Frequencies that a calibration uses of a foreign measurement, at most; more would only take longer.
+/// Largest number of frequencies used of a foreign measurement; more would only take longer.
 const FREQUENCIES_MAX: usize = 400;
-/// Levels that a file may have.
+/// Range of the levels in a file.
 const LEVEL: Range = Range::new(-400.0, 400.0, "dB");
 
 /// A file of a measurement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum File {
-    /// In the own form, which states everything.
+    /// In this program's own format, which states everything.
     Own(Measurement),
     /// By another program.
     Foreign(Foreign),
@@ -41,14 +41,15 @@ pub enum File {
 pub struct Foreign {
     /// The kind of sensor, if the file states it: a universal file does.
     pub sensor: Option<SensorKind>,
-    /// Frequency in hertz, in the order of the file, and response: of phase 0 where the file has magnitudes alone.
+    /// Frequency in hertz, in the order of the file, and response; the phase is 0 where the file has magnitudes
+    /// alone.
     pub points: Vec<(f64, Complex64)>,
 }
 
 /// Why a file is no measurement.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FileError {
-    /// A file in the own form with a mistake.
+    /// A mistake in a file of this program's own format.
     #[error(transparent)]
     Own(#[from] CsvError),
     /// A line that cannot be read.
@@ -56,7 +57,7 @@ pub enum FileError {
     Line(#[from] BadLine),
     /// No line begins with two numbers.
     #[error(
-        "no line has a frequency and a level: write one pair to a line, apart by commas, semicolons, tabs or blanks"
+        "no line has a frequency and a level: write one pair on each line, separated by commas, semicolons, tabs or blanks"
     )]
     Empty,
     /// A universal file without a frequency response.
@@ -65,13 +66,13 @@ pub enum FileError {
     /// A universal file with several functions.
     #[error("the universal file holds more than one function: save the one of this sensor alone")]
     ManyFunctions,
-    /// A recording.
+    /// A sound file.
     #[error("the file is a sound and not a table of frequencies")]
     Sound,
 }
 
 impl File {
-    /// Reads a measurement in any of the forms, recognised by its content.
+    /// Reads a measurement in any of the formats, recognised by its content.
     ///
     /// ```
     /// use slipline_plate::calibrate::File;
@@ -91,7 +92,7 @@ impl File {
         if uff58::binary::has_one(bytes) {
             return Ok(Self::Foreign(uff58::binary::read(bytes)?));
         }
-        // Names of a microphone may be in any code: only the numbers count.
+        // A microphone's name may be in any encoding; only the numbers matter.
         let text = String::from_utf8_lossy(bytes);
         let text = text.trim_start_matches('\u{feff}');
         if csv::is_own(text) {
@@ -103,8 +104,8 @@ impl File {
 }
 
 impl Foreign {
-    /// The measurement of a sensor at `place_m` within a band of frequencies (Hz), with noise `snr_db` (0 to 140 dB) below the
-    /// root mean square of its magnitudes. Of more than 400 frequencies every second is left out, or more.
+    /// The measurement of a sensor at `place_m` within a band of frequencies (Hz), with noise `snr_db` (0 to 140 dB)
+    /// below the root mean square of its magnitudes. More than 400 frequencies are thinned to every second, or fewer.
     ///
     /// # Errors
     /// [`CalibrateError`]: a number out of its range, or fewer than 8 frequencies in the band.
@@ -135,20 +136,20 @@ impl Foreign {
 }
 
 impl Measurement {
-    /// The measurement as a universal file: a frequency response in double precision, dataset 58. Frequencies have six digits
-    /// in it; noise and headroom are left out.
+    /// The measurement as a universal file: dataset 58, a frequency response in double precision. Frequencies are
+    /// written with six digits; noise and headroom are left out.
     #[must_use]
     pub fn to_uff58(&self) -> String {
         uff58::write(self)
     }
 
-    /// The measurement as `.frd`: lines of frequency in hertz, level in dB and phase in degrees.
+    /// The measurement as `.frd`: frequency in hertz, level in dB and phase in degrees, one line for each point.
     #[must_use]
     pub fn to_frd(&self) -> String {
         frequency_table::write(self)
     }
 
-    /// The response in the sensor's unit where that is known, as e^(+j omega t) shows it.
+    /// The response in the sensor's unit where that is known, in the convention e^(+j omega t).
     fn shown(&self, point: &MeasuredPoint) -> Complex64 {
         point.response.conj() * self.unit_per_response.unwrap_or(1.0)
     }

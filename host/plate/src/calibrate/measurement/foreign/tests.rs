@@ -12,7 +12,8 @@ fn refused(text: &str) -> String {
     File::read(text.as_bytes()).expect_err(text).to_string()
 }
 
-/// A row of 100 Hz, -20 dB and 90 degrees as every one of these texts has it, and one of 200.5 Hz.
+/// Checks that a text gives 100 Hz, -20 dB and 90 degrees, the row that all of these texts share, and a row of 200.5
+/// Hz.
 fn check(text: &str, has_phase: bool) {
     let found = foreign(text);
     assert_eq!(found.points.len(), 2, "{text}");
@@ -46,7 +47,7 @@ fn tables_of_every_separator_are_read() {
 
 #[test]
 fn what_is_no_table_is_refused_by_its_line() {
-    for (text, told) in [
+    for (text, message) in [
         ("", "no line has a frequency and a level"),
         ("a\nb\n", "no line has a frequency and a level"),
         ("RIFF....", "the file is a sound"),
@@ -62,11 +63,11 @@ fn what_is_no_table_is_refused_by_its_line() {
         ("# place_m = x\n", "line 1: place_m = x: must be a number"),
     ] {
         let found = refused(text);
-        assert!(found.starts_with(told), "{text:?}: {found}");
+        assert!(found.starts_with(message), "{text:?}: {found}");
     }
 }
 
-/// A frequency response of two lines, evenly spaced, complex in single precision, with touching fields.
+/// A frequency response of two points, evenly spaced, complex in single precision, with adjacent fields.
 const UFF: &str = "    -1
     15
          1         0         0        11  0.00000E+00  0.00000E+00  0.00000E+00
@@ -97,7 +98,7 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
     let real = UFF.replace("         5         3         1", "         2         3         0");
     let magnitudes = [(0.0, 0.1), (0.2, 0.3), (4.0, 5.0)];
     assert_eq!(foreign(&real).points, magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
-    for (from, to, told) in [
+    for (from, to, message) in [
         ("    58\n", "    58b\n", "line 6: the order of the bytes = nothing: must be a whole number"),
         ("    58\n", "    55\n", "the universal file holds no dataset 58"),
         ("    4         0", "    1         0", "line 12: the function's type = 1: must be 0, 4, 5 or 12"),
@@ -117,7 +118,7 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
     ] {
         assert!(UFF.contains(from));
         let found = refused(&UFF.replace(from, to));
-        assert!(found.starts_with(told), "{to}: {found}");
+        assert!(found.starts_with(message), "{to}: {found}");
     }
     let cut: Vec<&str> = UFF.lines().take(13).collect();
     assert!(refused(&cut.join("\n")).starts_with("line 14: the dataset's head is cut off"));
@@ -154,7 +155,7 @@ fn what_is_exported_is_read_back_in_the_sensors_unit() {
 }
 
 #[test]
-fn a_foreign_measurement_is_thinned_within_the_band_and_has_the_told_noise() {
+fn a_foreign_measurement_is_thinned_within_the_band_and_has_the_stated_noise() {
     let points = (0..5000).map(|i| (f64::from(i), Complex64::new(0.0, 2.0))).collect();
     let found = Foreign { sensor: None, points };
     let of = |band_hz: (f64, f64), snr_db: f64| found.measurement(0.03, SensorKind::Strain, snr_db, band_hz);

@@ -1,8 +1,8 @@
 //! Dataset 58 of a universal file, "function at nodal DOF" (I-DEAS; revision of 30 June 1999), as text.
 //!
-//! A dataset stands between lines of -1, its number on its first line. Of its eleven header lines the sixth has the function's
-//! type, the seventh the form of the data, the eighth and ninth what abscissa and ordinate are. [`binary`] reads the numbers of
-//! dataset 58b.
+//! A dataset stands between lines of -1; its number is on its first line. Of its eleven header lines the sixth has
+//! the function type, the seventh the data format, the eighth and ninth the kinds of abscissa and ordinate.
+//! [`binary`] reads the numbers of dataset 58b.
 
 pub(super) mod binary;
 
@@ -13,11 +13,11 @@ use crate::text_table::{BadLine, FINITE, number, shown, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
 
-/// A line of minus one begins and ends a dataset.
+/// A line of -1 begins and ends a dataset.
 const MARK: &str = "-1";
-/// Types of function that are a response over the frequency: general, frequency response, transmissibility, spectrum.
+/// Function types that are a response over frequency: general, frequency response, transmissibility, spectrum.
 const RESPONSES: [u32; 4] = [0, 4, 5, 12];
-/// The abscissa's type for a frequency; 0 is an unknown one.
+/// Abscissa type of a frequency; 0 is unknown.
 const FREQUENCY: u32 = 18;
 /// Ordinate types of the four kinds of sensor.
 const ORDINATES: [(SensorKind, u32, &str); 4] = [
@@ -38,7 +38,7 @@ struct Dataset<'a> {
 }
 
 impl<'a> Dataset<'a> {
-    /// The words of a header line, from 0, and the line's number in the file.
+    /// The words of header line `at`, counted from 0, and its number in the file.
     fn words(&self, at: usize) -> Result<(usize, Vec<&'a str>), BadLine> {
         let line = self.first + at;
         let content = self.lines.get(at).ok_or_else(|| wrong(line, "the dataset's head is cut off"))?;
@@ -53,12 +53,12 @@ fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, BadLine> 
         .map_err(|_| wrong(line, must_be(format_args!("{field} = {}", shown(word)), "a whole number")))
 }
 
-/// Whether the line of a dataset's number has this one.
+/// Whether the first line of a dataset has this number.
 fn is_number(line: &str, number: &str) -> bool {
     line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case(number))
 }
 
-/// All datasets of number 58.
+/// All datasets with the number 58.
 fn datasets(text: &str) -> Result<Vec<Dataset<'_>>, FileError> {
     let mut found = Vec::new();
     let mut lines = (1..).zip(text.lines());
@@ -85,14 +85,14 @@ pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
     }
 }
 
-/// The form of a dataset's numbers, from its head.
+/// The format of a dataset's numbers, from its header.
 struct Form {
-    /// The line of the head with the data's form.
+    /// Line of the header with the data format.
     line: usize,
     count: usize,
     is_complex: bool,
     is_double: bool,
-    /// Whether the abscissas are not written.
+    /// Whether the abscissas are evenly spaced and not written.
     is_even: bool,
     start_hz: f64,
     step_hz: f64,
@@ -104,8 +104,8 @@ impl Form {
         let (line, words) = dataset.words(5)?;
         let kind = whole(line, "the function's type", words.first())?;
         if !RESPONSES.contains(&kind) {
-            let told = "0, 4, 5 or 12: a response over the frequency";
-            return Err(wrong(line, must_be(format_args!("the function's type = {kind}"), told)));
+            let allowed = "0, 4, 5 or 12: a response over the frequency";
+            return Err(wrong(line, must_be(format_args!("the function's type = {kind}"), allowed)));
         }
         let (line, abscissa) = dataset.words(7)?;
         let is_frequency = whole(line, "the abscissa's type", abscissa.first())?;
@@ -122,8 +122,8 @@ impl Form {
             5 => (true, false),
             6 => (true, true),
             other => {
-                let told = "2, 4, 5 or 6: real or complex numbers";
-                return Err(wrong(line, must_be(format_args!("the data's form = {other}"), told)));
+                let allowed = "2, 4, 5 or 6: real or complex numbers";
+                return Err(wrong(line, must_be(format_args!("the data's form = {other}"), allowed)));
             }
         };
         let real = |at: usize, field: &str| {
@@ -141,12 +141,12 @@ impl Form {
         })
     }
 
-    /// Numbers of a point beside its abscissa.
+    /// Numbers of a point, without its abscissa.
     const fn ordinates(&self) -> usize {
         if self.is_complex { 2 } else { 1 }
     }
 
-    /// The function of these numbers.
+    /// The function with these numbers.
     fn points(&self, values: &[f64]) -> Result<Foreign, BadLine> {
         let width = usize::from(!self.is_even) + self.ordinates();
         if Some(values.len()) != self.count.checked_mul(width) {
@@ -181,7 +181,7 @@ fn function(dataset: &Dataset<'_>) -> Result<Foreign, BadLine> {
     form.points(&values)
 }
 
-/// The numbers of a line: a field of Fortran is as wide as its format, so that a sign may touch the number before it.
+/// The numbers of a line. A Fortran field fills its whole width, so a sign may touch the number before it.
 fn apart(line: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let mut before = ' ';
@@ -207,7 +207,7 @@ fn exponent(word: &str) -> String {
     word.replace(['d', 'D'], "E")
 }
 
-/// A number as Fortran's format E writes it.
+/// A number in Fortran's format E.
 fn fortran(value: f64, width: usize, digits: usize) -> String {
     let text = format!("{value:.digits$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));

@@ -1,23 +1,24 @@
-//! Dataset 58b: the head is the text of dataset 58, and its numbers follow as bytes.
+//! Dataset 58b: the header is the text of dataset 58, and its numbers follow as bytes.
 //!
-//! The line of the dataset's number states the form: `58b`, the order of the bytes (1: the lowest first, 2: the highest first), the form of
-//! the numbers (1: VAX, 2: IEEE 754, 3: IBM), how many lines of head follow (11), and how many bytes after them. The bytes begin
-//! right after the head's last line and have the order of the text's numbers; a line of -1 follows them at once.
+//! The dataset's first line states the format: `58b`, the byte order (1: little-endian, 2: big-endian), the number
+//! format (1: VAX, 2: IEEE 754, 3: IBM), the number of header lines that follow (11), and the number of bytes after
+//! them. The bytes begin directly after the last header line and are in the order of the text's numbers; a line of -1
+//! follows them directly.
 
 use super::super::{FileError, Foreign};
 use super::{Dataset, Form, MARK, is_number, whole};
 use crate::quantity::must_be;
 use crate::text_table::{BadLine, wrong};
 
-/// Lines of the head.
+/// Header lines.
 const HEAD: usize = 11;
-/// The only form of numbers that is read.
+/// The only number format that is read.
 const IEEE_754: u32 = 2;
 
 /// A file's bytes, line by line.
 struct Lines<'a> {
     bytes: &'a [u8],
-    /// The next byte, and the number of its line in the file.
+    /// Offset of the next byte, and the number of its line in the file.
     at: usize,
     line: usize,
 }
@@ -70,13 +71,13 @@ pub(in super::super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
         if is_binary {
             found = Some(function(&mut lines, at, &kind)?);
         }
-        // To the end of the dataset.
+        // Skips to the end of the dataset.
         while lines.next().is_some_and(|(_, line)| line != MARK.as_bytes()) {}
     }
     found.ok_or(FileError::NoFunction)
 }
 
-/// The function of a dataset whose first line is number `at`.
+/// The function of a dataset with its first line at number `at`.
 fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, BadLine> {
     let words: Vec<&str> = kind.split_whitespace().collect();
     let order = whole(at, "the order of the bytes", words.get(1))?;
@@ -84,14 +85,14 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Bad
         1 => true,
         2 => false,
         other => {
-            let told = "1 (the lowest first) or 2 (the highest first)";
-            return Err(wrong(at, must_be(format_args!("the order of the bytes = {other}"), told)));
+            let allowed = "1 (the lowest first) or 2 (the highest first)";
+            return Err(wrong(at, must_be(format_args!("the order of the bytes = {other}"), allowed)));
         }
     };
     let form = whole(at, "the form of the numbers", words.get(2))?;
     if form != IEEE_754 {
-        let told = "2: IEEE 754; save it anew on another computer, or as text";
-        return Err(wrong(at, must_be(format_args!("the form of the numbers = {form}"), told)));
+        let allowed = "2: IEEE 754; save it anew on another computer, or as text";
+        return Err(wrong(at, must_be(format_args!("the form of the numbers = {form}"), allowed)));
     }
     let head = whole(at, "the number of lines", words.get(3))? as usize;
     if head != HEAD {
@@ -113,7 +114,8 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Bad
 
 /// The numbers of a dataset's bytes.
 fn values(data: &[u8], form: &Form, is_little: bool, at: usize) -> Result<Vec<f64>, BadLine> {
-    // Abscissa and ordinates of a row: some programs keep the abscissa in the precision of the ordinates, and some in single.
+    // Bytes of the abscissa and of the ordinates of a row: some programs write the abscissa in the precision of the
+    // ordinates, some in single precision.
     let ordinates = form.ordinates();
     let abscissas: &[usize] = if form.is_even {
         &[0]

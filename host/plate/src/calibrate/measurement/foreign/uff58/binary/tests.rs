@@ -5,7 +5,7 @@ use proptest::prelude::*;
 /// Three points, at uneven frequencies and at even ones.
 const UNEVEN: [f64; 9] = [100.0, 0.5, -0.25, 101.5, 0.125, 2.0, 104.0, -1.0, 0.75];
 
-/// A file of these numbers, with the rest of the line of the dataset's number.
+/// A universal file of these bytes, with `kind` as the first line of the dataset.
 fn bytes(kind: &str, form: u32, is_even: bool, data: &[u8]) -> Vec<u8> {
     let even = u32::from(is_even);
     let head = format!(
@@ -23,7 +23,7 @@ fn read(bytes: &[u8]) -> Foreign {
     }
 }
 
-/// The numbers that a form has of the points, as bytes of a precision and an order.
+/// The numbers of the three points as bytes of a precision and an order.
 fn data(is_even: bool, double: (bool, bool), is_little: bool) -> Vec<u8> {
     let (abscissa, ordinates) = double;
     let one = |value: f64, is_double: bool| match (is_double, is_little) {
@@ -68,7 +68,7 @@ fn what_is_wrong_with_a_binary_file_is_named() {
     let data = data(false, (false, false), true);
     let size = data.len();
     let refused = |bytes: &[u8]| File::read(bytes).unwrap_err().to_string();
-    for (kind, told) in [
+    for (kind, wanted) in [
         (
             format!(" 3 2 11 {size} 0 0 0 0"),
             "line 2: the order of the bytes = 3: must be 1 (the lowest first) or 2",
@@ -84,7 +84,7 @@ fn what_is_wrong_with_a_binary_file_is_named() {
         (" 1".to_owned(), "line 2: the form of the numbers = nothing"),
     ] {
         let message = refused(&bytes(&kind, 5, false, &data));
-        assert!(message.starts_with(told), "{kind}: {message}");
+        assert!(message.starts_with(wanted), "{kind}: {message}");
     }
     let good = format!(" 1 2 11 {size} 0 0 0 0");
     let mut bad = data.clone();
@@ -101,11 +101,11 @@ proptest! {
     #[test]
     fn no_bytes_behind_a_head_make_the_reader_panic(
         data in prop::collection::vec(any::<u8>(), 0..80),
-        told in 0_usize..100,
+        stated in 0_usize..100,
         form in 0_u32..8,
         order in 0_u32..4,
         is_even: bool,
     ) {
-        let _ = File::read(&bytes(&format!(" {order} 2 11 {told} 0 0 0 0"), form, is_even, &data));
+        let _ = File::read(&bytes(&format!(" {order} 2 11 {stated} 0 0 0 0"), form, is_even, &data));
     }
 }
