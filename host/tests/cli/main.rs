@@ -32,8 +32,32 @@ mod upkeep;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::process::{Command, Output};
+use std::sync::{Condvar, Mutex, PoisonError};
+
+/// A command with a simulated sensor computes a plate in real time, for some seconds; its device stops, as it should, where it
+/// cannot. So at most two of them run at once: on a busy machine eight would keep each other from their device for a second.
+struct Sensed;
+
+static SENSED: (Mutex<usize>, Condvar) = (Mutex::new(0), Condvar::new());
+
+impl Sensed {
+    fn begin() -> Self {
+        let (running, ended) = &SENSED;
+        let running = running.lock().unwrap_or_else(PoisonError::into_inner);
+        *ended.wait_while(running, |running| *running == 2).unwrap_or_else(PoisonError::into_inner) += 1;
+        Self
+    }
+}
+
+impl Drop for Sensed {
+    fn drop(&mut self) {
+        *SENSED.0.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+        SENSED.1.notify_one();
+    }
+}
 
 fn slipline(arguments: &[&str]) -> Output {
+    let _running = arguments.contains(&"--sensor").then(Sensed::begin);
     Command::new(env!("CARGO_BIN_EXE_slipline")).args(arguments).output().unwrap()
 }
 
