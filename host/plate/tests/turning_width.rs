@@ -176,8 +176,10 @@ fn every_changed_frequency_of_a_preset_is_listed_and_nearer_to_the_two_dimension
     let listed = changed_frequencies();
     for preset in slipline_plate::presets() {
         let count = listed.iter().filter(|(name, _)| *name == preset.name).count();
-        let is_arc = preset.plate().expect("a preset").spec().turning_width == TurningWidth::Arc;
-        assert_eq!(count >= 2, is_arc, "{}", preset.name);
+        let plate = preset.plate().expect("a preset");
+        // The preset in air is younger than the change.
+        let has_changed = plate.spec().turning_width == TurningWidth::Arc && !plate.carries_air();
+        assert_eq!(count >= 2, has_changed, "{}", preset.name);
     }
     for (name, [place_mm, wanted @ ..]) in listed {
         let arc = preset(name).expect("a preset");

@@ -121,7 +121,8 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
 fn sheet_of(plate: &Plate) -> Result<Solver, Failure> {
     let threads = available_parallelism().map_or(1, |count| count.get().min(64));
     match sheet_grid(plate, plate.band_hz().1, threads).cost(plate, f64::from(SAMPLE_RATE_HZ)) {
-        Ok(_) => Ok(Solver::Sheet { threads }),
+        // Whether it follows the air depends on the tones.
+        Ok(_) | Err(SheetError::Air { .. }) => Ok(Solver::Sheet { threads }),
         Err(SheetError::Bends { plate }) => Err(Failure::Usage(format!(
             "--sheet carries membranes and shear waves, and {plate:?} is a plate in bending: slipline respond --2d solves \
              it in two dimensions"

@@ -12,7 +12,7 @@ fn presets_are_named_and_described() {
         assert!(!preset["name"].as_str().unwrap().is_empty());
         assert!(preset["description"].as_str().unwrap().len() > 20);
     }
-    assert_eq!(presets[0]["name"], "membrane");
+    assert_eq!(presets[0]["name"], "latex-membrane");
 }
 
 #[test]
@@ -163,6 +163,23 @@ fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
     let text = slipline(&[&arguments[..], &["--sheet", "--seconds", "300ms"]].concat()).stdout;
     let text = String::from_utf8(text).unwrap();
     assert!(text.contains("On the sheet, the peak for 160.0 mm: -0."), "{text}");
+}
+
+#[test]
+fn simulate_on_the_sheet_in_air_differs_from_one_mode_as_it_does_in_a_vacuum() {
+    // The same boundary has the same wavenumber on both, at another frequency.
+    let sheet = |plate: &str| {
+        json(&["simulate", "--plate", plate, "--boundary", "160mm", "--tone", "230mm:0.1", "--sheet"])
+    };
+    let (air, vacuum) = (sheet("latex-membrane"), sheet("membrane"));
+    assert!(number(&air, "frequency_hz") < 0.95 * number(&vacuum, "frequency_hz"));
+    for tone in 0..2 {
+        let of = |value: &Value, field| number(&value["tones"][tone]["two_dimensions"], field);
+        for (field, tolerance) in [("peak_shift_m", 2e-4), ("level_db", 0.1), ("nodes", 0.0)] {
+            let (found, wanted) = (of(&air, field), of(&vacuum, field));
+            assert!((found - wanted).abs() <= tolerance, "{tone} {field}: {found}, not {wanted}");
+        }
+    }
 }
 
 #[test]

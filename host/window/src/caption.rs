@@ -78,6 +78,19 @@ pub const PEAK_TRAVEL: Caption = Caption::new("Peak travel", Unit::Millimetre, &
 /// How far a steady signal at full scale would move it.
 pub const STATIC_TRAVEL: Caption =
     Caption::new("Travel at full scale", Unit::Millimetre, &["actuator.static_travel_m"]);
+/// Coefficient of the air's mass on each face.
+pub const AIR_COEFFICIENT: Caption = Caption::new("Air coefficient", Unit::Pure, &["air.coefficient"]);
+/// Density of the air.
+pub const AIR_DENSITY: Caption =
+    Caption::new("Air density", Unit::Times("kg/m³", 1.0), &["air.density_kg_per_m3"]);
+/// Speed of sound.
+pub const SOUND_SPEED: Caption =
+    Caption::new("Speed of sound", Unit::Times("m/s", 1.0), &["air.sound_speed_m_per_s"]);
+/// Temperature of the air.
+pub const AIR_TEMPERATURE: Caption =
+    Caption::new("Temperature", Unit::Times("°C", 1.0), &["air.temperature_c"]);
+/// Height above the sea.
+pub const AIR_HEIGHT: Caption = Caption::new("Height above sea", Unit::Times("m", 1.0), &["air.height_m"]);
 /// Displacement of the drive at DAC full scale, of a design.
 pub const FULL_SCALE: Caption = Caption::new("Full scale", Unit::Millimetre, &["full_scale_m"]);
 /// Lowest frequency of a design.
@@ -106,7 +119,7 @@ pub enum Panel {
     Designer,
 }
 
-const PLATE: [&Caption; 28] = [
+const PLATE: [&Caption; 33] = [
     &LENGTH,
     &HALF_WIDTH,
     &TAPER_RATE,
@@ -134,6 +147,11 @@ const PLATE: [&Caption; 28] = [
     &QUALITY,
     &PEAK_TRAVEL,
     &STATIC_TRAVEL,
+    &AIR_COEFFICIENT,
+    &AIR_DENSITY,
+    &SOUND_SPEED,
+    &AIR_TEMPERATURE,
+    &AIR_HEIGHT,
     &TAPER_POINTS,
 ];
 

@@ -23,7 +23,8 @@ impl Preset {
     }
 }
 
-const PRESETS: [Preset; 7] = [
+const PRESETS: [Preset; 8] = [
+    Preset { name: "latex-membrane", toml: include_str!("../../presets/latex-membrane.toml") },
     Preset { name: "membrane", toml: include_str!("../../presets/membrane.toml") },
     Preset { name: "al-bending", toml: include_str!("../../presets/al-bending.toml") },
     Preset {

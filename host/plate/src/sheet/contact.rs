@@ -2,10 +2,12 @@
 //!
 //! The finger resists locally with the impedance per area (R - j omega m)/a^2, so under it
 //! (1 + m') v_tt + (r + r') v_t = c^2 (v_xx + v_zz) with m' = m/(sigma a^2), r' = R/(sigma a^2) and the sheet's mass per
-//! area sigma. A cell that the contact covers in part has that share of both. More mass than the sheet's own only makes
+//! area sigma. In air c is slower than the sheet's V in a vacuum, and both are over the inertia of c: m' and r' times c^2/V^2.
+//! A cell that the contact covers in part has that share of both. More mass than the sheet's own only makes
 //! the step of the grid safer, and the resistance is taken in the middle of the step, so the scheme stays stable for
 //! every finger.
 
+use super::air_wave::AirWave;
 use super::embedded_boundary::EmbeddedBoundary;
 use super::kernel::place;
 use super::vector::Line;
@@ -23,6 +25,8 @@ pub(super) struct Contact {
     mass: f64,
     /// r', 1/s.
     damping_per_s: f64,
+    /// V, the wave speed of the sheet without air.
+    vacuum_m_per_s: f64,
 }
 
 /// What a finger adds to a point of the grid: to 1 of the sheet's own mass, and to r dt/2 of its loss.
@@ -43,17 +47,26 @@ impl Contact {
             half_across_m: 0.5 * finger.contact_m,
             mass: finger.mass_kg * per_area,
             damping_per_s: finger.resistance_n_s_per_m * per_area,
+            vacuum_m_per_s: plate.spec().model.wave_speed_m_per_s().unwrap_or(f64::NAN),
         })
     }
 
     /// The load on a point `row` rows from the centre line, for steps of `step_s`.
-    pub(super) fn load(&self, edge: &EmbeddedBoundary, station: usize, row: usize, step_s: f64) -> Load {
+    pub(super) fn load(
+        &self,
+        edge: &EmbeddedBoundary,
+        station: usize,
+        row: usize,
+        step_s: f64,
+        wave: AirWave,
+    ) -> Load {
         let (x, z) = (station as f64 * edge.dx, row as f64 * edge.dz);
         // The driven column has half a cell on the plate.
         let cell_x = (if station == 0 { x } else { x - 0.5 * edge.dx })..x + 0.5 * edge.dx;
         let across_m = self.half_across_m.min(edge.half_width_m(station));
         let share = covered(&cell_x, &self.along_m)
             * covered(&(z - 0.5 * edge.dz..z + 0.5 * edge.dz), &(-across_m..across_m));
+        let share = share * (wave.speed_m_per_s / self.vacuum_m_per_s).powi(2);
         Load { mass: share * self.mass, loss: 0.5 * share * self.damping_per_s * step_s }
     }
 }

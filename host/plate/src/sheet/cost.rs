@@ -1,5 +1,6 @@
 //! The cost of a sheet, computed before the sheet is built.
 
+use super::air_wave::{AirWave, WAVENUMBER_ERROR_MAX};
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::source::{DriveCondition, StepRatio};
@@ -17,6 +18,9 @@ pub struct Cost {
     pub cells: usize,
     /// Steps per second of plate time.
     pub step_rate_hz: f64,
+    /// Largest relative error of the wavenumber in air: at the two frequencies of [`SheetGrid::air_at_hz`], or in the whole
+    /// band of the plate; 0 without air. Air takes no cell and no step more.
+    pub wavenumber_error: f64,
 }
 
 impl Cost {
@@ -31,7 +35,8 @@ pub(super) struct Layout {
     pub(super) edge: EmbeddedBoundary,
     pub(super) ratio: StepRatio,
     pub(super) step_s: f64,
-    pub(super) speed_m_per_s: f64,
+    pub(super) wave: AirWave,
+    pub(super) wavenumber_error: f64,
     /// Whether one half is computed and mirrored at the centre line.
     pub(super) mirrored: bool,
     /// The condition at the driven end.
@@ -45,15 +50,22 @@ impl Layout {
         let Some(speed_m_per_s) = plate.spec().model.wave_speed_m_per_s() else {
             return Err(SheetError::Bends { plate: plate.name().to_owned() });
         };
-        if plate.carries_air() {
-            return Err(SheetError::Air { plate: plate.name().to_owned() });
-        }
         let condition = DriveCondition::of(plate)?;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator).copied();
         grid.validate(sample_rate_hz)?;
+        let band_hz = plate.band_hz();
+        let wave = AirWave::of(plate, grid.air_at_hz.unwrap_or_else(|| AirWave::nodes_between(band_hz)));
+        let wavenumber_error = match grid.air_at_hz {
+            Some((low_hz, high_hz)) => wave.error_at(plate, low_hz).max(wave.error_at(plate, high_hz)),
+            None => wave.error_between(plate, band_hz),
+        };
+        if wavenumber_error > WAVENUMBER_ERROR_MAX {
+            return Err(SheetError::Air { plate: plate.name().to_owned(), error: wavenumber_error });
+        }
         let cells = 2 * grid.along * grid.across;
         WrongCount::check("the grid", cells, Count::at_most(CELLS_MAX, Counted::Cells))?;
         let edge = EmbeddedBoundary::new(plate, grid.along, grid.across);
+        // In air the wave of the sheet is slower.
         let longest = COURANT / (speed_m_per_s * (edge.dx.powi(-2) + edge.dz.powi(-2)).sqrt());
         let ratio = StepRatio::new(sample_rate_hz, longest)?;
         let mirrored = !grid.whole && grid.drive.is_symmetric();
@@ -61,7 +73,8 @@ impl Layout {
             step_s: ratio.step_s(sample_rate_hz),
             edge,
             ratio,
-            speed_m_per_s,
+            wave,
+            wavenumber_error,
             mirrored,
             condition,
             resonator,
@@ -72,7 +85,7 @@ impl Layout {
         let half: usize = self.edge.reach.iter().map(|reach| reach + 1).sum();
         let centre = self.edge.reach.first().map_or(0, |reach| reach + 1);
         let cells = if self.mirrored { half } else { 2 * half - centre };
-        Cost { cells, step_rate_hz: 1.0 / self.step_s }
+        Cost { cells, step_rate_hz: 1.0 / self.step_s, wavenumber_error: self.wavenumber_error }
     }
 }
 

@@ -4,20 +4,21 @@
 //! links: multiply M (v+ - 2 v + v-)/dt^2 = -K v by (v+ - v-) and sum, K being symmetric. It is positive as long as
 //! dt^2 K/M < 4, which is the stability limit.
 
+use super::air_wave::AirWave;
 use super::contact::Contact;
 use super::embedded_boundary::EmbeddedBoundary;
 use super::fdtd::FdtdGrid;
 use super::row::Row;
 use std::cmp::Ordering;
 
-/// Energy per surface density with v in the grid's own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2) over the
+/// Energy per surface density with v in the grid's own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2 - a v^2) over the
 /// whole plate, m^2/s^2 times the unit squared; the mass of a finger moves with the plate.
 pub(super) fn energy(
     fdtd: &FdtdGrid,
     edge: &EmbeddedBoundary,
     mirrored: bool,
     step_s: f64,
-    speed: f64,
+    wave: AirWave,
     contact: Option<&Contact>,
 ) -> f64 {
     let middle = if mirrored { 0 } else { edge.rows() - 1 };
@@ -29,7 +30,7 @@ pub(super) fn energy(
         }
         _ => (0.0, 0.0),
     };
-    let (mut moving, mut along, mut across) = (0.0, 0.0, 0.0);
+    let (mut moving, mut along, mut across, mut lifted) = (0.0, 0.0, 0.0, 0.0);
     for row in 0..fdtd.rows() {
         let from_centre = row.abs_diff(middle);
         let twins = if mirrored && row > 0 { 2.0 } else { 1.0 };
@@ -44,8 +45,10 @@ pub(super) fn energy(
             // The driven column is half a cell wide.
             let share = if station == 0 { 0.5 } else { 1.0 };
             let (new, old) = at(Some(row), station);
-            let load = contact.map_or(0.0, |contact| contact.load(edge, station, from_centre, step_s).mass);
+            let load =
+                contact.map_or(0.0, |contact| contact.load(edge, station, from_centre, step_s, wave).mass);
             moving += twins * share * (1.0 + load) * (new - old).powi(2);
+            lifted += twins * share * new * old;
             let (next_new, next_old) = at(Some(row), station + 1);
             along += twins * edge.along_link(station, from_centre) * (next_new - new) * (next_old - old);
             let weight = share * edge.across_link(station, from_centre);
@@ -56,6 +59,7 @@ pub(super) fn energy(
         }
     }
     let cell = edge.dx * edge.dz;
-    let stiff = speed * speed * (along / edge.dx.powi(2) + across / edge.dz.powi(2));
+    let bent = along / edge.dx.powi(2) + across / edge.dz.powi(2) - wave.lift_per_m2 * lifted;
+    let stiff = wave.speed_m_per_s.powi(2) * bent;
     0.5 * cell * (moving / step_s.powi(2) + stiff)
 }

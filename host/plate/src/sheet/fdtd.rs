@@ -79,6 +79,11 @@ impl FdtdGrid {
         self.clock.steps
     }
 
+    /// Goes on with other weights on the same cells.
+    pub(super) fn reweigh(&mut self, plan: Plan) {
+        self.plan = plan;
+    }
+
     pub(super) fn plan(&self) -> &Plan {
         &self.plan
     }

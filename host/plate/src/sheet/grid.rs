@@ -1,5 +1,6 @@
 //! The request for a sheet: resolution, drive, recording and loss, with their ranges.
 
+use super::air_wave::{AirWave, WAVENUMBER_ERROR_MAX};
 use crate::definition::plate::Plate;
 use crate::definition::sample_rate::{SAMPLE_RATE_MAX_HZ, SampleRateError};
 use crate::frequency::RespondError;
@@ -70,6 +71,10 @@ pub struct SheetGrid {
     /// The frequency at which the loss factor is the plate's, Hz (0.1 to 1e8); `None` for the geometric mean of the
     /// plate's band. The loss of a sheet is viscous (r v_t), so its loss factor is proportional to 1/f.
     pub loss_at_hz: Option<f64>,
+    /// The two frequencies at which the wavenumber of a plate in air is the plate's, Hz (0.1 to 1e8), the lower first; two
+    /// equal ones for one tone. Between and beside them it is off by a share that rises with their distance. `None`: those that
+    /// make the largest error in the plate's band least. Without air it has no effect.
+    pub air_at_hz: Option<(f64, f64)>,
     /// Threads (1 to 64). The result is the same for every number.
     pub threads: usize,
 }
@@ -84,8 +89,24 @@ impl SheetGrid {
             whole: false,
             envelope: EnvelopeScope::CentreLine,
             loss_at_hz: None,
+            air_at_hz: None,
             threads: 1,
         }
+    }
+
+    /// The same grid with the wavenumber in air for these tones, Hz: exact at one tone, with its group speed, and at two; among
+    /// more the largest error is least. Without air, or without tones, it is the same grid.
+    ///
+    /// # Errors
+    /// [`SheetError::Air`] if a tone's wavenumber would be off by more than [`WAVENUMBER_ERROR_MAX`].
+    pub fn at_tones(self, plate: &Plate, tones_hz: &[f64]) -> Result<Self, SheetError> {
+        let Some(nodes) = AirWave::nodes(tones_hz).filter(|_| plate.carries_air()) else { return Ok(self) };
+        let wave = AirWave::of(plate, nodes);
+        let error = tones_hz.iter().map(|&tone_hz| wave.error_at(plate, tone_hz)).fold(0.0, f64::max);
+        if error > WAVENUMBER_ERROR_MAX {
+            return Err(SheetError::Air { plate: plate.name().to_owned(), error });
+        }
+        Ok(Self { air_at_hz: Some(nodes), ..self })
     }
 
     /// A coarse grid that resolves the whole span: 8 cells on the half-width at the span's end, within the limits of
@@ -108,6 +129,10 @@ impl SheetGrid {
         if let Some(frequency_hz) = self.loss_at_hz {
             within("loss_at_hz", frequency_hz, 0.1, 1e8)?;
         }
+        if let Some((low_hz, high_hz)) = self.air_at_hz {
+            within("air_at_hz.0", low_hz, 0.1, 1e8)?;
+            within("air_at_hz.1", high_hz, low_hz, 1e8)?;
+        }
         if let DriveShape::Patch { centre, reach } = self.drive {
             within("drive.centre", centre, -0.9, 0.9)?;
             within("drive.reach", reach, 0.05, 1.0)?;
@@ -127,13 +152,16 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
-    /// Air swings with the plate: its mass depends on the wavelength, and the sheet has one mass everywhere.
+    /// Air swings with the plate, and so much of it that the one equation of a sheet does not follow its mass over the tones.
     #[error(
-        "{plate} carries air: a sheet has one wave speed at all frequencies, and this plate's rises with the frequency: use a time line for it, or leave [air] out of the plate file"
+        "{plate} carries air: a sheet would have its wavenumber off by {:.1} %, and at most {:.0} % is allowed: use a time line for it, or fewer tones",
+        100.0 * error, 100.0 * WAVENUMBER_ERROR_MAX
     )]
     Air {
         /// Name of the plate.
         plate: String,
+        /// The largest relative error of the wavenumber.
+        error: f64,
     },
     /// The driven end is one that the sheet does not carry.
     #[error(

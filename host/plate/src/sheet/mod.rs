@@ -6,9 +6,11 @@
 //!
 //! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid with an embedded boundary; a finger adds
 //! mass and resistance where it lies. This is the model of a stretched membrane and of the shear-horizontal wave, with
-//! all width modes and their coupling. Bending has another equation (dispersive, of fourth order), which only
-//! [`crate::TimeDomainLine`] solves.
+//! all width modes and their coupling. The air that a membrane carries adds a term a v, which makes the wavenumber that
+//! of the plate at the tones that sound ([`SheetGrid::at_tones`]). Bending has another equation (dispersive, of fourth
+//! order), which only [`crate::TimeDomainLine`] solves.
 
+mod air_wave;
 mod band;
 mod block;
 mod contact;
@@ -31,18 +33,20 @@ mod tests;
 mod tiling;
 mod vector;
 
+pub use air_wave::WAVENUMBER_ERROR_MAX;
 pub use cost::Cost;
 pub use fdtd::FdtdGrid;
 pub use grid::{CELLS_MAX, DriveShape, EnvelopeScope, SheetError, SheetGrid};
 
 use crate::definition::plate::Plate;
 use crate::frequency::Finger;
+use air_wave::AirWave;
 use contact::Contact;
 use cost::Layout;
 use drive::CurvedDrive;
 use embedded_boundary::EmbeddedBoundary;
 use scheme::Scheme;
-use source::Source;
+use source::{DriveCondition, Source};
 use std::f64::consts::TAU;
 use std::iter::repeat;
 
@@ -59,6 +63,14 @@ pub struct SheetEnvelope {
     pub maximum_m: Vec<f32>,
     /// Root mean square of v in metres, in the order of `maximum_m`.
     pub rms_m: Vec<f32>,
+}
+
+/// What the scheme of a sheet was made from.
+#[derive(Debug)]
+struct Tuning {
+    plate: Plate,
+    grid: SheetGrid,
+    condition: DriveCondition,
 }
 
 /// A tapered plate in two dimensions in the time domain.
@@ -83,7 +95,9 @@ pub struct Sheet {
     positions_m: Vec<f64>,
     widths_m: Vec<f64>,
     step_s: f64,
-    speed_m_per_s: f64,
+    wave: AirWave,
+    /// What another wave needs, for a plate that carries air.
+    tuning: Option<Box<Tuning>>,
     full_scale_m: f64,
     scope: EnvelopeScope,
     recorded_since: u64,
@@ -95,8 +109,9 @@ impl Sheet {
     /// that the grid needs).
     ///
     /// # Errors
-    /// [`SheetError::Bends`] for a plate in bending, [`SheetError::Air`] for one that carries air, [`SheetError::OutOfRange`] for a field of `grid` or the sample
-    /// rate, [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells. With a measured actuator or a calibrated drive,
+    /// [`SheetError::Bends`] for a plate in bending, [`SheetError::Air`] for one whose wavenumber in air the sheet would miss
+    /// by more than [`WAVENUMBER_ERROR_MAX`], [`SheetError::OutOfRange`] for a field of `grid` or the sample rate,
+    /// [`SheetError::TooBig`] for more than [`CELLS_MAX`] cells. With a measured actuator or a calibrated drive,
     /// [`SheetError::SampleRate`] for a rate that does not carry the plate's band and [`SheetError::Drive`] for a curve
     /// that changes too fast with the frequency; such a sheet is driven within the plate's band alone, as a
     /// [`crate::TimeDomainLine`].
@@ -125,15 +140,12 @@ impl Sheet {
         sample_rate_hz: f64,
         grid: SheetGrid,
     ) -> Result<Self, SheetError> {
-        let Layout { edge, ratio, step_s, speed_m_per_s: speed, mirrored, condition, resonator } =
+        let Layout { edge, ratio, step_s, wave, mirrored, condition, resonator, .. } =
             Layout::new(plate, sample_rate_hz, &grid)?;
         let curve = CurvedDrive::of(plate, sample_rate_hz)?;
-        let (low, high) = plate.band_hz();
-        let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
-        // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
-        let damping = plate.wave_loss() * TAU * loss_at_hz;
+        let damping = damping_per_s(plate, &grid, wave);
         let scheme =
-            Scheme { edge: &edge, speed, step_s, damping, mirrored, grid: &grid, contact: contact.as_ref() };
+            Scheme { edge: &edge, wave, step_s, damping, mirrored, grid: &grid, contact: contact.as_ref() };
         let (plan, term) = scheme.plan(condition);
         let side = edge.rows() as isize - 1;
         Ok(Self {
@@ -143,7 +155,8 @@ impl Sheet {
             positions_m: (0..=grid.along).map(|station| station as f64 * edge.dx).collect(),
             widths_m: (-side..=side).map(|row| row as f64 * edge.dz).collect(),
             step_s,
-            speed_m_per_s: speed,
+            wave,
+            tuning: plate.carries_air().then(|| Box::new(Tuning { plate: plate.clone(), grid, condition })),
             full_scale_m: plate.spec().full_scale_m,
             scope: grid.envelope,
             recorded_since: 0,
@@ -160,6 +173,20 @@ impl Sheet {
             self.source.take(part, &mut self.steps);
             self.fdtd.advance(&self.steps);
         }
+    }
+
+    /// Makes the wavenumber in air that of the plate at these tones, Hz, as [`SheetGrid::at_tones`] does, and keeps the field:
+    /// the next step is the first with it. Without air, or without tones, it changes nothing.
+    pub fn retune(&mut self, tones_hz: &[f64]) {
+        let Some(Tuning { plate, grid, condition }) = self.tuning.as_deref() else { return };
+        let Some(nodes) = AirWave::nodes(tones_hz) else { return };
+        self.wave = AirWave::of(plate, nodes);
+        let (edge, step_s, mirrored) = (&self.edge, self.step_s, self.mirrored);
+        let (damping, contact) = (damping_per_s(plate, grid, self.wave), self.contact.as_ref());
+        let scheme = Scheme { edge, wave: self.wave, step_s, damping, mirrored, grid, contact };
+        let (plan, term) = scheme.plan(*condition);
+        self.fdtd.reweigh(plan);
+        self.source.set_term(term);
     }
 
     /// Stations along x, metres: 0 to the plate's length.
@@ -223,13 +250,13 @@ impl Sheet {
         self.fdtd.reset_envelope();
     }
 
-    /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 |grad v|^2 over the plate, and that of the
-    /// mass of a finger on it.
+    /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 (|grad v|^2 - a v^2) over the plate, and that of
+    /// the mass of a finger on it; a is 0 without air.
     ///
     /// Without loss and with a held or free driven end it is constant except for rounding.
     pub fn energy_j_per_kg_m2(&self) -> f64 {
-        let (mirrored, step_s, speed) = (self.mirrored, self.step_s, self.speed_m_per_s);
-        let unit = energy::energy(&self.fdtd, &self.edge, mirrored, step_s, speed, self.contact.as_ref());
+        let (mirrored, step_s, wave) = (self.mirrored, self.step_s, self.wave);
+        let unit = energy::energy(&self.fdtd, &self.edge, mirrored, step_s, wave, self.contact.as_ref());
         unit * self.full_scale_m.powi(2)
     }
 
@@ -252,4 +279,18 @@ impl Sheet {
     fn fdtd_row(&self, line: usize) -> usize {
         if self.mirrored { line.abs_diff(self.widths_m.len() / 2) } else { line }
     }
+}
+
+/// r of the damping term r v_t, 1/s: the loss is that of the plate at one frequency.
+fn damping_per_s(plate: &Plate, grid: &SheetGrid, wave: AirWave) -> f64 {
+    let (low, high) = plate.band_hz();
+    let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
+    let omega = TAU * loss_at_hz;
+    if plate.carries_air() {
+        // K^2 (1 + j eta) = a + (omega^2 + j r omega)/c^2.
+        let squared = plate.wavenumber_squared(loss_at_hz);
+        return plate.wave_loss_at(loss_at_hz) * squared * wave.speed_m_per_s.powi(2) / omega;
+    }
+    // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
+    plate.wave_loss() * omega
 }

@@ -1,5 +1,6 @@
 //! The finite-difference scheme: the weights of the update, and the condition at the driven end.
 
+use super::air_wave::AirWave;
 use super::contact::{Contact, Load, TouchedCells};
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{EnvelopeScope, SheetGrid};
@@ -13,7 +14,7 @@ const GRAIN: f64 = 1.0 / (1 << 23) as f64;
 /// The quantities from which the weights of the update are computed.
 pub(super) struct Scheme<'a> {
     pub(super) edge: &'a EmbeddedBoundary,
-    pub(super) speed: f64,
+    pub(super) wave: AirWave,
     pub(super) step_s: f64,
     /// r of the damping term r v_t, 1/s.
     pub(super) damping: f64,
@@ -24,11 +25,14 @@ pub(super) struct Scheme<'a> {
 }
 
 impl Scheme<'_> {
-    /// The update: (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/(2 dt) = c^2 (second differences of v), solved for v+.
+    /// The update: (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/(2 dt) = c^2 (second differences of v + a v), solved for v+.
     pub(super) fn plan(&self, condition: DriveCondition) -> (Plan, SourceTerm) {
         let edge = self.edge;
-        let along = (self.speed * self.step_s / edge.dx).powi(2);
-        let across = (self.speed * self.step_s / edge.dz).powi(2);
+        let AirWave { speed_m_per_s: speed, lift_per_m2 } = self.wave;
+        let along = (speed * self.step_s / edge.dx).powi(2);
+        let across = (speed * self.step_s / edge.dz).powi(2);
+        // Of the air: it counts in the own weight alone, 0 without it.
+        let lift = (speed * self.step_s).powi(2) * lift_per_m2;
         let loss = 0.5 * self.damping * self.step_s;
         let divisor = 1.0 + loss;
         // Where the field is constant, an update must keep it to the last bit: what the rounding of the four weights
@@ -37,7 +41,7 @@ impl Scheme<'_> {
         let rounded = |weight: f64| (weight / divisor / GRAIN).round() * GRAIN;
         let weight = (rounded(1.0 - loss), rounded(along), rounded(across));
         let own_of = |links_along: f64, links_across: f64| {
-            (1.0 + weight.0 - weight.1 * links_along - weight.2 * links_across) as f32
+            (1.0 + weight.0 - weight.1 * links_along - weight.2 * links_across + lift / divisor) as f32
         };
         let weights = Weights {
             own: own_of(2.0, 2.0),
@@ -77,7 +81,7 @@ impl Scheme<'_> {
         };
         let moves = if condition == DriveCondition::Displacement { 0.0 } else { 1.0 };
         let load = |station: usize, row: usize| match self.contact {
-            Some(contact) => contact.load(edge, station, row, self.step_s),
+            Some(contact) => contact.load(edge, station, row, self.step_s, self.wave),
             None => Load::default(),
         };
         let point = |number: usize, row: usize| {
@@ -88,7 +92,7 @@ impl Scheme<'_> {
             let pushed = if moves > 0.0 { (divisor + resisted) / inertia } else { 1.0 };
             let from_centre = if self.mirrored { number as f64 } else { number as f64 - side as f64 };
             ColumnPoint {
-                own: (moves * (2.0 + 2.0 * load.mass - links) / inertia) as f32,
+                own: (moves * (2.0 + 2.0 * load.mass - links + lift) / inertia) as f32,
                 past: (moves * (1.0 + load.mass - loss - load.loss - resisted) / inertia) as f32,
                 inward: (moves * 2.0 * along / inertia) as f32,
                 across: (moves * across / inertia) as f32,

@@ -112,6 +112,11 @@ impl Source {
         Self { ratio, term, actuator, curve, sum: 0.0, taken: 0, last: [0.0; 2] }
     }
 
+    /// Goes on with another term.
+    pub(super) fn set_term(&mut self, term: SourceTerm) {
+        self.term = term;
+    }
+
     /// Number of codes that give at most `steps` steps; at least one.
     pub(super) fn codes_for(&self, steps: usize) -> usize {
         match self.ratio {

@@ -1,6 +1,7 @@
 //! Tests of the sheet: conservation of energy, results that do not depend on threads and vector widths, and convergence
 //! to the modal solution.
 
+mod air;
 mod finger;
 
 use super::vector::Width;

@@ -44,7 +44,7 @@ fn assert_refused(cases: &[(&str, &str, &str)]) {
 
 #[test]
 fn every_preset_reads_writes_and_reads_the_same() {
-    assert_eq!(presets()[0].name, "membrane");
+    assert_eq!(presets()[0].name, "latex-membrane", "first what one can build");
     for entry in presets() {
         let plate = Plate::from_toml(entry.toml).unwrap_or_else(|error| panic!("{}: {error}", entry.name));
         assert_eq!(plate.name(), entry.name);

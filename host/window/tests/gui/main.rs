@@ -1,5 +1,6 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 
+mod air;
 mod background;
 mod calibrate;
 mod chords;

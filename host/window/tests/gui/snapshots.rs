@@ -230,6 +230,18 @@ fn the_designer_looks_as_it_was_approved() {
     compare("designer", &picture(ThemeChoice::Light, USUAL, |app| open_page(app, "Designer")));
 }
 
+/// The page of a plate in air, in a window that is high enough for all its numbers.
+#[test]
+fn the_air_of_a_plate_looks_as_it_was_approved() {
+    let page = |app: &mut TestApp| {
+        open_plate(app, slipline_plate::preset("latex-membrane").unwrap().to_toml());
+        app.wait(500);
+        app.window.get_by_label("Dismiss").click();
+        open_page(app, "This plate");
+    };
+    compare("air", &picture(ThemeChoice::Light, [960, 1400], page));
+}
+
 #[test]
 fn what_is_felt_is_faint_while_nothing_is_driven() {
     for theme in [ThemeChoice::Light, ThemeChoice::Dark] {

@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn slow_plates_get_the_sheet_and_stiff_ones_the_lines() {
         let of = |name: &str, wish| source(&slipline_plate::preset(name).unwrap(), 400e3, wish);
-        for name in ["membrane", "paper-rubber"] {
+        for name in ["latex-membrane", "membrane", "paper-rubber"] {
             assert_eq!(of(name, SourceChoice::Automatic), FieldSource::Sheet, "{name}");
             assert_eq!(of(name, SourceChoice::Lines), FieldSource::Lines(None), "{name}");
         }

@@ -77,7 +77,7 @@ impl Waves {
         };
         let (low_hz, high_hz) =
             frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &hz| (low.min(hz), high.max(hz)));
-        let grid = sheet_grid(plate, (low_hz * high_hz).sqrt(), threads);
+        let grid = sheet_grid(plate, (low_hz * high_hz).sqrt(), threads).at_tones(plate, frequencies)?;
         let held = (grid.cost(plate, rate_hz)?.step_rate_hz / rate_hz).round().max(1.0);
         let sheet = match finger {
             None => Sheet::new(plate, rate_hz * held, grid)?,

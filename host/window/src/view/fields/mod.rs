@@ -2,6 +2,7 @@
 //!
 //! A field shows a value, takes the user's text and returns an intent. What only one page has stays in the page.
 
+pub(crate) mod choice;
 pub(crate) mod drive_fields;
 pub(crate) mod feeling_fields;
 pub(crate) mod field;

@@ -1,5 +1,6 @@
 //! The plate panel: the plate, its numbers and its table; the validity lights; the designer.
 
+mod air;
 mod numbers;
 
 use crate::intent::{Intent, Intents};
@@ -59,6 +60,7 @@ fn this_plate(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intent
     ui.add_space(4.0);
     ui.separator();
     numbers::show(ui, plate, view, intents);
+    air::show(ui, &mut numbers::Numbers { plate, view, intents });
     ui.separator();
     theme::heading(ui, "What follows");
     let (low, high) = plate.band_hz();

@@ -2,6 +2,7 @@
 //! terms are those of `slipline design`.
 
 use crate::caption::{self, Panel};
+use crate::view::fields::choice::choice;
 use crate::view::fields::field::{Fields, InputField, labelled};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -116,25 +117,20 @@ impl<'a> Form<'a> {
     ) {
         let all: Vec<(T, &'static str)> = all.collect();
         let shown = all.iter().find(|(value, _)| *value == now).map_or("", |(_, name)| *name);
-        labelled(ui, name, |ui| {
+        let chosen = choice(ui, (name, shown, help), FIELD, |ui| {
             let mut chosen = None;
-            let menu = egui::ComboBox::from_id_salt(name).selected_text(shown).width(FIELD);
-            let menu = menu.show_ui(ui, |ui| {
-                for (value, name) in &all {
-                    if ui.selectable_label(*value == now, *name).clicked() && *value != now {
-                        chosen = Some(*value);
-                    }
+            for (value, name) in &all {
+                if ui.selectable_label(*value == now, *name).clicked() && *value != now {
+                    chosen = Some(*value);
                 }
-            });
-            let label = format!("{name}: {shown}");
-            menu.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
-            menu.response.on_hover_text(help);
-            if let Some(value) = chosen {
-                let mut draft = self.draft.clone();
-                take(&mut draft, value);
-                self.shown.change = Some(draft);
             }
+            chosen
         });
+        if let Some(value) = chosen {
+            let mut draft = self.draft.clone();
+            take(&mut draft, value);
+            self.shown.change = Some(draft);
+        }
     }
 
     /// The material of the sheet, and the kind of its wave.

@@ -30,15 +30,20 @@ pub(super) fn show(ui: &mut egui::Ui, plate: &Arc<Plate>, view: &mut ViewState, 
     actuator(ui, &mut numbers);
 }
 
-/// The `Ui` and state with which the fields are shown.
-struct Numbers<'a, 'b> {
-    plate: &'a Arc<Plate>,
-    view: &'b mut ViewState,
-    intents: &'b mut Intents,
+/// The plate and the state with which the fields are shown.
+pub(super) struct Numbers<'a, 'b> {
+    pub(super) plate: &'a Arc<Plate>,
+    pub(super) view: &'b mut ViewState,
+    pub(super) intents: &'b mut Intents,
 }
 
 impl Numbers<'_, '_> {
-    fn number(
+    /// Takes a changed plate.
+    pub(super) fn take(&mut self, plate: Plate) {
+        self.intents.push(Intent::Edit(Edit::Plate(Arc::new(plate))));
+    }
+
+    pub(super) fn number(
         &mut self,
         ui: &mut egui::Ui,
         caption: &Caption,
@@ -57,15 +62,20 @@ impl Numbers<'_, '_> {
             };
             let taken = field.show(ui, &mut self.view.fields, |text| {
                 let value = caption.unit.read(text).map_err(|error| error.to_string())?;
-                let mut spec = self.plate.spec().clone();
-                set(&mut spec, value);
-                Plate::new(renamed(spec, self.plate)).map_err(|error| error.told(&Panel::Plate))
+                changed(self.plate, |spec| set(spec, value))
             });
             if let Some(plate) = taken {
-                self.intents.push(Intent::Edit(Edit::Plate(Arc::new(plate))));
+                self.take(plate);
             }
         });
     }
+}
+
+/// The plate with a change, or the reason of its refusal.
+pub(super) fn changed(plate: &Plate, set: impl FnOnce(&mut PlateSpec)) -> Result<Plate, String> {
+    let mut spec = plate.spec().clone();
+    set(&mut spec);
+    Plate::new(renamed(spec, plate)).map_err(|error| error.told(&Panel::Plate))
 }
 
 /// A changed preset is no longer that preset: its name says so.
@@ -187,16 +197,16 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
 /// The box for leaving out shear and rotary inertia. It is enabled if the plate is valid either way.
 fn thin_plate(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, bending: &Bending) {
     let mut thin = !bending.thick_plate;
-    let mut spec = numbers.plate.spec().clone();
-    if let Model::BendingSupported(bending) | Model::BendingClamped(bending) = &mut spec.model {
-        bending.thick_plate = thin;
-    }
-    let other = Plate::new(renamed(spec, numbers.plate)).map_err(|error| error.told(&Panel::Plate));
+    let other = changed(numbers.plate, |spec| {
+        if let Model::BendingSupported(bending) | Model::BendingClamped(bending) = &mut spec.model {
+            bending.thick_plate = thin;
+        }
+    });
     let check = ui.add_enabled(other.is_ok(), egui::Checkbox::new(&mut thin, "Thin plate"));
     match other {
         Ok(plate) => {
             if check.on_hover_text("Leave out shear and rotary inertia").changed() {
-                numbers.intents.push(Intent::Edit(Edit::Plate(Arc::new(plate))));
+                numbers.take(plate);
             }
         }
         Err(reason) => drop(check.on_disabled_hover_text(reason)),

@@ -1,0 +1,186 @@
+//! The air around the plate on the screen: how the plate stands in it, and what air it is.
+
+use crate::caption;
+use crate::view::fields::choice::choice;
+use crate::view::panels::plate_panel::numbers::{Numbers, changed};
+use crate::view::theme;
+use eframe::egui::{self, RichText};
+use slipline_plate::{Air, AirMounting, Faces, Gas, Model, PlateSpec};
+
+const MOUNTING_HELP: &str =
+    "How the plate stands in the air that swings with it: a light plate turns earlier in air";
+const FACES_HELP: &str = "How many faces of the plate have air";
+const GAS_HELP: &str = "By which two numbers density and speed of sound are stated";
+
+/// Width of a list, in points.
+const LIST: f32 = 150.0;
+
+/// Shows the section, for a plate whose wave carries air.
+pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
+    let spec = numbers.plate.spec();
+    if let Model::ShearHorizontal { .. } = spec.model {
+        return;
+    }
+    let air = spec.air;
+    ui.separator();
+    theme::heading(ui, "Air");
+    let (shown, _) = stated(air);
+    let entry = |air: Option<Air>| (stated(air), air);
+    offer(ui, numbers, ("Mounting", shown, MOUNTING_HELP), &mountings(air).map(entry), air);
+    let Some(Air::Around { gas, mounting }) = air else {
+        let bare = changed(numbers.plate, |spec| spec.air = Some(Air::ROOM));
+        if let Err(reason) = bare {
+            ui.label(RichText::new(reason).small().color(theme::palette(ui).weak));
+        }
+        return;
+    };
+    let around = |gas, mounting| Some(Air::Around { gas, mounting });
+    if let AirMounting::Coefficient { alpha, .. } = mounting {
+        numbers.number(ui, &caption::AIR_COEFFICIENT, alpha, |spec, value| {
+            if let Some(AirMounting::Coefficient { alpha, .. }) = mounting_of(spec) {
+                *alpha = value;
+            }
+        });
+    }
+    let (_, faces) = mounting.coefficient();
+    let with = |faces| match mounting {
+        AirMounting::Baffle { .. } => Some(AirMounting::Baffle { faces }),
+        AirMounting::Coefficient { alpha, .. } => Some(AirMounting::Coefficient { alpha, faces }),
+        AirMounting::BareFrame => None,
+    };
+    if let Some((one, two)) = with(Faces::One).zip(with(Faces::Two)) {
+        let shown = if faces == Faces::One { "one" } else { "both" };
+        let entries = [
+            (("both", "Air in front of the plate and behind it"), around(gas, two)),
+            (
+                ("one", "Air on one face; a vacuum or a light foam that holds no air on the other"),
+                around(gas, one),
+            ),
+        ];
+        offer(ui, numbers, ("Faces with air", shown, FACES_HELP), &entries, air);
+    }
+    gas_numbers(ui, numbers, gas, mounting);
+}
+
+/// What air it is.
+fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mounting: AirMounting) {
+    let (density_kg_per_m3, sound_speed_m_per_s) = (gas.density_kg_per_m3(), gas.sound_speed_m_per_s());
+    let (given, atmosphere) = match gas {
+        Gas::Given { .. } => (gas, Gas::ROOM),
+        Gas::Atmosphere { .. } => (Gas::Given { density_kg_per_m3, sound_speed_m_per_s }, gas),
+    };
+    let around = |gas| Some(Air::Around { gas, mounting });
+    let entries = [
+        (("temperature", "Dry air of this temperature, at this height above the sea"), around(atmosphere)),
+        (("density", "The density of the air and the speed of sound in it"), around(given)),
+    ];
+    let shown = if gas == given { "density" } else { "temperature" };
+    offer(ui, numbers, ("Air by", shown, GAS_HELP), &entries, around(gas));
+    match gas {
+        Gas::Given { .. } => {
+            numbers.number(ui, &caption::AIR_DENSITY, density_kg_per_m3, |spec, value| {
+                if let Some(Gas::Given { density_kg_per_m3, .. }) = gas_of(spec) {
+                    *density_kg_per_m3 = value;
+                }
+            });
+            numbers.number(ui, &caption::SOUND_SPEED, sound_speed_m_per_s, |spec, value| {
+                if let Some(Gas::Given { sound_speed_m_per_s, .. }) = gas_of(spec) {
+                    *sound_speed_m_per_s = value;
+                }
+            });
+        }
+        Gas::Atmosphere { temperature_c, height_m } => {
+            numbers.number(ui, &caption::AIR_TEMPERATURE, temperature_c, |spec, value| {
+                if let Some(Gas::Atmosphere { temperature_c, .. }) = gas_of(spec) {
+                    *temperature_c = value;
+                }
+            });
+            numbers.number(ui, &caption::AIR_HEIGHT, height_m, |spec, value| {
+                if let Some(Gas::Atmosphere { height_m, .. }) = gas_of(spec) {
+                    *height_m = value;
+                }
+            });
+        }
+    }
+}
+
+/// The ways to stand in the air, with what else is stated kept.
+fn mountings(air: Option<Air>) -> [Option<Air>; 5] {
+    let (gas, (alpha, faces)) = match air {
+        Some(Air::Around { gas, mounting }) => (gas, mounting.coefficient()),
+        None | Some(Air::Vacuum) => (Gas::ROOM, AirMounting::BareFrame.coefficient()),
+    };
+    let around = |mounting| Some(Air::Around { gas, mounting });
+    [
+        None,
+        Some(Air::Vacuum),
+        around(AirMounting::Baffle { faces }),
+        around(AirMounting::BareFrame),
+        around(AirMounting::Coefficient { alpha, faces }),
+    ]
+}
+
+/// Name and meaning of a way to stand in the air.
+fn stated(air: Option<Air>) -> (&'static str, &'static str) {
+    let Some(air) = air else {
+        return (
+            "not stated",
+            "Nothing is added: a wave speed that was measured in the air holds it already",
+        );
+    };
+    match air.mounting() {
+        None => ("vacuum", "No air: the plate as it is by itself"),
+        Some(AirMounting::Baffle { .. }) => {
+            ("baffle", "In a wide wall, so that no air goes from one face to the other")
+        }
+        Some(AirMounting::BareFrame) => ("bare frame", "In a narrow frame, with air on both faces"),
+        Some(AirMounting::Coefficient { .. }) => {
+            ("coefficient", "The air's mass on each face over that of an endless plane wave, as a number")
+        }
+    }
+}
+
+/// Offers these kinds of air; what the plate cannot have is disabled, with the reason.
+fn offer(
+    ui: &mut egui::Ui,
+    numbers: &mut Numbers<'_, '_>,
+    list: (&str, &str, &str),
+    entries: &[((&'static str, &'static str), Option<Air>)],
+    now: Option<Air>,
+) {
+    let chosen = choice(ui, list, LIST, |ui| {
+        let mut chosen = None;
+        for ((name, meaning), air) in entries {
+            let other = changed(numbers.plate, |spec| spec.air = *air);
+            let entry = ui.add_enabled(other.is_ok(), egui::Button::selectable(*air == now, *name));
+            match other {
+                Ok(plate) => {
+                    if entry.on_hover_text(*meaning).clicked() && *air != now {
+                        chosen = Some(plate);
+                    }
+                }
+                Err(reason) => drop(entry.on_disabled_hover_text(reason)),
+            }
+        }
+        chosen
+    });
+    if let Some(plate) = chosen {
+        numbers.take(plate);
+    }
+}
+
+/// How a plate stands in the air, to change it.
+fn mounting_of(spec: &mut PlateSpec) -> Option<&mut AirMounting> {
+    match &mut spec.air {
+        Some(Air::Around { mounting, .. }) => Some(mounting),
+        None | Some(Air::Vacuum) => None,
+    }
+}
+
+/// A plate's air, to change it.
+fn gas_of(spec: &mut PlateSpec) -> Option<&mut Gas> {
+    match &mut spec.air {
+        Some(Air::Around { gas, .. }) => Some(gas),
+        None | Some(Air::Vacuum) => None,
+    }
+}
