@@ -3,12 +3,17 @@
 //! Illustrative, and settable: fingers differ. A tone below 20 kHz is felt as a vibration from the threshold of its
 //! frequency on; tones above 20 kHz together make the plate slippery, which is felt once the friction has fallen by
 //! [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. See [`crate::sensation`] for the
-//! threshold and for the friction.
+//! threshold and for the friction. PHYSICS.md, section 5, has the source and the spread of every number.
 
 use crate::definition::Plate;
 use crate::quantity::{OutOfRange, Range};
 use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use num_complex::Complex64;
+
+/// How far the thresholds of persons lie apart, dB: half of it above and half below [`Feeling`]'s own. No source: a round
+/// value. The conditions of the touch move a threshold by more: A. Brisben, S. Hsiao and K. Johnson (J. Neurophysiol. 81,
+/// 1548, 1999) find 10 dB at 40 Hz and 19 dB at 300 Hz between a probe of 1 mm and a grasped rod.
+pub const PERSONS_DB: f64 = 8.0;
 
 /// How a finger feels. All values are illustrative.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +29,8 @@ pub struct Feeling {
 }
 
 impl Default for Feeling {
-    /// The threshold as it is, friction by its default curve, a tenth less friction just felt, a contact of 10 mm.
+    /// The threshold as it is, friction by its default curve, a tenth less friction just felt (D. Gueorguiev et al., J. R. Soc.
+    /// Interface 14, 20170641, 2017: a Weber fraction of 0.11), a contact of 10 mm (no source: a round value).
     fn default() -> Self {
         Self {
             threshold: 1.0,
@@ -53,6 +59,15 @@ pub enum FeltEdge {
     PlateEnd,
     /// Nothing is felt on the whole plate.
     Nowhere,
+}
+
+/// Where what is felt ends for persons at both ends of [`PERSONS_DB`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EdgesByPerson {
+    /// For a threshold half of it higher.
+    pub near: FeltEdge,
+    /// For a threshold half of it lower.
+    pub far: FeltEdge,
 }
 
 impl FeltEdge {
@@ -134,13 +149,28 @@ impl Feeling {
 
     /// The felt edge of a strength along the plate: the last place at which it is 1.
     pub fn edge(plate: &Plate, strength: &[f64]) -> FeltEdge {
-        let Some(last) = strength.iter().rposition(|&strength| strength >= 1.0) else {
+        Self::edge_from(plate, strength, 1.0)
+    }
+
+    /// The felt edges of persons: a vibration is felt from a threshold half of [`PERSONS_DB`] higher or lower on, and
+    /// slipperiness from a fall of the friction that is larger or smaller by the same factor.
+    pub fn edges_by_person(plate: &Plate, strength: &[f64]) -> EdgesByPerson {
+        let half = 10_f64.powf(0.5 * PERSONS_DB / 20.0);
+        EdgesByPerson {
+            near: Self::edge_from(plate, strength, half),
+            far: Self::edge_from(plate, strength, half.recip()),
+        }
+    }
+
+    /// The last place at which a strength is `least`.
+    fn edge_from(plate: &Plate, strength: &[f64], least: f64) -> FeltEdge {
+        let Some(last) = strength.iter().rposition(|&strength| strength >= least) else {
             return FeltEdge::Nowhere;
         };
         let Some(&beyond) = strength.get(last + 1) else { return FeltEdge::PlateEnd };
         let step_m = plate.length_m() / (strength.len() - 1) as f64;
         // Straight in the logarithm, as the amplitude falls there.
-        let (felt, beyond) = (strength[last].ln(), beyond.max(f64::MIN_POSITIVE).ln());
+        let (felt, beyond) = ((strength[last] / least).ln(), (beyond / least).max(f64::MIN_POSITIVE).ln());
         FeltEdge::At((last as f64 + felt / (felt - beyond)) * step_m)
     }
 
@@ -246,6 +276,22 @@ mod tests {
         assert_eq!(Feeling::edge(&plate, &fall(-0.01)), FeltEdge::Nowhere);
         assert_eq!(Feeling::edge(&plate, &fall(plate.length_m() + 0.01)), FeltEdge::PlateEnd);
         assert_eq!(Feeling::edge(&plate, &[]), FeltEdge::Nowhere);
+    }
+
+    #[test]
+    fn persons_feel_it_end_where_the_strength_is_half_of_their_spread_off() {
+        let plate = plate();
+        let step_m = plate.length_m() / (PLACES - 1) as f64;
+        // It falls by 4 dB in 11.5 mm.
+        let fall: Vec<f64> = (0..PLACES).map(|place| (40.0 * (0.16 - place as f64 * step_m)).exp()).collect();
+        let EdgesByPerson { near, far } = Feeling::edges_by_person(&plate, &fall);
+        let off_m = 0.5 * PERSONS_DB / 20.0 * std::f64::consts::LN_10 / 40.0;
+        let places_m = [near, far].map(|edge| edge.place_m().expect("an edge"));
+        assert!((places_m[0] - (0.16 - off_m)).abs() < 1e-12 && (places_m[1] - (0.16 + off_m)).abs() < 1e-12);
+        let weak: Vec<f64> = fall.iter().map(|strength| strength * (-6.4_f64).exp() / 1.2).collect();
+        assert_eq!(Feeling::edge(&plate, &weak), FeltEdge::Nowhere);
+        let some = Feeling::edges_by_person(&plate, &weak);
+        assert!(some.near == FeltEdge::Nowhere && some.far.place_m().is_some());
     }
 
     #[test]

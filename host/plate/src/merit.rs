@@ -7,19 +7,15 @@
 //! span over two-point distance, switching time -> bits per second
 //! ```
 
-use crate::texture::{PLACES, Palette, TONES_MAX, Target, Texture, TextureError};
-use crate::time::TimeDomainLine;
-use std::f64::consts::TAU;
+mod switching;
+
+use crate::texture::{Palette, TONES_MAX, Target, Texture, TextureError};
+use switching::{Peak, last_top};
 
 /// Turning points whose second peak is tried, per span.
 const NEIGHBOURS: usize = 400;
 /// Two peaks can be distinguished if the mean square between them falls to this share of theirs: 3 dB.
 const DIP: f64 = 0.5;
-/// Switched means: within this share of the new amplitude.
-const SWITCHED: f64 = 0.1;
-/// The plate in time is watched for this share of the time in which a change decays to a thousandth: there, it has
-/// decayed to a twentieth and less.
-const WATCHED: f64 = 0.5;
 
 /// Figures of merit of one boundary.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,55 +93,6 @@ fn edge_width_m(texture: &Texture, target: &Target) -> f64 {
     last_above(0.1) - last_above(0.9)
 }
 
-/// The peak of a boundary's own tone at level 1.
-struct Peak {
-    frequency_hz: f64,
-    /// DAC amplitude, 0 to 1.
-    gain: f64,
-    /// Number of the palette's place that is nearest to it.
-    place: usize,
-    /// Displacement there, metres.
-    amplitude_m: f64,
-}
-
-impl Peak {
-    fn of(palette: &Palette<'_>, turning_point_m: f64) -> Result<Self, TextureError> {
-        let table = palette.table();
-        let columns = palette.squares(&[turning_point_m])?;
-        let squares = columns.column(0);
-        // Where loss leaves no peak, the table levels the turning point.
-        let turning = turning_point_m / palette.plate().length_m() * (PLACES - 1) as f64;
-        let place = Some(last_top(squares)).filter(|&top| top > 0).unwrap_or(turning.round() as usize);
-        Ok(Self {
-            frequency_hz: table.frequency_hz(turning_point_m),
-            gain: table.gain(turning_point_m),
-            place,
-            amplitude_m: (2.0 * squares[place]).sqrt() * table.peak_at_full_scale_m,
-        })
-    }
-
-    fn switching_time_s(&self, palette: &Palette<'_>) -> Option<f64> {
-        let rate_hz = palette.table().sample_rate_hz;
-        let mut line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES, 1).ok()?;
-        let block = (rate_hz / line.step_rate_hz()).round().max(1.0) as u64;
-        let turn = TAU * self.frequency_hz / rate_hz;
-        let samples = (WATCHED * line.settle_time_s() * rate_hz) as u64;
-        let mut field = vec![num_complex::Complex64::ZERO; PLACES];
-        let mut switched_s = 0.0;
-        for first in (0..samples).step_by(block as usize) {
-            let code = |n: u64| (self.gain * (turn * n as f64).cos()) as f32;
-            let codes: Vec<f32> = (first..first + block).map(code).collect();
-            line.push(&codes);
-            line.analytic_m(&mut field);
-            let amplitude_m = field[self.place].norm();
-            if (amplitude_m / self.amplitude_m - 1.0).abs() > SWITCHED {
-                switched_s = (first + block) as f64 / rate_hz - line.latency_s();
-            }
-        }
-        Some(switched_s)
-    }
-}
-
 /// The least distance of a second peak.
 fn two_point_m(palette: &Palette<'_>, turning_point_m: f64) -> Result<Option<f64>, TextureError> {
     let start_m = palette.table().span_start_m;
@@ -171,9 +118,4 @@ fn two_point_m(palette: &Palette<'_>, turning_point_m: f64) -> Result<Option<f64
         }
     }
     Ok(None)
-}
-
-/// Number of the last place at which a field is largest among its neighbours.
-fn last_top(field: &[f64]) -> usize {
-    (1..field.len() - 1).rev().find(|&i| field[i] >= field[i - 1] && field[i] > field[i + 1]).unwrap_or(0)
 }

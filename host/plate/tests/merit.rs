@@ -3,11 +3,12 @@
 use slipline_plate::merit::Merit;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::texture::Palette;
-use slipline_plate::{Complex64, DriveTable, Equation, Plate, preset, presets, respond};
+use slipline_plate::{Complex64, DriveTable, Equation, KNOTS_MAX, Plate, preset, presets, respond};
 use std::f64::consts::TAU;
 
+/// By the table of `slipline merit`.
 fn merit(plate: &Plate, turning_point_m: f64) -> Merit {
-    let table = DriveTable::build(plate, 400e3, 257).expect("has a table");
+    let table = DriveTable::build(plate, 400e3, KNOTS_MAX).expect("has a table");
     Merit::of(&Palette::new(plate, &table), turning_point_m).expect("room for an area")
 }
 

@@ -2,10 +2,10 @@
 
 use slipline_plate::feeling::{Feeling, FeltEdge};
 use slipline_plate::texture::{
-    CHORD_PERIOD, Figures, PLACES, Palette, Target, Texture, TextureError, TextureTone, beat,
-    least_largest_error, nnls, stripes, stripes_m,
+    CHORD_PERIOD, FLUTTER_WINDOW_S, Figures, PLACES, Palette, Target, Texture, TextureError, TextureTone,
+    beat, least_largest_error, nnls, stripes, stripes_felt_db, stripes_m,
 };
-use slipline_plate::{DriveTable, Plate, PlateSpec, preset};
+use slipline_plate::{Complex64, DriveTable, Plate, PlateSpec, TimeDomainLine, preset};
 use std::f64::consts::TAU;
 
 const SAMPLE_RATE_HZ: f64 = 400e3;
@@ -278,5 +278,88 @@ fn a_texture_on_the_grid_of_a_chord_is_louder_and_tells_what_the_grid_costs() {
             assert!(peak < 1.0 && loudest < 1.0 + 1e-9, "{name} {share}: {peak} {loudest}");
             assert!(peak > 0.998 || loudest > 0.999, "{name} {share}: {peak} {loudest}");
         }
+    }
+}
+
+#[test]
+fn stripes_are_felt_as_deep_as_the_mean_square_under_the_contact_says() {
+    assert!((stripes_felt_db(0.015, 0.01) - 3.8).abs() < 0.05, "{}", stripes_felt_db(0.015, 0.01));
+    assert!(stripes_felt_db(0.01, 0.01) < 1e-9 && stripes_felt_db(0.015, 0.0) == f64::INFINITY);
+    // A wave whose nodes are of no amplitude, under a contact of each length, by sums.
+    for (stripes_m, contact_m) in [(0.015, 0.01), (0.05, 0.01), (0.012, 0.016)] {
+        let under = |middle_m: f64| -> f64 {
+            let wave =
+                |i: usize| TAU / 2.0 * (middle_m + contact_m * ((i as f64 + 0.5) / 1000.0 - 0.5)) / stripes_m;
+            (0..1000).map(|i| wave(i).sin().powi(2)).sum::<f64>() / 1000.0
+        };
+        let (on, between) = (under(0.5 * stripes_m), under(0.0));
+        let felt_db = 10.0 * (on / between).log10().abs();
+        assert!((felt_db - stripes_felt_db(stripes_m, contact_m)).abs() < 1e-3, "{felt_db}");
+    }
+}
+
+/// Largest over smallest RMS over 30 ms within a second, at each place that is even, in dB; by the plate in time.
+fn swings_db(palette: &Palette<'_>, texture: &Texture, even_m: (f64, f64)) -> Vec<f64> {
+    let table = palette.table();
+    let rate_hz = table.sample_rate_hz;
+    let mut line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES, 1).expect("a line");
+    let code = |n: usize| -> f32 {
+        let tone = |tone: &TextureTone| {
+            let turns = (tone.frequency_hz * n as f64 / rate_hz).fract() + tone.phase_turns;
+            tone.level * table.gain(tone.position_m) * (TAU * turns).sin()
+        };
+        texture.tones.iter().map(tone).sum::<f64>() as f32
+    };
+    let settle = (line.settle_time_s() * rate_hz) as usize;
+    line.push(&(0..settle).map(code).collect::<Vec<f32>>());
+    let mut field = vec![Complex64::ZERO; PLACES];
+    let step = (rate_hz / line.step_rate_hz()).round() as usize;
+    let mut squares: Vec<Vec<f64>> = Vec::new();
+    for n in (settle..settle + (1.03 * rate_hz) as usize).step_by(step) {
+        line.push(&(n..n + step).map(code).collect::<Vec<f32>>());
+        line.analytic_m(&mut field);
+        squares.push(field.iter().map(|f| f.norm_sqr()).collect());
+    }
+    let window = (FLUTTER_WINDOW_S * line.step_rate_hz()).round() as usize;
+    let step_m = palette.plate().length_m() / (PLACES - 1) as f64;
+    let even = (0..PLACES).filter(|&place| (even_m.0..=even_m.1).contains(&(place as f64 * step_m)));
+    even.map(|place| {
+        let means = squares.windows(window).map(|rows| rows.iter().map(|row| row[place]).sum::<f64>());
+        let (low, high) = means.fold((f64::INFINITY, 0.0_f64), |(low, high), it| (low.min(it), high.max(it)));
+        10.0 * (high / low).log10()
+    })
+    .collect()
+}
+
+#[test]
+fn ultrasonic_tones_are_too_far_apart_to_flutter() {
+    let plate = preset("al-bending").expect("a preset");
+    let table = DriveTable::build(&plate, SAMPLE_RATE_HZ, 257).expect("has a table");
+    let palette = Palette::new(&plate, &table);
+    let (texture, target) = solid(&palette, 0.26, 16);
+    let flutter = texture.flutter(&palette, &target).expect("answers").expect("an area");
+    assert!((0.01..0.1).contains(&flutter.swing_db), "{flutter:?}");
+    let profile = Target::profile(&palette, &[(0.01, 1.0), (0.2, 0.5)]).expect("valid");
+    assert_eq!(texture.flutter(&palette, &profile), Ok(None));
+}
+
+#[test]
+fn a_solid_area_flutters_as_the_plate_in_time_does() {
+    let plate = preset("membrane").expect("a preset");
+    let table = DriveTable::build(&plate, 4000.0, 257).expect("has a table");
+    let palette = Palette::new(&plate, &table);
+    for (turning_point_m, most) in [(0.2, 16), (0.24, 16), (0.26, 8), (0.28, 16)] {
+        let (texture, target) = solid(&palette, turning_point_m, most);
+        let flutter = texture.flutter(&palette, &target).expect("answers").expect("an area");
+        let edge_m = plate.edge_width_m(table.frequency_hz(turning_point_m)).expect("enters");
+        let mut swings = swings_db(&palette, &texture, (0.01, turning_point_m - 1.3 * edge_m));
+        swings.sort_by(f64::total_cmp);
+        let median = swings[swings.len() / 2];
+        assert!((median - flutter.swing_db).abs() < 0.6, "{turning_point_m}: {median} {flutter:?}");
+        // Even by its mean, and yet it swings.
+        assert!((0.4..0.9).contains(&texture.figures.ripple_db.expect("solid")), "{:?}", texture.figures);
+        assert!((5.8..7.2).contains(&flutter.swing_db), "{turning_point_m}: {flutter:?}");
+        assert!((21.0..23.0).contains(&flutter.frequency_hz), "{turning_point_m}: {flutter:?}");
+        assert!(swings[0] > 3.6 && swings[swings.len() - 1] < 13.4, "{turning_point_m}: {swings:?}");
     }
 }

@@ -1,6 +1,7 @@
 //! The plate in time against the frequency domain: through codes, with and without the table, for presets and for
 //! plates at random.
 
+use super::drive_curve::settled_phasor;
 use proptest::prelude::*;
 use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{
@@ -27,6 +28,27 @@ fn settle(line: &mut TimeDomainLine, rate: f64, frequency: f64, amplitude: f64) 
 /// A rate that carries the plate's band without making the test long.
 fn rate_for(plate: &Plate) -> f64 {
     (plate.band_hz().1 * 10.0).clamp(4e3, 400e3)
+}
+
+#[test]
+fn the_latency_is_the_time_by_which_the_field_lags_the_plate() {
+    // A rate whose codes are decimated once, and rates whose codes are decimated twice.
+    for (name, rate_hz) in [("al-bending", 400e3), ("al-sh", 400e3), ("membrane", 4e3), ("membrane", 20e3)] {
+        let plate = preset(name).expect("a preset");
+        let (low_hz, high_hz) = plate.band_hz();
+        // What is left of the field's phase: the same at every frequency, that of the carrier.
+        let left = |hz: f64| {
+            let found = settled_phasor(&plate, hz, rate_hz, 20);
+            let exact = respond(&plate, hz, 65, Equation::Corrected).expect("in band").amplitude[20];
+            // A code is held from its moment on, so the middle of its hold is half a sample later.
+            found / (exact * plate.drive_response(hz) * Complex64::cis(std::f64::consts::PI * hz / rate_hz))
+        };
+        let (first_hz, last_hz) = (1.02 * low_hz, 0.98 * high_hz);
+        for hz in [(first_hz * last_hz).sqrt(), last_hz] {
+            let samples = (left(hz) / left(first_hz)).arg() / (TAU * (hz - first_hz)) * rate_hz;
+            assert!(samples.abs() < 0.1, "{name}, {rate_hz} Hz, {hz} Hz: {samples} samples");
+        }
+    }
 }
 
 fn peaks_agree(plate: &Plate, frequency: f64, line: &mut TimeDomainLine, rate: f64) -> Result<(), String> {
@@ -184,7 +206,7 @@ fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitu
     let codes_per_field = (rate / line.step_rate_hz()).round() as usize;
     let place = 40;
     let mut turned = Vec::new();
-    for step in 0..60 {
+    for step in 0..120 {
         line.push(
             &(0..codes_per_field)
                 .map(|n| (0.9 * (TAU * frequency * (step * codes_per_field + n) as f64 / rate).cos()) as f32)
@@ -201,7 +223,7 @@ fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitu
     let exact = respond(&plate, frequency, 65, Equation::Corrected).expect("enters").amplitude[place].norm();
     let turn = std::f64::consts::PI * frequency / rate;
     let level = 0.9 * exact * plate.spec().full_scale_m * turn.sin() / turn;
-    let still = &turned[50..];
+    let still = &turned[110..];
     for value in still {
         assert!((value - still[0]).norm() < 0.05 * level, "{value} {}", still[0]);
         assert!((value.norm() / level - 1.0).abs() < 0.05, "{} for {level}", value.norm());

@@ -4,7 +4,7 @@ use super::destination::Destination;
 use super::{Failure, SimulateArguments, argument, differs, output, progress};
 use serde_json::{Value, json};
 use slipline_model::export::figures::envelope_figure;
-use slipline_model::field::felt::Felt;
+use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
     SAMPLE_RATE_HZ, Simulated, Simulation, SlowBeat, Solver, ToneResult, sheet_grid,
 };
@@ -53,10 +53,15 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
 
     // The felt edges are computed from the measured fields, too; illustrative.
     let feeling = Feeling::default();
-    let felt_edge_m = |felt: Option<Felt>| felt.and_then(|felt| felt.edge.place_m());
+    let felt_edge_m = |felt: &Option<Felt>| felt.as_ref().and_then(|felt| felt.edge.place_m());
+    let by_person_m = |felt: &Option<Felt>| {
+        felt.as_ref().map(|felt| [felt.by_person.near.place_m(), felt.by_person.far.place_m()])
+    };
     let of_tone = |tone: &ToneResult| {
         let mut value = tone_value(tone);
-        value["measured_felt_edge_m"] = json!(felt_edge_m(tone.felt(simulation.actual, &feeling)));
+        let felt = tone.felt(simulation.actual, &feeling);
+        value["measured_felt_edge_m"] = json!(felt_edge_m(&felt));
+        value["measured_felt_edge_by_person_m"] = json!(by_person_m(&felt));
         if arguments.sheet {
             value["two_dimensions"] = differs::value(&tone.differs);
         }
@@ -77,7 +82,9 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
         put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
         if result.tones.len() > 1 {
-            put("measured_felt_edge_of_all_m", json!(felt_edge_m(result.felt(simulation.actual, &feeling))));
+            let felt = result.felt(simulation.actual, &feeling);
+            put("measured_felt_edge_of_all_m", json!(felt_edge_m(&felt)));
+            put("measured_felt_edge_of_all_by_person_m", json!(by_person_m(&felt)));
             put("tones", json!(result.tones.iter().map(of_tone).collect::<Vec<_>>()));
         }
     }
@@ -155,10 +162,12 @@ fn felt_words(felt: Option<Felt>) -> String {
         Some(Felt { not_felt: Some(why), .. }) => {
             format!("A finger feels nothing: {} (illustrative).", why.reason())
         }
-        Some(felt) => match felt.edge.place_m() {
-            Some(edge_m) => format!("A finger feels it up to {} (illustrative).", show_place(edge_m)),
-            None => "A finger feels it up to the plate's end (illustrative).".to_owned(),
-        },
+        Some(felt) => {
+            let edge = felt.edge.place_m().map_or("the plate's end".to_owned(), show_place);
+            let by_person =
+                by_person_words(felt.by_person).map_or(String::new(), |words| format!(", {words}"));
+            format!("A finger feels it up to {edge}{by_person} (illustrative).")
+        }
     }
 }
 

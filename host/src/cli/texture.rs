@@ -6,13 +6,16 @@ use argument::{Beat, Typed};
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_model::atomic_file::{read_bytes, read_text, said};
+use slipline_model::field::felt::by_person_words;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::setup::file;
 use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, Wish};
 use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place, show_range};
-use slipline_plate::texture::{CHORD_PERIOD, ChordTexture, Figures, Palette, TONES_MAX, TextureError};
+use slipline_plate::texture::{
+    CHORD_PERIOD, ChordTexture, Figures, Flutter, Palette, TONES_MAX, TextureError,
+};
 use slipline_plate::{DriveTable, Plate};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -112,8 +115,9 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
     };
     let palette = Palette::new(plate, table);
     let made = progress::watched("texture", |progress| {
-        let made = textures::make(&palette, &wish, most, &Feeling::default(), &mut progress.part(0.0, 0.6))?;
-        made.finished(&palette, &mut progress.part(0.6, 1.0))
+        let feeling = Feeling::default();
+        let made = textures::make(&palette, &wish, most, &feeling, &mut progress.part(0.0, 0.6))?;
+        made.finished(&palette, &feeling, &mut progress.part(0.6, 1.0))
     });
     match made {
         Ok(made) => Ok(Named { what, made }),
@@ -148,9 +152,10 @@ fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Pat
 }
 
 fn value(plate: &Plate, made: &Made) -> Value {
-    let Made { tones, fitted, stripes_m } = made;
+    let Made { tones, fitted, stripes_m, stripes_felt_db } = made;
     let figures = |it: &Fitted| it.texture.figures;
     let rest = fitted.as_ref().and_then(|it| it.rest.as_ref());
+    let flutter = rest.and_then(|rest| rest.flutter);
     let reach = |Fitted { texture, .. }: &Fitted| {
         json!({
             "rms_error": texture.reach.rms_error,
@@ -170,6 +175,9 @@ fn value(plate: &Plate, made: &Made) -> Value {
         "rms_error": fitted.as_ref().map(|it| figures(it).rms_error),
         "ripple_db": fitted.as_ref().and_then(|it| figures(it).ripple_db),
         "contrast_db": fitted.as_ref().and_then(|it| figures(it).contrast_db),
+        "felt_edge_by_person_m": rest.and_then(|rest| rest.by_person).map(|it| [it.near.place_m(), it.far.place_m()]),
+        "flutter_db": flutter.map(|flutter| flutter.swing_db),
+        "flutter_hz": flutter.map(|flutter| flutter.frequency_hz),
         "worst_rms_error": fitted.as_ref().map(|it| it.worst.rms_error),
         "worst_ripple_db": fitted.as_ref().and_then(|it| it.worst.ripple_db),
         "reach": fitted.as_ref().map(reach),
@@ -177,6 +185,7 @@ fn value(plate: &Plate, made: &Made) -> Value {
         "wanted_rms_m": fitted.as_ref().map(|it| &it.texture.wanted_m),
         "rms_m": fitted.as_ref().map(|it| &it.texture.rms_m),
         "stripes_m": stripes_m,
+        "stripes_felt_db": stripes_felt_db,
         "chord": rest.and_then(|rest| rest.chord.as_ref()).map(|(chord, is_used)| json!({
             "is_used": is_used,
             "base_frequency_hz": f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
@@ -219,6 +228,13 @@ fn lines(
             format!("{is} (any number of tones {reach}, worst within the tolerances {worst})"),
         ));
         lines.extend(three(|figures| figures.ripple_db).map(|text| ("Ripple", text)));
+        let by_person = rest.as_ref().and_then(|rest| by_person_words(rest.by_person?));
+        lines.extend(by_person.map(|words| ("Felt to", words)));
+        let flutter = rest.as_ref().and_then(|rest| rest.flutter);
+        lines.extend(flutter.map(|Flutter { swing_db, frequency_hz }| {
+            let (swing, beat) = (decibel(swing_db), show_frequency(frequency_hz));
+            ("Flutter", format!("{swing} at about {beat}: its RMS over 30 ms, within a second"))
+        }));
         lines.extend(three(|figures| figures.contrast_db).map(|text| ("Contrast", text)));
         let largest_m = texture.rms_m.iter().copied().fold(0.0, f64::max);
         lines.push(("RMS at most", show_length(largest_m)));
@@ -228,7 +244,11 @@ fn lines(
         lines.extend(made.lack(most).map(|lack| ("Reach", lack.sentence().to_owned())));
     }
     if let Some(distance_m) = made.stripes_m {
-        lines.push(("Stripes", format!("{} apart in the middle", show_length(distance_m))));
+        let felt = made.stripes_felt_db.map_or(String::new(), |felt_db| {
+            let contact = show_length(Feeling::default().contact_m);
+            format!(", felt {} dB deep under a contact of {contact}", with_decimals(felt_db, 1))
+        });
+        lines.push(("Stripes", format!("{} apart in the middle{felt}", show_length(distance_m))));
     }
     lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));
     lines

@@ -127,6 +127,9 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
     // The peak is 47 dB over the threshold of 105 Hz.
     let felt_m = number(&run, "measured_felt_edge_m");
     assert!(felt_m > 0.12 + number(&run, "edge_width_m") && felt_m < 0.24, "{felt_m}");
+    let by_person = &run["measured_felt_edge_by_person_m"];
+    let (near_m, far_m) = (by_person[0].as_f64().unwrap(), by_person[1].as_f64().unwrap());
+    assert!(near_m < felt_m && felt_m < far_m && far_m - near_m < 0.03, "{by_person}");
     assert!(run.get("tones").is_none());
 
     let text = std::fs::read_to_string(&csv).unwrap();

@@ -19,6 +19,9 @@ fn a_solid_area_has_its_tones_and_figures() {
         );
     }
     assert!(number(&value, "ripple_db") < 1.0 && number(&value, "contrast_db") > 20.0);
+    assert!(number(&value, "flutter_db") > 3.0 && (5.0..100.0).contains(&number(&value, "flutter_hz")));
+    let by_person = &value["felt_edge_by_person_m"];
+    assert!(by_person[0].as_f64() < Some(0.28) && by_person[1].as_f64() > Some(0.28), "{by_person}");
     assert!(number(&value, "rms_error") <= number(&value, "worst_rms_error"));
     assert!(number(&value["reach"], "rms_error") <= number(&value, "rms_error") + 1e-3);
     assert!((0.0..0.2).contains(&number(&value["reach"], "largest_square_error")));
@@ -43,6 +46,7 @@ fn profiles_are_read_from_csv_and_from_images() {
 fn stripes_and_beats_name_their_tones() {
     let stripes = texture(&["--stripes", "50mm"]);
     assert!((number(&stripes, "stripes_m") - 0.05).abs() < 1e-6);
+    assert!((number(&stripes, "stripes_felt_db") - 14.8).abs() < 0.1, "{}", stripes["stripes_felt_db"]);
     assert_eq!(stripes["tones"].as_array().unwrap().len(), 1);
     let beat = json(&["texture", "--plate", "al-sh", "--beat", "300mm:180Hz"]);
     let hz = |tone: usize| number(&beat["tones"][tone], "frequency_hz");
@@ -128,6 +132,31 @@ fn what_cannot_be_had_is_refused_with_its_range() {
     ] {
         let message = failure(&[&["texture", "--plate", "membrane"], more].concat(), 2);
         assert!(message.contains(expected), "{more:?}: {message}");
+    }
+}
+
+#[test]
+fn merit_has_the_figures_of_the_readmes_table() {
+    let readme = include_str!("../../../README.md");
+    let rows = readme.lines().skip_while(|line| !line.starts_with("| preset | contrast"));
+    let rows: Vec<&str> = rows.skip(2).take_while(|line| line.starts_with("| `")).collect();
+    assert_eq!(rows.len(), 6);
+    for row in rows {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let name = cells[1].trim_matches('`');
+        let (start_m, end_m) = slipline_plate::preset(name).unwrap().span_m();
+        let boundary = format!("{}m", 0.5 * (start_m + end_m));
+        let value = json(&["merit", "--plate", name, "--boundary", &boundary]);
+        let merit = &value["boundaries"][0];
+        let shown = [
+            format!("{:.0} dB", number(merit, "contrast_db")),
+            format!("{:.1} dB", number(merit, "ripple_db")),
+            format!("{:.0} mm", 1e3 * number(merit, "edge_width_m")),
+            format!("{:.1} ms", 1e3 * number(merit, "switching_time_s")),
+            format!("{:.0} mm", 1e3 * number(merit, "two_point_m")),
+            format!("{:.0}", number(merit, "bits_per_s")),
+        ];
+        assert_eq!(&cells[2..8], &shown, "{name}");
     }
 }
 

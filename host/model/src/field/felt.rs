@@ -4,7 +4,7 @@
 //! so a felt place does not depend on the finger's pressure. Illustrative: fingers differ.
 
 use crate::field::steady_field::{SteadyField, interpolate};
-use slipline_plate::feeling::{Feeling, FeltEdge, FeltTone};
+use slipline_plate::feeling::{EdgesByPerson, Feeling, FeltEdge, FeltTone};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::{Complex64, Plate};
 
@@ -84,6 +84,22 @@ impl NotFelt {
     }
 }
 
+/// Where the sensation ends by person, in words: `237 to 257 mm by person`. `None` if it ends for everybody at the plate's
+/// end or nowhere.
+#[must_use]
+pub fn by_person_words(EdgesByPerson { near, far }: EdgesByPerson) -> Option<String> {
+    let place = |edge: FeltEdge| match edge {
+        FeltEdge::At(place_m) => format!("{:.0} mm", 1e3 * place_m),
+        FeltEdge::PlateEnd => "the plate's end".to_owned(),
+        FeltEdge::Nowhere => "nowhere".to_owned(),
+    };
+    let from = match (near, far) {
+        (FeltEdge::At(near_m), FeltEdge::At(_)) => format!("{:.0}", 1e3 * near_m),
+        _ => place(near),
+    };
+    (near != far).then(|| format!("{from} to {} by person", place(far)))
+}
+
 /// Sensation along a plate.
 #[derive(Clone, Debug)]
 pub struct Felt {
@@ -92,6 +108,8 @@ pub struct Felt {
     pub strength: Vec<f64>,
     /// Where the sensation ends.
     pub edge: FeltEdge,
+    /// Where it ends by person.
+    pub by_person: EdgesByPerson,
     /// Half of the interval of that place on a calibrated plate, metres, from the uncertainty of the boundary
     /// and of the level. `None` for a plate that is not calibrated, and without an edge.
     pub tolerance_m: Option<f64>,
@@ -140,7 +158,8 @@ impl Felt {
         });
         let highest_hz = tones.iter().map(|&(frequency_hz, _)| frequency_hz).fold(0.0, f64::max);
         let not_felt = (edge == FeltEdge::Nowhere).then(|| NotFelt::of(plate, highest_hz));
-        Self { length_m: plate.length_m(), strength, edge, tolerance_m, not_felt }
+        let by_person = Feeling::edges_by_person(plate, &strength);
+        Self { length_m: plate.length_m(), strength, edge, by_person, tolerance_m, not_felt }
     }
 
     /// Strength at a place; 0 off the plate.
@@ -181,6 +200,31 @@ mod tests {
         let over = 1e-5 / slipline_plate::sensation::threshold_m(150.0);
         assert!((0.97..1.0).contains(&(strongest / over)), "{strongest} {over}");
         assert!(felt.edge.place_m().unwrap() < plate.length_m());
+    }
+
+    #[test]
+    fn the_edge_by_person_is_that_of_a_tone_four_decibels_weaker_and_stronger() {
+        for (hertz, peak_m) in [(110.0, 1e-5), (150.0, 1e-5), (180.0, 1e-5)] {
+            let edge_m = |db: f64| {
+                let edge = felt("membrane", &[hertz], peak_m * 10_f64.powf(db / 20.0)).edge;
+                edge.place_m().unwrap()
+            };
+            let by_person = felt("membrane", &[hertz], peak_m).by_person;
+            let (near_m, far_m) = (by_person.near.place_m().unwrap(), by_person.far.place_m().unwrap());
+            assert!((near_m - edge_m(-4.0)).abs() < 1e-5 && (far_m - edge_m(4.0)).abs() < 1e-5);
+            // 8 dB of threshold are 10 to 20 mm on the membrane.
+            assert!((0.010..0.021).contains(&(far_m - near_m)), "{hertz} Hz: {near_m} to {far_m} m");
+        }
+    }
+
+    #[test]
+    fn the_edge_by_person_is_said_in_millimetres() {
+        use FeltEdge::{At, Nowhere, PlateEnd};
+        let words = |near, far| by_person_words(EdgesByPerson { near, far });
+        assert_eq!(words(At(0.2371), At(0.2568)).as_deref(), Some("237 to 257 mm by person"));
+        assert_eq!(words(At(0.2371), PlateEnd).as_deref(), Some("237 mm to the plate's end by person"));
+        assert_eq!(words(Nowhere, At(0.2568)).as_deref(), Some("nowhere to 257 mm by person"));
+        assert_eq!((words(Nowhere, Nowhere), words(PlateEnd, PlateEnd)), (None, None));
     }
 
     #[test]

@@ -78,7 +78,7 @@ pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
     let mut go_on = |share| task.report(share);
     let progress = &mut Progress::new(&mut go_on);
     let made = match begun {
-        Some(made) => Made::clone(&made).finished(&palette, progress),
+        Some(made) => Made::clone(&made).finished(&palette, &wish.feeling, progress),
         None => make(&palette, &wish.wish, wish.most, &wish.feeling, progress),
     };
     let drawn = made.and_then(|made| Ok((rms_m(&palette, &made)?, Arc::new(made))));

@@ -9,11 +9,11 @@
 use super::{setup_of, tones_of};
 use crate::setup::Setup;
 use crate::setup::edit::Edit;
-use slipline_plate::feeling::Feeling;
+use slipline_plate::feeling::{EdgesByPerson, Feeling};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::texture::{
-    ChordTexture, Figures, Palette, Target, Texture, TextureError, TextureTone, beat,
-    least_largest_square_error, stripes, stripes_m,
+    ChordTexture, Figures, Flutter, Palette, Target, Texture, TextureError, TextureTone, beat,
+    least_largest_square_error, stripes, stripes_felt_db, stripes_m,
 };
 use slipline_plate::{Plate, Progress};
 use std::sync::Arc;
@@ -45,6 +45,8 @@ pub struct Made {
     pub fitted: Option<Fitted>,
     /// Distance of the nodes of stripes, in metres.
     pub stripes_m: Option<f64>,
+    /// How deep the stripes are felt under the finger's contact, in dB.
+    pub stripes_felt_db: Option<f64>,
 }
 
 /// The result of a fit, and its error.
@@ -64,6 +66,10 @@ pub struct Fitted {
 pub struct Rest {
     /// The texture with its tones on the multiples of a chord, and whether it is used; `None` where no multiple is in the band.
     pub chord: Option<(ChordTexture, bool)>,
+    /// How the area flutters; `None` of a profile.
+    pub flutter: Option<Flutter>,
+    /// Where persons feel the area end; `None` of a profile.
+    pub by_person: Option<EdgesByPerson>,
     /// The smallest possible largest error of the mean square, with any number of tones, relative to the largest wanted mean
     /// square.
     pub largest_square_error: f64,
@@ -109,7 +115,7 @@ pub fn make(
     feeling: &Feeling,
     progress: &mut Progress<'_>,
 ) -> Result<Made, TextureError> {
-    let plain = |tones| Made { tones, fitted: None, stripes_m: None };
+    let plain = |tones| Made { tones, fitted: None, stripes_m: None, stripes_felt_db: None };
     match *wish {
         Wish::Solid(felt_edge_m) => {
             let (texture, target) = Texture::solid_to_watched(palette, felt_edge_m, most, feeling, progress)?;
@@ -123,7 +129,8 @@ pub fn make(
         Wish::Stripes(distance_m) => {
             let tone = stripes(palette, distance_m)?;
             let stripes_m = stripes_m(palette.plate(), tone.frequency_hz);
-            Ok(Made { stripes_m, ..plain(vec![tone]) })
+            let stripes_felt_db = stripes_m.map(|stripes_m| stripes_felt_db(stripes_m, feeling.contact_m));
+            Ok(Made { stripes_m, stripes_felt_db, ..plain(vec![tone]) })
         }
         Wish::Beat { place_m, beat_hz } => Ok(plain(beat(palette, place_m, beat_hz)?.to_vec())),
     }
@@ -132,7 +139,8 @@ pub fn make(
 fn fitted(palette: &Palette<'_>, target: Target, texture: Texture) -> Result<Made, TextureError> {
     let worst = texture.worst(palette, &target)?;
     let tones = texture.tones.clone();
-    Ok(Made { tones, fitted: Some(Fitted { target, texture, worst, rest: None }), stripes_m: None })
+    let fitted = Some(Fitted { target, texture, worst, rest: None });
+    Ok(Made { tones, fitted, stripes_m: None, stripes_felt_db: None })
 }
 
 impl Fitted {
@@ -155,7 +163,12 @@ impl Made {
     ///
     /// # Errors
     /// [`TextureError::Silent`] if the plate does not respond, [`TextureError::Stopped`].
-    pub fn finished(self, palette: &Palette<'_>, progress: &mut Progress<'_>) -> Result<Self, TextureError> {
+    pub fn finished(
+        self,
+        palette: &Palette<'_>,
+        feeling: &Feeling,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, TextureError> {
         let Some(Fitted { target, texture, .. }) = self.fitted else { return Ok(self) };
         progress.at(0.0)?;
         let chord = texture.on_grid(palette, &target)?.map(|chord| {
@@ -169,8 +182,10 @@ impl Made {
             Some((chord, true)) => chord.texture.as_loud_as(&texture),
             _ => texture,
         };
+        let flutter = texture.flutter(palette, &target)?;
+        let by_person = flutter.map(|_| texture.edges_by_person(palette, feeling)).transpose()?;
         let made = fitted(palette, target, texture)?;
-        let rest = Some(Rest { chord, largest_square_error });
+        let rest = Some(Rest { chord, flutter, by_person, largest_square_error });
         Ok(Self { fitted: made.fitted.map(|fitted| Fitted { rest, ..fitted }), ..made })
     }
 
@@ -257,6 +272,24 @@ mod tests {
         assert!(few.starts_with("1 tone leaves an error of"), "{few}");
         assert_eq!(made(&Wish::Solid(0.28), 16).lack(16), None);
         assert_eq!(made(&Wish::Stripes(0.05), 16).lack(16), None);
+    }
+
+    #[test]
+    fn a_finished_area_states_its_flutter_and_where_persons_feel_it_end() {
+        let (plate, table) = membrane();
+        let (palette, feeling) = (Palette::new(&plate, &table), Feeling::default());
+        let rest = |wish| {
+            let made = made(&wish, 8);
+            let made = made.finished(&palette, &feeling, &mut Progress::new(&mut |_| true)).unwrap();
+            made.fitted.and_then(|fitted| fitted.rest).unwrap()
+        };
+        let area = rest(Wish::Solid(0.25));
+        assert!(area.flutter.is_some_and(|flutter| flutter.swing_db > 3.0), "{:?}", area.flutter);
+        let by_person = area.by_person.unwrap();
+        let (near_m, far_m) = (by_person.near.place_m().unwrap(), by_person.far.place_m().unwrap());
+        assert!(near_m < 0.25 && 0.25 < far_m && far_m - near_m < 0.02, "{by_person:?}");
+        let profile = rest(Wish::Profile(vec![(0.01, 1.0), (0.28, 0.1)]));
+        assert_eq!((profile.flutter, profile.by_person), (None, None));
     }
 
     #[test]

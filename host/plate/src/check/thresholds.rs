@@ -53,7 +53,7 @@ pub const FINGERTIP_M: f64 = crate::frequency::CONTACT_M;
 pub const EDGE_WIDTH: Limits = Limits { green: 4.0, amber: 15.0 };
 
 /// Change of the peak, dB, where the wave speed is off by 1 % or the loss by its tolerance. Vibration has to change by
-/// about 1 dB to be noticed; 6.02 dB is a factor of two, and temperature or tension alone move the wave speed by a per cent.
+/// about 1 dB to be noticed (the least median that PHYSICS.md, section 5, has a source for is 1.6 dB); 6.02 dB is a factor of two, and temperature or tension alone move the wave speed by a per cent.
 pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.02 };
 
 /// Relative uncertainty of the loss factor where the plate file does not state it: halved or doubled. Loss factors in

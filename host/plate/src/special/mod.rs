@@ -1,5 +1,6 @@
-//! Special functions: Airy's Ai, the modified Bessel function of imaginary order; and Gauss's rule.
+//! Special functions: Airy's Ai, the modified Bessel function of imaginary order; Gauss's rule; sinc.
 
 pub mod airy;
 pub mod bessel;
 pub(crate) mod gauss;
+pub(crate) mod sinc;

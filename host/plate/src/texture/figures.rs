@@ -1,6 +1,6 @@
 //! Numbers that say how good a texture is.
 
-use super::target::{SOLID_FROM_M, SOLID_TO_EDGE_WIDTHS, STILL_FROM_EDGE_WIDTHS, Target, Wanted};
+use super::target::{STILL_FROM_EDGE_WIDTHS, Target, Wanted};
 
 /// How near a field comes to its target.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,10 +22,11 @@ impl Figures {
             squares.iter().zip(&target.wanted).map(|(square, wanted)| (square.sqrt() - wanted).powi(2));
         let sum: f64 = errors.zip(counted()).map(|(error, counts)| error * counts).sum();
         let rms_error = (sum / counted().sum::<f64>()).sqrt();
-        let Wanted::Solid { turning_point_m, edge_width_m } = target.wanted_kind else {
+        let (Wanted::Solid { turning_point_m, edge_width_m }, Some(even)) =
+            (target.wanted_kind, target.even_m())
+        else {
             return Self { rms_error, ripple_db: None, contrast_db: None };
         };
-        let even = SOLID_FROM_M..=turning_point_m - SOLID_TO_EDGE_WIDTHS * edge_width_m;
         let area: Vec<f64> = places_m
             .iter()
             .zip(squares)

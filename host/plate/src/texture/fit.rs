@@ -22,9 +22,9 @@ pub(super) const HEADROOM: f64 = 0.999;
 const AUDIBLE: f64 = 1e-6;
 
 /// Tones that are felt as vibrations lie this far apart at least, Hz: nearer ones rise and fall together so slowly that
-/// the area comes and goes.
+/// the area comes and goes. No source: a round value.
 pub const BEAT_OF_VIBRATIONS_HZ: f64 = 5.0;
-/// Ultrasonic tones lie this far apart at least, Hz: the beat of nearer ones is felt as a vibration.
+/// Ultrasonic tones lie this far apart at least, Hz: the beat of nearer ones is felt as a vibration. No source: a round value.
 pub const BEAT_OF_ULTRASOUND_HZ: f64 = 1000.0;
 
 /// One tone of a texture.
@@ -176,6 +176,11 @@ impl Texture {
     }
 }
 
+/// How far above a tone of this frequency the next one lies at least, Hz.
+pub(super) fn least_beat_hz(frequency_hz: f64) -> f64 {
+    if frequency_hz < SLIPPERY_FROM_HZ { BEAT_OF_VIBRATIONS_HZ } else { BEAT_OF_ULTRASOUND_HZ }
+}
+
 /// The tones that can be heard as (place, power), in order of their places.
 fn sounding_tones(placed: Placed) -> Vec<(f64, f64)> {
     let loudest = placed.powers.iter().copied().fold(0.0, f64::max);
@@ -192,9 +197,7 @@ fn parted_m(palette: &Palette<'_>, sounding: &[(f64, f64)]) -> Vec<f64> {
     for &(place_m, power) in sounding {
         if let Some((last_m, last_power)) = parted.last_mut() {
             let (low_hz, high_hz) = (table.frequency_hz(*last_m), table.frequency_hz(place_m));
-            let least_hz =
-                if low_hz < SLIPPERY_FROM_HZ { BEAT_OF_VIBRATIONS_HZ } else { BEAT_OF_ULTRASOUND_HZ };
-            if high_hz - low_hz < least_hz {
+            if high_hz - low_hz < least_beat_hz(low_hz) {
                 let sum = *last_power + power;
                 *last_m = (*last_m * *last_power + place_m * power) / sum;
                 *last_power = sum;

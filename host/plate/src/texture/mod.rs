@@ -8,12 +8,14 @@
 //!        (nnls)                                   (selection)          (refinement)
 //! ```
 //! Tones of different frequencies add in power, so the mean square of the sum is linear in the tones' powers, and the
-//! best powers are the solution of a convex problem: what it leaves no number of tones can mend.
+//! best powers are the solution of a convex problem: what it leaves no number of tones can mend. That is the mean over all
+//! times; how far the sum swings about it is its flutter.
 
 mod crest;
 mod error;
 mod figures;
 mod fit;
+mod flutter;
 pub mod nnls;
 mod on_grid;
 mod palette;
@@ -29,8 +31,9 @@ pub use crest::low_peak_turns;
 pub use error::TextureError;
 pub use figures::Figures;
 pub use fit::{BEAT_OF_ULTRASOUND_HZ, BEAT_OF_VIBRATIONS_HZ, TONES_MAX, Texture, TextureTone};
+pub use flutter::{FLUTTER_WINDOW_S, Flutter};
 pub use on_grid::{CHORD_PERIOD, ChordTexture};
 pub use palette::{PLACES, Palette};
-pub use pattern::{BEAT_RANGE_HZ, beat, stripes, stripes_m};
+pub use pattern::{BEAT_RANGE_HZ, beat, stripes, stripes_felt_db, stripes_m};
 pub use reach::{least_largest_error, least_largest_square_error};
 pub use target::{Target, Wanted};

@@ -9,7 +9,7 @@
 use super::crest::low_peak_turns;
 use super::error::TextureError;
 use super::figures::Figures;
-use super::fit::{HEADROOM, Texture, TextureTone};
+use super::fit::{HEADROOM, Texture, TextureTone, least_beat_hz};
 use super::palette::Palette;
 use super::refinement;
 use super::target::Target;
@@ -69,12 +69,9 @@ impl Texture {
         if lowest > highest {
             return Ok(None);
         }
-        let mut harmonics: Vec<u32> = self
-            .tones
-            .iter()
-            .map(|tone| ((tone.frequency_hz / base_hz).round() as u32).clamp(lowest.max(1), highest))
-            .collect();
-        harmonics.dedup();
+        let nearest: Vec<u32> =
+            self.tones.iter().map(|tone| (tone.frequency_hz / base_hz).round() as u32).collect();
+        let harmonics = parted(&nearest, lowest.max(1), highest, base_hz);
         let positions_m: Vec<f64> =
             harmonics.iter().map(|&m| place_of(palette, f64::from(m) * base_hz)).collect();
         let powers = refinement::powers_at(palette, target, &positions_m)?;
@@ -107,6 +104,25 @@ impl Texture {
     }
 }
 
+/// These rising harmonics, each within `lowest..=highest` and once, where ultrasonic ones that would beat are moved down, and
+/// those for which no room is left are left out. The highest stays: it makes the edge of an area.
+fn parted(nearest: &[u32], lowest: u32, highest: u32, base_hz: f64) -> Vec<u32> {
+    let mut parted: Vec<u32> = Vec::with_capacity(nearest.len());
+    for harmonic in nearest.iter().rev().map(|harmonic| (*harmonic).clamp(lowest, highest)) {
+        let Some(&above) = parted.last() else {
+            parted.push(harmonic);
+            continue;
+        };
+        let apart = (least_beat_hz(f64::from(harmonic) * base_hz) / base_hz).ceil() as u32;
+        let moved = harmonic.min(above.saturating_sub(apart));
+        if harmonic != above && moved >= lowest {
+            parted.push(moved);
+        }
+    }
+    parted.reverse();
+    parted
+}
+
 /// The place of the span with this frequency, which must be one of the table's.
 fn place_of(palette: &Palette<'_>, frequency_hz: f64) -> f64 {
     let table = palette.table();
@@ -116,4 +132,22 @@ fn place_of(palette: &Palette<'_>, frequency_hz: f64) -> f64 {
         if table.frequency_hz(middle_m) < frequency_hz { low_m = middle_m } else { high_m = middle_m }
     }
     0.5 * (low_m + high_m)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ultrasonic_harmonics_that_would_beat_are_moved_down_and_others_stay() {
+        // 40 multiples are 976.6 Hz, 41 are 1001; 20 kHz is the multiple 819.2.
+        let base_hz = 400e3 / f64::from(CHORD_PERIOD);
+        let parted = |nearest: &[u32], lowest| parted(nearest, lowest, 1600, base_hz);
+        assert_eq!(parted(&[860, 900, 940, 981], 700), [858, 899, 940, 981]);
+        assert_eq!(parted(&[860, 901, 945], 700), [860, 901, 945]);
+        // Below 20 kHz 24 Hz are enough, and two on one multiple are one.
+        assert_eq!(parted(&[4, 4, 5, 815, 818, 825], 4), [4, 5, 815, 818, 825]);
+        // No room for the lowest; the highest is the table's.
+        assert_eq!(parted(&[1550, 1590, 1700], 1550), [1559, 1600]);
+    }
 }

@@ -53,10 +53,8 @@ impl<'a> Palette<'a> {
     /// # Errors
     /// [`TextureError::Silent`] if a field is not finite: the plate's loss or its actuator leaves nothing.
     pub fn squares(&self, positions_m: &[f64]) -> Result<Columns, TextureError> {
-        let frequencies: Vec<f64> = positions_m.iter().map(|&x| self.table.frequency_hz(x)).collect();
         let mut columns = Columns::new(PLACES);
-        numerov::solve_each_apart(&self.grid, self.plate, &frequencies, self.stride, |number, field| {
-            let scale = self.scale(positions_m[number], frequencies[number]);
+        self.each_field(positions_m, |field, scale| {
             columns.push(field.iter().map(|f| 0.5 * (f * scale).norm_sqr()));
         });
         if columns.iter().flatten().all(|value| value.is_finite()) {
@@ -64,6 +62,29 @@ impl<'a> Palette<'a> {
         } else {
             Err(TextureError::Silent)
         }
+    }
+
+    /// As [`Palette::squares`], the complex displacement of each tone, of which the real part of f e^(-j omega t) is that at
+    /// the time t; in units of the table's peak at full scale.
+    ///
+    /// # Errors
+    /// As [`Palette::squares`].
+    pub(super) fn fields(&self, positions_m: &[f64]) -> Result<Vec<Vec<Complex64>>, TextureError> {
+        let mut fields: Vec<Vec<Complex64>> = Vec::new();
+        self.each_field(positions_m, |field, scale| fields.push(field.iter().map(|f| f * scale).collect()));
+        if fields.iter().flatten().all(|value| value.is_finite()) {
+            Ok(fields)
+        } else {
+            Err(TextureError::Silent)
+        }
+    }
+
+    /// Calls `visit` with each tone's field over the driven end's displacement, and with the factor of that.
+    fn each_field(&self, positions_m: &[f64], mut visit: impl FnMut(&[Complex64], Complex64)) {
+        let frequencies: Vec<f64> = positions_m.iter().map(|&x| self.table.frequency_hz(x)).collect();
+        numerov::solve_each_apart(&self.grid, self.plate, &frequencies, self.stride, |number, field| {
+            visit(field, self.scale(positions_m[number], frequencies[number]));
+        });
     }
 
     /// From the driven end's displacement to that of a tone of level 1, over the table's peak at full scale.

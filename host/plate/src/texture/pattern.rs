@@ -5,6 +5,7 @@ use super::fit::{HEADROOM, TextureTone};
 use super::palette::Palette;
 use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
+use crate::special::sinc::sinc;
 use std::f64::consts::PI;
 
 /// Frequencies at which two tones may beat, Hz: a finger feels them as a vibration.
@@ -17,6 +18,14 @@ pub fn stripes_m(plate: &Plate, frequency_hz: f64) -> Option<f64> {
     let middle_m = 0.5 * plate.turning_point_m(frequency_hz)?;
     let squared = plate.width_mode(1).wavenumber_squared(middle_m, frequency_hz);
     (squared > 0.0).then(|| PI / squared.sqrt())
+}
+
+/// How deep a finger feels stripes `stripes_m` metres apart under a contact of `contact_m`, dB: the largest over the smallest
+/// mean square under the contact, (1 + |S|)/(1 - |S|) with S = sin(pi c/d)/(pi c/d), of a wave with nodes of no amplitude.
+/// Infinite for a contact of no length; 0 for a contact of whole stripes.
+pub fn stripes_felt_db(stripes_m: f64, contact_m: f64) -> f64 {
+    let left = sinc(contact_m / stripes_m).abs();
+    10.0 * ((1.0 + left) / (1.0 - left)).log10()
 }
 
 /// The tone whose nodes are `stripes_m` metres apart in the middle of its area, as loud as it can be.

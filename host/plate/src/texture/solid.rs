@@ -4,7 +4,7 @@ use super::error::TextureError;
 use super::fit::Texture;
 use super::palette::Palette;
 use super::target::Target;
-use crate::feeling::{Feeling, FeltEdge, FeltTone};
+use crate::feeling::{EdgesByPerson, Feeling, FeltEdge, FeltTone};
 use crate::progress::Progress;
 use crate::quantity::{OutOfRange, Range};
 
@@ -19,6 +19,23 @@ impl Texture {
     /// # Errors
     /// [`TextureError::Silent`] if the plate does not answer.
     pub fn felt_edge(&self, palette: &Palette<'_>, feeling: &Feeling) -> Result<FeltEdge, TextureError> {
+        Ok(Feeling::edge(palette.plate(), &self.strength(palette, feeling)?))
+    }
+
+    /// Where persons feel it end.
+    ///
+    /// # Errors
+    /// [`TextureError::Silent`] if the plate does not answer.
+    pub fn edges_by_person(
+        &self,
+        palette: &Palette<'_>,
+        feeling: &Feeling,
+    ) -> Result<EdgesByPerson, TextureError> {
+        Ok(Feeling::edges_by_person(palette.plate(), &self.strength(palette, feeling)?))
+    }
+
+    /// How strongly each of the palette's places is felt.
+    fn strength(&self, palette: &Palette<'_>, feeling: &Feeling) -> Result<Vec<f64>, TextureError> {
         let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
         let columns = palette.squares(&positions_m)?;
         let peak_m = palette.table().peak_at_full_scale_m;
@@ -34,7 +51,7 @@ impl Texture {
             .zip(&self.tones)
             .map(|(squares, tone)| FeltTone { frequency_hz: tone.frequency_hz, squares })
             .collect();
-        Ok(Feeling::edge(palette.plate(), &feeling.strength(palette.plate(), &felt)))
+        Ok(feeling.strength(palette.plate(), &felt))
     }
 
     /// A solid area of at most `most` tones that is felt up to `felt_edge_m`, with the turning point that this takes.

@@ -4,11 +4,12 @@ use super::error::TextureError;
 use super::palette::Palette;
 use crate::quantity::{OutOfRange, Range};
 use crate::special::airy;
+use std::ops::RangeInclusive;
 
 /// A solid area begins this far from the driven end, metres: nearer, the field of the drive itself is felt.
-pub(super) const SOLID_FROM_M: f64 = 0.01;
+const SOLID_FROM_M: f64 = 0.01;
 /// A solid area is even up to this many edge widths before its turning point, where its last peak rises.
-pub(super) const SOLID_TO_EDGE_WIDTHS: f64 = 1.3;
+const SOLID_TO_EDGE_WIDTHS: f64 = 1.3;
 /// From this many edge widths past the turning point on, the plate should be still.
 pub(super) const STILL_FROM_EDGE_WIDTHS: f64 = 1.4;
 /// A place that should be still counts this many times a place that should vibrate.
@@ -118,6 +119,16 @@ impl Target {
     /// What is wanted.
     pub fn kind(&self) -> Wanted {
         self.wanted_kind
+    }
+
+    /// Where a solid area is even, metres from the driven end.
+    pub(super) fn even_m(&self) -> Option<RangeInclusive<f64>> {
+        match self.wanted_kind {
+            Wanted::Solid { turning_point_m, edge_width_m } => {
+                Some(SOLID_FROM_M..=turning_point_m - SOLID_TO_EDGE_WIDTHS * edge_width_m)
+            }
+            Wanted::Profile => None,
+        }
     }
 }
 

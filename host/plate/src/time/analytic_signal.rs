@@ -57,11 +57,13 @@ impl AnalyticDrive {
         }
     }
 
-    /// Delay of the filters, seconds: from a code to the spline coefficient whose taps it is in the middle of.
+    /// Delay of the filters, seconds: from the middle of a code's hold to the end of the hold of the code with which the
+    /// coefficient comes whose taps the first one is in the middle of.
     pub(crate) fn delay_s(&self) -> f64 {
         let coarse = self.plan.coarse as f64;
-        let triangle = if self.plan.coarse > 1 { coarse - 1.0 } else { 0.0 };
-        let band = ((self.tap_re.len() / 2) as f64 * coarse + triangle) / self.plan.sample_rate_hz;
+        // The largest weight of the triangle is that of the last code of the block before.
+        let triangle = if self.plan.coarse > 1 { coarse } else { 0.0 };
+        let band = ((self.tap_re.len() / 2) as f64 * coarse + triangle + 0.5) / self.plan.sample_rate_hz;
         self.curve.as_ref().map_or(band, |curve| band + curve.delay() as f64 / self.plan.rate_hz())
     }
 
@@ -130,7 +132,7 @@ pub(crate) const BSPLINE: [[f64; 6]; 6] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::band_plan::sinc;
+    use crate::special::sinc::sinc;
 
     #[test]
     fn a_tone_in_the_band_comes_out_as_a_steady_phasor_of_its_own_amplitude() {

@@ -1,8 +1,9 @@
 //! The band of a plate's drive as the time domain takes it: where it is shifted to, how far it is decimated, and the filter that
 //! does it.
 
+use crate::special::sinc::sinc;
 use num_complex::Complex64;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// The band of the filter and the two decimations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,11 +114,6 @@ impl BandPlan {
         let spline = sinc((frequency - self.centre_hz) / self.rate_hz()).powi(6);
         hold / (block * block * spline)
     }
-}
-
-pub(super) fn sinc(turns: f64) -> f64 {
-    let x = PI * turns;
-    if x.abs() < 1e-9 { 1.0 } else { x.sin() / x }
 }
 
 /// Modified Bessel function I0, power series (DLMF 10.25.2).

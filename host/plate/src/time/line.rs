@@ -168,6 +168,11 @@ impl TimeDomainLine {
         })
     }
 
+    /// The same line with a field at every step of its oscillators: 5.2 half bands and more.
+    pub(crate) fn with_every_step(self) -> Self {
+        Self { stride: 1, ..self }
+    }
+
     /// Advances the plate by one sample per code. Codes are -1 to 1 of full scale; larger ones are not clamped, NaN and
     /// infinity count as 0.
     pub fn push(&mut self, codes: &[f32]) {
@@ -247,7 +252,7 @@ impl TimeDomainLine {
 
     /// Writes the analytic displacement at the latest step of the field, metres, one number per position; `out` may be
     /// shorter. Its real part is [`TimeDomainLine::field_m`]. A tone of frequency f appears in it as e^(-j 2 pi f t)
-    /// only, without a part at -f.
+    /// only, without a part at -f, and with one constant phase for all frequencies.
     ///
     /// The field is updated every `1/step_rate_hz()` seconds.
     pub fn analytic_m(&self, out: &mut [Complex64]) {
@@ -289,10 +294,12 @@ impl TimeDomainLine {
         self.settle_s + 2.0 * self.latency_s()
     }
 
-    /// Time from a code to its effect in the field, seconds: the delay of the filters of the drive and of the spline, and
-    /// between clamped edges that of the fit, 4.7 periods of the span's lowest frequency.
+    /// Time from a code to its effect in the field, seconds: after n codes, the first of them held from the time 0 on, the
+    /// field is that of the plate at n over the sample rate less this time. It is the delay of the filters of the drive,
+    /// the two steps by which the middle of the spline lies behind its latest coefficient, and between clamped edges the
+    /// delay of the fit, 4.7 periods of the span's lowest frequency.
     pub fn latency_s(&self) -> f64 {
-        self.drive.delay_s() + 3.0 / self.plan.rate_hz() + self.fit_delay_s
+        self.drive.delay_s() + 2.0 / self.plan.rate_hz() + self.fit_delay_s
     }
 
     /// Rate at which the field is updated, Hz.

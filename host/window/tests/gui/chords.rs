@@ -28,7 +28,7 @@ fn falling() -> (Setup, DriveTable) {
         let progress = &mut Progress::new(&mut tell);
         make(&palette, &wish, 16, &Feeling::default(), progress)
             .unwrap()
-            .finished(&palette, progress)
+            .finished(&palette, &Feeling::default(), progress)
             .unwrap()
     };
     (made.setup(Arc::new(plate)), table)

@@ -79,7 +79,9 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
             let flag = painted(&app, &format!("{wanted}   "));
             assert!(flag.is_some_and(|flag| flag.contains("edge")), "{name} {mm}: the flag");
             let strip = painted(&app, "felt to ").unwrap_or_default();
-            assert_eq!(strip, format!("felt to {wanted}"), "{name}: the strip");
+            let (edge, by_person) = strip.split_once(", ").unwrap_or((&strip, ""));
+            assert_eq!(edge, format!("felt to {wanted}"), "{name}: the strip");
+            assert!(by_person.ends_with(" by person"), "{name}: {strip}");
             let field = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").value();
             assert_eq!(field.as_deref(), Some(&wanted[..]), "{name}: the field");
             app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num2);

@@ -8,6 +8,7 @@ use crate::view::panels::texture_plot;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
+use slipline_model::field::felt::by_person_words;
 use slipline_model::jobs::texture::Textured;
 use slipline_model::texture::{BREAKPOINTS_DRAWN_MAX, Fitted, Made, WishDraft, WishKind};
 use slipline_plate::quantity::{self, show_frequency, show_length, show_place};
@@ -169,10 +170,22 @@ fn numbers(ui: &mut egui::Ui, scene: &Scene<'_>, textured: &Textured, made: &Mad
     if let Some(fitted) = &made.fitted {
         ui.scope(|ui| figures(ui, fitted));
     }
+    let rest = made.fitted.as_ref().and_then(|fitted| fitted.rest.as_ref());
+    if let Some(flutter) = rest.and_then(|rest| rest.flutter) {
+        let swing = format!("{} at {}", decibel(flutter.swing_db), show_frequency(flutter.frequency_hz));
+        row(ui, "Flutter", swing)
+            .on_hover_text("How far its RMS over 30 ms swings within a second, by beats");
+    }
+    if let Some(words) = rest.and_then(|rest| by_person_words(rest.by_person?)) {
+        row(ui, "Felt to", words);
+    }
     let largest_m = textured.rms_m.iter().copied().fold(0.0, f64::max);
     row(ui, "RMS at most", show_length(largest_m));
     if let Some(distance_m) = made.stripes_m {
         row(ui, "Stripes, in the middle", show_length(distance_m));
+    }
+    if let Some(felt_db) = made.stripes_felt_db.filter(|felt_db| felt_db.is_finite()) {
+        row(ui, "Felt under the contact", decibel(felt_db));
     }
     let table = &textured.wish.table.drive_table;
     let sum: f64 = made.tones.iter().map(|tone| tone.level * table.gain(tone.position_m)).sum();

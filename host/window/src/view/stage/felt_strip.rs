@@ -7,7 +7,7 @@ use crate::view::theme;
 use eframe::egui::{
     self, Align2, Color32, FontId, Pos2, Rangef, Rect, Sense, Shape, Stroke, StrokeKind, pos2, vec2,
 };
-use slipline_model::field::felt::{Felt, Zone};
+use slipline_model::field::felt::{Felt, Zone, by_person_words};
 use slipline_plate::feeling::FeltEdge;
 use slipline_plate::quantity::{show_length, show_place};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
@@ -84,15 +84,20 @@ fn zones(felt: &Felt, axis: &Axis, over: Rangef) -> Vec<(Rangef, Zone)> {
 
 /// Where it is felt, in words.
 fn said(scene: &Scene<'_>) -> String {
-    match scene.felt {
-        None => "felt: not known yet".to_owned(),
-        Some(Felt { not_felt: Some(why), .. }) => why.words(),
-        Some(Felt { edge: FeltEdge::At(edge_m), tolerance_m, .. }) => {
+    let Some(felt) = scene.felt else { return "felt: not known yet".to_owned() };
+    let mut said = match felt {
+        Felt { not_felt: Some(why), .. } => return why.words(),
+        Felt { edge: FeltEdge::At(edge_m), tolerance_m, .. } => {
             let known = tolerance_m.map_or(String::new(), |half_m| format!(" ± {}", show_length(half_m)));
             format!("felt to {}{known}", show_place(*edge_m))
         }
-        Some(_) => "felt to the plate's end".to_owned(),
+        Felt { .. } => "felt to the plate's end".to_owned(),
+    };
+    if let Some(by_person) = by_person_words(felt.by_person) {
+        said.push_str(", ");
+        said.push_str(&by_person);
     }
+    said
 }
 
 /// The legend: where it is felt, the zones, and what is felt. It is under the strip, because text on it would hide the edge.

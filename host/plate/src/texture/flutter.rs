@@ -1,0 +1,115 @@
+//! How a solid area flutters: its tones are some hertz apart, so the sum of two of them rises and falls.
+//!
+//! The mean square of tones A_i e^(-j omega_i t) over a window T around the time t is
+//!
+//! 1/2 sum over i and j of Re(A_i A_j* e^(-j (omega_i - omega_j) t)) sinc((f_i - f_j) T),  sinc(x) = sin(pi x)/(pi x),
+//!
+//! without the sums of the frequencies. Ripple and evenness are its mean over all times, the terms with i = j. The others
+//! are the flutter; where tones are 1/T apart or more the window takes it away.
+
+use super::error::TextureError;
+use super::fit::Texture;
+use super::palette::Palette;
+use super::target::Target;
+use crate::special::sinc::sinc;
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// The RMS is that over this time, seconds. A shorter burst of vibration is felt as a pulse, at 40 to 590 Hz alike
+/// (B. Remache-Vinueza, A. Trujillo-Leon and F. Vidal-Verdu, Sci. Rep. 15, 5057, 2025).
+pub const FLUTTER_WINDOW_S: f64 = 0.03;
+/// The time for which the area is watched, seconds, and the number of moments in it.
+const WATCHED_S: f64 = 1.0;
+const MOMENTS: usize = 400;
+
+/// How much and how fast the RMS amplitude of a solid area swings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Flutter {
+    /// Largest over smallest RMS over 30 ms, within a second: the median of the even area's places, dB.
+    pub swing_db: f64,
+    /// Mean frequency of the swing, each beat weighted by its power, Hz; 0 of one tone alone.
+    pub frequency_hz: f64,
+}
+
+impl Texture {
+    /// How these tones flutter in the area that is even; `None` of a target that is no solid area.
+    ///
+    /// # Errors
+    /// [`TextureError::Silent`] if the plate does not answer.
+    pub fn flutter(&self, palette: &Palette<'_>, target: &Target) -> Result<Option<Flutter>, TextureError> {
+        let Some(even) = target.even_m() else { return Ok(None) };
+        let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
+        let fields = palette.fields(&positions_m)?;
+        let frequencies: Vec<f64> = self.tones.iter().map(|tone| tone.frequency_hz).collect();
+        // The device begins a tone as a sine at its phase: e^(j 2 pi turns) of the drive, conjugate in e^(-j omega t).
+        let phasors: Vec<Complex64> =
+            self.tones.iter().map(|tone| tone.level * Complex64::cis(-TAU * tone.phase_turns)).collect();
+        let beats = Beats::of(&frequencies);
+        let area = self.places_m.iter().enumerate().filter(|(_, x)| even.contains(x));
+        let places: Vec<Flutter> = area
+            .map(|(place, _)| {
+                let at: Vec<Complex64> = fields.iter().zip(&phasors).map(|(f, p)| f[place] * p).collect();
+                beats.flutter(&at)
+            })
+            .collect();
+        let median = |value: fn(&Flutter) -> f64| {
+            let mut values: Vec<f64> = places.iter().map(value).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or(0.0)
+        };
+        Ok(Some(Flutter { swing_db: median(|it| it.swing_db), frequency_hz: median(|it| it.frequency_hz) }))
+    }
+}
+
+/// Each pair of tones that beat.
+struct Beats {
+    pairs: Vec<Beat>,
+}
+
+struct Beat {
+    /// Numbers of its tones.
+    tones: (usize, usize),
+    frequency_hz: f64,
+    /// What the window leaves of it.
+    share: f64,
+    /// e^(-j 2 pi frequency t) at each moment, times the share.
+    turns: Vec<Complex64>,
+}
+
+impl Beats {
+    fn of(frequencies_hz: &[f64]) -> Self {
+        let count = frequencies_hz.len();
+        let pairs = (0..count).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let beat = |tones: (usize, usize)| {
+            let frequency_hz = frequencies_hz[tones.0] - frequencies_hz[tones.1];
+            let share = sinc(frequency_hz * FLUTTER_WINDOW_S);
+            let at = |moment: usize| WATCHED_S * moment as f64 / MOMENTS as f64;
+            let turn = |moment| share * Complex64::cis(-TAU * (frequency_hz * at(moment)).fract());
+            Beat { tones, frequency_hz, share, turns: (0..MOMENTS).map(turn).collect() }
+        };
+        Self { pairs: pairs.map(beat).collect() }
+    }
+
+    /// The flutter of tones of these amplitudes.
+    fn flutter(&self, amplitudes: &[Complex64]) -> Flutter {
+        let mean: f64 = 0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
+        let mut squares = vec![mean; MOMENTS];
+        let (mut power, mut weighted) = (0.0, 0.0);
+        for Beat { tones, frequency_hz, share, turns } in &self.pairs {
+            let product = amplitudes[tones.0] * amplitudes[tones.1].conj();
+            for (square, turn) in squares.iter_mut().zip(turns) {
+                *square += product.re * turn.re - product.im * turn.im;
+            }
+            let beat = product.norm_sqr() * share * share;
+            power += beat;
+            weighted += beat * frequency_hz;
+        }
+        let (low, high) = squares
+            .iter()
+            .fold((f64::INFINITY, 0.0_f64), |(low, high), &square| (low.min(square), high.max(square)));
+        Flutter {
+            swing_db: if high > 0.0 { 10.0 * (high / low.max(f64::MIN_POSITIVE)).log10() } else { 0.0 },
+            frequency_hz: if power > 0.0 { weighted / power } else { 0.0 },
+        }
+    }
+}
