@@ -157,8 +157,10 @@ type Shape = ((Model, f64), f64, f64, f64, (f64, f64, f64), bool);
 fn any_model() -> impl Strategy<Value = (Model, f64)> {
     // (model, half-width at the driven end)
     prop_oneof![
-        (4.0..40.0, 0.03..0.08)
-            .prop_map(|(speed, w)| (Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: None }, w)),
+        (4.0..40.0, 0.03..0.08).prop_map(|(speed, w)| (
+            Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: None, film: None },
+            w
+        )),
         // Clamped plates in time have a test of their own, `tests/clamped_time.rs` of the plate.
         (5e-4..3e-3, 0.015..0.03).prop_map(|(thickness_m, w)| {
             let sheet = Bending {
@@ -206,6 +208,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 turning_width: TurningWidth::Arc,
                 wave_speed_tolerance: 0.0,
                 loss_tolerance: None,
+                thickness: None,
                 air: None,
                 calibration: None,
                 drive_end: DriveEnd::Displacement,
@@ -243,7 +246,7 @@ fn a_tone_of_a_code_or_two_is_off_by_what_the_dac_rounds() {
     let spec = PlateSpec {
         taper: Taper::Exponential { half_width_m: 0.036_962_6, rate_per_m: 5.571_957 },
         length_m: 0.499_176,
-        model: Model::Membrane { wave_speed_m_per_s: 20.552_455, tension_n_per_m: None },
+        model: Model::Membrane { wave_speed_m_per_s: 20.552_455, tension_n_per_m: None, film: None },
         loss_factor: 0.085_532,
         drive_end: DriveEnd::Resistance { ratio: 0.809_501, at_frequency_hz: 558.974 },
         span_start_m: 0.152_443,

@@ -35,10 +35,10 @@ pub mod truth;
 
 pub use check::sensation;
 pub use definition::{
-    Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Gas, Impedance,
-    LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFileError, PlateSpec, Preset,
-    Resonator, ResponseCurve, SampleRateError, Source, Taper, Travel, TurningWidth, limits, preset, presets,
-    sample_rates,
+    Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Gas,
+    Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFileError, PlateSpec,
+    Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness, Travel, TurningWidth,
+    limits, preset, presets, sample_rates,
 };
 pub use frequency::{
     CONTACT_M, COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, Finger, POINTS_MAX,

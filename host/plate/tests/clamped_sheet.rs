@@ -142,6 +142,7 @@ fn the_clamped_taper_at_40_khz_peaks_where_the_one_mode_theory_says() {
         turning_width: TurningWidth::Plain,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
+        thickness: None,
         air: None,
         calibration: None,
         drive_end: DriveEnd::Displacement,

@@ -11,7 +11,7 @@ const POINTS: usize = 1601;
 fn membrane(tension_n_per_m: f64) -> Plate {
     let mut spec: PlateSpec = preset("membrane").unwrap().spec().clone();
     let Model::Membrane { wave_speed_m_per_s, .. } = spec.model else { panic!("a membrane") };
-    spec.model = Model::Membrane { wave_speed_m_per_s, tension_n_per_m: Some(tension_n_per_m) };
+    spec.model = Model::Membrane { wave_speed_m_per_s, tension_n_per_m: Some(tension_n_per_m), film: None };
     Plate::new(spec).unwrap()
 }
 
@@ -156,7 +156,7 @@ fn a_finger_off_the_plate_or_on_a_plate_of_unknown_weight_is_refused() {
     assert!(refused(&plate, Finger { contact_m: 0.0, ..Finger::light(0.1) }).contains("finger contact"));
     assert!(refused(&plate, Finger { mass_kg: f64::NAN, ..Finger::light(0.1) }).contains("finger mass"));
     let mut spec = plate.spec().clone();
-    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None };
+    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None, film: None };
     let unknown = Plate::new(spec).unwrap();
     let error = refused(&unknown, Finger::light(0.1));
     assert!(error.contains("model.tension_n_per_m") && error.contains("a finger needs it"), "{error}");

@@ -32,6 +32,7 @@ fn plate(model: Model, half_width_m: f64, length_m: f64, span: (f64, f64)) -> Pl
         turning_width: TurningWidth::Plain,
         wave_speed_tolerance: 0.0,
         loss_tolerance: None,
+        thickness: None,
         air: None,
         calibration: None,
         drive_end: DriveEnd::Displacement,
@@ -127,8 +128,12 @@ fn the_membrane_preset_peaks_where_the_table_says_and_airy_agrees_within_a_milli
 fn edge_widths_are_those_of_the_table() {
     let bending = preset("al-bending").expect("a preset");
     let sh = preset("al-sh").expect("a preset");
-    let slow =
-        plate(Model::Membrane { wave_speed_m_per_s: 10.0, tension_n_per_m: None }, 0.2, 0.56, (0.3, 0.4));
+    let slow = plate(
+        Model::Membrane { wave_speed_m_per_s: 10.0, tension_n_per_m: None, film: None },
+        0.2,
+        0.56,
+        (0.3, 0.4),
+    );
     let cases = [
         (&bending, 40e3, 29.8),
         (&bending, 20e3, 37.4),

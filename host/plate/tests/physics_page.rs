@@ -40,6 +40,7 @@ fn every_light_has_its_row_with_the_limits_in_force() {
         ("drive match", limits::DRIVE_REFLECTION),
         ("thin plate", limits::THIN_PLATE_PERCENT),
         ("thin plate", limits::THICKNESS_SHARE),
+        ("thin plate", limits::FILM_PERCENT),
         ("width", limits::WIDTH),
         ("finger load", limits::FINGER_LOAD),
         ("DAC resolution", limits::DAC_STEPS),

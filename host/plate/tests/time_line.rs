@@ -284,7 +284,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 thick_plate: false,
             };
             let model = match model {
-                0 => Model::Membrane { wave_speed_m_per_s: 15.0, tension_n_per_m: None },
+                0 => Model::Membrane { wave_speed_m_per_s: 15.0, tension_n_per_m: None, film: None },
                 1 => Model::ShearHorizontal {
                     shear_modulus_pa: 1e6,
                     density_kg_per_m3: 1100.0,
@@ -303,6 +303,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                 turning_width: TurningWidth::Arc,
                 wave_speed_tolerance: 0.0,
                 loss_tolerance: None,
+                thickness: None,
                 air: None,
                 calibration: None,
                 drive_end: DriveEnd::Displacement,

@@ -239,7 +239,7 @@ fn small_values_of_a_design_keep_their_digits() {
     let output = slipline(&thin.split(' ').collect::<Vec<_>>());
     let text = String::from_utf8(output.stdout).unwrap();
     for wanted in
-        ["R = 58.82 µN s/m matches", "20.00 mN/m of width", "9.401 mm at the narrow end", "up to 0.0466\n"]
+        ["R = 58.82 µN s/m matches", "20.00 mN/m of width", "9.407 mm at the narrow end", "up to 0.0466\n"]
     {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }

@@ -77,10 +77,74 @@ fn corners() -> impl Iterator<Item = [f64; 3]> {
 
 /// The plate with its taper stretched and with the wave speed at which a wave of `frequency_hz` turns at `place_m`.
 fn turning_at(plate: &Plate, (scale, power): (f64, f64), place_m: f64, frequency_hz: f64) -> Option<Plate> {
-    let plate = plate.with_taper(plate.spec().taper.stretched(scale, power)).ok()?;
-    let turning = plate.width_mode(1).number / plate.turning_half_width_m(place_m);
+    let mut plate = plate.with_taper(plate.spec().taper.stretched(scale, power)).ok()?;
+    // The tension also moves how far from its edges a film bends: a few steps, and the place is right to 0.1 um.
+    let steps = if plate.spec().model.film().is_some() { FILM_STEPS } else { 1 };
+    for _ in 0..steps {
+        plate = retuned(&plate, place_m, frequency_hz)?;
+    }
+    Some(plate)
+}
+
+/// Steps of the wave speed of a film.
+const FILM_STEPS: usize = 6;
+
+/// The plate with the wave speed at which a wave of `frequency_hz` turns at `place_m` by its present turning width.
+fn retuned(plate: &Plate, place_m: f64, frequency_hz: f64) -> Option<Plate> {
+    let turning = plate.width_mode(1).number / plate.turning_at(place_m).0.exp();
     // The wave that the plate has in vacuum where it has the turning one with its air.
     let vacuum = plate.free_wave().vacuum_of(TAU * frequency_hz, turning);
-    let wavenumber = plate.spec().model.wavenumber_squared(vacuum).sqrt();
-    plate.with_wave_speed(wavenumber / turning).ok()
+    let model = &plate.spec().model;
+    let factor = match model.film_square() {
+        None => model.wavenumber_squared(vacuum).sqrt() / turning,
+        // T K^2 + D K^4 = omega^2 sigma for the tension.
+        Some(square) => {
+            let (own, turning) = (model.wavenumber_squared(vacuum), turning * turning);
+            (own * (1.0 + square * own) / turning - square * turning).max(0.0).sqrt()
+        }
+    };
+    plate.with_wave_speed(factor).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Calibration, Film, Model, PlateSpec, preset};
+
+    #[test]
+    fn at_the_ends_of_its_interval_a_film_turns_where_they_are() {
+        let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
+        let calibration = Calibration {
+            chi2_per_n: 1.0,
+            half_width_tolerance: 3e-3,
+            taper_tolerance: 4e-3,
+            level_tolerance_db: None,
+            source_tolerance: None,
+            correction: None,
+        };
+        let spec = PlateSpec {
+            model: Model::Membrane {
+                wave_speed_m_per_s: 12.0,
+                tension_n_per_m: Some(10.0),
+                film: Some(film),
+            },
+            wave_speed_tolerance: 0.01,
+            calibration: Some(calibration),
+            ..preset("membrane").expect("a preset").spec().clone()
+        };
+        let plate = Plate::new(spec).expect("a plate");
+        for boundary_m in [0.1, 0.25] {
+            let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+            let interval = Interval::new(&plate, boundary_m, frequency_hz).expect("calibrated");
+            assert!(interval.is_whole && interval.ends.len() == 8 && interval.boundary_m > 1e-3);
+            for end in &interval.ends {
+                let found = end.plate.turning_point_m(frequency_hz).expect("enters");
+                assert!(
+                    (found - end.boundary_m).abs() < 1e-6,
+                    "{boundary_m}: {found} for {}",
+                    end.boundary_m
+                );
+            }
+        }
+    }
 }

@@ -85,6 +85,10 @@ pub const AIR_MM: f64 = 2.0;
 /// for 0.92 to 1.05 of the coefficients of the two mountings.
 pub const AIR_OPEN: f64 = 0.1;
 
+/// How much larger a film's wavenumber is than that of the membrane that turns where it does, just before the boundary, %: 0.5 %
+/// at W = 8.6 sqrt(D/T), 2 % at 5.5 times. Farther from the boundary it is a fraction of that, and at the boundary nothing.
+pub const FILM_PERCENT: Limits = Limits { green: 0.5, amber: crate::definition::limits::FILM_PERCENT };
+
 /// Thickness over width, h/2W, at the boundary. What a plate theory leaves out of the stresses at an edge decays within
 /// about h/pi of it. At 0.2, textbooks' limit of a moderately thick plate, both edges' layers take 13 % of the width; at 0.5
 /// they take a third, and half a wave across the plate is only two thicknesses long.

@@ -112,6 +112,21 @@ pub enum Consequence {
     BandRatio(f64, f64),
     /// This number of wavelengths lies before the position, more than [`super::limits::WAVELENGTHS_MAX`].
     Wavelengths(f64),
+    /// Here the plate does not narrow faster than the root of its thickness, so no wave turns.
+    Turning {
+        /// Where, metres from the driven end.
+        place_m: f64,
+    },
+    /// At the farthest boundary the plate is so narrow for the stiffness of its film that the wavenumber is off by more than
+    /// [`super::limits::FILM_PERCENT`].
+    Film {
+        /// The half-width there, metres.
+        half_width_m: f64,
+        /// What is missed of the wavenumber, %.
+        percent: f64,
+        /// The thickest film of the same material and wave speed that is allowed there, metres.
+        thickest_m: f64,
+    },
     /// The plate is so short that a design's edges would converge too steeply.
     Converging {
         /// The lowest frequency of the band, Hz: it turns where they are steepest.

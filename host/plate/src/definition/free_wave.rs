@@ -5,10 +5,11 @@
 //! ```text
 //! omega(K)^2 (1 + mu(K)/sigma) = omega_v(K)^2,   mu = faces alpha g rho/K
 //! membrane  T K^2 = omega^2 (sigma + mu)          bending  D K^4 = omega^2 (sigma + mu)
+//! film      T K^2 + D K^4 = omega^2 (sigma + mu)
 //! ```
 //! mu falls with K, so omega rises with K and each has one K. At equal frequency K changes by less than in vacuum where the
 //! stiffness changes: by the share d = s_v/(d ln omega/d ln K^2), with s_v of the plate in vacuum (1/2 of a membrane, 1 of
-//! a thin plate). So the loss of K^2 is that of the plate in vacuum times d, and the air carries the share 1 - d of a
+//! a thin plate, between them of a film). So the loss of K^2 is that of the plate in vacuum times d, and the air carries the share 1 - d of a
 //! wave's power. Without air every number here is that of the model, to the last bit.
 
 use super::air::AirLoad;
@@ -38,7 +39,7 @@ impl FreeWave<'_> {
         for _ in 0..STEPS_MAX {
             let square = log.exp();
             let (share, fall) = self.share(square);
-            let rise = 2.0 * self.slope() - 0.5 * fall * share / (1.0 + share);
+            let rise = 2.0 * self.slope(square) - 0.5 * fall * share / (1.0 + share);
             let step = (2.0 * (omega / self.angular_frequency(square)).ln()) / rise;
             log += step;
             if step.abs() < 1e-15 {
@@ -70,20 +71,35 @@ impl FreeWave<'_> {
         if self.load.is_none() {
             return 1.0;
         }
-        let (share, fall) = self.share(self.wavenumber_squared(omega));
-        (1.0 - 0.25 * fall * share / (self.slope() * (1.0 + share))).recip()
+        let squared = self.wavenumber_squared(omega);
+        let (share, fall) = self.share(squared);
+        (1.0 - 0.25 * fall * share / (self.slope(squared) * (1.0 + share))).recip()
+    }
+
+    /// d ln K^2 by d ln of the stiffness in vacuum over that of an ideal membrane, at `omega`: 1 to 1/2 of a film, as its
+    /// tension or its bending carries the wave; `None` for what is no film.
+    pub(crate) fn film_share(&self, omega: f64) -> Option<f64> {
+        self.model.film_square()?;
+        Some(0.5 / self.slope(self.wavenumber_squared(omega)))
     }
 
     /// mu over sigma at K^2, and d ln mu/d ln K.
     fn share(&self, wavenumber_squared: f64) -> (f64, f64) {
         let Some(load) = &self.load else { return (0.0, -1.0) };
         let vacuum = self.model.angular_frequency(wavenumber_squared);
-        load.share(wavenumber_squared.sqrt(), vacuum, 2.0 * self.slope())
+        load.share(wavenumber_squared.sqrt(), vacuum, 2.0 * self.slope(wavenumber_squared))
     }
 
-    /// d ln omega/d ln K^2 in vacuum, of a thin plate.
-    fn slope(&self) -> f64 {
-        if self.model.bending().is_some() { 1.0 } else { 0.5 }
+    /// d ln omega/d ln K^2 in vacuum at K^2, of a thin plate.
+    fn slope(&self, wavenumber_squared: f64) -> f64 {
+        match (self.model.bending(), self.model.film_square()) {
+            (Some(_), _) => 1.0,
+            (None, None) => 0.5,
+            (None, Some(stiff)) => {
+                let bent = stiff * wavenumber_squared;
+                0.5 * (1.0 + 2.0 * bent) / (1.0 + bent)
+            }
+        }
     }
 }
 
@@ -111,8 +127,14 @@ impl Plate {
     }
 
     /// eta of the amplitude equation at `frequency_hz`: [`Plate::wave_loss`] times the share of the stiffness in what sets
-    /// the wavenumber, which air makes less than 1.
+    /// the wavenumber, which air makes less than 1, and the bending of a film.
     pub fn wave_loss_at(&self, frequency_hz: f64) -> f64 {
+        let loss = self.sheet_loss_at(frequency_hz);
+        self.free_wave().film_share(TAU * frequency_hz).map_or(loss, |share| loss * share)
+    }
+
+    /// eta of the stiffness that has the loss of [`Plate::wave_loss_at`] where the air is a mass that does not depend on K.
+    pub(crate) fn sheet_loss_at(&self, frequency_hz: f64) -> f64 {
         self.wave_loss() * self.dilution(frequency_hz)
     }
 
@@ -193,6 +215,7 @@ mod tests {
         let membrane = |tension: f64, speed: f64| Model::Membrane {
             wave_speed_m_per_s: speed,
             tension_n_per_m: Some(tension),
+            film: None,
         };
         let (omega, alpha, density) = (TAU * 100.0, 1.9, 1.2);
         for (tension, speed) in [(40.0, 12.0), (400.0, 12.0), (40.0, 60.0)] {
@@ -225,8 +248,11 @@ mod tests {
         let ratios = [1.48, 1.92, 2.36, 2.78];
         let zeros = [3.831_71, 5.135_62, 6.380_16, 7.588_34, 8.771_48];
         let (radius_m, speed, density) = (0.33, 110.0, 1390.0 * 0.2e-3);
-        let model =
-            Model::Membrane { wave_speed_m_per_s: speed, tension_n_per_m: Some(density * speed * speed) };
+        let model = Model::Membrane {
+            wave_speed_m_per_s: speed,
+            tension_n_per_m: Some(density * speed * speed),
+            film: None,
+        };
         let ratio = |air: Option<&Air>, mode: usize| {
             let wave = FreeWave { model: &model, load: AirLoad::of(air, &model) };
             let omega = |zero: f64| wave.angular_frequency((zero / radius_m).powi(2));

@@ -10,6 +10,8 @@ pub const LOSS_FACTOR: Range = Range::new(0.0, 0.5, "");
 pub const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
 /// Relative uncertainty of the loss factor, which may be wrong by a factor of 1 to 5.
 pub const LOSS_TOLERANCE: Range = Range::new(0.0, 4.0, "");
+/// How far the wavenumber of a film may be off before the farthest boundary, %.
+pub const FILM_PERCENT: f64 = 2.0;
 /// Displacement of the drive at DAC full scale.
 pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
 /// Half-width anywhere on a plate.
@@ -30,6 +32,8 @@ pub const POISSON_RATIO: Range = Range::new(0.0, 0.499, "");
 pub const DENSITY: Range = Range::new(1.0, 3e4, "kg/m^3");
 /// Thickness of the sheet.
 pub const THICKNESS: Range = Range::new(1e-6, 0.1, "m");
+/// Rate at which the thickness falls.
+pub const THICKNESS_RATE: Range = Range::new(-1e3, 1e3, "1/m");
 /// Ratio r of a resistance drive end to the wave impedance.
 pub const DRIVE_RATIO: Range = Range::new(0.01, 100.0, "");
 /// Frequency of a boundary.

@@ -8,10 +8,14 @@
 //! | thin plate in bending, simply supported edges | 1 | pi/2 | sqrt(omega) (rho h/D)^(1/4) |
 //! | thin plate in bending, clamped edges | 1.81858 | 2.36502 | the same |
 //!
+//! A membrane with the stiffness of its film has K^2 (1 + (s K)^2) = (omega/V)^2, s^2 = D/T, and a smaller half-width: see
+//! [`super::film`].
+//!
 //! With clamped edges this holds near the cut-off only; farther from it the exact law is
 //! p tan p + r tanh r = 0 with p^2, r^2 = W^2 (K^2 -+ k^2), and a is its slope at k = 0.
 
 use crate::definition::error::PlateError;
+use crate::definition::film::Film;
 use crate::definition::limits;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -25,6 +29,8 @@ pub enum Model {
         /// Tension T, N per metre of width (1e-9 to 1e13). With the wave speed it gives the surface density T/V^2. `None`
         /// if it is not known: then nothing that has a unit of force can be computed.
         tension_n_per_m: Option<f64>,
+        /// The film's own stiffness, which needs the tension; `None` for an ideal membrane.
+        film: Option<Film>,
     },
     /// The shear-horizontal wave of the paper, fixed edges: V = sqrt(mu/rho).
     ShearHorizontal {
@@ -121,10 +127,15 @@ const CLAMPED_FIRST: f64 = 2.365_020_372_431_352;
 impl Model {
     pub(crate) fn validate(&self) -> Result<(), PlateError> {
         match self {
-            Self::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
+            Self::Membrane { wave_speed_m_per_s, tension_n_per_m, film } => {
                 limits::WAVE_SPEED.check("model.wave_speed_m_per_s", *wave_speed_m_per_s)?;
                 tension_n_per_m
-                    .map_or(Ok(()), |tension| limits::TENSION.check("model.tension_n_per_m", tension))
+                    .map_or(Ok(()), |tension| limits::TENSION.check("model.tension_n_per_m", tension))?;
+                if let Some(film) = film {
+                    film.validate()?;
+                    self.surface_density("the film's stiffness")?;
+                }
+                Ok(())
             }
             Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => {
                 limits::SHEAR_MODULUS.check("model.shear_modulus_pa", *shear_modulus_pa)?;
@@ -144,10 +155,30 @@ impl Model {
         }
     }
 
-    /// Wave speed of the membrane or the shear wave, m/s; `None` for bending, whose speed depends on frequency.
+    /// The film of a membrane; `None` for an ideal membrane and the other models.
+    pub fn film(&self) -> Option<&Film> {
+        match self {
+            Self::Membrane { film, .. } => film.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// s^2 = D/T of a membrane with the stiffness of its film, m^2; `None` for all others.
+    pub(crate) fn film_square(&self) -> Option<f64> {
+        match self {
+            Self::Membrane { tension_n_per_m: Some(tension), film: Some(film), .. } => {
+                Some(film.stiffness_n_m() / tension)
+            }
+            _ => None,
+        }
+    }
+
+    /// Wave speed of the membrane or the shear wave, m/s; `None` for bending and for a film with a stiffness of its own, whose
+    /// speed depends on frequency.
     pub fn wave_speed_m_per_s(&self) -> Option<f64> {
         match self {
-            Self::Membrane { wave_speed_m_per_s, .. } => Some(*wave_speed_m_per_s),
+            Self::Membrane { film: Some(_), .. } => None,
+            Self::Membrane { wave_speed_m_per_s, film: None, .. } => Some(*wave_speed_m_per_s),
             Self::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, .. } => {
                 Some((shear_modulus_pa / density_kg_per_m3).sqrt())
             }
@@ -166,7 +197,7 @@ impl Model {
             needed: format!("{needed_by} needs it: {meaning}"),
         };
         match self {
-            Self::Membrane { wave_speed_m_per_s, tension_n_per_m } => tension_n_per_m
+            Self::Membrane { wave_speed_m_per_s, tension_n_per_m, .. } => tension_n_per_m
                 .map(|tension| tension / wave_speed_m_per_s.powi(2))
                 .ok_or_else(|| missing("model.tension_n_per_m", "the force per metre of width, in N/m")),
             Self::ShearHorizontal { density_kg_per_m3, thickness_m, .. } => thickness_m
@@ -180,19 +211,33 @@ impl Model {
 
     /// K^2 (or kb^2) without loss at angular frequency `omega`, 1/m^2.
     pub fn wavenumber_squared(&self, omega: f64) -> f64 {
-        match (self.bending(), self.wave_speed_m_per_s()) {
-            (Some(bending), _) => bending.wavenumber_squared(omega),
-            (None, Some(speed)) => (omega / speed).powi(2),
-            (None, None) => f64::NAN,
+        match (self, self.wave_speed_m_per_s()) {
+            (Self::BendingSupported(bending) | Self::BendingClamped(bending), _) => {
+                bending.wavenumber_squared(omega)
+            }
+            (_, Some(speed)) => (omega / speed).powi(2),
+            (Self::Membrane { wave_speed_m_per_s, .. }, None) => {
+                let (squared, stiff) = ((omega / wave_speed_m_per_s).powi(2), self.film_square());
+                // K^2 (1 + s^2 K^2) = squared; this form of the root does not cancel where s is small.
+                2.0 * squared / (1.0 + (1.0 + 4.0 * stiff.unwrap_or(f64::NAN) * squared).sqrt())
+            }
+            (Self::ShearHorizontal { .. }, None) => f64::NAN,
         }
     }
 
     /// The inverse of [`Model::wavenumber_squared`], rad/s.
     pub fn angular_frequency(&self, wavenumber_squared: f64) -> f64 {
-        match (self.bending(), self.wave_speed_m_per_s()) {
-            (Some(bending), _) => bending.angular_frequency(wavenumber_squared),
-            (None, Some(speed)) => speed * wavenumber_squared.max(0.0).sqrt(),
-            (None, None) => f64::NAN,
+        match (self, self.wave_speed_m_per_s()) {
+            (Self::BendingSupported(bending) | Self::BendingClamped(bending), _) => {
+                bending.angular_frequency(wavenumber_squared)
+            }
+            (_, Some(speed)) => speed * wavenumber_squared.max(0.0).sqrt(),
+            (Self::Membrane { wave_speed_m_per_s, .. }, None) => {
+                let squared = wavenumber_squared.max(0.0);
+                let stiff = self.film_square().unwrap_or(f64::NAN);
+                wave_speed_m_per_s * (squared * (1.0 + stiff * squared)).sqrt()
+            }
+            (Self::ShearHorizontal { .. }, None) => f64::NAN,
         }
     }
 

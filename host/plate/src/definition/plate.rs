@@ -9,9 +9,11 @@ use crate::definition::air::{Air, AirLoad};
 use crate::definition::calibration::Calibration;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
+use crate::definition::film::{self, FilmEdge};
 use crate::definition::model::Model;
 use crate::definition::strip_table::{self, StripTable};
 use crate::definition::taper::{Taper, WidthLaw};
+use crate::definition::thickness::{Grading, Thickness};
 use crate::definition::turning_width::{TurningLaw, TurningWidth};
 use crate::quantity::Range;
 use num_complex::Complex64;
@@ -33,6 +35,8 @@ pub struct PlateSpec {
     pub length_m: f64,
     /// Material, edge and wave.
     pub model: Model,
+    /// How the thickness of a plate in bending changes along it, from that of the model on; `None` if it is the same everywhere.
+    pub thickness: Option<Thickness>,
     /// The air that swings with the plate; `None` as in a vacuum, or if the plate's own numbers hold it.
     pub air: Option<Air>,
     /// Loss factor of the material's modulus or of the tension (0 to 0.5); see [`Plate::wave_loss`].
@@ -68,9 +72,14 @@ pub struct PlateSpec {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plate {
     spec: PlateSpec,
+    /// The half-width of the plate as it is cut.
+    pub(crate) outline: WidthLaw,
+    /// The half-width over which the wave swings: the outline, or that of the membrane that swings as a film does.
     pub(crate) width: WidthLaw,
     /// The half-width that decides where a wave turns.
     pub(crate) turning: TurningLaw,
+    /// How the thickness changes, where it does.
+    pub(super) grading: Option<Arc<Grading>>,
     /// b of the term b W''/(2 W) in k^2.
     bend_weight: f64,
     /// What the air adds to its inertia, where it carries any.
@@ -112,6 +121,9 @@ impl Plate {
         if let Some(air) = &spec.air {
             air.validate(&spec.model)?;
         }
+        if let Some(thickness) = &spec.thickness {
+            thickness.validate(&spec.model, spec.air.as_ref(), &spec.drive_end, spec.length_m)?;
+        }
         limits::LOSS_FACTOR.check("loss_factor", spec.loss_factor)?;
         limits::WAVE_SPEED_TOLERANCE.check("wave_speed_tolerance", spec.wave_speed_tolerance)?;
         if let Some(tolerance) = spec.loss_tolerance {
@@ -129,13 +141,26 @@ impl Plate {
         let shortest = spec.span_start_m + 1e-3 * spec.length_m;
         Range::new(shortest, spec.length_m, "m").check("span_end_m", spec.span_end_m)?;
 
-        let width = WidthLaw::new(&spec.taper, spec.length_m);
-        let turning = TurningLaw::new(&spec.taper, &width, spec.length_m, spec.turning_width);
+        let outline = WidthLaw::new(&spec.taper, spec.length_m);
+        let width = swinging(&outline, &spec);
+        let turning = TurningLaw::new(&width, spec.length_m, spec.turning_width);
         let bend_weight = spec.turning_width.bend_weight(&spec.model);
         let air_load = AirLoad::of(spec.air.as_ref(), &spec.model);
-        let mut plate = Self { spec, width, turning, bend_weight, air_load, strip: None };
+        let mut plate =
+            Self { spec, outline, width, turning, grading: None, bend_weight, air_load, strip: None };
+        plate.grading = plate.graded()?;
         plate.set_strip(strip);
         Ok(plate)
+    }
+
+    /// The grading of its thickness and its present turning width.
+    fn graded(&self) -> Result<Option<Arc<Grading>>, PlateError> {
+        let (Some(thickness), Some(bending)) = (&self.spec.thickness, self.spec.model.bending()) else {
+            return Ok(None);
+        };
+        let (length_m, reach_m) = (self.spec.length_m, self.outline.reach_m());
+        let grading = Grading::new(thickness, bending.thickness_m, length_m, &self.turning, reach_m)?;
+        Ok(Some(Arc::new(grading)))
     }
 
     /// Gives a plate between clamped edges their law; `strip` if that has the plate's loss.
@@ -159,11 +184,36 @@ impl Plate {
         plate
     }
 
+    /// The same plate without the stiffness of its film: the ideal membrane.
+    #[must_use]
+    pub fn without_film(&self) -> Self {
+        let mut plate = self.clone();
+        if let Model::Membrane { film, .. } = &mut plate.spec.model
+            && film.take().is_some()
+        {
+            plate.width.clone_from(&plate.outline);
+            plate.set_turning_width(plate.spec.turning_width);
+        }
+        plate
+    }
+
+    /// The same plate with the thickness of its driven end everywhere.
+    #[must_use]
+    pub fn with_uniform_thickness(&self) -> Self {
+        let mut plate = self.clone();
+        (plate.spec.thickness, plate.grading) = (None, None);
+        plate
+    }
+
     pub(super) fn set_turning_width(&mut self, turning_width: TurningWidth) {
         let spec = &mut self.spec;
         spec.turning_width = turning_width;
-        self.turning = TurningLaw::new(&spec.taper, &self.width, spec.length_m, turning_width);
+        self.turning = TurningLaw::new(&self.width, spec.length_m, turning_width);
         self.bend_weight = turning_width.bend_weight(&spec.model);
+        // The arc falls where the plate narrows, whichever way it is measured: what was valid stays so.
+        if let Ok(grading) = self.graded() {
+            self.grading = grading;
+        }
         if self.air_load.is_some() {
             let strip = self.strip.take();
             self.set_strip(strip);
@@ -183,6 +233,9 @@ impl Plate {
         }
         if high > low * BAND_RATIO_MAX {
             return at_start(Consequence::BandRatio(low, high));
+        }
+        if let (Some(film), Some(square)) = (self.spec.model.film(), self.spec.model.film_square()) {
+            film.check("model.thickness_m", square.sqrt(), self.half_width_m(self.spec.span_end_m))?;
         }
         let wavelengths = self.width_mode(1).phase_to(self.spec.span_end_m, high) / TAU;
         if wavelengths.is_nan() || wavelengths > WAVELENGTHS_MAX {
@@ -221,12 +274,23 @@ impl Plate {
 
     /// Half-width W at `x` metres from the driven end, metres. Beyond the plate's end the taper is continued.
     pub fn half_width_m(&self, x: f64) -> f64 {
-        self.width.at(x).value.exp()
+        self.outline.at(x).value.exp()
     }
 
     /// W'/W at `x`, 1/m; negative because the plate narrows.
     pub fn narrowing_per_m(&self, x: f64) -> f64 {
-        self.width.at(x).slope
+        self.outline.at(x).slope
+    }
+
+    /// The half-width over which the wave swings at `x`, metres: W, less in a film.
+    pub(crate) fn swinging_half_width_m(&self, x: f64) -> f64 {
+        self.width.at(x).value.exp()
+    }
+
+    /// The strip of the film as wide as the plate at `x`; `None` for a plate without a film's stiffness.
+    pub(crate) fn film_edge(&self, x: f64) -> Option<FilmEdge> {
+        let square = self.spec.model.film_square()?;
+        Some(FilmEdge::new(self.half_width_m(x) / square.sqrt()))
     }
 
     /// W'/(2 W) times b of the term b W''/(2 W) in k^2, and that term itself, 1/m and 1/m^2. A weak form needs the first:
@@ -275,7 +339,7 @@ impl Plate {
     /// the plate has any.
     ///
     /// It scales the membrane's wave speed by `factor`, its tension and the shear modulus by its square, and Young's modulus by its
-    /// fourth power. The last is exact for a thin plate and approximate where `thick_plate` is set.
+    /// fourth power. The last is exact for a thin plate and approximate where `thick_plate` is set. A film keeps its own stiffness.
     ///
     /// # Errors
     /// [`PlateError`] when `factor`, the material or the plate's band leaves its allowed range.
@@ -283,7 +347,7 @@ impl Plate {
         Range::new(0.5, 2.0, "").check("wave speed factor", factor)?;
         let mut spec = self.spec.clone();
         match &mut spec.model {
-            Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
+            Model::Membrane { wave_speed_m_per_s, tension_n_per_m, .. } => {
                 *wave_speed_m_per_s *= factor;
                 if let Some(tension) = tension_n_per_m {
                     *tension *= factor * factor;
@@ -331,6 +395,14 @@ impl Plate {
     }
 }
 
+/// The half-width over which a wave swings between the edges of `outline`.
+fn swinging(outline: &WidthLaw, spec: &PlateSpec) -> WidthLaw {
+    match spec.model.film_square() {
+        Some(square) => film::membrane_width(outline, spec.length_m, square.sqrt()),
+        None => outline.clone(),
+    }
+}
+
 /// What edges that bend add to k^2, see [`TurningWidth`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct EdgeBend {
@@ -355,7 +427,12 @@ pub(crate) struct WidthMode<'a> {
 }
 
 impl WidthMode<'_> {
-    /// a K^2 without loss, 1/m^2.
+    /// K^2 at `x` over that at the driven end: h0/h.
+    pub(crate) fn local(&self, x: f64) -> f64 {
+        self.plate.grading.as_ref().map_or(1.0, |grading| (-grading.log(x).value).exp())
+    }
+
+    /// a K^2 at the driven end without loss, 1/m^2.
     pub(crate) fn axial_squared(&self, frequency_hz: f64) -> f64 {
         self.slope * self.plate.wavenumber_squared(frequency_hz)
     }
@@ -371,7 +448,7 @@ impl WidthMode<'_> {
             let (log_t, log_square) = self.strip_place(x, frequency_hz);
             return strip_table::lossless().wavenumber_squared(log_t).re * (-log_square).exp();
         }
-        self.axial_squared(frequency_hz) - self.width_term(x)
+        self.axial_squared(frequency_hz) * self.local(x) - self.width_term(x)
     }
 
     /// Local k^2 with loss, 1/m^2.
@@ -380,7 +457,7 @@ impl WidthMode<'_> {
             let (log_t, log_square) = self.strip_place(x, frequency_hz);
             return strip.wavenumber_squared(log_t) * (-log_square).exp();
         }
-        self.axial_squared(frequency_hz) * self.plate.lossy(frequency_hz) - self.width_term(x)
+        self.axial_squared(frequency_hz) * self.local(x) * self.plate.lossy(frequency_hz) - self.width_term(x)
     }
 
     /// Integral over the width at `x` of the square of the mode that is 1 on the centre line, in half-widths: Omega ds/dt
@@ -394,13 +471,13 @@ impl WidthMode<'_> {
         law.rise(log_t).re * (-log_t).exp() / law.spread(log_t).re.powi(2)
     }
 
-    /// d(k^2)/d ln(K^2) at `x` without loss, 1/m^2: a K^2 except between clamped edges.
+    /// d(k^2)/d ln(K^2) at `x` without loss, 1/m^2: a K^2 there except between clamped edges.
     pub(crate) fn wavenumber_rise(&self, x: f64, frequency_hz: f64) -> f64 {
         if self.strip.is_some() {
             let (log_t, log_square) = self.strip_place(x, frequency_hz);
             return strip_table::lossless().rise(log_t).re * (-log_square).exp();
         }
-        self.axial_squared(frequency_hz)
+        self.axial_squared(frequency_hz) * self.local(x)
     }
 
     /// ln (s K)^2 and ln s^2, in metres, at `x`.
@@ -416,19 +493,27 @@ impl WidthMode<'_> {
 
     /// Frequency whose wave turns at `x`, Hz.
     pub(crate) fn cut_off_hz(&self, x: f64) -> f64 {
-        let turning = (self.number * self.plate.turning.reciprocal_at(x)).powi(2);
+        let turning = (self.number * self.plate.turning.reciprocal_at(x)).powi(2) / self.local(x);
         self.plate.free_wave().angular_frequency(turning) / TAU
     }
 
     /// The turning point of the continued taper, metres; negative when the wave cannot enter.
     pub(crate) fn turning_point_m(&self, frequency_hz: f64) -> f64 {
-        let wavenumber = self.plate.wavenumber_squared(frequency_hz).sqrt();
-        self.plate.turning.place_of((self.number / wavenumber).ln())
+        self.place_of(self.plate.wavenumber_squared(frequency_hz).sqrt())
+    }
+
+    /// Where a wave turns that has the wavenumber K, 1/m, at the driven end, metres.
+    pub(crate) fn place_of(&self, wavenumber: f64) -> f64 {
+        let target = (self.number / wavenumber).ln();
+        match &self.plate.grading {
+            None => self.plate.turning.place_of(target),
+            Some(grading) => grading.turning().place_of(target),
+        }
     }
 
     /// -d(k^2)/dx at `x`, 1/m^3.
     pub(crate) fn fall(&self, x: f64) -> f64 {
-        -2.0 * self.width_term(x) * self.plate.turning.at(x).slope
+        -2.0 * self.width_term(x) * self.plate.turning_at(x).1
     }
 
     /// Phase of the wave from the driven end to `x`, or to the turning point if that is nearer, radians.

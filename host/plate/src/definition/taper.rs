@@ -219,12 +219,15 @@ fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
     let mut slope = vec![0.0; count];
     for i in 1..count - 1 {
         let (before, after) = (2.0 * step[i] + step[i - 1], step[i] + 2.0 * step[i - 1]);
-        slope[i] = (before + after) / (before / secant[i - 1] + after / secant[i]);
+        // Where the values turn round, as a thickness may, the curve is level.
+        if secant[i - 1] * secant[i] > 0.0 {
+            slope[i] = (before + after) / (before / secant[i - 1] + after / secant[i]);
+        }
     }
-    // At the ends: the one-sided three-point formula, limited so that the curve falls monotonically.
+    // At the ends: the one-sided three-point formula, limited so that the curve is monotone beside them.
     let end = |near: f64, far: f64, h0: f64, h1: f64| {
         let raw = ((2.0 * h0 + h1) * near - h0 * far) / (h0 + h1);
-        raw.clamp(3.0 * near, 0.1 * near)
+        raw.clamp((3.0 * near).min(0.1 * near), (3.0 * near).max(0.1 * near))
     };
     if count == 2 {
         slope[0] = secant[0];

@@ -46,7 +46,7 @@ impl Plate {
     /// A calibration states the error of the wave speed that would move the boundary by as much: with K s = q, dV/V = s'/s dx.
     pub fn boundary_tolerance_m(&self, x: f64) -> Option<f64> {
         self.spec().calibration.as_ref()?;
-        Some(self.spec().wave_speed_tolerance / self.turning.at(x).slope.abs())
+        Some(self.spec().wave_speed_tolerance / self.turning_at(x).1.abs())
     }
 
     /// kappa of the Airy form at the turning point, 1/m; `None` if the wave cannot enter.

@@ -13,7 +13,7 @@
 //! (2 nu - 1) W''/(2 W).
 
 use crate::definition::model::Model;
-use crate::definition::taper::{LogWidth, Taper, WidthLaw};
+use crate::definition::taper::{LogWidth, WidthLaw};
 
 /// Which half-width of the plate decides where a wave turns.
 ///
@@ -89,7 +89,7 @@ const ARC_INTERVALS: usize = 512;
 const LEAST_FALL: f64 = 1e-12;
 
 impl TurningLaw {
-    pub(crate) fn new(taper: &Taper, width: &WidthLaw, length_m: f64, turning_width: TurningWidth) -> Self {
+    pub(crate) fn new(width: &WidthLaw, length_m: f64, turning_width: TurningWidth) -> Self {
         match (turning_width, width) {
             (TurningWidth::Arc, &WidthLaw::Exponential { log_width, rate_per_m }) => {
                 Self::ExponentialArc { log_width, rate_per_m }
@@ -98,7 +98,9 @@ impl TurningLaw {
                 let shorter = arc_to_width(fall);
                 Self::Width(WidthLaw::Linear { half_width_m: half_width_m * shorter, fall: fall * shorter })
             }
-            (TurningWidth::Arc, WidthLaw::Curve { .. }) => Self::Width(curve_of_arcs(taper, width, length_m)),
+            (TurningWidth::Arc, WidthLaw::Curve { position, .. }) => {
+                Self::Width(curve_of_arcs(position, width, length_m))
+            }
             (TurningWidth::Plain, width) => Self::Width(width.clone()),
         }
     }
@@ -151,14 +153,13 @@ pub(crate) fn arc_to_width(s: f64) -> f64 {
     if s.abs() < 1e-4 { 1.0 - s * s / 3.0 } else { s.atan() / s }
 }
 
-/// The arcs of a sampled taper as a monotone curve: at its points, and between them where these are far apart.
+/// The arcs of a sampled taper or of a film as a monotone curve: at its points, and between them where these are far apart.
 ///
 /// Where the edges bend outward so sharply that the arc grows (a radius below two thirds of the half-width) no wave
 /// turns: what has come so far has passed a shorter arc. There the curve keeps the shortest arc so far.
-fn curve_of_arcs(taper: &Taper, width: &WidthLaw, length_m: f64) -> WidthLaw {
+fn curve_of_arcs(position: &[f64], width: &WidthLaw, length_m: f64) -> WidthLaw {
     let longest = length_m / ARC_INTERVALS as f64;
-    let Taper::Sampled { points } = taper else { return width.clone() };
-    let mut arcs: Vec<[f64; 2]> = Vec::with_capacity(points.len() + ARC_INTERVALS);
+    let mut arcs: Vec<[f64; 2]> = Vec::with_capacity(position.len() + ARC_INTERVALS);
     let mut shortest = f64::INFINITY;
     let mut add = |x: f64| {
         let at = width.at(x);
@@ -166,11 +167,11 @@ fn curve_of_arcs(taper: &Taper, width: &WidthLaw, length_m: f64) -> WidthLaw {
         shortest = arc.min(shortest - LEAST_FALL);
         arcs.push([x, shortest]);
     };
-    for pair in points.windows(2) {
-        let (from, to) = (pair[0][0], pair[1][0]);
+    for pair in position.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
         let parts = ((to - from) / longest).ceil().max(1.0);
         (0..parts as usize).for_each(|part| add(from + (to - from) * part as f64 / parts));
     }
-    points.last().into_iter().for_each(|point| add(point[0]));
+    position.last().into_iter().for_each(|x| add(*x));
     WidthLaw::curve(arcs.iter().map(|arc| arc[0]).collect(), arcs.iter().map(|arc| arc[1]).collect())
 }

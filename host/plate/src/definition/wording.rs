@@ -3,7 +3,8 @@
 
 use super::error::{Consequence, Origin, PlateError};
 use super::limits::{
-    BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FREQUENCY, HALF_WIDTH, TRAVEL_RATIO_MAX, WAVELENGTHS_MAX,
+    BAND_RATIO_MAX, BAND_WIDTH_MIN_PERCENT, FILM_PERCENT, FREQUENCY, HALF_WIDTH, TRAVEL_RATIO_MAX,
+    WAVELENGTHS_MAX,
 };
 use crate::quantity::number_format::{at_least, at_most, typed};
 use crate::quantity::refusal::wrong_count;
@@ -110,6 +111,18 @@ fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
                 typed(at_least(count, 4))
             )
         }
+        Consequence::Turning { place_m } => format!(
+            "of a law by which the plate narrows faster than the root of its thickness everywhere: at {} it does not",
+            notation.length(place_m)
+        ),
+        Consequence::Film { half_width_m, percent, thickest_m } => format!(
+            "at most {} at this wave speed: where the plate is {} wide, at the farthest boundary, a stiffer film bends more than \
+             it stretches (the wavenumber is {} % off, at most {} % may be); or raise the tension, or take clamped edges in bending",
+            notation.length(at_most(thickest_m, 2)),
+            notation.length(at_most(2.0 * half_width_m, 3)),
+            typed(at_least(percent, 2)),
+            typed(FILM_PERCENT)
+        ),
         Consequence::Converging { frequency_hz } => format!(
             "longer: where {} turns, the edges would converge at more than 75 degrees each; or raise the band",
             frequency(frequency_hz)

@@ -1,8 +1,8 @@
 //! The damper that absorbs the returning wave: at the driven end, or behind a lead-in.
 //!
 //! Membranes and shear waves have one condition at their end, so a mechanical resistance of the wave impedance Z
-//! ([`Plate::wave_impedance_n_s_per_m`]) absorbs the returning wave completely. Z changes with the frequency and a real
-//! damper does not, so the match is made where the two ends of the band are wrong by the same factor.
+//! ([`Plate::wave_impedance_n_s_per_m`]; of a film a little less) absorbs the returning wave completely. Z changes with the
+//! frequency and a real damper does not, so the match is made where the two ends of the band are wrong by the same factor.
 //!
 //! A plate in bending has two conditions and a near field: R = Z at its free end sends more than half of the amplitude
 //! back, the best R a third. What matches a whole band is a lead-in: the plate goes on behind the drive, with a layer that
@@ -57,7 +57,7 @@ const LEAD_IN_RATIOS: [f64; 5] = [0.25, 0.31, 0.37, 0.44, 0.52];
 /// The end that matches `plate` over `band_hz`, and what it is made of.
 pub(super) fn matched(plate: &Plate, band_hz: (f64, f64)) -> (DriveEnd, Damper) {
     let (at_frequency_hz, ratio_range) = best_match(plate, band_hz);
-    let impedance = plate.wave_impedance_n_s_per_m(at_frequency_hz).unwrap_or(f64::NAN);
+    let impedance = plate.matching_resistance_n_s_per_m(at_frequency_hz).unwrap_or(f64::NAN);
     if plate.spec().model.bending().is_some() {
         let (source, largest_reflection) = shortest_lead_in(plate, band_hz, at_frequency_hz, impedance);
         let resistance_n_s_per_m = source.lead_in.map_or(0.0, |lead_in| lead_in.end_resistance_n_s_per_m);
@@ -186,7 +186,7 @@ fn band_places(band_hz: (f64, f64), count: usize) -> impl Iterator<Item = f64> {
 fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)) {
     // 1/Z.
     let slowness = |frequency_hz: f64| {
-        1.0 / plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN).max(1e-300)
+        1.0 / plate.matching_resistance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN).max(1e-300)
     };
     let places: Vec<(f64, f64)> = band_places(band_hz, BAND_PLACES).map(|hz| (hz, slowness(hz))).collect();
     let (low, high) = places

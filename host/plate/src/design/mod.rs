@@ -6,7 +6,8 @@
 //! ```
 //! The taper is exponential, W = W0 e^(-d x). Both ends of the band turn where half the arc between the edges is q/K,
 //! that is where W = tan(d q/K)/d, so d = ln(tan(d q/K1)/tan(d q/K2))/(x2 - x1) and W0 = W1 e^(d x1). K is that of the
-//! plate's model with its air, also for thick plates.
+//! plate's model with its air, also for thick plates. Between the edges of a film W is the half-width of the membrane that turns
+//! where the film does (`definition/film.rs`).
 
 mod damper;
 mod drawing;
@@ -21,6 +22,7 @@ use crate::check::{loss_integral, thresholds, wavelengths};
 use crate::definition::air::AirLoad;
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Consequence, Origin, PlateError};
+use crate::definition::film::FilmEdge;
 use crate::definition::free_wave::FreeWave;
 use crate::definition::limits;
 use crate::definition::model::Model;
@@ -131,6 +133,7 @@ fn design_in_steps<E: From<PlateError>>(
     if let Some(air) = &request.air {
         air.validate(&model)?;
     }
+    check_film(request, &model)?;
     let taper = taper_for(request, &model)?;
     step(0.1)?;
     let mut spec = PlateSpec {
@@ -139,6 +142,7 @@ fn design_in_steps<E: From<PlateError>>(
         taper: Taper::Exponential { half_width_m: taper.half_width_m, rate_per_m: taper.rate_per_m },
         length_m: request.length_m,
         model,
+        thickness: None,
         turning_width: TurningWidth::Arc,
         loss_factor: request.material.loss_factor,
         wave_speed_tolerance: WAVE_SPEED_TOLERANCE,
@@ -248,6 +252,48 @@ pub fn end_margin_range(length_m: f64) -> Range {
     Range::new(0.0, (1.0 - SPAN_LEAST) * length_m, "m")
 }
 
+/// Refuses a film that is too stiff for the highest frequency, which turns where the plate is narrowest.
+fn check_film(request: &Request, model: &Model) -> Result<(), PlateError> {
+    let (Some(film), Some(square)) = (model.film(), model.film_square()) else { return Ok(()) };
+    let wave = FreeWave { model, load: AirLoad::of(request.air.as_ref(), model) };
+    let wavenumber = wave.wavenumber_squared(TAU * request.band_hz.1).sqrt();
+    let (half_width_m, _) = FilmEdge::outline_m(model.width_number(1) / wavenumber, square.sqrt());
+    film.check("thickness_m", square.sqrt(), half_width_m)
+}
+
+/// The edges where a wave turns.
+struct Turning {
+    /// Their angle to the centre line, radians; of a film that of the membrane's.
+    angle: f64,
+    /// The rate at which the width of the wave falls, 1/m.
+    rate_per_m: f64,
+    /// Half-width of the plate, metres.
+    half_width_m: f64,
+}
+
+impl Turning {
+    /// Where half the arc between edges that narrow at `rate`, 1/m, is `half_arc_m`.
+    fn of(rate: f64, half_arc_m: f64, film_edge_m: Option<f64>) -> Self {
+        let across = |rate_per_m: f64| {
+            let angle = (rate_per_m * half_arc_m).min(ANGLE_MOST);
+            Self { angle, rate_per_m, half_width_m: angle.tan() / rate_per_m }
+        };
+        let mut found = across(rate);
+        let Some(edge_m) = film_edge_m else { return found };
+        // The membrane's width falls faster than the film's, by a factor that hardly depends on the width.
+        let mut half_width_m = f64::NAN;
+        for _ in 0..RATE_STEPS {
+            let rise;
+            (half_width_m, rise) = FilmEdge::outline_m(found.half_width_m, edge_m);
+            found = across(rate * rise);
+        }
+        Self { half_width_m, ..found }
+    }
+}
+
+/// Steps that settle the membrane's rate of a film.
+const RATE_STEPS: usize = 12;
+
 fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError> {
     let wave = FreeWave { model, load: AirLoad::of(request.air.as_ref(), model) };
     let wavenumber = |frequency_hz: f64| wave.wavenumber_squared(TAU * frequency_hz).sqrt();
@@ -268,15 +314,16 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     // the new one so that it converges.
     let mut rate = (far_k / near_k).ln() / (0.6 * length);
     let (mut near_m, mut far_m) = (0.0, length);
-    // Angle of the edges where a wave of wavenumber k turns, and the half-width there.
-    let angle = |rate: f64, k: f64| (rate * number / k).min(ANGLE_MOST);
-    let half_width = |rate: f64, k: f64| angle(rate, k).tan() / rate;
+    let film_edge_m = model.film_square().map(f64::sqrt);
+    let turning = |rate: f64, k: f64| Turning::of(rate, number / k, film_edge_m);
+    let half_width = |rate: f64, k: f64| turning(rate, k).half_width_m;
     let rate_over = |rate: f64, span: f64| (half_width(rate, near_k) / half_width(rate, far_k)).ln() / span;
     for _ in 0..60 {
         // The arc falls more slowly than the half-width: with sin(2 angle)/(2 angle) of its rate.
         let kappa = |k: f64| {
-            let doubled = 2.0 * angle(rate, k);
-            (2.0 * rate * doubled.sin() / doubled * slope * k * k).cbrt()
+            let Turning { angle, rate_per_m, .. } = turning(rate, k);
+            let doubled = 2.0 * angle;
+            (2.0 * rate_per_m * doubled.sin() / doubled * slope * k * k).cbrt()
         };
         near_m = request.start_margin_m.unwrap_or(start_room / kappa(near_k));
         far_m = length - request.end_margin_m.unwrap_or(END_ROOM / kappa(far_k));
@@ -292,7 +339,7 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
         rate = 0.5 * rate + 0.5 * rate_over(rate, far_m - near_m);
     }
     let rate_per_m = rate;
-    if angle(rate_per_m, near_k) >= ANGLE_MOST {
+    if turning(rate_per_m, near_k).angle >= ANGLE_MOST {
         let consequence = Consequence::Converging { frequency_hz: request.band_hz.0 };
         return Err(PlateError::unfit("length_m", length, consequence));
     }

@@ -2,6 +2,7 @@
 
 use super::material::Material;
 use crate::definition::air::Air;
+use crate::definition::film::Film;
 use crate::definition::model::{Bending, Model};
 use crate::quantity::number_format::rounded;
 use serde::Serialize;
@@ -117,7 +118,12 @@ impl Request {
             Wave::Membrane { wave_speed_m_per_s } => {
                 let surface_density = material.density_kg_per_m3 * self.thickness_m;
                 let tension_n_per_m = Some(surface_density * wave_speed_m_per_s.powi(2));
-                Model::Membrane { wave_speed_m_per_s, tension_n_per_m }
+                let film = Film {
+                    youngs_modulus_pa: material.youngs_modulus_pa,
+                    poisson_ratio: material.poisson_ratio,
+                    thickness_m: self.thickness_m,
+                };
+                Model::Membrane { wave_speed_m_per_s, tension_n_per_m, film: Some(film) }
             }
             Wave::ShearHorizontal => Model::ShearHorizontal {
                 shear_modulus_pa: material.shear_modulus_pa(),

@@ -45,7 +45,7 @@ impl CoupledResponse {
 /// 0 to the plate's end. The drive has the shape of the first mode.
 ///
 /// The error is of second order in the spacing of the points. Returns `None` for clamped edges, whose modes are not
-/// cosines.
+/// cosines, and for a thickness that changes.
 ///
 /// # Errors
 /// [`RespondError::OutOfRange`] for `points` or `modes`; [`RespondError::CannotEnter`] or [`RespondError::Frequency`]
@@ -59,7 +59,7 @@ pub fn respond_coupled(
     OutOfRange::check_count("points", points, POINTS_MIN..=COUPLED_POINTS_MAX)?;
     OutOfRange::check_count("modes", modes, 1..=COUPLED_MODES_MAX)?;
     check_frequency(plate, frequency_hz)?;
-    if matches!(plate.spec().model, Model::BendingClamped(_)) {
+    if matches!(plate.spec().model, Model::BendingClamped(_)) || plate.is_graded() {
         return Ok(None);
     }
     Ok(Some(solve(plate, frequency_hz, points, modes)))

@@ -10,7 +10,7 @@ pub enum Equation {
     /// f'' + (W'/W) f' + k^2 f = 0, which follows from the wave equation, with the plate's own turning width.
     Corrected,
     /// f'' + k^2 f = 0, the paper's equation (13), which lacks the term (W'/W) f', with [`TurningWidth::Plain`] and without
-    /// air.
+    /// air or a film's stiffness, and with the thickness of the driven end everywhere.
     Paper,
 }
 
@@ -18,11 +18,15 @@ impl Equation {
     /// The plate as this equation sees it.
     pub(crate) fn plate(self, plate: &Plate) -> Cow<'_, Plate> {
         match (self, plate.spec()) {
-            (Self::Corrected, _)
-            | (Self::Paper, PlateSpec { turning_width: TurningWidth::Plain, air: None, .. }) => {
-                Cow::Borrowed(plate)
+            (Self::Corrected, _) => Cow::Borrowed(plate),
+            (
+                Self::Paper,
+                PlateSpec { turning_width: TurningWidth::Plain, air: None, thickness: None, model, .. },
+            ) if model.film().is_none() => Cow::Borrowed(plate),
+            (Self::Paper, _) => {
+                let plain = plate.in_vacuum().without_film().with_uniform_thickness();
+                Cow::Owned(plain.with_turning_width(TurningWidth::Plain))
             }
-            (Self::Paper, _) => Cow::Owned(plate.in_vacuum().with_turning_width(TurningWidth::Plain)),
         }
     }
 }

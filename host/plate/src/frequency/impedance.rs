@@ -10,7 +10,7 @@ impl Plate {
     ///
     /// Z = sigma v_g (integral of the width mode's square over z) with the mass per area sigma, the group speed
     /// v_g = d omega/d k at x = 0 and the width mode that is 1 on the centre line. It is T W k0/omega for a membrane of
-    /// the tension T per metre and 2 W k0 sqrt(D rho h) for a thin supported plate. 0 if the wave cannot enter; `None` if
+    /// the tension T per metre, T (1 + 2 D K^2/T) W k0/omega for a film, and 2 W k0 sqrt(D rho h) for a thin supported plate. 0 if the wave cannot enter; `None` if
     /// the plate file does not state the membrane's tension or the sheet's thickness.
     pub fn wave_impedance_n_s_per_m(&self, frequency_hz: f64) -> Option<f64> {
         let surface_density = self.spec().model.surface_density("an impedance").ok()?;
@@ -25,8 +25,16 @@ impl Plate {
             surface_density
                 * group_speed
                 * width_mode.mode_square(0.0, frequency_hz)
-                * self.half_width_m(0.0),
+                * self.swinging_half_width_m(0.0),
         )
+    }
+
+    /// The resistance at the driven end that absorbs its wave at `frequency_hz`, N s/m: Z where the end moves as its wave does;
+    /// T W k0/omega of a film, as of the ideal membrane.
+    pub(crate) fn matching_resistance_n_s_per_m(&self, frequency_hz: f64) -> Option<f64> {
+        let impedance = self.wave_impedance_n_s_per_m(frequency_hz)?;
+        let Some(square) = self.spec().model.film_square() else { return Some(impedance) };
+        Some(impedance / (1.0 + 2.0 * square * self.wavenumber_squared(frequency_hz)))
     }
 
     /// d(a K^2)/d omega of the plate in vacuum, s/m^2, at the wavenumber that it has at `frequency_hz`; by central

@@ -7,6 +7,8 @@
 //! three to ten times better than with them. (The paper's equation keeps the law near the cut-off.) Numerov's scheme for y = (1 + h^2 Q/12) g is
 //! `y[i-1] = U[i] y[i] - y[i+1]`, U = 12/(1 + h^2 Q/12) - 10, with an error of h^4.
 //!
+//! Where the thickness changes, S = W h^2 takes the place of W and k^2 has h0/h of a K^2 (see `definition/thickness.rs`).
+//!
 //! The recursion runs from far beyond the turning point, where only the decaying solution is possible, toward the
 //! driven end. In that direction the wanted solution grows, so the recursion is stable and needs no matrix. The
 //! condition at the driven end then gives the scale; its derivative is of fourth order, too.
@@ -21,7 +23,7 @@ use crate::frequency::axial::lossy_axial_squared;
 use crate::frequency::driven_end::DrivenEnd;
 use crate::frequency::equation::Equation;
 use crate::frequency::strip_grid::StripGrid;
-use crate::frequency::sweep::{LANES, Medium, Separable, Strip, Sweep};
+use crate::frequency::sweep::{Graded, LANES, Medium, Separable, Strip, Sweep};
 use num_complex::Complex64;
 use pulp::Arch;
 use std::sync::Arc;
@@ -50,9 +52,11 @@ pub(crate) struct Grid {
     barrier: Vec<f64>,
     /// Whether the barrier rises from point to point, as on most plates.
     is_rising: bool,
-    /// 1/sqrt(W/W0) on the plate (1 for the paper's equation).
+    /// a K^2 at each index of the barrier over that at the driven end: h0/h. Empty where the thickness is the same everywhere.
+    local: Vec<f64>,
+    /// 1/sqrt(W/W0) on the plate, with S for W where the thickness changes (1 for the paper's equation).
     scale: Vec<f64>,
-    /// (sqrt W)'/sqrt W at 0 (0 for the paper's equation).
+    /// (sqrt W)'/sqrt W at 0, or that of S (0 for the paper's equation).
     root_slope: f64,
     mode: u32,
     /// The law of the clamped strip, where it takes the place of a K^2 (1 + j eta) - a (q/W)^2.
@@ -64,6 +68,8 @@ pub(crate) struct Grid {
 enum At<'g> {
     /// a K^2 (1 + j eta), from which the barrier is taken.
     Separable(Complex64),
+    /// The same at the driven end, and over the barrier what it is elsewhere over that.
+    Graded(Complex64, &'g [f64]),
     /// The law of the strip, and ln K^2 without loss.
     Strip(&'g StripGrid, f64),
 }
@@ -102,7 +108,7 @@ impl Grid {
         let barrier_at = |x: f64| match equation {
             Equation::Corrected => {
                 let across = if law.is_some() { 0.0 } else { width_mode.width_term(x) };
-                across + plate.width.at(x).root_curvature() - plate.edge_bend(x).term
+                across + plate.weight_at(x).root_curvature() - plate.edge_bend(x).term
             }
             Equation::Paper => width_mode.width_term(x),
         };
@@ -120,31 +126,39 @@ impl Grid {
             }
             let decay = match law {
                 Some(_) => -width_mode.wavenumber_squared(x, end_hz),
+                None if plate.is_graded() => -width_mode.wavenumber_squared(x, end_hz),
                 None => width_mode.width_term(x) - end_term,
             };
             exponents += decay.max(0.0).sqrt() * step_m;
             barrier.push(barrier_at(x));
             i += 1;
         }
-        let log_width = plate.width.at(0.0);
+        let log_width = plate.weight_at(0.0);
         let (scale, root_slope) = match equation {
             Equation::Corrected => (
                 (0..on_plate)
-                    .map(|i| (0.5 * (log_width.value - plate.width.at(i as f64 * step_m).value)).exp())
+                    .map(|i| (0.5 * (log_width.value - plate.weight_at(i as f64 * step_m).value)).exp())
                     .collect(),
                 0.5 * log_width.slope,
             ),
             Equation::Paper => (vec![1.0; on_plate], 0.0),
         };
         let is_rising = barrier.is_sorted();
+        let local = if plate.is_graded() {
+            (0..barrier.len()).map(|index| width_mode.local((index as f64 - 1.0) * step_m)).collect()
+        } else {
+            Vec::new()
+        };
         let strip = law.map(|law| StripGrid::new(&width_mode, law, step_m, barrier.len()));
-        Self { step_m, on_plate, barrier, is_rising, scale, root_slope, mode, strip }
+        Self { step_m, on_plate, barrier, is_rising, local, scale, root_slope, mode, strip }
     }
 
     fn at(&self, plate: &Plate, frequency_hz: f64) -> At<'_> {
+        let axial = || lossy_axial_squared(&plate.width_mode(self.mode), frequency_hz);
         match &self.strip {
             Some(strip) => At::Strip(strip, plate.wavenumber_squared(frequency_hz).ln()),
-            None => At::Separable(lossy_axial_squared(&plate.width_mode(self.mode), frequency_hz)),
+            None if self.local.is_empty() => At::Separable(axial()),
+            None => At::Graded(axial(), &self.local),
         }
     }
 
@@ -152,6 +166,7 @@ impl Grid {
     fn q(&self, at: At<'_>, i: usize) -> Complex64 {
         match at {
             At::Separable(axial) => axial - self.barrier[i],
+            At::Graded(axial, local) => axial * local[i] - self.barrier[i],
             At::Strip(strip, log_wavenumber) => strip.wavenumber_squared(i, log_wavenumber) - self.barrier[i],
         }
     }
@@ -162,7 +177,7 @@ impl Grid {
             At::Separable(axial) if self.is_rising => {
                 self.barrier.partition_point(|&barrier| barrier <= axial.re)
             }
-            At::Separable(_) => 1,
+            At::Separable(_) | At::Graded(..) => 1,
             At::Strip(strip, log_wavenumber) => strip.turn(log_wavenumber),
         }
     }
@@ -170,7 +185,7 @@ impl Grid {
     /// (sqrt w)'/sqrt w at 0, 1/m, with w = W, or W Omega by the strip's law.
     fn root_slope(&self, at: At<'_>) -> Complex64 {
         match at {
-            At::Separable(_) => Complex64::from(self.root_slope),
+            At::Separable(_) | At::Graded(..) => Complex64::from(self.root_slope),
             At::Strip(strip, log_wavenumber) => self.root_slope + strip.weight_slope(log_wavenumber),
         }
     }
@@ -199,10 +214,19 @@ pub(crate) fn refinement_for(plate: &Plate, frequency_hz: f64, step_m: f64, erro
     // Numerov's phase error is (kh)^4/480 per radian. The steepest decay on the plate counts with half of its rate.
     let phase = width_mode.phase_to(plate.length_m(), frequency_hz).max(1.0);
     let tail = (-width_mode.wavenumber_squared(plate.length_m(), frequency_hz)).max(0.0).sqrt();
-    let steepest = wavenumber.max(kappa).max(0.5 * tail);
+    // Where the plate grows thinner, the wave may be shortest before its turning point.
+    let shortest = if plate.is_graded() { shortest_between(plate, frequency_hz) } else { wavenumber };
+    let steepest = shortest.max(kappa).max(0.5 * tail);
     let wanted = (480.0 * error / phase).sqrt().sqrt() / steepest.max(1e-9);
     let most = (GRID_POINTS_MAX as f64 * step_m / plate.length_m()).max(1.0);
     (step_m / wanted).ceil().clamp(1.0, most) as usize
+}
+
+/// The largest k of some places on the plate, 1/m.
+fn shortest_between(plate: &Plate, frequency_hz: f64) -> f64 {
+    let width_mode = plate.width_mode(1);
+    let places = (0..=32).map(|i| plate.length_m() * f64::from(i) / 32.0);
+    places.map(|x| width_mode.wavenumber_squared(x, frequency_hz).max(0.0).sqrt()).fold(0.0, f64::max)
 }
 
 /// f at the grid points on the plate, relative to the drive.
@@ -320,6 +344,7 @@ pub(crate) fn solve_each_apart(
     let h2 = grid.step_m * grid.step_m / 12.0;
     let barrier: Vec<f64> = grid.barrier.iter().map(|barrier| barrier * h2).collect();
     let strip = grid.strip.as_ref().map(|strip| (strip, strip.scaled(&barrier, h2)));
+    let local: Vec<f64> = grid.local.iter().map(|local| local * h2).collect();
     let mut g_re = vec![[0.0; LANES]; barrier.len()];
     let mut g_im = vec![[0.0; LANES]; barrier.len()];
     let scale: Vec<f64> = grid.scale.iter().step_by(every).copied().collect();
@@ -334,6 +359,16 @@ pub(crate) fn solve_each_apart(
         let tail = Tail::of(grid, &at);
         let rows = (&mut g_re[..], &mut g_im[..]);
         let ends = match &strip {
+            None if !local.is_empty() => {
+                let axial = frequency.map(|frequency_hz| lossy_axial_squared(&width_mode, frequency_hz));
+                let medium = Graded {
+                    barrier: &barrier,
+                    local: &local,
+                    axial_re: axial.map(|axial| axial.re),
+                    axial_im: axial.map(|axial| axial.im),
+                };
+                arch.dispatch(tail.sweep(medium, rows))
+            }
             None => {
                 let axial = frequency.map(|frequency_hz| lossy_axial_squared(&width_mode, frequency_hz));
                 let medium = Separable {

@@ -1,8 +1,8 @@
 //! Numerov's recursion for eight frequencies at once, in vector registers.
 //!
 //! 1/(1 + h^2 Q/12) takes one real division per position and frequency; the recursion itself consists of products and
-//! sums. Q comes from a [`Medium`]: a frequency less a barrier where the two separate, the law of the clamped strip where
-//! they do not.
+//! sums. Q comes from a [`Medium`]: a frequency less a barrier where the two separate, one with the local
+//! thickness, the law of the clamped strip where they do not.
 
 use crate::definition::strip_table::StripTable;
 use pulp::{Simd, WithSimd};
@@ -38,6 +38,28 @@ impl Medium for Separable<'_> {
             *re -= barrier;
         }
         (re, self.axial_im)
+    }
+
+    fn points(&self) -> usize {
+        self.barrier.len()
+    }
+}
+
+/// Q = a K^2 (1 + j eta) h0/h - barrier: the thickness changes along the plate.
+pub(crate) struct Graded<'a> {
+    /// h^2/12 times the barrier at each grid point, from point -1 on, and times h0/h.
+    pub(crate) barrier: &'a [f64],
+    pub(crate) local: &'a [f64],
+    /// a K^2 (1 + j eta) at the driven end of each frequency.
+    pub(crate) axial_re: Lanes,
+    pub(crate) axial_im: Lanes,
+}
+
+impl Medium for Graded<'_> {
+    #[inline(always)]
+    fn factor(&self, point: usize) -> (Lanes, Lanes) {
+        let (barrier, local) = (self.barrier[point], self.local[point]);
+        (self.axial_re.map(|re| 1.0 + local * re - barrier), self.axial_im.map(|im| local * im))
     }
 
     fn points(&self) -> usize {

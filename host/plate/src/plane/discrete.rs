@@ -4,13 +4,14 @@ use super::error::PlaneError;
 use super::fluid::{AirForces, Fluid};
 use super::minimal_residual;
 use super::outline::Outline;
-use super::section::{Energy, Section};
+use super::section::Section;
 use super::setup::{End, Force, Setup};
-use super::strip::{modulus, sheet, wave_impedance};
+use super::strip::{modulus, orders_of_edges, sheet, wave_impedance, width_numbers};
 use super::system::{Mesh, System};
 use crate::definition::impedance::Impedance;
 use crate::definition::plate::Plate;
 use crate::definition::source::EndSlope;
+use crate::frequency::driven_end::film_rise;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -45,7 +46,7 @@ pub(super) struct Discrete<'a> {
     pub(super) mesh: Mesh,
     /// D, or the tension per width.
     modulus: f64,
-    /// K^4 in bending, K^2 otherwise, without loss and with the air of a free wave.
+    /// [`super::section::Energy::level`] of the wave without loss and with the air of a free wave.
     pub(super) level: f64,
     /// See [`Resolution`].
     panels: f64,
@@ -65,7 +66,6 @@ impl<'a> Discrete<'a> {
         resolution: Resolution,
     ) -> Result<Self, PlaneError> {
         setup.validate(plate)?;
-        let model = &plate.spec().model;
         let (edges, energy, level) = sheet(plate, frequency_hz);
         let wavenumber = plate.wavenumber_squared(frequency_hz).sqrt();
         let start = -setup.lead_in_m();
@@ -85,7 +85,7 @@ impl<'a> Discrete<'a> {
 
         // Polynomials that resolve what propagates across the width: pi/2 per wavelength, and a few more.
         let across = (0.5 * wavenumber * outline.at(0.0).value.exp()).ceil() as usize + 3;
-        let orders = across.saturating_add(resolution.extra_orders + finger_orders);
+        let orders = across.saturating_add(resolution.extra_orders + finger_orders + orders_of_edges(plate));
         let longest_m = TAU / wavenumber / resolution.elements_per_wavelength;
         let nodes = ((end_m - start) / longest_m) as usize + places.len();
         let unknowns = nodes.saturating_mul(2 * orders);
@@ -98,7 +98,7 @@ impl<'a> Discrete<'a> {
             plate,
             frequency_hz,
             setup: *setup,
-            section: Section::new(edges, energy, orders, model.width_number(1)),
+            section: Section::new(edges, energy, orders, width_numbers(plate)),
             mesh: Mesh::new(&places, longest_m),
             outline,
             modulus: modulus(plate, frequency_hz),
@@ -119,7 +119,7 @@ impl<'a> Discrete<'a> {
             system
         };
         // With the mass of the free wave everywhere: all there is without air, or where only its coefficient is stated.
-        let free = equations(plate.wave_loss_at(*frequency_hz), self.level);
+        let free = equations(plate.sheet_loss_at(*frequency_hz), self.level);
         let Some(fluid) = Fluid::of(plate.spec().air) else { return Ok(free.solve()) };
         let omega = TAU * frequency_hz;
         let added = (plate.vacuum_frequency_hz(*frequency_hz) / frequency_hz).powi(2) - 1.0;
@@ -127,11 +127,7 @@ impl<'a> Discrete<'a> {
         let panel_m = fluid.panel_m(wavelength_m, added) / self.panels;
         let rows = (section.orders as f64 * self.panels).ceil() as usize;
         let air = AirForces::new(&fluid, (section, mesh, outline), (panel_m, rows), omega)?;
-        let dry_squared = plate.spec().model.wavenumber_squared(omega);
-        let dry = match section.energy {
-            Energy::Tension => dry_squared,
-            Energy::Bending(_) => dry_squared * dry_squared,
-        };
+        let dry = section.energy.level(plate.spec().model.wavenumber_squared(omega));
         let sheet = equations(plate.wave_loss(), dry);
         // What is left after the free wave's mass has been taken out is little.
         let free = free.matrix.factor();
@@ -162,8 +158,11 @@ impl<'a> Discrete<'a> {
         // A loss layer has the usual E (1 - j eta): the two differ by eta^2, which counts only here.
         let in_lead_in =
             self.modulus * Complex64::new(1.0, setup.lead_in.map_or(0.0, |lead_in| -lead_in.loss_factor));
-        let stiffness = |x: f64| if x < 0.0 { in_lead_in } else { in_plate };
-        let inertia = self.modulus * level;
+        // D goes with the third power of the thickness, the mass per area with the first.
+        let stiffness = |x: f64| {
+            if x < 0.0 { in_lead_in } else { in_plate * plate.thickness_ratio(x).powi(3) }
+        };
+        let inertia = |x: f64| self.modulus * level * plate.thickness_ratio(x.max(0.0));
         let mut system = System::new(&self.section, &self.mesh, &self.outline, stiffness, inertia);
         if let Some(finger) = setup.finger {
             let per_area = finger.impedance().dynamic_stiffness(omega) / finger.contact_m.powi(2);
@@ -174,6 +173,8 @@ impl<'a> Discrete<'a> {
         }
 
         let node = self.mesh.node_at(0.0);
+        // A film's end moves by more than its wave, see `driven_end/one_mode.rs`.
+        let rise = |frequency_hz| film_rise(plate, frequency_hz).unwrap_or(1.0);
         let impedance = |frequency_hz| wave_impedance(plate, frequency_hz);
         // Only bending has a condition on the slope.
         let guided = |slope| slope == EndSlope::Held && is_bending;
@@ -189,7 +190,7 @@ impl<'a> Discrete<'a> {
                 let force = match force {
                     Force::Constant(force) => force,
                     Force::OfWave { multiple, at_frequency_hz } => {
-                        multiple * TAU * at_frequency_hz * impedance(at_frequency_hz)
+                        multiple * TAU * at_frequency_hz * impedance(at_frequency_hz) * rise(at_frequency_hz)
                     }
                 };
                 system.resist(node, resisting.dynamic_stiffness(omega));

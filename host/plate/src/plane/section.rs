@@ -9,7 +9,7 @@
 //! w_zz = f p''/W^2                                         w_xz = (f' p' - f s (b p'' + p'))/W
 //! ```
 //!
-//! A membrane has the energy T (w_x v_x + w_z v_z), a plate D ((lap w)(lap v) - (1 - nu)(w_xx v_zz + w_zz v_xx -
+//! A membrane has the energy T (w_x v_x + w_z v_z), a film that of a membrane and a plate together, a plate D ((lap w)(lap v) - (1 - nu)(w_xx v_zz + w_zz v_xx -
 //! 2 w_xz v_xz)), both per area; T and D are divided out here.
 
 use super::basis::{Edges, Jet, across};
@@ -25,6 +25,33 @@ pub(super) enum Energy {
     Tension,
     /// That of bending, per unit of bending stiffness, with this Poisson's ratio.
     Bending(f64),
+    /// Both, per unit of the tension.
+    Film {
+        /// Poisson's ratio.
+        poisson_ratio: f64,
+        /// s^2, the bending stiffness over the tension, m^2.
+        square: f64,
+    },
+}
+
+impl Energy {
+    /// The inertia over the modulus of a free wave with K^2 = `squared`: K^2, K^4 or K^2 (1 + s^2 K^2).
+    pub(super) fn level(self, squared: f64) -> f64 {
+        match self {
+            Self::Tension => squared,
+            Self::Bending(_) => squared * squared,
+            Self::Film { square, .. } => squared * (1.0 + square * squared),
+        }
+    }
+
+    /// K^2 of the free wave with this level.
+    pub(super) fn squared(self, level: f64) -> f64 {
+        match self {
+            Self::Tension => level,
+            Self::Bending(_) => level.sqrt(),
+            Self::Film { square, .. } => 2.0 * level / (1.0 + (1.0 + 4.0 * square * level).sqrt()),
+        }
+    }
 }
 
 /// `orders` polynomials across the width and the integrals of their products.
@@ -71,8 +98,9 @@ pub(super) struct Form {
 
 impl Section {
     /// The first width mode at its cut-off is cos(q b) between supported edges, q = pi/2; between clamped ones it is
-    /// that of the clamped beam with q = 2.36502.
-    pub(super) fn new(edges: Edges, energy: Energy, orders: usize, q: f64) -> Self {
+    /// that of the clamped beam with q = 2.36502, and in a film the sum of cos(q b) and cosh(r b) that is clamped. `numbers` are
+    /// q and r.
+    pub(super) fn new(edges: Edges, energy: Energy, orders: usize, [q, r]: [f64; 2]) -> Self {
         let points: Vec<(f64, f64, Vec<Jet>)> = gauss(2 * orders + 4)
             .into_iter()
             .map(|(b, weight)| (b, weight, (0..orders).map(|m| across(edges, m, b)).collect()))
@@ -99,9 +127,15 @@ impl Section {
         let mass = product(&a, &a);
         let a_s = product(&a, &s);
 
-        let shape = |b: f64| match edges {
-            Edges::Supported => (q * b).cos(),
-            Edges::Clamped => {
+        let shape = |b: f64| match (edges, energy) {
+            (Edges::Supported, _) => (q * b).cos(),
+            (Edges::Clamped, Energy::Film { .. }) => {
+                // cosh(r b)/cosh(r), of which cosh alone would overflow.
+                let bent =
+                    |b: f64| (r * (b - 1.0)).exp() * (1.0 + (-2.0 * r * b).exp()) / (1.0 + (-2.0 * r).exp());
+                ((q * b).cos() - q.cos() * bent(b)) / (1.0 - q.cos() * bent(0.0))
+            }
+            (Edges::Clamped, Energy::Tension | Energy::Bending(_)) => {
                 let (cosine, cosh) = (q.cos(), q.cosh());
                 ((q * b).cos() * cosh - (q * b).cosh() * cosine) / (cosh - cosine)
             }
@@ -165,36 +199,35 @@ impl Section {
         let inverse = (width * width).recip();
         let g = &self.products;
         let orders = self.orders;
+        let tension = |at: usize, turned: usize| {
+            [s * s * g.s_s[at] + inverse * g.d_d[at], -s * g.a_s[turned], 0.0, self.mass[at], 0.0, 0.0]
+        };
+        let bending = |nu: f64, at: usize, turned: usize| {
+            let twist = 2.0 * (1.0 - nu) * inverse;
+            // The factors of f in w_xx, with nu w_zz, against p and against b p'.
+            let against_a = |at: usize| s * s * g.a_q[at] - ds * g.a_s[at] + nu * inverse * g.a_c[at];
+            let against_s = s * s * g.s_q[turned] - ds * g.s_s[turned] + nu * inverse * g.s_c[turned];
+            let cross = s * s * (g.q_c[at] + g.q_c[turned]) - ds * (g.s_c[at] + g.s_c[turned]);
+            let along = s * s * (s * s * g.q_q[at] - ds * (g.s_q[at] + g.s_q[turned])) + ds * ds * g.s_s[at];
+            [
+                along + inverse * (nu * cross + inverse * g.c_c[at]) + twist * s * s * g.t_t[at],
+                -2.0 * s * against_s - twist * s * g.d_t[turned],
+                against_a(turned),
+                4.0 * s * s * g.s_s[at] + twist * g.d_d[at],
+                -2.0 * s * g.a_s[turned],
+                self.mass[at],
+            ]
+        };
         for m in 0..orders {
             for n in 0..orders {
                 let (at, turned) = (m * orders + n, n * orders + m);
                 let [ff, fs, fb, ss, sb, bb] = match self.energy {
-                    Energy::Tension => [
-                        s * s * g.s_s[at] + inverse * g.d_d[at],
-                        -s * g.a_s[turned],
-                        0.0,
-                        self.mass[at],
-                        0.0,
-                        0.0,
-                    ],
-                    Energy::Bending(nu) => {
-                        let twist = 2.0 * (1.0 - nu) * inverse;
-                        // The factors of f in w_xx, with nu w_zz, against p and against b p'.
-                        let against_a =
-                            |at: usize| s * s * g.a_q[at] - ds * g.a_s[at] + nu * inverse * g.a_c[at];
-                        let against_s =
-                            s * s * g.s_q[turned] - ds * g.s_s[turned] + nu * inverse * g.s_c[turned];
-                        let cross = s * s * (g.q_c[at] + g.q_c[turned]) - ds * (g.s_c[at] + g.s_c[turned]);
-                        let along = s * s * (s * s * g.q_q[at] - ds * (g.s_q[at] + g.s_q[turned]))
-                            + ds * ds * g.s_s[at];
-                        [
-                            along + inverse * (nu * cross + inverse * g.c_c[at]) + twist * s * s * g.t_t[at],
-                            -2.0 * s * against_s - twist * s * g.d_t[turned],
-                            against_a(turned),
-                            4.0 * s * s * g.s_s[at] + twist * g.d_d[at],
-                            -2.0 * s * g.a_s[turned],
-                            self.mass[at],
-                        ]
+                    Energy::Tension => tension(at, turned),
+                    Energy::Bending(nu) => bending(nu, at, turned),
+                    Energy::Film { poisson_ratio, square } => {
+                        let bent = bending(poisson_ratio, at, turned);
+                        let stretched = tension(at, turned);
+                        std::array::from_fn(|i| stretched[i] + square * bent[i])
                     }
                 };
                 // `fs` couples f of p_m with f' of p_n; the transposed term couples f' of p_n with f of p_m.
@@ -256,8 +289,9 @@ mod tests {
             (Edges::Supported, Energy::Tension),
             (Edges::Supported, Energy::Bending(nu)),
             (Edges::Clamped, Energy::Bending(nu)),
+            (Edges::Clamped, Energy::Film { poisson_ratio: nu, square: 1e-4 }),
         ] {
-            let section = Section::new(edges, energy, 3, 1.5);
+            let section = Section::new(edges, energy, 3, [1.5; 2]);
             let mut form = section.form();
             section.fill(law(x), &mut form);
             for (m, n) in [(0, 0), (1, 2), (2, 1), (2, 2)] {
@@ -282,11 +316,13 @@ mod tests {
                         ]
                     };
                     let ([wxx, wzz, wxz, wx, wz], [vxx, vzz, vxz, vx, vz]) = (bends(&w), bends(&v));
+                    let stretched = wx * vx + wz * vz;
+                    let bent =
+                        (wxx + wzz) * (vxx + vzz) - (1.0 - nu) * (wxx * vzz + wzz * vxx - 2.0 * wxz * vxz);
                     match energy {
-                        Energy::Tension => wx * vx + wz * vz,
-                        Energy::Bending(nu) => {
-                            (wxx + wzz) * (vxx + vzz) - (1.0 - nu) * (wxx * vzz + wzz * vxx - 2.0 * wxz * vxz)
-                        }
+                        Energy::Tension => stretched,
+                        Energy::Bending(_) => bent,
+                        Energy::Film { square, .. } => stretched + square * bent,
                     }
                 };
                 let wanted: f64 = gauss(12)
@@ -302,7 +338,7 @@ mod tests {
     #[test]
     fn the_projection_of_the_width_mode_is_one() {
         for (edges, q) in [(Edges::Supported, std::f64::consts::FRAC_PI_2), (Edges::Clamped, 2.365_020_372)] {
-            let section = Section::new(edges, Energy::Bending(0.3), 7, q);
+            let section = Section::new(edges, Energy::Bending(0.3), 7, [q; 2]);
             let projected: f64 = section.projection.iter().zip(&section.mode).map(|(a, b)| a * b).sum();
             let centre: f64 = section.values(0.0).iter().zip(&section.mode).map(|(a, b)| a * b).sum();
             assert!((projected - 1.0).abs() < 1e-9 && (centre - 1.0).abs() < 1e-6, "{projected} {centre}");

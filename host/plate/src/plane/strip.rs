@@ -1,7 +1,7 @@
 //! The waves of a parallel strip: wavenumber, shape and impedance of its width modes, from the same polynomials.
 //!
-//! A wave w = p(z) e^(jkx) obeys (k^4 A + k^2 B + C) p = K^4 M p in bending and (k^2 A + C) p = K^2 M p otherwise, with
-//! the forms of [`Section`] at W' = 0. For a given k^2 that is a symmetric eigenproblem; for a given frequency k^2 of
+//! A wave w = p(z) e^(jkx) obeys (k^4 A + k^2 B + C) p = K^4 M p in bending, the same for K^2 (1 + s^2 K^2) in a film, and
+//! (k^2 A + C) p = K^2 M p otherwise, with the forms of [`Section`] at W' = 0. For a given k^2 that is a symmetric eigenproblem; for a given frequency k^2 of
 //! each mode is found by Newton's method, because its slope is known from the eigenvector.
 
 use super::basis::Edges;
@@ -12,20 +12,26 @@ use crate::definition::taper::LogWidth;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// The sheet's edges and energy, and K^4 (bending) or K^2 without loss and with the air of a free wave, at a frequency.
+/// The sheet's edges and energy, and the [`Energy::level`] of its free wave without loss and with the air, at a frequency.
 pub(super) fn sheet(plate: &Plate, frequency_hz: f64) -> (Edges, Energy, f64) {
-    let squared = plate.wavenumber_squared(frequency_hz);
-    match &plate.spec().model {
-        Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
-            (Edges::Supported, Energy::Tension, squared)
+    let model = &plate.spec().model;
+    let (edges, energy) = match (model, model.film(), model.film_square()) {
+        (_, Some(film), Some(square)) => {
+            (Edges::Clamped, Energy::Film { poisson_ratio: film.poisson_ratio, square })
         }
-        Model::BendingSupported(bending) => {
-            (Edges::Supported, Energy::Bending(bending.poisson_ratio), squared * squared)
+        (Model::Membrane { .. } | Model::ShearHorizontal { .. }, _, _) => (Edges::Supported, Energy::Tension),
+        (Model::BendingSupported(bending), _, _) => {
+            (Edges::Supported, Energy::Bending(bending.poisson_ratio))
         }
-        Model::BendingClamped(bending) => {
-            (Edges::Clamped, Energy::Bending(bending.poisson_ratio), squared * squared)
-        }
-    }
+        (Model::BendingClamped(bending), _, _) => (Edges::Clamped, Energy::Bending(bending.poisson_ratio)),
+    };
+    (edges, energy, energy.level(plate.wavenumber_squared(frequency_hz)))
+}
+
+/// The numbers of the first width mode at the driven end, as [`Section::new`] takes them.
+pub(super) fn width_numbers(plate: &Plate) -> [f64; 2] {
+    let number = plate.spec().model.width_number(1);
+    plate.film_edge(0.0).map_or([number; 2], |edge| [edge.number, edge.outer])
 }
 
 /// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not state it).
@@ -36,6 +42,9 @@ pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
     let (model, width_mode) = (&plate.spec().model, plate.width_mode(1));
     let omega = TAU * plate.vacuum_frequency_hz(frequency_hz);
     let Ok(surface_density) = model.surface_density("an impedance") else { return 1.0 };
+    if let Model::Membrane { tension_n_per_m: Some(tension), film: Some(_), .. } = model {
+        return *tension;
+    }
     match model.wave_speed_m_per_s() {
         Some(speed) => surface_density * speed * speed,
         None => {
@@ -88,10 +97,7 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
     let (a, b, c) = (turned(&a), turned(&b), turned(&c));
 
     let slowest = -width.powi(-2);
-    let start = match section.energy {
-        Energy::Tension => level,
-        Energy::Bending(_) => level.sqrt(),
-    };
+    let start = section.energy.squared(level);
     let mut square = start;
     for _ in 0..60 {
         let eigen = (&a * (square * square) + &b * square + &c).symmetric_eigen();
@@ -125,11 +131,13 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
 /// the cut-off. With clamped edges it is that of the exact dispersion relation.
 ///
 /// It is Z of [`Plate::wave_impedance_n_s_per_m`], of which a plate file states its resistance as a share: the wave has the
-/// wavenumber of the turning width and moves the whole half-width.
+/// wavenumber of the turning width and moves the whole half-width. Of a film it is what matches its end by the one-mode equation.
 pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
-    let model = &plate.spec().model;
     let (edges, energy, level) = sheet(plate, frequency_hz);
-    let section = Section::new(edges, energy, ORDERS_OF_A_MODE, model.width_number(1));
+    if let Energy::Film { .. } = energy {
+        return plate.matching_resistance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
+    }
+    let section = Section::new(edges, energy, ORDERS_OF_A_MODE, width_numbers(plate));
     let turning_half_width_m = plate.turning_half_width_m(0.0);
     let moved = plate.half_width_m(0.0) / turning_half_width_m;
     mode(&section, turning_half_width_m.ln(), level, 0)
@@ -138,14 +146,23 @@ pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
 
 /// k^2 of the first width mode in a strip as wide as the plate at `x`, without loss, 1/m^2; `None` if it decays at once.
 pub(crate) fn wavenumber_squared(plate: &Plate, x: f64, frequency_hz: f64) -> Option<f64> {
-    let model = &plate.spec().model;
-    let (edges, energy, level) = sheet(plate, frequency_hz);
-    let section = Section::new(edges, energy, ORDERS_OF_A_MODE, model.width_number(1));
-    mode(&section, plate.width.at(x).value, level, 0).map(|mode| mode.square)
+    let (edges, energy, _) = sheet(plate, frequency_hz);
+    let level = energy.level(plate.wavenumber_squared(frequency_hz) * plate.width_mode(1).local(x));
+    let orders = ORDERS_OF_A_MODE + orders_of_edges(plate);
+    let section = Section::new(edges, energy, orders, width_numbers(plate));
+    mode(&section, plate.outline.at(x).value, level, 0).map(|mode| mode.square)
 }
 
 /// Polynomials for the first width mode alone.
 const ORDERS_OF_A_MODE: usize = 7;
+/// Polynomials over the square root of W/s that resolve a film's edges: those of Legendre are closest there.
+const ORDERS_OF_EDGES: f64 = 2.0;
+
+/// Polynomials that resolve how a film bends at its edges.
+pub(super) fn orders_of_edges(plate: &Plate) -> usize {
+    let widths = plate.spec().model.film_square().map(|square| plate.half_width_m(0.0) / square.sqrt());
+    widths.map_or(0, |widths| (ORDERS_OF_EDGES * widths.sqrt()).ceil() as usize)
+}
 
 #[cfg(test)]
 mod tests {
@@ -155,7 +172,7 @@ mod tests {
     const W: f64 = 0.02;
 
     fn section(edges: Edges, orders: usize) -> Section {
-        Section::new(edges, Energy::Bending(0.33), orders, 2.365_020_372_431_352)
+        Section::new(edges, Energy::Bending(0.33), orders, [2.365_020_372_431_352; 2])
     }
 
     #[test]
@@ -170,6 +187,28 @@ mod tests {
             assert!(residual.abs() < 1e-4, "{ratio}: {residual}");
             let near_cut_off = 1.818_58 * (squared - (q / W).powi(2));
             assert!(((found.square / near_cut_off).sqrt() - page).abs() < 1.5e-3, "{ratio}");
+        }
+    }
+
+    #[test]
+    fn a_strip_of_a_film_obeys_the_exact_dispersion_relation_and_carries_its_power() {
+        let (edge_m, width_m): (f64, f64) = (2e-3, 0.02);
+        let energy = Energy::Film { poisson_ratio: 0.38, square: edge_m * edge_m };
+        let film = Section::new(Edges::Clamped, energy, 12, [1.7, 10.1]);
+        // K over the membrane's cut-off, well above that of the film.
+        for ratio in [1.2, 1.5, 2.5] {
+            let squared = (ratio * std::f64::consts::FRAC_PI_2 / width_m).powi(2);
+            let at = |squared: f64| mode(&film, width_m.ln(), energy.level(squared), 0).unwrap();
+            let found = at(squared);
+            let (a, b) = ((squared - found.square).sqrt(), (squared + found.square + edge_m.powi(-2)).sqrt());
+            let residual = a * (a * width_m).tan() / (b * (b * width_m).tanh()) + 1.0;
+            assert!(residual.abs() < 2e-4, "{ratio}: {residual}");
+            // T (1 + 2 s^2 K^2) W_f k/omega, with the width that turns the film's waves.
+            let k = found.square.sqrt();
+            let turning_m = std::f64::consts::FRAC_PI_2 / a;
+            let wanted = 10.0 * (1.0 + 2.0 * edge_m * edge_m * squared) * turning_m * k / 900.0;
+            let impedance = found.impedance(10.0, 900.0);
+            assert!((impedance / wanted - 1.0).abs() < 0.01, "{ratio}: {impedance} {wanted}");
         }
     }
 

@@ -82,14 +82,14 @@ enum RowChange {
 }
 
 impl<'a> System<'a> {
-    /// Sums up `stiffness(x)` times the energy minus `inertia` times the integral of w v over every element; x is the
+    /// Sums up `stiffness(x)` times the energy minus `inertia(x)` times the integral of w v over every element; x is the
     /// middle of the element.
     pub(super) fn new(
         section: &'a Section,
         mesh: &'a Mesh,
         outline: &Outline<'_>,
         stiffness: impl Fn(f64) -> Complex64,
-        inertia: f64,
+        inertia: impl Fn(f64) -> f64,
     ) -> Self {
         let per_node = 2 * section.orders;
         let unknowns = per_node * mesh.nodes.len();
@@ -123,7 +123,8 @@ impl<'a> System<'a> {
                     }
                 }
             }
-            let stiffness = stiffness(start + 0.5 * h);
+            let middle = start + 0.5 * h;
+            let (stiffness, inertia) = (stiffness(middle), inertia(middle));
             for right in 0..4 {
                 for left in 0..=right {
                     let inertia = inertia * mass[left][right];
@@ -296,9 +297,9 @@ mod tests {
     fn a_guide_does_no_work() {
         let law = WidthLaw::Exponential { log_width: 0.02_f64.ln(), rate_per_m: 12.0 };
         let outline = Outline::Plate { law: &law, rounding_m: 0.0 };
-        let section = Section::new(Edges::Clamped, Energy::Bending(0.3), 3, 2.365);
+        let section = Section::new(Edges::Clamped, Energy::Bending(0.3), 3, [2.365; 2]);
         let mesh = Mesh::new(&[0.0, 0.02], 0.008);
-        let free = || System::new(&section, &mesh, &outline, |_| Complex64::ONE, 1e8);
+        let free = || System::new(&section, &mesh, &outline, |_| Complex64::ONE, |_| 1e8);
         let unknowns = free().right.len();
         let keeps_the_guide = |seed: f64| -> Vec<Complex64> {
             let mut w: Vec<Complex64> =

@@ -5,6 +5,7 @@ use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::source::{DriveCondition, StepRatio};
 use crate::definition::actuator::{Actuator, Resonator};
+use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::quantity::{Count, Counted, WrongCount};
 
@@ -47,8 +48,13 @@ pub(super) struct Layout {
 
 impl Layout {
     pub(super) fn new(plate: &Plate, sample_rate_hz: f64, grid: &SheetGrid) -> Result<Self, SheetError> {
-        let Some(speed_m_per_s) = plate.spec().model.wave_speed_m_per_s() else {
-            return Err(SheetError::Bends { plate: plate.name().to_owned() });
+        let model = &plate.spec().model;
+        let Some(speed_m_per_s) = model.wave_speed_m_per_s() else {
+            let name = plate.name().to_owned();
+            return Err(match model {
+                Model::Membrane { .. } => SheetError::Film { plate: name },
+                _ => SheetError::Bends { plate: name },
+            });
         };
         let condition = DriveCondition::of(plate)?;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator).copied();

@@ -152,6 +152,12 @@ pub enum SheetError {
         /// Name of the plate.
         plate: String,
     },
+    /// A membrane with the stiffness of its film, which the scalar wave equation does not describe.
+    #[error("{plate} has the stiffness of its film: a sheet carries ideal membranes, use a time line for it")]
+    Film {
+        /// Name of the plate.
+        plate: String,
+    },
     /// Air swings with the plate, and so much of it that the one equation of a sheet does not follow its mass over the tones.
     #[error(
         "{plate} carries air: a sheet would have its wavenumber off by {:.1} %, and at most {:.0} % is allowed: use a time line for it, or fewer tones",

@@ -12,8 +12,8 @@ mod touches;
 mod trim;
 
 use rig::{Judgement, Random, Rig, Solver, middle_and_worst};
-use slipline_plate::Plate;
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_ratio};
+use slipline_plate::{Film, Model, Plate, preset};
 
 /// Shares of the length at which the sensor stands.
 const PLACES: [f64; 2] = [0.1, 0.55];
@@ -102,6 +102,43 @@ fn a_plate_in_two_dimensions_is_calibrated_by_the_one_mode_equation() {
 #[ignore = "statistics: .ci/run long_tests"]
 fn plates_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
     two_dimensions(&[("membrane", 4), ("al-bending", 1)]);
+}
+
+/// Polyester of 50 um in place of the sheet of the preset `membrane`.
+fn film() -> Plate {
+    let mut spec = preset("membrane").expect("a preset").spec().clone();
+    let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
+    spec.model = Model::Membrane {
+        wave_speed_m_per_s: 12.0,
+        tension_n_per_m: Some(1390.0 * 50e-6 * 144.0),
+        film: Some(film),
+    };
+    Plate::new(spec).expect("a plate")
+}
+
+/// Calibrates `number` truths near a film; the new file keeps the film and has another tension.
+fn films(solver: Solver, number: u64) {
+    for seed in 0..number {
+        let mut random = Random::new(seed);
+        let rig = Rig::of(film(), solver, &mut random);
+        let found = calibrated(&rig, &measured("membrane", &rig, &mut random)).expect("a fit");
+        let plate = Plate::from_toml(&found.plate.to_toml()).expect("an ordinary plate file");
+        assert_eq!(plate.spec().model.film(), film().spec().model.film());
+        let [before, after] = [&rig.nominal, &plate].map(|plate| rig.judge(plate));
+        println!("{seed}: {before:?} -> {after:?}");
+        assert!(after.boundary_m < 1e-3 && after.level_db < 1.0, "{seed}: {before:?} {after:?}");
+    }
+}
+
+#[test]
+fn a_film_is_calibrated_with_its_stiffness() {
+    films(Solver::OneMode, 1);
+}
+
+#[test]
+#[ignore = "statistics: .ci/run long_tests"]
+fn films_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
+    films(Solver::TwoDimensions, 4);
 }
 
 fn two_dimensions(presets: &[(&str, u64)]) {

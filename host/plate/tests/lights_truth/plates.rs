@@ -71,6 +71,7 @@ fn model(random: &mut Random, kind: usize) -> Model {
         0 => Model::Membrane {
             wave_speed_m_per_s: random.between(8.0, 20.0),
             tension_n_per_m: Some(random.log_between(40.0, 4000.0)),
+            film: None,
         },
         1 => Model::ShearHorizontal {
             shear_modulus_pa: random.log_between(2e5, 2e6),
@@ -154,6 +155,7 @@ pub(crate) fn plate(random: &mut Random, number: usize) -> Option<Plate> {
         model: model(random, kind),
         loss_factor: random.log_between(0.002, 0.1),
         loss_tolerance: random.one_in(2.0).then(|| random.between(0.05, 1.0)),
+        thickness: None,
         wave_speed_tolerance: 0.0,
         drive_end: DriveEnd::Displacement,
         actuator: None,

@@ -77,8 +77,8 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
         ("kind = \"membrane\"", "kind = \"jelly\"", "model.kind = \"jelly\": must be one of \"membrane\""),
         (
             "wave_speed_m_per_s = 12.0",
-            "wave_speed_m_per_s = 12.0\nthickness_m = 0.1",
-            "model.thickness_m does not belong",
+            "wave_speed_m_per_s = 12.0\ndensity_kg_per_m3 = 1000.0",
+            "model.density_kg_per_m3 does not belong",
         ),
         ("wave_speed_m_per_s = 12.0", "wave_speed_m_per_s = 1e9", "model.wave_speed_m_per_s"),
         ("end = \"displacement\"", "end = \"resistance\"\nratio = 1.0", "drive.at_frequency_hz is missing"),

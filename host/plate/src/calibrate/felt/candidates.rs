@@ -159,7 +159,7 @@ impl<'a> Near<'a> {
                 }
                 wave.fields(&frequencies, |number, field| {
                     let frequency_hz = frequencies[number];
-                    let [force, motion] = end.of_wave(frequency_hz, field[0], wave.slope());
+                    let [force, motion] = end.of_wave(frequency_hz, field[0], wave.slope(frequency_hz));
                     let loaded = Loaded { rate: units.rate(frequency_hz), force, motion };
                     felt.push(tone_of(number, field, wave.plate(), Some(loaded)));
                 });

@@ -15,6 +15,7 @@ use super::touch::{self, Touch, TouchedDrive};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::fit::acceptance::{CHI2_PER_N_MAX, SPEED_MAX};
 use crate::calibrate::fit::parameter::{Parameter, numbers};
+use crate::calibrate::fit::response::plate_response::takes_a_source;
 use crate::calibrate::fit::unknowns::{HALF_WIDTH, LOSS, Priors, SPEED, TAPER};
 use crate::definition::{Calibration, Impedance, Plate, limits};
 use crate::feeling::Feeling;
@@ -73,7 +74,10 @@ pub fn from_touches(
     touch::check(plate, touches)?;
     let spread = match drive {
         TouchedDrive::AsTold => None,
-        TouchedDrive::Unknown => Some(DriveSpread::of(plate)),
+        TouchedDrive::Unknown => {
+            takes_a_source(plate.spec())?;
+            Some(DriveSpread::of(plate))
+        }
     };
     let [speed, loss, taper, half_width] = priors.deviations();
     let deviations = [speed.min(SPEED_KNOWN), loss.min(LOSS_KNOWN), taper, half_width];

@@ -48,7 +48,7 @@ pub(crate) fn fitted(
 ) -> Result<(Calibrated, Fit), CalibrateError> {
     priors.check()?;
     signal::check_sensor(plate, sensor)?;
-    takes_a_source(&plate.spec().model)?;
+    takes_a_source(plate.spec())?;
     let points = entering(plate, sensor)?;
     let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let data = of_deflection(&points, sensor, units);

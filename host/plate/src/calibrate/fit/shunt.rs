@@ -38,7 +38,7 @@ pub fn from_shunt(
         ..current.clone()
     };
     signal::check_sensor(plate, current)?;
-    takes_a_source(&plate.spec().model)?;
+    takes_a_source(plate.spec())?;
     let points = entering(plate, current)?;
     let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let data = normalised(&points, |hz| Complex64::from(current.hold_droop(hz)));

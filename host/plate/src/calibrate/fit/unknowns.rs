@@ -78,7 +78,7 @@ pub(crate) fn loss_of(nominal: &PlateSpec) -> f64 {
 fn with_speed(model: &Model, factor: f64) -> Model {
     let mut model = model.clone();
     match &mut model {
-        Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
+        Model::Membrane { wave_speed_m_per_s, tension_n_per_m, .. } => {
             *wave_speed_m_per_s *= factor;
             if let Some(tension) = tension_n_per_m {
                 *tension *= factor * factor;

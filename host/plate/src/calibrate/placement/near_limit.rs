@@ -10,7 +10,7 @@ const NEAR_FIELD: f64 = 4.2;
 /// What keeps a sensor from the driven end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NearLimit {
-    /// The near field of a plate in bending.
+    /// The near field of a plate in bending or of a film.
     NearField,
     /// A width mode beyond the first.
     WidthMode(u32),
@@ -24,7 +24,12 @@ impl NearLimit {
         let by_mode = (beyond_mode_m(plate, mode, high_hz), Self::WidthMode(mode));
         let model = &plate.spec().model;
         match model {
-            Model::Membrane { .. } | Model::ShearHorizontal { .. } => by_mode,
+            Model::Membrane { .. } | Model::ShearHorizontal { .. } => match model.film_square() {
+                Some(square) if NEAR_FIELD * square.sqrt() > by_mode.0 => {
+                    (NEAR_FIELD * square.sqrt(), Self::NearField)
+                }
+                _ => by_mode,
+            },
             Model::BendingSupported(_) | Model::BendingClamped(_) => {
                 let width_term = model.width_number(1) / plate.half_width_m(0.0);
                 let decay = (model.wavenumber_squared(TAU * low_hz) + width_term.powi(2)).sqrt();

@@ -78,10 +78,10 @@ fn shift_mm(site: &Site<'_>, air: Option<&Air>) -> f64 {
     let width_mode = plate.width_mode(1);
     let still = FreeWave { model, load: None };
     let loaded = FreeWave { model, load: AirLoad::of(air, model) };
-    let turning = width_mode.number / plate.turning_half_width_m(site.boundary_m);
+    let turning = width_mode.number / plate.turning_at(site.boundary_m).0.exp();
     let omega = still.angular_frequency(turning * turning);
     let peak_m = |wave: FreeWave<'_>| {
-        let x0 = plate.turning.place_of((width_mode.number / wave.wavenumber_squared(omega).sqrt()).ln());
+        let x0 = width_mode.place_of(wave.wavenumber_squared(omega).sqrt());
         x0 - airy::PEAK_OFFSET / width_mode.fall(x0).cbrt()
     };
     1e3 * (peak_m(loaded) - peak_m(still))

@@ -9,6 +9,7 @@ use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::calibration::{Calibration, SOURCE_TOLERANCE};
 use crate::definition::drive::DriveEnd;
 use crate::definition::error::{Origin, PlateError, PlateFileError};
+use crate::definition::film::Film;
 use crate::definition::impedance::Impedance;
 use crate::definition::limits;
 use crate::definition::model::{Bending, Model};
@@ -16,6 +17,7 @@ use crate::definition::plate::{Plate, PlateSpec};
 use crate::definition::response_curve::ResponseCurve;
 use crate::definition::source::{EndSlope, LeadIn, Source};
 use crate::definition::taper::Taper;
+use crate::definition::thickness::Thickness;
 use crate::definition::travel::Travel;
 use crate::definition::turning_width::TurningWidth;
 use crate::quantity::number_format::typed;
@@ -47,7 +49,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
     // Unknown fields are reported before missing ones: a mistyped name is both, and "did you mean" helps more.
     let given = text.section(&fields::PLATE)?;
     let [_, others @ ..] = fields::SECTIONS;
-    let [taper, model, drive, lead_in, air, actuator, calibration] =
+    let [taper, model, thickness, drive, lead_in, air, actuator, calibration] =
         others.map(|schema| text.section(schema));
     let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
         return Err(first_missing(text));
@@ -65,6 +67,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         length_m: plate.required("length_m")?,
         drive_end: drive_of(&drive, &model, lead_in)?,
         model,
+        thickness: thickness?.as_ref().map(thickness_of).transpose()?,
         loss_factor: plate.required("loss_factor")?,
         wave_speed_tolerance: plate.number("wave_speed_tolerance")?.unwrap_or(0.0),
         loss_tolerance: plate.number("loss_tolerance")?,
@@ -177,6 +180,14 @@ fn taper_of(given: &Given<'_>) -> Result<Taper, PlateError> {
     })
 }
 
+fn thickness_of(given: &Given<'_>) -> Result<Thickness, PlateError> {
+    Ok(match given.kind {
+        "exponential" => Thickness::Exponential { rate_per_m: given.required("rate_per_m")? },
+        "linear" => Thickness::Linear { end_thickness_m: given.required("end_thickness_m")? },
+        _ => Thickness::Sampled { points: given.points("points")? },
+    })
+}
+
 fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
     let bending = || {
         Ok(Bending {
@@ -191,6 +202,7 @@ fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
         "membrane" => Model::Membrane {
             wave_speed_m_per_s: given.required("wave_speed_m_per_s")?,
             tension_n_per_m: given.number("tension_n_per_m")?,
+            film: film_of(given)?,
         },
         "shear-horizontal" => Model::ShearHorizontal {
             shear_modulus_pa: given.required("shear_modulus_pa")?,
@@ -200,6 +212,20 @@ fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
         "bending-supported" => Model::BendingSupported(bending()?),
         _ => Model::BendingClamped(bending()?),
     })
+}
+
+/// A film's three fields belong together: where one is given, the message names the others.
+fn film_of(given: &Given<'_>) -> Result<Option<Film>, PlateError> {
+    const FILM: [&str; 3] = ["youngs_modulus_pa", "poisson_ratio", "thickness_m"];
+    if !FILM.iter().any(|field| given.has(field)) {
+        return Ok(None);
+    }
+    let [modulus, ratio, thickness] = FILM;
+    Ok(Some(Film {
+        youngs_modulus_pa: given.required(modulus)?,
+        poisson_ratio: given.required(ratio)?,
+        thickness_m: given.required(thickness)?,
+    }))
 }
 
 fn drive_of(given: &Given<'_>, model: &Model, lead_in: Option<LeadIn>) -> Result<DriveEnd, PlateError> {

@@ -8,6 +8,7 @@ use crate::definition::model::{Bending, Model};
 use crate::definition::plate::Plate;
 use crate::definition::source::{EndSlope, Source};
 use crate::definition::taper::Taper;
+use crate::definition::thickness::Thickness;
 use serde::Serialize;
 
 #[derive(Serialize)]
@@ -25,6 +26,8 @@ struct PlateText {
     span_end_m: f64,
     taper: TaperText,
     model: ModelText,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    thickness: Option<ThicknessText>,
     drive: DriveText,
     #[serde(skip_serializing_if = "Option::is_none")]
     air: Option<AirText>,
@@ -66,6 +69,17 @@ struct ModelText {
     thickness_m: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     thick_plate: Option<bool>,
+}
+
+#[derive(Serialize, Default)]
+struct ThicknessText {
+    kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate_per_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    end_thickness_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    points: Option<Vec<[f64; 2]>>,
 }
 
 #[derive(Serialize, Default)]
@@ -159,6 +173,7 @@ impl Plate {
             span_end_m: spec.span_end_m,
             taper: taper_text(&spec.taper),
             model: model_text(&spec.model),
+            thickness: spec.thickness.as_ref().map(thickness_text),
             drive: drive_text(spec.drive_end),
             air: spec.air.map(air_text),
             actuator: spec.actuator.as_ref().map(actuator_text),
@@ -189,6 +204,22 @@ fn taper_text(taper: &Taper) -> TaperText {
     }
 }
 
+fn thickness_text(thickness: &Thickness) -> ThicknessText {
+    match thickness {
+        Thickness::Exponential { rate_per_m } => {
+            ThicknessText { kind: "exponential", rate_per_m: Some(*rate_per_m), ..ThicknessText::default() }
+        }
+        Thickness::Linear { end_thickness_m } => ThicknessText {
+            kind: "linear",
+            end_thickness_m: Some(*end_thickness_m),
+            ..ThicknessText::default()
+        },
+        Thickness::Sampled { points } => {
+            ThicknessText { kind: "sampled", points: Some(points.clone()), ..ThicknessText::default() }
+        }
+    }
+}
+
 fn model_text(model: &Model) -> ModelText {
     let bending_text = |kind: &str, bending: &Bending| ModelText {
         kind: kind.to_owned(),
@@ -200,10 +231,13 @@ fn model_text(model: &Model) -> ModelText {
         ..ModelText::default()
     };
     match model {
-        Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => ModelText {
+        Model::Membrane { wave_speed_m_per_s, tension_n_per_m, film } => ModelText {
             kind: "membrane".to_owned(),
             wave_speed_m_per_s: Some(*wave_speed_m_per_s),
             tension_n_per_m: *tension_n_per_m,
+            youngs_modulus_pa: film.map(|film| film.youngs_modulus_pa),
+            poisson_ratio: film.map(|film| film.poisson_ratio),
+            thickness_m: film.map(|film| film.thickness_m),
             ..ModelText::default()
         },
         Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => ModelText {

@@ -33,6 +33,7 @@ use crate::definition::source::Source;
 use num_complex::Complex64;
 
 pub(crate) use near_field::NearField;
+pub(crate) use one_mode::film_rise;
 pub use reflection::{reflection, resistance_reflection};
 pub(crate) use source_end::{Scattering, SourceEnd};
 pub(crate) use whole_end::{drive_rise, with_whole_end};

@@ -7,12 +7,15 @@ use crate::definition::source::{EndSlope, Source};
 
 /// `plate` with the near field at its driven end, if its drive end leaves that out: a prescribed displacement becomes
 /// one with a free slope, a force becomes one on a free end, a resistance a damper on a free end. `None` for a plate
-/// whose end is exact.
+/// whose end is exact, and where the thickness changes, for which there is no law of the near field.
 ///
 /// Its drive may differ from that of `plate` by a factor, see [`drive_rise`].
 pub(crate) fn with_whole_end(plate: &Plate) -> Option<Plate> {
     let model = &plate.spec().model;
     model.bending()?;
+    if plate.is_graded() {
+        return None;
+    }
     let drive_end = match plate.spec().drive_end {
         DriveEnd::Displacement => DriveEnd::DisplacementAndSlope { slope: EndSlope::Free },
         DriveEnd::Force { at_frequency_hz } => DriveEnd::Source(Source::soft(model, at_frequency_hz)),

@@ -50,7 +50,7 @@ impl Contact {
         let half_width = strip_half_width(plate, finger.place_m);
         let half_contact = finger.half_across(plate, finger.place_m);
         let loss = Complex64::new(1.0, plate.wave_loss_at(frequency_hz).max(1e-9));
-        let axial = plate.wavenumber_squared(frequency_hz) * loss;
+        let axial = plate.wavenumber_squared(frequency_hz) * plate.width_mode(1).local(finger.place_m) * loss;
         let bends = plate.spec().model.bending().is_some();
         let mut waves = Vec::new();
         for mode in (1..=MODE_MAX).step_by(2) {
@@ -186,5 +186,5 @@ pub(super) fn means_across(half_contact_m: f64, half_width_m: f64, mode: u32) ->
 
 /// Half-width at `x` of the supported strip with the plate's cut-off there, metres.
 pub(super) fn strip_half_width(plate: &Plate, x: f64) -> f64 {
-    plate.half_width_m(x) * FRAC_PI_2 / plate.width_mode(1).number
+    plate.swinging_half_width_m(x) * FRAC_PI_2 / plate.width_mode(1).number
 }

@@ -6,8 +6,8 @@ use super::super::strip::wave_impedance;
 use super::super::*;
 use super::{aluminium, with_tension};
 use crate::{
-    Complex64, EndSlope as Slope, Equation, Finger, Impedance, LeadIn, Model, Plate, RespondError, Taper,
-    TurningWidth, preset, respond as one_mode,
+    Complex64, EndSlope as Slope, Equation, Film, Finger, Impedance, LeadIn, Model, Plate, RespondError,
+    Taper, TurningWidth, preset, respond as one_mode,
 };
 use nalgebra::{DMatrix, DVector};
 
@@ -96,6 +96,15 @@ fn matched(plate: &Plate, frequency_hz: f64) -> Setup {
     }
 }
 
+/// Polyester of 50 um in place of the membrane.
+fn polyester() -> Plate {
+    let mut spec = preset("membrane").unwrap().spec().clone();
+    let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
+    spec.model =
+        Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(10.008), film: Some(film) };
+    Plate::new(spec).unwrap()
+}
+
 fn touched(setup: Setup, place_m: f64, resistance_n_s_per_m: f64, mass_kg: f64) -> Setup {
     Setup { finger: Some(Finger { resistance_n_s_per_m, mass_kg, ..Finger::light(place_m) }), ..setup }
 }
@@ -139,12 +148,14 @@ fn the_field_does_not_depend_on_the_resolution_or_on_the_radius_of_a_corner() {
     let with_lead_in = matched(&supported, 28e3);
     let membrane = with_tension(&preset("membrane").unwrap(), 400.0);
     let on_membrane = Setup::of(&membrane);
+    let film = polyester();
     for (plate, frequency_hz, setup, finer, most_db) in [
         (&supported, 28e3, with_lead_in, fine, 0.01),
         (&supported, 28e3, with_lead_in, sharp, 0.02),
         (&supported, 28e3, touched(with_lead_in, 0.2, 2.0, 1e-4), fine, 0.02),
         (&clamped, 38e3, Setup::of(&clamped), fine, 0.02),
         (&membrane, 151.0, touched(on_membrane, 0.1, 1.0, 1e-4), fine, 0.05),
+        (&film, 194.7, Setup::of(&film), fine, 0.02),
     ] {
         let (coarse, fine) =
             (peak(plate, frequency_hz, &setup, standard), peak(plate, frequency_hz, &setup, finer));
@@ -242,7 +253,7 @@ fn what_cannot_be_solved_is_refused_by_its_field() {
         "drive.lead_in.length_m = nan: must be 0.001 to 10 m"
     );
     let mut spec = membrane.spec().clone();
-    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None };
+    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None, film: None };
     let untold = Plate::new(spec).unwrap();
     assert_eq!(
         told(&untold, 150.0, &touched(Setup::of(&untold), 0.1, 1.0, 0.0)),
@@ -261,7 +272,7 @@ fn what_cannot_be_solved_is_refused_by_its_field() {
     assert!(matches!(respond(&plate, 28e3, 3, &base), Err(PlaneError::Respond(RespondError::OutOfRange(_)))));
 
     let mut spec = membrane.spec().clone();
-    spec.model = Model::Membrane { wave_speed_m_per_s: 200.0, tension_n_per_m: None };
+    spec.model = Model::Membrane { wave_speed_m_per_s: 200.0, tension_n_per_m: None, film: None };
     (spec.taper, spec.length_m) = (Taper::Exponential { half_width_m: 10.0, rate_per_m: 0.4 }, 10.0);
     (spec.span_start_m, spec.span_end_m) = (1.0, 9.0);
     spec.drive_end = crate::DriveEnd::Displacement;

@@ -19,11 +19,11 @@ struct Rectangle {
 impl Rectangle {
     /// The eigenvalue K^4 that is nearest to `shift`, of the modes that are even in z.
     fn nearest(&self, shift: f64) -> f64 {
-        let section = Section::new(self.edges, Energy::Bending(0.33), self.orders, FRAC_PI_2);
+        let section = Section::new(self.edges, Energy::Bending(0.33), self.orders, [FRAC_PI_2; 2]);
         let mesh = Mesh::new(&[0.0, self.length], self.length / self.elements);
         let outline = Outline::Uniform(self.half_width.ln());
         let system = |stiffness: f64, inertia: f64| {
-            let mut system = System::new(&section, &mesh, &outline, |_| stiffness.into(), inertia);
+            let mut system = System::new(&section, &mesh, &outline, |_| stiffness.into(), |_| inertia);
             for node in [0, mesh.elements()] {
                 match self.edges {
                     Edges::Supported => system.hold(node, 0.0),
@@ -34,7 +34,7 @@ impl Rectangle {
         };
         let mass = system(0.0, -1.0).matrix;
         let held: Vec<bool> = {
-            let free = System::new(&section, &mesh, &outline, |_| Complex64::ZERO, -1.0).matrix;
+            let free = System::new(&section, &mesh, &outline, |_| Complex64::ZERO, |_| -1.0).matrix;
             let ones: Vec<Complex64> =
                 (0..free.order()).map(|i| Complex64::new((i as f64).sin(), 0.0)).collect();
             let (free, bound) = (free.times(&ones), mass.times(&ones));

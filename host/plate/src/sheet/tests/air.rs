@@ -25,7 +25,8 @@ fn light() -> Plate {
 /// A membrane without loss whose mass is `kg_per_m2`, in a baffle.
 fn lossless(kg_per_m2: f64, end: DriveEnd) -> Plate {
     let mut spec = membrane(0.05, 4.62, 0.32, 0.0, end).spec().clone();
-    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(144.0 * kg_per_m2) };
+    spec.model =
+        Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(144.0 * kg_per_m2), film: None };
     in_air(&Plate::new(spec).unwrap(), 1.95)
 }
 

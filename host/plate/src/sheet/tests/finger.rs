@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// The default membrane without loss, whose tension gives the load that a finger is.
 fn tense(end: DriveEnd) -> Plate {
     let mut spec = membrane(0.05, 4.62, 0.32, 0.0, end).spec().clone();
-    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(40.0) };
+    spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(40.0), film: None };
     Plate::new(spec).unwrap()
 }
 
@@ -87,7 +87,7 @@ fn a_finger_takes_from_the_sheet_what_it_takes_from_the_plane_at_second_order() 
         (400.0, Finger { contact_m: 0.05, ..Finger::firm(0.12) }),
     ] {
         let mut spec = membrane(0.05, 4.62, 0.32, loss, DriveEnd::Displacement).spec().clone();
-        spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(tension) };
+        spec.model = Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: Some(tension), film: None };
         let plate = Plate::new(spec).unwrap();
         let finger_there = on_the_plane(&finger, loss, frequency_hz);
         let on_plane = |finger: Option<Finger>, points: usize| -> Vec<f64> {

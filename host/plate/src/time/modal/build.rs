@@ -27,8 +27,8 @@ fn shared_pole(centre: f64) -> Complex64 {
 /// Whether the eigenfunctions describe this width mode well: of a thin plate in bending exactly, of a membrane or SH waves
 /// exactly at each resonance.
 ///
-/// Mindlin's dispersion of a thick plate and that of a plate with its air have no exact partial fractions: the bank would be
-/// off by 3 % and more. Nor has the strip's law between clamped edges; higher width modes follow its tangent there, and have
+/// Mindlin's dispersion of a thick plate, that of a film, a thickness that changes and that of a plate with its air have no exact partial fractions: the
+/// bank would be off by 3 % and more. Nor has the strip's law between clamped edges; higher width modes follow its tangent there, and have
 /// them. The near field and the impedance of a source are not among the eigenfunctions.
 pub(crate) fn fits(plate: &Plate, mode: u32) -> bool {
     let spec = plate.spec();
@@ -37,7 +37,13 @@ pub(crate) fn fits(plate: &Plate, mode: u32) -> bool {
         DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => true,
         DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => false,
     };
-    has_end && !is_thick && !plate.carries_air() && plate.width_mode(mode).strip.is_none()
+    let is_film = spec.model.film().is_some();
+    has_end
+        && !is_thick
+        && !is_film
+        && !plate.is_graded()
+        && !plate.carries_air()
+        && plate.width_mode(mode).strip.is_none()
 }
 
 /// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.

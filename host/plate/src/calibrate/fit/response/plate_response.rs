@@ -7,7 +7,7 @@
 
 use super::wave::Wave;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, SensorKind};
-use crate::definition::{DriveEnd, Impedance, Model, Plate, PlateSpec, Source};
+use crate::definition::{DriveEnd, Impedance, Plate, PlateError, PlateSpec, Source};
 use crate::frequency::driven_end::DrivenEnd;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -136,7 +136,15 @@ pub(crate) fn answers(
     Some(frequencies_hz.iter().zip(rows).map(answer).collect())
 }
 
-/// Refuses a plate that a source cannot act on: it needs bending, or a stated tension or thickness.
-pub(crate) fn takes_a_source(model: &Model) -> Result<(), crate::definition::PlateError> {
-    model.surface_density("a fit of the source").map(drop)
+/// Refuses a plate that a source cannot act on: it needs bending with the same thickness everywhere, or a stated tension
+/// or thickness.
+pub(crate) fn takes_a_source(spec: &PlateSpec) -> Result<(), PlateError> {
+    if spec.thickness.is_some() {
+        return Err(PlateError::Unexpected {
+            field: "thickness".to_owned(),
+            reason: "a fit of the source needs the near field of its end, which has no law with it"
+                .to_owned(),
+        });
+    }
+    spec.model.surface_density("a fit of the source").map(drop)
 }

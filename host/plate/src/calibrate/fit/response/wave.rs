@@ -38,7 +38,7 @@ impl Wave {
         Ok(Self { plate, grid, step_m })
     }
 
-    /// As [`Wave::new`], with the same slope p'(0) at every frequency, so that the field gives p(0) over p'(0), too.
+    /// As [`Wave::new`], with the slope p'(0) of [`Wave::slope`], so that the field gives p(0) over p'(0), too.
     /// A wave of `at_hz` must enter the plate.
     pub(crate) fn with_slope(spec: PlateSpec, points: usize, at_hz: f64) -> Result<Self, PlateError> {
         let end = DriveEnd::Force { at_frequency_hz: at_hz };
@@ -57,7 +57,6 @@ impl Wave {
         with_peak: bool,
     ) -> Vec<Row> {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
-        let slope = self.slope();
         numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| {
             let peak = if with_peak {
                 level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0
@@ -65,6 +64,7 @@ impl Wave {
                 f64::NAN
             };
             let seen = places_m.iter().map(|&place_m| seen(field, self.step_m, place_m, sensor)).collect();
+            let slope = self.slope(frequencies_hz[number]);
             rows.push(Row { seen, value: field[0], slope, peak });
         });
         rows
@@ -79,9 +79,9 @@ impl Wave {
         numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| each(number, field));
     }
 
-    /// p'(0) of a plate with that slope, 1/m.
-    pub(crate) fn slope(&self) -> Complex64 {
-        let end = DrivenEnd::of(&self.plate, f64::NAN);
+    /// p'(0) of a plate of [`Wave::with_slope`], 1/m.
+    pub(crate) fn slope(&self, frequency_hz: f64) -> Complex64 {
+        let end = DrivenEnd::of(&self.plate, frequency_hz);
         end.drive / end.beta
     }
 

@@ -9,8 +9,8 @@ use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::{Caption, FIELD_DIGITS};
 use slipline_plate::{
-    Actuator, Bending, DriveEnd, EndSlope, LeadIn, Model, Plate, PlateSpec, Resonator, Source, Taper, Travel,
-    limits,
+    Actuator, Bending, DriveEnd, EndSlope, Film, LeadIn, Model, Plate, PlateSpec, Resonator, Source, Taper,
+    Travel, limits,
 };
 use std::sync::Arc;
 
@@ -136,7 +136,7 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     };
     row(ui, "Model", kind);
     match &spec.model {
-        Model::Membrane { wave_speed_m_per_s, tension_n_per_m } => {
+        Model::Membrane { wave_speed_m_per_s, tension_n_per_m, film } => {
             numbers.number(ui, &caption::WAVE_SPEED, *wave_speed_m_per_s, |spec, value| {
                 if let Model::Membrane { wave_speed_m_per_s, .. } = &mut spec.model {
                     *wave_speed_m_per_s = value;
@@ -148,6 +148,20 @@ fn wave(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
                         *tension_n_per_m = Some(value);
                     }
                 });
+            }
+            if let Some(film) = film {
+                let mut of = |ui: &mut egui::Ui, caption, value, set: fn(&mut Film, f64)| {
+                    numbers.number(ui, caption, value, |spec, value| {
+                        if let Model::Membrane { film: Some(film), .. } = &mut spec.model {
+                            set(film, value);
+                        }
+                    });
+                };
+                of(ui, &caption::YOUNGS_MODULUS, film.youngs_modulus_pa, |film, v| {
+                    film.youngs_modulus_pa = v;
+                });
+                of(ui, &caption::POISSON_RATIO, film.poisson_ratio, |film, v| film.poisson_ratio = v);
+                of(ui, &caption::THICKNESS, film.thickness_m, |film, v| film.thickness_m = v);
             }
         }
         Model::ShearHorizontal { shear_modulus_pa, density_kg_per_m3, thickness_m } => {

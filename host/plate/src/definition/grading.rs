@@ -1,0 +1,49 @@
+//! The thickness along a plate, and what it does to the wave's power and to where it turns.
+
+use crate::definition::plate::Plate;
+use crate::definition::taper::LogWidth;
+
+impl Plate {
+    /// Thickness of a plate in bending at `x`, metres; `None` for other plates.
+    pub fn thickness_m(&self, x: f64) -> Option<f64> {
+        let driven_m = self.spec().model.bending()?.thickness_m;
+        Some(driven_m * self.thickness_ratio(x))
+    }
+
+    /// Whether the thickness changes along the plate.
+    pub fn is_graded(&self) -> bool {
+        self.grading.is_some()
+    }
+
+    /// Thickness at `x` over that at the driven end.
+    pub(crate) fn thickness_ratio(&self, x: f64) -> f64 {
+        self.grading.as_ref().map_or(1.0, |grading| grading.log(x).value.exp())
+    }
+
+    /// ln of what the wave's power goes with besides k, and its derivatives: the half-width, times the thickness squared over that
+    /// at the driven end.
+    pub(crate) fn weight_at(&self, x: f64) -> LogWidth {
+        let width = self.width.at(x);
+        let Some(grading) = &self.grading else { return width };
+        let thickness = grading.log(x);
+        LogWidth {
+            value: width.value + 2.0 * thickness.value,
+            slope: width.slope + 2.0 * thickness.slope,
+            curvature: width.curvature + 2.0 * thickness.curvature,
+        }
+    }
+
+    /// ln(q/K) at which a wave turns at `x`, with K at the driven end, and its derivative.
+    pub(crate) fn turning_at(&self, x: f64) -> (f64, f64) {
+        match &self.grading {
+            None => {
+                let turning = self.turning.at(x);
+                (turning.value, turning.slope)
+            }
+            Some(grading) => {
+                let turning = grading.turning().at(x);
+                (turning.value, turning.slope)
+            }
+        }
+    }
+}
