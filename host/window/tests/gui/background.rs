@@ -70,7 +70,7 @@ fn every_light_has_its_word_and_its_sentence_and_the_summary_counts_them() {
     // No actuator is given: shown, but neither counted nor a warning.
     assert_eq!(words(&app, "actuator band: unchecked"), 1);
     assert_eq!(summary(&app), format!("Validity: {amber} amber"));
-    assert!(app.window.query_by_label_contains("names no actuator").is_some());
+    assert!(app.window.query_by_label_contains("has no actuator").is_some());
 }
 
 #[test]
