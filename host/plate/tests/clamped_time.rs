@@ -213,12 +213,24 @@ fn a_clamped_plate_in_time_is_that_of_the_frequency_domain() {
     both(4, "lead-in");
 }
 
-#[test]
-#[ignore = "twenty plates of every end: .ci/run long_tests"]
-fn twenty_clamped_plates_in_time_are_those_of_the_frequency_domain() {
-    let cases = (0..PLATES).flat_map(|number| ENDS.map(|end| (number, end)));
+fn of_plates(numbers: std::ops::Range<u64>) {
+    let cases = numbers.flat_map(|number| ENDS.map(|end| (number, end)));
     let worst = cases.map(|(number, end)| both(number, end)).reduce(Errors::worst);
     worst.expect("some").assert_small("all");
+}
+
+#[test]
+#[ignore = "three plates of every end: .ci/run long_tests"]
+fn three_clamped_plates_in_time_are_those_of_the_frequency_domain() {
+    of_plates(0..3);
+}
+
+mod night {
+    #[test]
+    #[ignore = "twenty plates of every end, minutes of one core: .ci/run statistics"]
+    fn twenty_clamped_plates_in_time_are_those_of_the_frequency_domain() {
+        super::of_plates(0..super::PLATES);
+    }
 }
 
 /// The settled field at place `at` of 65 over the tone with the line's stated delay, per code, and that of `respond`.
