@@ -1,5 +1,6 @@
 //! The air that swings with a plate: against plates in two dimensions, and what stays as it was without it.
 
+use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions};
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
 use slipline_plate::{
@@ -163,20 +164,7 @@ fn a_clamped_plate_of_film_has_its_air_in_the_exact_law() {
 #[test]
 fn the_line_in_time_answers_a_tone_in_air_as_the_frequency_domain() {
     let plate = with_air(&preset("membrane").expect("a preset"), baffle());
-    let (rate, points, frequency_hz) = (20_000.0, 65, 120.0);
-    let mut line = TimeDomainLine::new(&plate, rate, points, 1).expect("a line");
-    let settle = (rate * line.settle_time_s()) as u32;
-    let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate).cos() as f32;
-    line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
-    line.reset_envelope();
-    line.push(&(settle..settle + 2000).map(tone).collect::<Vec<f32>>());
-    let steady = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
-    let largest = steady.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    for (found, wanted) in line.envelope().rms_m().iter().zip(&steady.amplitude) {
-        let wanted = wanted.norm() / 2.0_f64.sqrt();
-        let found = f64::from(*found) / plate.spec().full_scale_m;
-        assert!((found - wanted).abs() < 4e-3 * largest, "{found} {wanted}");
-    }
+    assert_answers_a_tone(&plate, 20_000.0, 120.0, 4e-3);
 }
 
 #[test]

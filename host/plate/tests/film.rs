@@ -1,11 +1,12 @@
 //! The stiffness of a film: against the exact strip, an independent equation, a plate in two dimensions, and what stays as it
 //! was without it.
 
+use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions, Light};
 use slipline_plate::design::{Material, Request, Wave, design};
 use slipline_plate::{
     Air, Complex64, DriveEnd, DriveTable, Equation, Film, Impedance, Model, Plate, PlateSpec, Sheet,
-    SheetError, SheetGrid, Source, TimeDomainLine, TurningWidth, plane, preset, respond,
+    SheetError, SheetGrid, Source, TurningWidth, plane, preset, respond,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -292,20 +293,7 @@ fn without_its_film_a_plate_is_the_ideal_membrane_to_the_last_bit() {
 #[test]
 fn the_line_in_time_answers_a_tone_as_the_frequency_domain_and_a_sheet_refuses_a_film() {
     let plate = plate();
-    let (rate, points, frequency_hz) = (20_000.0, 65, 150.0);
-    let mut line = TimeDomainLine::new(&plate, rate, points, 1).expect("a line");
-    let settle = (rate * line.settle_time_s()) as u32;
-    let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate).cos() as f32;
-    line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
-    line.reset_envelope();
-    line.push(&(settle..settle + 2000).map(tone).collect::<Vec<f32>>());
-    let steady = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
-    let largest = steady.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    for (found, wanted) in line.envelope().rms_m().iter().zip(&steady.amplitude) {
-        let wanted = wanted.norm() / 2.0_f64.sqrt();
-        let found = f64::from(*found) / plate.spec().full_scale_m;
-        assert!((found - wanted).abs() < 4e-3 * largest, "{found} {wanted}");
-    }
+    assert_answers_a_tone(&plate, 20_000.0, 150.0, 4e-3);
     let refused = Sheet::new(&plate, 400e3, SheetGrid::new(64, 8));
     assert!(matches!(refused, Err(SheetError::Film { .. })), "{:?}", refused.err());
 }

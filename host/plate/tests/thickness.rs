@@ -1,13 +1,14 @@
 //! A thickness that changes along the plate: closed forms, an independent equation, a plate in two dimensions, and what is
 //! refused.
 
+use crate::time_line::assert_answers_a_tone;
 use slipline_plate::calibrate::{
     MeasuredPoint, Measurement, Priors, SensorKind, band_hz, from_one_sensor, from_ratio,
 };
 use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::{
-    Complex64, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, Thickness, TimeDomainLine,
-    TurningWidth, plane, preset, respond, respond_batch, respond_coupled,
+    Complex64, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, Thickness, TurningWidth, plane,
+    preset, respond, respond_batch, respond_coupled,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -176,20 +177,7 @@ fn graded_plates_peak_where_two_dimensions_have_them() {
 #[test]
 fn the_line_in_time_a_table_and_the_lights_have_the_thickness() {
     let graded = plate(exponential(2.0));
-    let (rate, points, frequency_hz) = (400_000.0, 65, 18e3);
-    let mut line = TimeDomainLine::new(&graded, rate, points, 1).expect("a line");
-    let settle = (rate * line.settle_time_s()) as u32;
-    let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate).cos() as f32;
-    line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
-    line.reset_envelope();
-    line.push(&(settle..settle + 2000).map(tone).collect::<Vec<f32>>());
-    let steady = respond(&graded, frequency_hz, points, Equation::Corrected).expect("enters");
-    let largest = steady.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
-    for (found, wanted) in line.envelope().rms_m().iter().zip(&steady.amplitude) {
-        let wanted = wanted.norm() / 2.0_f64.sqrt();
-        let found = f64::from(*found) / graded.spec().full_scale_m;
-        assert!((found - wanted).abs() < 5e-3 * largest, "{found} {wanted}");
-    }
+    assert_answers_a_tone(&graded, 400_000.0, 18e3, 5e-3);
     // A table of a held end moves the tones between its resonances: a damper has none.
     let end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 18e3 };
     let spec = PlateSpec { drive_end: end, ..spec(exponential(2.0), 0.01) };

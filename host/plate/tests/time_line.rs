@@ -30,6 +30,24 @@ fn rate_for(plate: &Plate) -> f64 {
     (plate.band_hz().1 * 10.0).clamp(4e3, 400e3)
 }
 
+/// Asserts that the field of a settled tone on a line in time is that of `respond`, to this share of the largest amplitude.
+pub(crate) fn assert_answers_a_tone(plate: &Plate, rate_hz: f64, frequency_hz: f64, error: f64) {
+    let points = 65;
+    let mut line = TimeDomainLine::new(plate, rate_hz, points, 1).expect("a line");
+    let settle = (rate_hz * line.settle_time_s()) as u32;
+    let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate_hz).cos() as f32;
+    line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
+    line.reset_envelope();
+    line.push(&(settle..settle + 2000).map(tone).collect::<Vec<f32>>());
+    let steady = respond(plate, frequency_hz, points, Equation::Corrected).expect("enters");
+    let largest = steady.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    for (found, wanted) in line.envelope().rms_m().iter().zip(&steady.amplitude) {
+        let wanted = wanted.norm() / 2.0_f64.sqrt();
+        let found = f64::from(*found) / plate.spec().full_scale_m;
+        assert!((found - wanted).abs() < error * largest, "{found} {wanted}");
+    }
+}
+
 #[test]
 fn the_latency_is_the_time_by_which_the_field_lags_the_plate() {
     // A rate whose codes are decimated once, and rates whose codes are decimated twice.
