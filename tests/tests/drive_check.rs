@@ -41,8 +41,8 @@ fn every_state(name: &str, others: &[f64]) {
     for &times in others {
         bench.hand.set_fault(Some(RigFault::WrongMotor(times))).unwrap();
         let found = check(&mut bench, known).check;
-        let DriveCheck::WrongLoad { found, told } = found else { panic!("{name} {times}: {found:?}") };
-        let actual = match told {
+        let DriveCheck::WrongLoad { found, stated } = found else { panic!("{name} {times}: {found:?}") };
+        let actual = match stated {
             DriveLoad::Coil { resistance_ohm } => found * times / resistance_ohm,
             DriveLoad::Piezo { capacitance_f } => found / (times * capacitance_f),
         };

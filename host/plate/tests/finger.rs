@@ -160,5 +160,5 @@ fn a_finger_off_the_plate_or_on_a_plate_of_unknown_weight_is_refused() {
     let unknown = Plate::new(spec).unwrap();
     let error = refused(&unknown, Finger::light(0.1));
     assert!(error.contains("model.tension_n_per_m") && error.contains("a finger needs it"), "{error}");
-    assert!(matches!(Finger::light(0.1).load(&unknown, 150.0), Err(RespondError::Untold(_))));
+    assert!(matches!(Finger::light(0.1).load(&unknown, 150.0), Err(RespondError::Unstated(_))));
 }

@@ -247,13 +247,13 @@ fn touched(
     let touches = touches.iter().map(touch).collect::<Result<Vec<_>, Failure>>()?;
     let drive = match arguments.measured.touched_drive {
         None => TouchedDrive::of(nominal),
-        Some(DriveKnown::AsTold) => TouchedDrive::AsTold,
+        Some(DriveKnown::AsTold) => TouchedDrive::AsStated,
         Some(DriveKnown::Unknown) => TouchedDrive::Unknown,
     };
     let found = from_touches(nominal, &touches, &Feeling::default(), drive, priors);
     Ok(found.map(|found| CalibrationReport {
         way: match drive {
-            TouchedDrive::AsTold => Way::Touches,
+            TouchedDrive::AsStated => Way::Touches,
             TouchedDrive::Unknown => Way::TouchesOfUnknownDrive,
         },
         edge_tolerance_m: Some(found.edge_tolerance_m),

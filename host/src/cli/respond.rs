@@ -67,7 +67,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
                 format!("{}, {times} times the drive{largest}", show_place(peak.position_m))
             },
         );
-        let width = plate.spec().turning_width.told();
+        let width = plate.spec().turning_width.words();
         let mut lines = vec![
             ("Plate", plate.name().to_owned()),
             ("Frequency", show_frequency(response.frequency_hz)),

@@ -139,11 +139,11 @@ fn a_drive_that_is_another_one_is_told_before_anything_loud() {
     let wrong = ["--amplifier", "60V", "--piezo", "1nF", "--shunt", "1mA"];
     for command in [&["measure", "--sensor", "34mm"][..], &["calibrate", "--sensor", "34mm"]] {
         let message = failure(&[command, &ALUMINIUM[..], &wrong].concat(), 1);
-        assert!(message.contains("The piezo has") && message.contains("where 1 nF are told"), "{message}");
+        assert!(message.contains("The piezo has") && message.contains("where 1 nF are stated"), "{message}");
     }
     let drive = ["drive", "--boundary", "240mm", "--for", "100ms"];
     let message = failure(&[&drive, &ALUMINIUM[..], &wrong].concat(), 1);
-    assert!(message.contains("where 1 nF are told"), "{message}");
+    assert!(message.contains("where 1 nF are stated"), "{message}");
     for (more, expected) in [
         (&["--amplifier", "2V"][..], "--shunt"),
         (&["--amplifier", "2V", "--coil", "4ohm", "--piezo", "1nF", "--shunt", "1A"], "--piezo"),

@@ -175,7 +175,7 @@ mod tests {
     fn fault(preset: &str, change: impl FnOnce(&mut PlateSpec)) -> String {
         let mut spec = slipline_plate::preset(preset).unwrap().spec().clone();
         change(&mut spec);
-        Plate::new(spec).unwrap_err().told(&Panel::Plate)
+        Plate::new(spec).unwrap_err().worded(&Panel::Plate)
     }
 
     #[test]
@@ -226,7 +226,7 @@ mod tests {
                     let mut spec = slipline_plate::preset(preset.name).unwrap().spec().clone();
                     change(&mut spec, factor);
                     if let Err(error) = Plate::new(spec) {
-                        let text = error.told(&Panel::Plate);
+                        let text = error.worded(&Panel::Plate);
                         assert!(
                             !text.contains('_') && !text.contains(" m ") && !text.ends_with(" m"),
                             "{text}"
@@ -261,7 +261,7 @@ mod tests {
         );
         let mut request = slipline_model::jobs::design::Draft::default().request().unwrap();
         (request.length_m, request.air) = (0.01, None);
-        let designer = |request: &Request| design(request).unwrap_err().told(&Panel::Designer);
+        let designer = |request: &Request| design(request).unwrap_err().worded(&Panel::Designer);
         assert_eq!(
             designer(&request),
             "Length 10 mm: must be longer: the peak of 20 kHz and the tail of 40 kHz alone take 23 mm of it; or raise the \

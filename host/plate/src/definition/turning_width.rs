@@ -49,7 +49,7 @@ impl TurningWidth {
     }
 
     /// How the width is measured, as the end of a sentence.
-    pub const fn told(self) -> &'static str {
+    pub const fn words(self) -> &'static str {
         match self {
             Self::Arc => "along the arc",
             Self::Plain => "straight across",

@@ -13,14 +13,14 @@ use std::fmt;
 
 impl fmt::Display for PlateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.told(&PlateFile))
+        f.write_str(&self.worded(&PlateFile))
     }
 }
 
 impl PlateError {
     /// What is wrong, as a sentence without a full stop.
     #[must_use]
-    pub fn told(&self, notation: &dyn Notation) -> String {
+    pub fn worded(&self, notation: &dyn Notation) -> String {
         let name = |field: &str| notation.field(field);
         match self {
             Self::OutOfRange { field, value, range, origin } => {

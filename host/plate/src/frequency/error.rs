@@ -27,7 +27,7 @@ pub enum RespondError {
     Frequency(OutOfRange),
     /// The plate file does not state the surface density, which a finger needs.
     #[error("{0}")]
-    Untold(PlateError),
+    Unstated(PlateError),
     /// The number of points or of width modes, the sample rate, or a field of the finger, is out of range.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),

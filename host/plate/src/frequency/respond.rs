@@ -65,7 +65,7 @@ pub fn respond(
 /// strip of the width at the finger. The peak is that of the touched plate: a resting finger may leave none.
 ///
 /// # Errors
-/// As [`respond`]; [`RespondError::OutOfRange`] for a field of the finger, [`RespondError::Untold`] if the plate file
+/// As [`respond`]; [`RespondError::OutOfRange`] for a field of the finger, [`RespondError::Unstated`] if the plate file
 /// does not state the membrane's tension or the sheet's thickness.
 pub fn respond_touched(
     plate: &Plate,

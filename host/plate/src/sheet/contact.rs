@@ -39,7 +39,7 @@ pub(super) struct Load {
 impl Contact {
     pub(super) fn new(plate: &Plate, finger: &Finger) -> Result<Self, RespondError> {
         finger.check(plate)?;
-        let density = plate.spec().model.surface_density("a finger").map_err(RespondError::Untold)?;
+        let density = plate.spec().model.surface_density("a finger").map_err(RespondError::Unstated)?;
         let per_area = 1.0 / (density * finger.contact_m.powi(2));
         let (begins_m, ends_m) = finger.reach(plate);
         Ok(Self {

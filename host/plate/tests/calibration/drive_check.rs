@@ -72,7 +72,7 @@ fn open_short_no_amplifier_and_wrong_drives_are_distinguished_on_every_truth() {
             assert!(matches!(check(&clipped), DriveCheck::Short { .. }), "{name} {seed}");
             for other in others {
                 let wrong = check(&current(&rig.nominal, &rig.truth, other, &mut random));
-                let DriveCheck::WrongLoad { found, told: stated } = wrong else {
+                let DriveCheck::WrongLoad { found, stated } = wrong else {
                     panic!("{name} {seed}: {wrong:?}")
                 };
                 let (DriveLoad::Coil { resistance_ohm: actual } | DriveLoad::Piezo { capacitance_f: actual }) =
@@ -101,8 +101,8 @@ fn each_state_is_a_sentence_and_numbers_out_of_range_are_refused_by_name() {
             "No current flows: a wire of the drive is open, its plug is out, or the amplifier is off.",
         ),
         (
-            DriveCheck::WrongLoad { found: 8.04, told: stated },
-            "The coil has 8 ohm where 4 ohm are told: it is another coil, or two of them.",
+            DriveCheck::WrongLoad { found: 8.04, stated },
+            "The coil has 8 ohm where 4 ohm are stated: it is another coil, or two of them.",
         ),
         (
             DriveCheck::TooQuiet { louder_db: 12.3 },

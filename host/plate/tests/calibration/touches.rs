@@ -91,7 +91,7 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     };
     let touches: Vec<Touch> = (0..count).map(touch).collect();
     let known = match drive {
-        Drive::Stated => TouchedDrive::AsTold,
+        Drive::Stated => TouchedDrive::AsStated,
         Drive::Unknown | Drive::Measured => TouchedDrive::of(&rig.nominal),
     };
     let found = from_touches(&rig.nominal, &touches, &Feeling::default(), known, &Priors::default()).ok()?;
@@ -187,7 +187,7 @@ fn touches_that_tell_nothing_are_refused() {
             .iter()
             .map(|&(mark_m, frequency_hz)| Touch { mark_m, tolerance_m: 2e-3, frequency_hz, peak_m })
             .collect();
-        from_touches(&plate, &touches, &Feeling::default(), TouchedDrive::AsTold, &Priors::default())
+        from_touches(&plate, &touches, &Feeling::default(), TouchedDrive::AsStated, &Priors::default())
             .expect_err("refused")
     };
     let one = refused(&[(0.15, 120.0)], 5e-6);

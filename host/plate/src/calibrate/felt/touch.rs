@@ -25,7 +25,7 @@ pub struct Touch {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TouchedDrive {
     /// The drive is as the plate file states it up to one factor, because its current or its levels were measured.
-    AsTold,
+    AsStated,
     /// The drive has 0.4 to 2.5 times the matched resistance, some mass and stiffness, and a resonance near the band.
     Unknown,
 }
@@ -35,7 +35,7 @@ impl TouchedDrive {
     #[must_use]
     pub fn of(plate: &Plate) -> Self {
         let measured = plate.spec().calibration.as_ref().and_then(|it| it.correction.as_ref());
-        if measured.is_some() { Self::AsTold } else { Self::Unknown }
+        if measured.is_some() { Self::AsStated } else { Self::Unknown }
     }
 }
 

@@ -73,7 +73,7 @@ pub fn from_touches(
     let feeling = feeling.checked()?;
     touch::check(plate, touches)?;
     let spread = match drive {
-        TouchedDrive::AsTold => None,
+        TouchedDrive::AsStated => None,
         TouchedDrive::Unknown => {
             takes_a_source(plate.spec())?;
             Some(DriveSpread::of(plate))

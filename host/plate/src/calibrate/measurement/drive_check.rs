@@ -79,12 +79,12 @@ pub enum DriveCheck {
         /// Resistance (ohm) or capacitance (farad) that the current corresponds to.
         found: f64,
         /// The stated drive.
-        told: DriveLoad,
+        stated: DriveLoad,
     },
     /// The phase of the current does not belong to the stated kind of drive.
     WrongKind {
         /// The stated drive.
-        told: DriveLoad,
+        stated: DriveLoad,
     },
     /// The tones are too quiet for a result: the current of a working drive would be below the noise limit.
     TooQuiet {
@@ -120,22 +120,22 @@ impl fmt::Display for DriveCheck {
                 "The current is {} times what it should be or more: the drive or its cable is short-circuited. Switch the amplifier off.",
                 number(share)
             ),
-            Self::WrongLoad { found, told: DriveLoad::Coil { resistance_ohm } } => write!(
+            Self::WrongLoad { found, stated: DriveLoad::Coil { resistance_ohm } } => write!(
                 text,
-                "The coil has {} ohm where {} ohm are told: it is another coil, or two of them.",
+                "The coil has {} ohm where {} ohm are stated: it is another coil, or two of them.",
                 number(found),
                 number(resistance_ohm)
             ),
-            Self::WrongLoad { found, told: DriveLoad::Piezo { capacitance_f } } => write!(
+            Self::WrongLoad { found, stated: DriveLoad::Piezo { capacitance_f } } => write!(
                 text,
-                "The piezo has {} nF where {} nF are told: it is another piezo, a broken one, or its cable is too long.",
+                "The piezo has {} nF where {} nF are stated: it is another piezo, a broken one, or its cable is too long.",
                 number(1e9 * found),
                 number(1e9 * capacitance_f)
             ),
-            Self::WrongKind { told: DriveLoad::Coil { .. } } => {
+            Self::WrongKind { stated: DriveLoad::Coil { .. } } => {
                 write!(text, "The current leads the voltage like a capacitor's: this is no coil.")
             }
-            Self::WrongKind { told: DriveLoad::Piezo { .. } } => {
+            Self::WrongKind { stated: DriveLoad::Piezo { .. } } => {
                 write!(text, "The current follows the voltage like a resistor's: this is no piezo.")
             }
             Self::TooQuiet { louder_db } => write!(
@@ -220,7 +220,7 @@ pub fn check_drive(
     let sum: Complex64 = points.iter().map(|point| point.response * ampere / expected(point)).sum();
     // Squared, because the sign of the shunt's signal depends on its wiring.
     if (sum * sum).arg().abs() > 2.0 * PHASE {
-        return Ok(DriveCheck::WrongKind { told: circuit.load });
+        return Ok(DriveCheck::WrongKind { stated: circuit.load });
     }
     let most = 1.0 + circuit.tolerance;
     if (most.recip()..=most).contains(&share) {
@@ -230,7 +230,7 @@ pub fn check_drive(
         DriveLoad::Coil { resistance_ohm } => resistance_ohm / share,
         DriveLoad::Piezo { capacitance_f } => capacitance_f * share,
     };
-    Ok(DriveCheck::WrongLoad { found, told: circuit.load })
+    Ok(DriveCheck::WrongLoad { found, stated: circuit.load })
 }
 
 impl DriveCircuit {

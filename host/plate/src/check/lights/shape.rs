@@ -64,7 +64,7 @@ pub(in crate::check) fn slope_light(site: &Site<'_>) -> Finding {
         (TurningWidth::Arc, _) => EDGE_SLOPE,
     };
     let off = 100.0 * share * slope * slope;
-    let measured = turning_width.told();
+    let measured = turning_width.words();
     site.graded(
         "edge slope",
         slope,

@@ -58,9 +58,9 @@ impl Finger {
     /// A finger of much less than 1 hardly changes the wave; one of more than 1 lowers the peak.
     ///
     /// # Errors
-    /// [`RespondError::Untold`] if the plate file does not state the inputs of the wave impedance.
+    /// [`RespondError::Unstated`] if the plate file does not state the inputs of the wave impedance.
     pub fn load(&self, plate: &Plate, frequency_hz: f64) -> Result<f64, RespondError> {
-        plate.spec().model.surface_density("a finger").map_err(RespondError::Untold)?;
+        plate.spec().model.surface_density("a finger").map_err(RespondError::Unstated)?;
         let wave = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
         Ok(self.impedance().at_n_s_per_m(frequency_hz).norm() / wave)
     }
@@ -73,7 +73,7 @@ impl Finger {
         OutOfRange::check("finger resistance", self.resistance_n_s_per_m, resistances)?;
         OutOfRange::check("finger mass", self.mass_kg, limits::MOVING_MASS)?;
         OutOfRange::check("finger contact", self.contact_m, limits::CONTACT)?;
-        plate.spec().model.surface_density("a finger").map(drop).map_err(RespondError::Untold)
+        plate.spec().model.surface_density("a finger").map(drop).map_err(RespondError::Unstated)
     }
 
     /// Extent of the contact to each side of the centre line at `x`, metres: at most the plate's half-width.

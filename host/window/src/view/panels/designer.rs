@@ -57,7 +57,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 let text = if is_told {
                     "None: see the field above.".to_owned()
                 } else {
-                    refusal.told(&Panel::Designer)
+                    refusal.worded(&Panel::Designer)
                 };
                 ui.label(RichText::new(text).small().color(palette.wrong));
             }

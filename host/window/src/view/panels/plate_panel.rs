@@ -64,7 +64,7 @@ fn this_plate(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intent
     ui.separator();
     theme::heading(ui, "What follows");
     let (low, high) = plate.band_hz();
-    row(ui, "Turning width", plate.spec().turning_width.told().to_owned());
+    row(ui, "Turning width", plate.spec().turning_width.words().to_owned());
     row(ui, "Cut-off", show_frequency(plate.cut_off_hz()));
     row(ui, "Band", format!("{} to {}", show_frequency(low), show_frequency(high)));
     table(ui, scene, intents);

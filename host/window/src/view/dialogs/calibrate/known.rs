@@ -59,7 +59,7 @@ pub(super) fn show(
                 let mut typed = calipers;
                 put(&mut typed, value_m);
                 let plate = typed.applied_to(calibration.plate());
-                plate.map(|_| typed).map_err(|error| error.told(&Panel::Plate))
+                plate.map(|_| typed).map_err(|error| error.worded(&Panel::Plate))
             });
             if let Some(typed) = taken {
                 ask(Some(typed));

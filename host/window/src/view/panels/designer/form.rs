@@ -98,8 +98,9 @@ impl<'a> Form<'a> {
                 self.shown.change = taken.or(self.shown.change.take());
                 if let Some(refusal) = reason {
                     self.shown.is_told = true;
-                    let text =
-                        RichText::new(refusal.told(&Panel::Designer)).small().color(theme::palette(ui).wrong);
+                    let text = RichText::new(refusal.worded(&Panel::Designer))
+                        .small()
+                        .color(theme::palette(ui).wrong);
                     ui.add(egui::Label::new(text).wrap());
                 }
             });

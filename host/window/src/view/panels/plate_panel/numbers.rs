@@ -75,7 +75,7 @@ impl Numbers<'_, '_> {
 pub(super) fn changed(plate: &Plate, set: impl FnOnce(&mut PlateSpec)) -> Result<Plate, String> {
     let mut spec = plate.spec().clone();
     set(&mut spec);
-    Plate::new(renamed(spec, plate)).map_err(|error| error.told(&Panel::Plate))
+    Plate::new(renamed(spec, plate)).map_err(|error| error.worded(&Panel::Plate))
 }
 
 /// A changed preset is no longer that preset: its name says so.
