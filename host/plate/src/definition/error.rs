@@ -4,7 +4,7 @@
 use crate::quantity::{Count, Range, WrongCount};
 use thiserror::Error;
 
-/// Why a plate was refused. `Display` names the fields as a plate file does; [`PlateError::told`] can use other names.
+/// Why a plate was refused. `Display` names the fields as a plate file does; [`PlateError::worded`] can use other names.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PlateError {
     /// A number is outside its range (or not a number).
