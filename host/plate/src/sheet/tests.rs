@@ -55,6 +55,13 @@ fn field(sheet: &Sheet) -> Vec<f32> {
     field
 }
 
+/// Everything that the grid carries: signs that change at random, each held for 20 codes.
+fn noise() -> Vec<f32> {
+    (0..20_000_u32)
+        .map(|n| if (n / 20).wrapping_mul(2_654_435_761) >> 31 == 0 { 1.0 } else { -1.0 })
+        .collect()
+}
+
 #[test]
 fn a_lossless_sheet_conserves_its_energy() {
     for (end, whole) in [
@@ -89,10 +96,7 @@ fn energy_is_conserved_where_the_plate_is_one_row_wide() {
     let plate = membrane(0.05, 10.0, 0.32, 0.0, DriveEnd::Displacement);
     for whole in [false, true] {
         let mut sheet = Sheet::new(&plate, RATE, SheetGrid { whole, ..SheetGrid::new(90, 14) }).unwrap();
-        let noise: Vec<f32> = (0..20_000_u32)
-            .map(|n| if (n / 20).wrapping_mul(2_654_435_761) >> 31 == 0 { 1.0 } else { -1.0 })
-            .collect();
-        sheet.push(&noise);
+        sheet.push(&noise());
         sheet.push(&[0.0; 100]);
         let before = sheet.energy_j_per_kg_m2();
         for _ in 0..50 {

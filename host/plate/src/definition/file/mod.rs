@@ -214,17 +214,20 @@ fn model_of(given: &Given<'_>) -> Result<Model, PlateError> {
     })
 }
 
-/// A film's three fields belong together: where one is given, the message names the others.
-fn film_of(given: &Given<'_>) -> Result<Option<Film>, PlateError> {
-    const FILM: [&str; 3] = ["youngs_modulus_pa", "poisson_ratio", "thickness_m"];
-    if !FILM.iter().any(|field| given.has(field)) {
+/// Three fields that belong together: `None` without any of them. Where one is given, the message names those that are missing.
+fn together(given: &Given<'_>, [a, b, c]: [&'static str; 3]) -> Result<Option<[f64; 3]>, PlateError> {
+    if ![a, b, c].iter().any(|field| given.has(field)) {
         return Ok(None);
     }
-    let [modulus, ratio, thickness] = FILM;
-    Ok(Some(Film {
-        youngs_modulus_pa: given.required(modulus)?,
-        poisson_ratio: given.required(ratio)?,
-        thickness_m: given.required(thickness)?,
+    Ok(Some([given.required(a)?, given.required(b)?, given.required(c)?]))
+}
+
+fn film_of(given: &Given<'_>) -> Result<Option<Film>, PlateError> {
+    let fields = together(given, ["youngs_modulus_pa", "poisson_ratio", "thickness_m"])?;
+    Ok(fields.map(|[youngs_modulus_pa, poisson_ratio, thickness_m]| Film {
+        youngs_modulus_pa,
+        poisson_ratio,
+        thickness_m,
     }))
 }
 
@@ -343,16 +346,12 @@ fn calibration_of(given: &Given<'_>) -> Result<Calibration, PlateError> {
     })
 }
 
-/// A missing one of three fields that need each other: the message names the others.
 fn source_tolerance_of(given: &Given<'_>) -> Result<Option<Impedance>, PlateError> {
-    if !SOURCE_TOLERANCE.iter().any(|field| given.has(field)) {
-        return Ok(None);
-    }
-    let [resistance, mass, stiffness] = SOURCE_TOLERANCE;
-    Ok(Some(Impedance {
-        resistance_n_s_per_m: given.required(resistance)?,
-        mass_kg: given.required(mass)?,
-        stiffness_n_per_m: given.required(stiffness)?,
+    let fields = together(given, SOURCE_TOLERANCE)?;
+    Ok(fields.map(|[resistance_n_s_per_m, mass_kg, stiffness_n_per_m]| Impedance {
+        resistance_n_s_per_m,
+        mass_kg,
+        stiffness_n_per_m,
     }))
 }
 

@@ -1,6 +1,6 @@
 //! The sheet in air: against the plate in two dimensions with the same law, its energy, and what it states and refuses.
 
-use super::{RATE, field, membrane, settled, tone};
+use super::{RATE, field, membrane, noise, settled, tone};
 use crate::{
     Air, AirMounting, DriveEnd, Faces, Finger, Gas, Model, Plate, PlateSpec, Sheet, SheetError, SheetGrid,
     plane, preset,
@@ -96,10 +96,7 @@ fn a_sheet_in_air_conserves_its_energy_and_nothing_on_it_grows() {
         let plate = lossless(kg_per_m2, DriveEnd::Force { at_frequency_hz: 100.0 });
         let grid = SheetGrid::new(90, 14).at_tones(&plate, &tones_hz).unwrap();
         let mut sheet = Sheet::new(&plate, RATE, grid).unwrap();
-        let noise: Vec<f32> = (0..20_000_u32)
-            .map(|n| if (n / 20).wrapping_mul(2_654_435_761) >> 31 == 0 { 1.0 } else { -1.0 })
-            .collect();
-        sheet.push(&noise);
+        sheet.push(&noise());
         sheet.push(&[0.0; 100]);
         let before = sheet.energy_j_per_kg_m2();
         assert!(before > 0.0, "{kg_per_m2}: {before:e}");
