@@ -1,36 +1,38 @@
-//! What a fingertip feels along the plate: one model for the felt edge, the strip of what is felt, textures and merit.
+//! The sensation of a fingertip along the plate: one model for the felt edge, the felt strip, textures and
+//! merit.
 //!
-//! Illustrative, and settable: fingers differ. A tone below 20 kHz is felt as a vibration from the threshold of its
-//! frequency on; tones above 20 kHz together make the plate slippery, which is felt once the friction has fallen by
-//! [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. See [`crate::sensation`] for the
-//! threshold and for the friction. PHYSICS.md, section 5, has the source and the spread of every number.
+//! The values are illustrative and settable, because fingers differ. A tone below 20 kHz is felt as vibration above the
+//! threshold at its frequency. Tones above 20 kHz together make the plate slippery, which is felt once the friction has
+//! fallen by [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. Threshold and
+//! friction are in [`crate::sensation`]. Source and spread of every number are in PHYSICS.md, section 5.
 
 use crate::definition::Plate;
 use crate::quantity::{OutOfRange, Range};
 use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use num_complex::Complex64;
 
-/// How far the thresholds of persons lie apart, dB: half of it above and half below [`Feeling`]'s own. No source: a round
-/// value. The conditions of the touch move a threshold by more: A. Brisben, S. Hsiao and K. Johnson (J. Neurophysiol. 81,
-/// 1548, 1999) find 10 dB at 40 Hz and 19 dB at 300 Hz between a probe of 1 mm and a grasped rod.
+/// Spread of the thresholds of persons, dB: half of it above [`Feeling`]'s own and half below. No source: a round
+/// value. The conditions of the touch change a threshold by more: A. Brisben, S. Hsiao and K. Johnson (J. Neurophysiol.
+/// 81, 1548, 1999) find 10 dB at 40 Hz and 19 dB at 300 Hz between a probe of 1 mm and a grasped rod.
 pub const PERSONS_DB: f64 = 8.0;
 
-/// How a finger feels. All values are illustrative.
+/// Parameters of the sensation model. All values are illustrative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feeling {
-    /// Threshold of feeling a vibration, in units of [`threshold_m`] at the tone's frequency; above 0.
+    /// Threshold of vibration, in units of [`threshold_m`] at the tone's frequency; above 0.
     pub threshold: f64,
     /// Friction over ultrasonic amplitude.
     pub friction: FrictionCurve,
-    /// Smallest fall of the friction that is felt, over the friction of the plate at rest; above 0, below 1.
+    /// Smallest fall of the friction that is felt, over the friction on the plate at rest; above 0, below 1.
     pub least_friction_change: f64,
     /// Length of the contact along the plate, metres; at least 0.
     pub contact_m: f64,
 }
 
 impl Default for Feeling {
-    /// The threshold as it is, friction by its default curve, a tenth less friction just felt (D. Gueorguiev et al., J. R. Soc.
-    /// Interface 14, 20170641, 2017: a Weber fraction of 0.11), a contact of 10 mm (no source: a round value).
+    /// The threshold of [`threshold_m`], the default friction curve, a tenth less friction as just felt (D. Gueorguiev
+    /// et al., J. R. Soc. Interface 14, 20170641, 2017: a Weber fraction of 0.11), a contact of 10 mm (no source: a
+    /// round value).
     fn default() -> Self {
         Self {
             threshold: 1.0,
@@ -41,7 +43,7 @@ impl Default for Feeling {
     }
 }
 
-/// A tone as the finger meets it.
+/// A tone in the field that the finger touches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FeltTone<'a> {
     /// Frequency, Hz.
@@ -50,10 +52,10 @@ pub struct FeltTone<'a> {
     pub squares: &'a [f64],
 }
 
-/// Where what is felt ends.
+/// The end of the felt part of the plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FeltEdge {
-    /// Here, metres from the driven end: beyond it nothing is felt.
+    /// Place of the edge, metres from the driven end: beyond it nothing is felt.
     At(f64),
     /// Something is felt up to the plate's end.
     PlateEnd,
@@ -61,17 +63,17 @@ pub enum FeltEdge {
     Nowhere,
 }
 
-/// Where what is felt ends for persons at both ends of [`PERSONS_DB`].
+/// The felt edges for persons at both ends of [`PERSONS_DB`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgesByPerson {
-    /// For a threshold half of it higher.
+    /// Edge for a threshold higher by half of [`PERSONS_DB`].
     pub near: FeltEdge,
-    /// For a threshold half of it lower.
+    /// Edge for a threshold lower by half of [`PERSONS_DB`].
     pub far: FeltEdge,
 }
 
 impl FeltEdge {
-    /// The place, if there is one, metres.
+    /// The place of the edge, metres; `None` if there is no edge on the plate.
     pub fn place_m(self) -> Option<f64> {
         match self {
             Self::At(place_m) => Some(place_m),
@@ -81,9 +83,9 @@ impl FeltEdge {
 }
 
 impl Feeling {
-    /// The same feeling, if every value is in its range: `threshold` 0.01 to 100, `friction.scale_m` 1 nm to 1 mm,
-    /// `friction.residual` 0 to 0.99, `friction.exponent` 0.1 to 10, `least_friction_change` 0.001 to 0.99, `contact_m` 0
-    /// to 100 mm.
+    /// These values, if each is in its range: `threshold` 0.01 to 100, `friction.scale_m` 1 nm to 1 mm,
+    /// `friction.residual` 0 to 0.99, `friction.exponent` 0.1 to 10, `least_friction_change` 0.001 to 0.99, `contact_m`
+    /// 0 to 100 mm.
     ///
     /// # Errors
     /// The first value that is outside its range.
@@ -101,8 +103,8 @@ impl Feeling {
         Ok(self)
     }
 
-    /// The displacement amplitude from which on a tone of this frequency alone is felt, metres. Infinite above 20 kHz if
-    /// even the residual friction is not low enough.
+    /// Smallest displacement amplitude at which a tone of this frequency alone is felt, metres. Infinite from 20 kHz on
+    /// if even the residual friction is not low enough.
     pub fn just_felt_m(&self, frequency_hz: f64) -> f64 {
         if frequency_hz < SLIPPERY_FROM_HZ {
             return self.threshold * threshold_m(frequency_hz);
@@ -115,7 +117,7 @@ impl Feeling {
         }
     }
 
-    /// How strongly each place is felt: 1 is just felt, 2 is twice as much. All tones have the same number of places.
+    /// Strength of the sensation at each place, over that which is just felt. All tones have the same number of places.
     pub fn strength(&self, plate: &Plate, tones: &[FeltTone<'_>]) -> Vec<f64> {
         let places = tones.iter().map(|tone| tone.squares.len()).min().unwrap_or(0);
         let mut vibration = vec![0.0; places];
@@ -127,7 +129,7 @@ impl Feeling {
                 (&mut ultrasound, 1.0)
             };
             for (sum, square) in sum.iter_mut().zip(tone.squares) {
-                // The square of the amplitude is twice the mean square.
+                // The squared amplitude is twice the mean square.
                 *sum += 2.0 * square * share;
             }
         }
@@ -141,19 +143,19 @@ impl Feeling {
             .collect()
     }
 
-    /// The amplitude that a finger feels of a tone at each place: the root of the mean of |w|^2 over its contact.
+    /// The amplitude of a tone that a finger feels at each place: the root of the mean of |w|^2 over its contact.
     pub(crate) fn contact_amplitude(&self, plate: &Plate, field: &[Complex64]) -> Vec<f64> {
         let squares: Vec<f64> = field.iter().map(Complex64::norm_sqr).collect();
         self.under_contact(&squares, plate.length_m()).into_iter().map(f64::sqrt).collect()
     }
 
-    /// The felt edge of a strength along the plate: the last place at which it is 1.
+    /// The felt edge of a strength along the plate: the last place where the strength falls to 1.
     pub fn edge(plate: &Plate, strength: &[f64]) -> FeltEdge {
         Self::edge_from(plate, strength, 1.0)
     }
 
-    /// The felt edges of persons: a vibration is felt from a threshold half of [`PERSONS_DB`] higher or lower on, and
-    /// slipperiness from a fall of the friction that is larger or smaller by the same factor.
+    /// The felt edges for persons: for thresholds of vibration half of [`PERSONS_DB`] higher and lower, and for just
+    /// felt falls of the friction that are larger and smaller by the same factor.
     pub fn edges_by_person(plate: &Plate, strength: &[f64]) -> EdgesByPerson {
         let half = 10_f64.powf(0.5 * PERSONS_DB / 20.0);
         EdgesByPerson {
@@ -162,26 +164,26 @@ impl Feeling {
         }
     }
 
-    /// The last place at which a strength is `least`.
+    /// The last place where a strength falls to `least`.
     fn edge_from(plate: &Plate, strength: &[f64], least: f64) -> FeltEdge {
         let Some(last) = strength.iter().rposition(|&strength| strength >= least) else {
             return FeltEdge::Nowhere;
         };
         let Some(&beyond) = strength.get(last + 1) else { return FeltEdge::PlateEnd };
         let step_m = plate.length_m() / (strength.len() - 1) as f64;
-        // Straight in the logarithm, as the amplitude falls there.
+        // Linear interpolation of the logarithm, because the amplitude falls exponentially there.
         let (felt, beyond) = ((strength[last] / least).ln(), (beyond / least).max(f64::MIN_POSITIVE).ln());
         FeltEdge::At((last as f64 + felt / (felt - beyond)) * step_m)
     }
 
-    /// The mean over the contact around each place, as far as it is on the plate.
+    /// The mean over the part of the contact around each place that lies on the plate.
     fn under_contact(&self, squares: &[f64], length_m: f64) -> Vec<f64> {
         let last = squares.len().saturating_sub(1) as f64;
         let half = 0.5 * self.contact_m / length_m * last;
         if squares.len() < 2 || half <= 0.0 {
             return squares.to_vec();
         }
-        // The integral from 0 to each place, of straight lines between them.
+        // Integral from 0 to each place, by the trapezoidal rule.
         let mut integral = vec![0.0];
         let mut sum = 0.0;
         for pair in squares.windows(2) {
@@ -233,7 +235,7 @@ mod tests {
     #[test]
     fn ultrasound_is_felt_from_the_least_change_of_friction_on() {
         let feeling = Feeling::default();
-        // 1 - mu/mu0 = 0.8 (1 - e^-(a/a0)^1.5) is 0.1 here.
+        // Here 1 - mu/mu0 = 0.8 (1 - e^-(a/a0)^1.5) is 0.1.
         let amplitude = feeling.friction.scale_m * (-(1.0_f64 - 0.1 / 0.8).ln()).powf(1.0 / 1.5);
         assert!((feeling.just_felt_m(25e3) / amplitude - 1.0).abs() < 1e-12);
         let rough = FrictionCurve { residual: 0.9, ..feeling.friction };
@@ -282,7 +284,7 @@ mod tests {
     fn persons_feel_it_end_where_the_strength_is_half_of_their_spread_off() {
         let plate = plate();
         let step_m = plate.length_m() / (PLACES - 1) as f64;
-        // It falls by 4 dB in 11.5 mm.
+        // The strength falls by 4 dB in 11.5 mm.
         let fall: Vec<f64> = (0..PLACES).map(|place| (40.0 * (0.16 - place as f64 * step_m)).exp()).collect();
         let EdgesByPerson { near, far } = Feeling::edges_by_person(&plate, &fall);
         let off_m = 0.5 * PERSONS_DB / 20.0 * std::f64::consts::LN_10 / 40.0;
@@ -297,7 +299,7 @@ mod tests {
     #[test]
     fn the_contact_takes_the_mean_square() {
         let plate = plate();
-        // A ramp keeps its value in the middle; at the ends only what is on the plate counts.
+        // A ramp keeps its value in the middle; at the ends the mean is over the part of the contact on the plate.
         let ramp: Vec<f64> = (0..PLACES).map(|place| place as f64).collect();
         let feeling =
             Feeling { contact_m: 8.0 * plate.length_m() / (PLACES - 1) as f64, ..Feeling::default() };

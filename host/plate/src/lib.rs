@@ -7,11 +7,11 @@
 //! DAC codes ------------------------+-> TimeDomainLine -> Envelope          (modal oscillators, exact steps)
 //! ```
 //!
-//! SI units throughout. x = 0 is the driven, wide end. Time goes as e^(-j omega t), so a wave into the plate is
-//! e^(+j k x) and loss is K^2 -> K^2 (1 + j eta). The crate knows no protocol, no window and no device.
+//! SI units throughout. x = 0 is the driven, wide end. The time factor is e^(-j omega t), so a wave into the plate is
+//! e^(+j k x), and loss is K^2 -> K^2 (1 + j eta). The crate contains no protocol, no window and no device.
 
 #![forbid(unsafe_code)]
-// The crate is part of the browser build: clippy.toml lists what a browser lacks.
+// The crate is part of the browser build; clippy.toml lists the functions that a browser does not have.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 pub mod calibrate;
 pub mod check;

@@ -1,9 +1,10 @@
-//! Figures of merit of a boundary: how sharp it is, how fast it can be switched, how many can be distinguished.
+//! Figures of merit of a boundary: its sharpness, its switching time, and the number of boundaries that can be
+//! distinguished.
 //!
 //! ```text
 //! solid area of 16 tones (texture) -> contrast, ripple, edge width
 //! the boundary's own tone, switched on, on the plate in time -> switching time
-//! a second peak that comes nearer -> two-point distance
+//! a second peak that approaches the first -> two-point distance
 //! span over two-point distance, switching time -> bits per second
 //! ```
 
@@ -12,9 +13,9 @@ mod switching;
 use crate::texture::{Palette, TONES_MAX, Target, Texture, TextureError};
 use switching::{Peak, last_top};
 
-/// Turning points whose second peak is tried, per span.
+/// Number of turning points between the start of the span and the boundary at which a second peak is tried.
 const NEIGHBOURS: usize = 400;
-/// Two peaks can be distinguished if the mean square between them falls to this share of theirs: 3 dB.
+/// Two peaks can be distinguished if the mean square between them falls to this fraction of that of the peaks: 3 dB.
 const DIP: f64 = 0.5;
 
 /// Figures of merit of one boundary.
@@ -24,28 +25,28 @@ pub struct Merit {
     pub turning_point_m: f64,
     /// Its frequency, Hz.
     pub frequency_hz: f64,
-    /// Mean square of the solid area over that 1.4 edge widths past the turning point, dB.
+    /// Ratio of the mean square in the solid area to that 1.4 edge widths past the turning point, dB.
     pub contrast_db: f64,
-    /// Largest over smallest RMS amplitude of the solid area, dB.
+    /// Ratio of the largest to the smallest RMS amplitude in the solid area, dB.
     pub ripple_db: f64,
-    /// From 90 % to 10 % of the solid area's RMS amplitude, metres.
+    /// Distance over which the amplitude falls from 90 % to 10 % of the solid area's RMS amplitude, metres.
     pub edge_width_m: f64,
-    /// From the code that switches the boundary's tone on until its peak stays within 10 % of its amplitude, seconds, by
-    /// the plate in time; `None` if the plate has no time-domain line.
+    /// Time from the code that switches the boundary's tone on until its peak stays within 10 % of its amplitude,
+    /// seconds, by the plate in time; `None` if the plate has no time-domain line.
     pub switching_time_s: Option<f64>,
-    /// Least distance of a second, equally high peak before this one between which the mean square falls by 3 dB,
-    /// metres; `None` if no tone of the span makes one.
+    /// Least distance of a second, equally high peak before this one such that the mean square between them falls by
+    /// 3 dB, metres; `None` if no tone of the span gives one.
     pub two_point_m: Option<f64>,
-    /// log2(1 + span / two-point distance) / switching time: boundaries that can be distinguished, as often as they can be
-    /// switched.
+    /// log2(1 + span / two-point distance) / switching time: the information in a choice among distinguishable
+    /// boundaries, at the rate at which they can be switched, bit/s. `None` without one of the two figures.
     pub bits_per_s: Option<f64>,
 }
 
 impl Merit {
-    /// The figures of the boundary at `turning_point_m`, in the table's span.
+    /// The figures of the boundary at `turning_point_m`, which must lie in the table's span.
     ///
     /// # Errors
-    /// As [`Target::solid`] and [`Texture::fit`].
+    /// As [`Target::solid`] and [`Texture::fit`]; [`TextureError::Silent`] if the area has no contrast or ripple.
     pub fn of(palette: &Palette<'_>, turning_point_m: f64) -> Result<Self, TextureError> {
         let (plate, table) = (palette.plate(), palette.table());
         let target = Target::solid(palette, turning_point_m)?;
@@ -74,7 +75,7 @@ impl Merit {
     }
 }
 
-/// From the last place with 90 % to the first with 10 % of the area's RMS amplitude.
+/// Distance from the last place with 90 % to the last with 10 % of the area's RMS amplitude, metres.
 fn edge_width_m(texture: &Texture, target: &Target) -> f64 {
     let counted = texture.rms_m.iter().zip(target.wanted()).zip(target.weight());
     let area: Vec<f64> = counted
@@ -93,7 +94,7 @@ fn edge_width_m(texture: &Texture, target: &Target) -> f64 {
     last_above(0.1) - last_above(0.9)
 }
 
-/// The least distance of a second peak.
+/// The least distance of a second peak, metres; see [`Merit::two_point_m`].
 fn two_point_m(palette: &Palette<'_>, turning_point_m: f64) -> Result<Option<f64>, TextureError> {
     let start_m = palette.table().span_start_m;
     let step_m = (turning_point_m - start_m) / NEIGHBOURS as f64;
@@ -106,7 +107,7 @@ fn two_point_m(palette: &Palette<'_>, turning_point_m: f64) -> Result<Option<f64
     let tops: Vec<usize> = columns.iter().map(last_top).collect();
     let (far, far_top) = (columns.column(0), tops[0]);
     for (near, &near_top) in columns.iter().zip(&tops).skip(1) {
-        // The power of the nearer tone that makes both peaks equally high.
+        // The power of the nearer tone for which both peaks are equally high.
         let power = (far[far_top] - far[near_top]) / (near[near_top] - near[far_top]);
         if near_top >= far_top || power.is_nan() || power < 0.0 {
             continue;

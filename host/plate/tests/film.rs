@@ -1,5 +1,5 @@
-//! The stiffness of a film: against the exact strip, an independent equation, a plate in two dimensions, and what stays as it
-//! was without it.
+//! The stiffness of a film against the exact strip, an independent equation and a plate in two dimensions, and the
+//! results that do not depend on it.
 
 use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions, Light};
@@ -15,7 +15,8 @@ fn polyester(thickness_m: f64) -> Film {
     Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m }
 }
 
-/// The preset `membrane` with `film` in place of its own sheet, whose density is this, at the same wave speed.
+/// The specification of the preset `membrane` with its sheet replaced by `film` of this density, at the same wave
+/// speed.
 fn stretched(film: Film, density_kg_per_m3: f64) -> PlateSpec {
     let mut spec = preset("membrane").expect("a preset").spec().clone();
     let tension = density_kg_per_m3 * film.thickness_m * 12.0 * 12.0;
@@ -28,7 +29,7 @@ fn plate() -> Plate {
     Plate::new(stretched(polyester(50e-6), 1390.0)).expect("a plate")
 }
 
-/// The largest root of f between `low` and `high`, where it rises.
+/// The zero of f between `low` and `high`, where f rises from below zero to above it.
 fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
@@ -46,7 +47,7 @@ fn exact_cut_off(half_width_m: f64, edge_m: f64) -> f64 {
     root(FRAC_PI_2 / half_width_m, 2.37 / half_width_m, |k| -balance(k))
 }
 
-/// f of that K, Hz, for a wave speed of 12 m/s.
+/// Frequency in Hz of this K, for a wave speed of 12 m/s.
 fn frequency_hz(k: f64, edge_m: f64) -> f64 {
     12.0 * k * (1.0 + (edge_m * k).powi(2)).sqrt() / TAU
 }
@@ -58,7 +59,7 @@ fn cut_offs_are_those_of_the_exact_strip() {
     let plate = Plate::new(spec).expect("a plate");
     let edge_m = polyester(50e-6).edge_length_m(1390.0 * 50e-6 * 144.0);
     assert!((edge_m - 2.34e-3).abs() < 1e-5, "{edge_m}");
-    // Over that of the ideal membrane, at 80, 160 and 280 mm.
+    // Ratio to the cut-off of the ideal membrane, at 80, 160 and 280 mm.
     for (x, ratio) in [(0.08, 1.0788), (0.16, 1.1218), (0.28, 1.2461)] {
         let half_width_m = plate.half_width_m(x);
         let exact = frequency_hz(exact_cut_off(half_width_m, edge_m), edge_m);
@@ -81,8 +82,8 @@ fn exact_square(axial: f64, half_width_m: f64, edge_m: f64) -> f64 {
     root(square(2.37), square(FRAC_PI_2), balance)
 }
 
-/// Golden numbers of PHYSICS.md, section 11: thickness, Young's modulus, Poisson's ratio, density, cut-offs over those of the
-/// ideal membrane and how much nearer to the drive its tones turn, mm.
+/// Golden numbers of PHYSICS.md, section 11, for each film: the edge length, the excess of its cut-offs over those of
+/// the ideal membrane, and the shift of its turning points towards the drive, mm; then the errors of the law.
 #[test]
 fn the_table_of_films_is_the_pages() {
     let page = include_str!("../PHYSICS.md");
@@ -121,7 +122,7 @@ fn the_table_of_films_is_the_pages() {
     }
 }
 
-/// How much k of the law of the turning half-width is too small just before the place where it turns, %; W = 1.
+/// Amount by which k of the law of the turning half-width is too small just before the turning point, %; W = 1.
 fn missed_percent(edge_m: f64) -> f64 {
     let cut_off = exact_cut_off(1.0, edge_m);
     let at = |factor: f64| exact_square(cut_off * cut_off * factor, 1.0, edge_m);
@@ -137,7 +138,7 @@ fn before_the_boundary_the_wavenumber_misses_what_the_light_says() {
         let wanted = missed_percent(edge_m / plate().half_width_m(x));
         assert!((found - wanted).abs() < 1e-3, "{x}: {found} {wanted}");
     }
-    // Where the plate is wider the law is off by less.
+    // Where the plate is wider, the error of the law is smaller.
     let axial = exact_cut_off(1.0, 0.15).powi(2);
     let mut before = missed_percent(0.15);
     for wider in [1.05, 1.2, 1.5, 2.0, 4.0] {
@@ -148,13 +149,13 @@ fn before_the_boundary_the_wavenumber_misses_what_the_light_says() {
     }
 }
 
-/// W of the membrane that turns every wave where the film does.
+/// Half-width of the membrane that turns every wave at the same place as the film.
 fn swinging(plate: &Plate, edge_m: f64, x: f64) -> f64 {
     FRAC_PI_2 / exact_cut_off(plate.half_width_m(x), edge_m)
 }
 
-/// f'' + (w'/w) f' + (K^2 (1 + j eta) - (pi/2w)^2) f = 0 by Runge and Kutta's method from far beyond the turning point to the
-/// driven end; on every 16th of the steps, with f(0) = 1.
+/// f'' + (w'/w) f' + (K^2 (1 + j eta) - (pi/2w)^2) f = 0 by the Runge-Kutta method from the plate's end to the driven
+/// end; the result is at every 16th step, with f(0) = 1.
 fn integrated(plate: &Plate, edge_m: f64, frequency_hz: f64, steps: usize) -> Vec<Complex64> {
     let squared = (TAU * frequency_hz / 12.0).powi(2);
     let bent = 0.5 * ((1.0 + 4.0 * edge_m * edge_m * squared).sqrt() - 1.0);
@@ -201,14 +202,14 @@ fn the_response_is_that_of_the_equation_with_the_width_of_the_exact_strip() {
         // The end of the film moves by 1 + (s k0)^2 times its wave.
         let k0 = plate.wavenumber_squared(hz) - (FRAC_PI_2 / swinging(&plate, edge_m, 0.0)).powi(2);
         let rise = 1.0 + edge_m * edge_m * k0;
-        // The plate goes on beyond its end, where the integration begins with a decay of its own.
+        // The plate continues beyond its end, where the integration starts with an assumed decay.
         for (found, wanted) in found.iter().zip(&wanted).take(180) {
             assert!((found * rise - wanted).norm() < 1e-6 * largest, "{x}: {found} {wanted}");
         }
     }
 }
 
-/// One dimension against two: how much farther and how much higher the peak is, mm and dB.
+/// One dimension less two dimensions: the place of the peak, mm, and its level, dB.
 fn misses(plate: &Plate, x: f64) -> (f64, f64) {
     let hz = plate.frequency_for_boundary_hz(x);
     let one = respond(plate, hz, 2001, Equation::Corrected).expect("enters").peak.expect("a peak");
@@ -253,7 +254,7 @@ fn wavenumber_and_frequency_are_each_others_inverse_with_film_and_air_together()
         let slow = 1.0 / (1.0 + (vacuum / (0.65 * 343.2)).powi(3));
         let inertia = density + 2.0 * 1.25 * slow * 1.2041 / squared.sqrt();
         assert!((restoring / ((TAU * hz).powi(2) * inertia) - 1.0).abs() < 1e-5, "{x}");
-        // d ln K^2 by d ln of the frequency is twice the share of the loss.
+        // d ln K^2/d ln of the frequency is twice the ratio of the losses.
         let step = 1e-4;
         let rise =
             (plate.wavenumber_squared(hz * (1.0 + step)) / plate.wavenumber_squared(hz * (1.0 - step))).ln();
@@ -276,7 +277,7 @@ fn without_its_film_a_plate_is_the_ideal_membrane_to_the_last_bit() {
     assert_eq!(ideal.without_film(), ideal);
     let paper = |plate: &Plate| respond(plate, 150.0, 129, Equation::Paper).expect("enters");
     assert_eq!(paper(&film), paper(&ideal));
-    // A film of no stiffness goes all the way through its law.
+    // A film of negligible stiffness is computed by the law of films.
     let limp = Film { youngs_modulus_pa: 1e3, thickness_m: 1e-6, ..polyester(0.0) };
     let mut spec = film.spec().clone();
     let Model::Membrane { film, .. } = &mut spec.model else { panic!("a membrane") };
@@ -333,7 +334,7 @@ fn the_light_warns_where_a_film_is_stiff_and_a_stiffer_one_is_refused_with_the_t
     );
     let stretch = far.stretches.first().expect("a stretch");
     assert!(stretch.from_m > 0.15 && stretch.to_m == 0.28, "{far:?}");
-    // Such a film is green all the way.
+    // A film of that thickness is green up to the end of the span.
     let thinner = Plate::new(stretched(polyester(34e-6), 1390.0)).expect("a plate");
     assert_eq!(thin_plate(&thinner, 0.28).colour, Colour::Green);
     let ideal = thin_plate(&plate().without_film(), 0.28);
@@ -378,7 +379,7 @@ fn a_design_counts_its_film_and_says_which_film_would_be_better() {
     assert_eq!(Plate::from_toml(&plate.to_toml()).expect("its own text"), plate);
     let (low, high) = plate.band_hz();
     assert!((low / 80.0 - 1.0).abs() < 1e-6 && (high / 200.0 - 1.0).abs() < 1e-6, "{low} {high}");
-    // The membrane's half-widths alone would put the band 8 % and more too high.
+    // The membrane's half-widths alone would put the band too high by 8 % and more.
     assert!(plate.without_film().band_hz().1 < 0.9 * high);
     let stiff = design(&request(50e-6)).expect("a design").plate;
     let warned = thin_plate(&stiff, stiff.span_m().1);

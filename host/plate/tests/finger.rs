@@ -1,4 +1,4 @@
-//! A finger on the plate, against the two-dimensional solver and against the laws it has to keep.
+//! A finger on the plate, against the two-dimensional solver and against conservation laws.
 
 use slipline_plate::{
     Complex64, DriveEnd, EndSlope, Equation, Finger, LeadIn, Model, Plate, PlateSpec, RespondError, Response,
@@ -7,7 +7,7 @@ use slipline_plate::{
 
 const POINTS: usize = 1601;
 
-/// The default membrane with another tension, and so with another weight of its wave.
+/// The default membrane with another tension, and so with another wave impedance.
 fn membrane(tension_n_per_m: f64) -> Plate {
     let mut spec: PlateSpec = preset("membrane").unwrap().spec().clone();
     let Model::Membrane { wave_speed_m_per_s, .. } = spec.model else { panic!("a membrane") };
@@ -15,7 +15,7 @@ fn membrane(tension_n_per_m: f64) -> Plate {
     Plate::new(spec).unwrap()
 }
 
-/// Aluminium in bending behind a soft force with a damped lead-in.
+/// Aluminium in bending with a soft force and a damped lead-in.
 fn led_in() -> Plate {
     let mut spec: PlateSpec = preset("al-bending").unwrap().spec().clone();
     spec.drive_end = DriveEnd::Source(Source {
@@ -26,8 +26,8 @@ fn led_in() -> Plate {
     Plate::new(spec).unwrap()
 }
 
-/// What a finger leaves: the largest amplitude that a fingertip's mean finds anywhere, the mean at its own place, and the
-/// place of the edge, the last one with a quarter of the largest.
+/// The field with a finger: the largest mean amplitude over a fingertip anywhere, the mean at the finger's own place,
+/// and the place of the edge, the last one with a quarter of the largest.
 #[derive(Debug)]
 struct Felt {
     largest: f64,
@@ -110,7 +110,7 @@ fn a_finger_that_weighs_nothing_changes_nothing_and_a_light_one_changes_in_propo
 
 #[test]
 fn what_the_drive_gives_is_what_the_damper_the_plate_and_the_finger_take() {
-    // Without loss in the plate the power that the source sends is lost in its own resistance and in the finger.
+    // Without loss in the plate, the power of the source is dissipated in its own resistance and in the finger.
     let mut spec = membrane(40.0).spec().clone();
     spec.loss_factor = 0.0;
     let plate = Plate::new(spec).unwrap();
@@ -122,11 +122,11 @@ fn what_the_drive_gives_is_what_the_damper_the_plate_and_the_finger_take() {
         let finger = Finger { mass_kg: 2e-5, ..Finger::light(place_m) };
         let touched =
             respond_touched(&plate, Some(&finger), frequency_hz, 3201, Equation::Corrected).unwrap();
-        // The damper's other side moves by 2: its force on the plate is R (2 - f(0)) (-j omega).
+        // The far side of the damper moves by 2: its force on the plate is R (2 - f(0)) (-j omega).
         let end = touched.amplitude[0];
         let force = Complex64::new(0.0, -omega) * resistance * (Complex64::from(2.0) - end);
         let into_plate = 0.5 * (force * (Complex64::new(0.0, -omega) * end).conj()).re;
-        // The mean motion under the finger, as if the first width mode were all of it: good to a few per cent.
+        // The mean motion under the finger from the first width mode alone; accurate to a few per cent.
         let step_m = touched.position_m[1];
         let under: Vec<usize> = (0..3201).filter(|&i| (i as f64 * step_m - place_m).abs() <= 0.005).collect();
         let across = |x: f64| {

@@ -1,4 +1,4 @@
-//! Figures of merit: against other parts of the crate, and against the README's table.
+//! Figures of merit, against other parts of the crate and against the table in the README.
 
 use slipline_plate::merit::Merit;
 use slipline_plate::number_format::with_decimals;
@@ -6,13 +6,13 @@ use slipline_plate::texture::Palette;
 use slipline_plate::{Complex64, DriveTable, Equation, KNOTS_MAX, Plate, preset, presets, respond};
 use std::f64::consts::TAU;
 
-/// By the table of `slipline merit`.
+/// The merit with a table as that of the command `slipline merit`.
 fn merit(plate: &Plate, turning_point_m: f64) -> Merit {
     let table = DriveTable::build(plate, 400e3, KNOTS_MAX).expect("has a table");
     Merit::of(&Palette::new(plate, &table), turning_point_m).expect("room for an area")
 }
 
-/// From the code to the peak, of a wave that is not reflected: minus the slope of the phase over the angular frequency.
+/// Group delay from the code to the peak for a wave that is not reflected, seconds: d phase/d omega.
 fn group_delay_s(plate: &Plate, frequency_hz: f64) -> f64 {
     let step_hz = 5e-4 * frequency_hz;
     let peak_m = plate.airy_peak_m(frequency_hz).expect("enters");
@@ -40,7 +40,7 @@ fn a_matched_plate_is_switched_soon_after_the_wave_has_come() {
 fn a_plate_that_rings_is_switched_when_it_has_rung() {
     let plate = preset("al-bending-displacement").expect("a preset");
     let merit = merit(&plate, 0.2);
-    // The amplitude of a resonance decays as e^(-eta omega t / 2): a change is within a tenth after 2.3 of these times.
+    // The amplitude of a resonance decays as e^(-eta omega t / 2): a change is within a tenth after 2.3 time constants.
     let decay_s = 2.0 / (plate.spec().loss_factor * TAU * merit.frequency_hz);
     let switched_s = merit.switching_time_s.expect("has a line");
     assert!((1.0..8.0).contains(&(switched_s / decay_s)), "{switched_s} s, {decay_s} s");
@@ -48,7 +48,7 @@ fn a_plate_that_rings_is_switched_when_it_has_rung() {
 
 #[test]
 fn the_hold_of_a_slow_dac_delays_no_boundary() {
-    // At 100 kS/s the hold takes 2 dB of 38 kHz.
+    // At 100 kS/s the hold reduces 38 kHz by 2 dB.
     let plate = preset("al-sh").expect("a preset");
     let [slow_s, fast_s] = [100e3, 400e3].map(|rate_hz| {
         let table = DriveTable::build(&plate, rate_hz, 257).expect("has a table");
@@ -66,7 +66,7 @@ fn the_bits_are_those_of_the_distances_and_of_the_time() {
     let boundaries = 1.0 + (end_m - start_m) / merit.two_point_m.expect("two peaks");
     let bits = merit.bits_per_s.expect("switched") * merit.switching_time_s.expect("has a line");
     assert!((bits - boundaries.log2()).abs() < 1e-12);
-    // The edge of the solid area is about as wide as that of its last tone.
+    // The edge of the solid area is about as wide as that of its last tone alone.
     let alone_m = plate.edge_width_m(merit.frequency_hz).expect("enters");
     assert!((0.7..1.3).contains(&(merit.edge_width_m / alone_m)), "{}", merit.edge_width_m);
 }

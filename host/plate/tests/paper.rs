@@ -63,7 +63,7 @@ fn turning_points_of_aluminium_are_those_of_the_table() {
             let found = plate.turning_point_m(frequency).map(|x| x * RATE);
             match (found, wanted) {
                 (Some(found), Some(wanted)) => {
-                    // The table's wave speed is rounded to 3103 m/s and its stiffness to 3.114 m^2/s.
+                    // The wave speed in the table is rounded to 3103 m/s, and sqrt(D/(rho h)) to 3.114 m^2/s.
                     assert!((found - wanted).abs() < 1.1e-3, "{:?} {frequency}: {found}", plate.spec().model);
                 }
                 (None, None) => {}
@@ -145,7 +145,8 @@ fn edge_widths_are_those_of_the_table() {
     ];
     for (plate, frequency, edge_mm) in cases {
         let found = plate.edge_width_m(frequency).expect("enters") * 1e3;
-        // 2.729/kappa is Airy's edge; the slow membrane's figures are exact ones, 4 % less where nu = K/d is 5.
+        // 2.729/kappa is the edge of the Airy form; the figures of the slow membrane are exact, 4 % less where nu = K/d
+        // is 5.
         assert!(
             (found / edge_mm - 1.0).abs() < if edge_mm > 140.0 { 0.04 } else { 0.025 },
             "{} {frequency}: {found} for {edge_mm}",
@@ -170,7 +171,7 @@ fn from_30_to_40_hz_the_rubber_boundary_moves_62_mm_and_in_bending_half_as_far()
 fn the_same_two_frequencies_on_rubber_put_the_peak_62_mm_further() {
     let rubber = preset("paper-rubber").expect("a preset");
     let response = |frequency: f64| respond(&rubber, frequency, 601, Equation::Corrected).expect("enters");
-    // At 30 Hz the Airy peak would lie before the driven end: there is no peak, and that is said.
+    // At 30 Hz the Airy peak would lie before the driven end: the response states that there is no peak.
     assert!(response(30.0).peak.is_none());
     let peak = response(40.0).peak.expect("a peak");
     assert!((peak.position_m - rubber.airy_peak_m(40.0).expect("enters")).abs() < 2e-3);
@@ -197,7 +198,8 @@ fn tones_superpose_and_each_keeps_its_peak() {
 
 #[test]
 fn the_lost_term_changes_the_gain_of_the_bending_plate_at_first_order() {
-    // With the term the amplitude grows with the root of the narrowing width; the paper's equation misses that.
+    // With the term, the amplitude grows with the root of the narrowing width; the paper's equation does not contain
+    // this.
     let plate = preset("al-bending").expect("a preset");
     let frequency = 40e3;
     let peak = |equation| respond(&plate, frequency, 801, equation).expect("enters").peak.expect("a peak");

@@ -1,6 +1,6 @@
-//! The plate's physics against closed solutions, independent solvers and its own documents, in one program.
+//! The plate's physics against closed solutions, independent solvers and its own documents, in one test program.
 //!
-//! `cargo test -p slipline-plate --test physics merit` runs one file's tests.
+//! `cargo test -p slipline-plate --test physics merit` runs the tests of one file.
 
 mod air;
 mod air_truth;

@@ -1,4 +1,4 @@
-//! The physics page: its pictures are there and small, and it names every light.
+//! The physics page: its pictures exist and are small, and it has a row for every light.
 
 use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::preset;

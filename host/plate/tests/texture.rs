@@ -120,7 +120,7 @@ fn a_solid_area_ends_where_the_finger_feels_it_end() {
     assert_eq!(refused, TextureError::NotFelt { edge: FeltEdge::Nowhere });
 }
 
-/// The stated errors of profiles: `(drawn from, to, least, most)` error that 16 tones leave.
+/// Errors of two profiles that 16 tones leave: an even one can be reached, a rising one cannot.
 #[test]
 fn what_a_profile_cannot_have_is_told_by_its_reach() {
     let (plate, table) = membrane();
@@ -138,7 +138,7 @@ fn what_a_profile_cannot_have_is_told_by_its_reach() {
         "every tone vibrates before its turning point: {:?}",
         up.figures
     );
-    // Sixteen tones come as near as any number.
+    // Sixteen tones are as close as any number of tones.
     for texture in [&flat, &up] {
         assert!(texture.figures.rms_error < texture.reach.rms_error + 2e-3);
     }
@@ -251,7 +251,7 @@ fn a_texture_on_the_grid_of_a_chord_is_louder_and_tells_what_the_grid_costs() {
             let (free, target) = solid(&palette, start_m + share * (end_m - start_m), 16);
             let chord = free.on_grid(&palette, &target).expect("answers").expect("has multiples");
             let (texture, harmonics) = (&chord.texture, &chord.harmonics);
-            // 24 Hz are much between 88 and 200 Hz, and little between 19 and 37 kHz.
+            // A grid of 24 Hz is coarse between 88 and 200 Hz, and fine between 19 and 37 kHz.
             assert_eq!(chord.is_as_good_as(&free), is_fine_enough, "{name} {share}: {:?}", texture.figures);
             let ripple_db = |texture: &Texture| texture.figures.ripple_db.expect("solid");
             assert!(is_fine_enough || ripple_db(texture) > ripple_db(&free) + 3.0);
@@ -264,7 +264,7 @@ fn a_texture_on_the_grid_of_a_chord_is_louder_and_tells_what_the_grid_costs() {
             let amplitude = |tone: &TextureTone| tone.level * table.gain(tone.position_m);
             let sum: f64 = texture.tones.iter().map(amplitude).sum();
             assert!(sum <= 1.0 && chord.gain_db >= 0.0, "{name} {share}: {sum} {}", chord.gain_db);
-            // As loud as it may be: its peak is full scale, or a tone's level is.
+            // The chord is as loud as possible: its peak is full scale, or the level of one tone is.
             let louder = 10f64.powf(chord.gain_db / 20.0);
             let value = |n: u32| -> f64 {
                 let turn = |harmonic: u32| f64::from(harmonic * n % CHORD_PERIOD) / f64::from(CHORD_PERIOD);
@@ -285,7 +285,7 @@ fn a_texture_on_the_grid_of_a_chord_is_louder_and_tells_what_the_grid_costs() {
 fn stripes_are_felt_as_deep_as_the_mean_square_under_the_contact_says() {
     assert!((stripes_felt_db(0.015, 0.01) - 3.8).abs() < 0.05, "{}", stripes_felt_db(0.015, 0.01));
     assert!(stripes_felt_db(0.01, 0.01) < 1e-9 && stripes_felt_db(0.015, 0.0) == f64::INFINITY);
-    // A wave whose nodes are of no amplitude, under a contact of each length, by sums.
+    // A wave with zero amplitude at its nodes, under contacts of several lengths, by sums.
     for (stripes_m, contact_m) in [(0.015, 0.01), (0.05, 0.01), (0.012, 0.016)] {
         let under = |middle_m: f64| -> f64 {
             let wave =
@@ -298,7 +298,8 @@ fn stripes_are_felt_as_deep_as_the_mean_square_under_the_contact_says() {
     }
 }
 
-/// Largest over smallest RMS over 30 ms within a second, at each place that is even, in dB; by the plate in time.
+/// Ratio of the largest to the smallest RMS over 30 ms within a second at each place that is even, dB; by the plate in
+/// time.
 fn swings_db(palette: &Palette<'_>, texture: &Texture, even_m: (f64, f64)) -> Vec<f64> {
     let table = palette.table();
     let rate_hz = table.sample_rate_hz;
@@ -356,7 +357,7 @@ fn a_solid_area_flutters_as_the_plate_in_time_does() {
         swings.sort_by(f64::total_cmp);
         let median = swings[swings.len() / 2];
         assert!((median - flutter.swing_db).abs() < 0.6, "{turning_point_m}: {median} {flutter:?}");
-        // Even by its mean, and yet it swings.
+        // The mean is even, but the amplitude swings.
         assert!((0.4..0.9).contains(&texture.figures.ripple_db.expect("solid")), "{:?}", texture.figures);
         assert!((5.8..7.2).contains(&flutter.swing_db), "{turning_point_m}: {flutter:?}");
         assert!((21.0..23.0).contains(&flutter.frequency_hz), "{turning_point_m}: {flutter:?}");

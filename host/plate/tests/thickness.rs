@@ -1,5 +1,5 @@
-//! A thickness that changes along the plate: closed forms, an independent equation, a plate in two dimensions, and what is
-//! refused.
+//! A thickness that changes along the plate: against closed forms, an independent equation and a plate in two
+//! dimensions; and the plates that refuse it.
 
 use crate::time_line::assert_answers_a_tone;
 use slipline_plate::calibrate::{
@@ -12,7 +12,7 @@ use slipline_plate::{
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// The preset `al-bending` behind a displacement, straight across.
+/// The specification of the preset `al-bending` with a prescribed displacement and the plain turning width.
 fn spec(thickness: Option<Thickness>, loss_factor: f64) -> PlateSpec {
     PlateSpec {
         drive_end: DriveEnd::Displacement,
@@ -31,7 +31,7 @@ fn exponential(rate_per_m: f64) -> Option<Thickness> {
     Some(Thickness::Exponential { rate_per_m })
 }
 
-/// Measured points: thinner, thicker and thinner again.
+/// Measured points: thinner, then thicker, then thinner again.
 fn sampled() -> Option<Thickness> {
     let points = [[0.0, 2e-3], [0.06, 1.9e-3], [0.13, 1.97e-3], [0.2, 1.8e-3], [0.34, 1.75e-3]];
     Some(Thickness::Sampled { points: points.to_vec() })
@@ -53,7 +53,7 @@ fn on_exponentials_the_boundary_is_the_logarithm_over_2_d_less_g() {
         let kappa = ((2.0 * 4.62 - rate) * (FRAC_PI_2 / graded.half_width_m(x0)).powi(2)).cbrt();
         assert!((graded.kappa_per_m(hz).expect("enters") / kappa - 1.0).abs() < 1e-9);
     }
-    // 1 % of the thickness moves a boundary by 1.08 mm.
+    // A thickness larger by 1 % moves a boundary by 1.08 mm.
     let mut thicker = spec(None, 0.01);
     let Model::BendingSupported(bending) = &mut thicker.model else { panic!("bending") };
     bending.thickness_m *= 1.01;
@@ -79,8 +79,8 @@ fn a_law_of_no_change_is_the_plate_without_one() {
     assert_eq!(paper(&plate(exponential(2.0))), paper(&even));
 }
 
-/// (S f')' + S k^2 f = 0 with S = W h^2 and k^2 = K0^2 h0/h (1 + j eta) - (pi/2W)^2 by Runge and Kutta's method in f and S f', from
-/// the plate's end to the driven end; on every 16th of the steps, with f(0) = 1. `log` is ln(h/h0).
+/// (S f')' + S k^2 f = 0 with S = W h^2 and k^2 = K0^2 h0/h (1 + j eta) - (pi/2W)^2, by the Runge-Kutta method in f and
+/// S f' from the plate's end to the driven end; the result is at every 16th step, with f(0) = 1. `log` is ln(h/h0).
 fn integrated(plate: &Plate, log: impl Fn(f64) -> f64, hz: f64, steps: usize) -> Vec<Complex64> {
     let bending = plate.spec().model.bending().expect("bending");
     let axial = TAU * hz / bending.spread_m2_per_s() * Complex64::new(1.0, plate.wave_loss());
@@ -133,7 +133,7 @@ fn the_response_is_that_of_the_conservative_equation() {
             assert!(off(&batch) < 1e-4, "{thickness:?} {x}: {:e}", off(&batch));
         }
     }
-    // Samples: the thickness of the plate itself, whose curve goes through its points.
+    // Sampled thickness: that of the plate itself, whose curve goes through the given points.
     let graded = plate(sampled());
     let log = |x: f64| (graded.thickness_m(x).expect("bending") / 2e-3).ln();
     for [x, thickness_m] in [[0.06, 1.9e-3], [0.13, 1.97e-3], [0.2, 1.8e-3]] {
@@ -144,12 +144,12 @@ fn the_response_is_that_of_the_conservative_equation() {
     let found = respond(&graded, hz, 401, Equation::Corrected).expect("enters").amplitude;
     let largest = wanted.iter().map(|f| f.norm()).fold(0.0, f64::max);
     let off = found.iter().zip(&wanted).take(340).map(|(a, b)| (a - b).norm() / largest).fold(0.0, f64::max);
-    // h'' jumps at the points.
+    // h'' is discontinuous at the points.
     assert!(off < 3e-5, "{off:e}");
 }
 
-/// One dimension against two, along the arc: how much farther the peak is, mm, and how much higher than on the plate of one
-/// thickness, dB.
+/// One dimension against two, along the arc: the difference of the peak's place, mm, and that of its level, dB, which
+/// is compared with the difference on the plate of uniform thickness.
 #[test]
 fn graded_plates_peak_where_two_dimensions_have_them() {
     let misses = |plate: &Plate, x: f64| {
@@ -178,7 +178,7 @@ fn graded_plates_peak_where_two_dimensions_have_them() {
 fn the_line_in_time_a_table_and_the_lights_have_the_thickness() {
     let graded = plate(exponential(2.0));
     assert_answers_a_tone(&graded, 400_000.0, 18e3, 5e-3);
-    // A table of a held end moves the tones between its resonances: a damper has none.
+    // The table of a prescribed displacement moves the tones between resonances; with a damper there are no resonances.
     let end = DriveEnd::Resistance { ratio: 1.0, at_frequency_hz: 18e3 };
     let spec = PlateSpec { drive_end: end, ..spec(exponential(2.0), 0.01) };
     let damped = Plate::new(spec).expect("a plate");
@@ -194,7 +194,8 @@ fn the_line_in_time_a_table_and_the_lights_have_the_thickness() {
         let report = Checker::new(plate, Conditions::default()).expect("checks").at(x).expect("on it");
         report.light("thin plate").expect("a light").value.expect("a number")
     };
-    // Mindlin's share goes with K h: with the root of the thickest on the way, at the same frequency.
+    // The error of the thin plate is proportional to K h, so to the root of the largest thickness on the way, at the
+    // same frequency.
     let (x, hz) = (0.2, plate(exponential(-2.0)).frequency_for_boundary_hz(0.2));
     let even = plate(None);
     let there = even.turning_point_m(hz).expect("enters");

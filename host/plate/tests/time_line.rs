@@ -1,5 +1,5 @@
 //! The plate in time against the frequency domain: through codes, with and without the table, for presets and for
-//! plates at random.
+//! random plates.
 
 use super::drive_curve::settled_phasor;
 use proptest::prelude::*;
@@ -10,7 +10,7 @@ use slipline_plate::{
 };
 use std::f64::consts::TAU;
 
-/// Settles a tone of 12-bit codes on the line and leaves its envelope to be read.
+/// Plays a tone of 12-bit codes on the line until it has settled; afterwards the envelope can be read.
 fn settle(line: &mut TimeDomainLine, rate: f64, frequency: f64, amplitude: f64) {
     let code = |n: usize| {
         let value = amplitude * (TAU * frequency * n as f64 / rate).cos();
@@ -25,12 +25,13 @@ fn settle(line: &mut TimeDomainLine, rate: f64, frequency: f64, amplitude: f64) 
     line.push_codes(&codes[wait..], 12);
 }
 
-/// A rate that carries the plate's band without making the test long.
+/// A sample rate, Hz, that can carry the plate's band but keeps the test short.
 fn rate_for(plate: &Plate) -> f64 {
     (plate.band_hz().1 * 10.0).clamp(4e3, 400e3)
 }
 
-/// Asserts that the field of a settled tone on a line in time is that of `respond`, to this share of the largest amplitude.
+/// Asserts that the field of a settled tone on a line in time equals that of `respond`, up to `error` times the largest
+/// amplitude.
 pub(crate) fn assert_answers_a_tone(plate: &Plate, rate_hz: f64, frequency_hz: f64, error: f64) {
     let points = 65;
     let mut line = TimeDomainLine::new(plate, rate_hz, points, 1).expect("a line");
@@ -50,15 +51,15 @@ pub(crate) fn assert_answers_a_tone(plate: &Plate, rate_hz: f64, frequency_hz: f
 
 #[test]
 fn the_latency_is_the_time_by_which_the_field_lags_the_plate() {
-    // A rate whose codes are decimated once, and rates whose codes are decimated twice.
+    // One rate whose codes are decimated once, and rates whose codes are decimated twice.
     for (name, rate_hz) in [("al-bending", 400e3), ("al-sh", 400e3), ("membrane", 4e3), ("membrane", 20e3)] {
         let plate = preset(name).expect("a preset");
         let (low_hz, high_hz) = plate.band_hz();
-        // What is left of the field's phase: the same at every frequency, that of the carrier.
+        // The remaining phase of the field: at every frequency the same, that of the carrier.
         let left = |hz: f64| {
             let found = settled_phasor(&plate, hz, rate_hz, 20);
             let exact = respond(&plate, hz, 65, Equation::Corrected).expect("in band").amplitude[20];
-            // A code is held from its moment on, so the middle of its hold is half a sample later.
+            // A code is held from its time on, so the middle of its hold is half a sample later.
             found / (exact * plate.drive_response(hz) * Complex64::cis(std::f64::consts::PI * hz / rate_hz))
         };
         let (first_hz, last_hz) = (1.02 * low_hz, 0.98 * high_hz);
@@ -91,7 +92,7 @@ fn peaks_agree(plate: &Plate, frequency: f64, line: &mut TimeDomainLine, rate: f
             }
         }
         (None, None) => {}
-        // At the brink of having a peak the two may disagree; then neither bump is worth the name.
+        // At the limit of having a peak the two may disagree; then neither has a clear peak.
         (Some(peak), None) | (None, Some(peak)) => {
             if peak.position_m > 0.02 * plate.length_m() && plate.wave_loss() < 0.02 {
                 return Err(format!("{frequency} Hz: {found:?} for {:?}", exact.peak));
@@ -237,7 +238,7 @@ fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitu
         assert!((f64::from(real[place]) - field[place].re).abs() < 1e-12);
         turned.push(field[place] * Complex64::cis(TAU * frequency * step as f64 / line.step_rate_hz()));
     }
-    // The join of two stretches of codes rings for a while; after that the phasor stands still.
+    // The join of two stretches of codes causes a transient; after it the phasor is constant.
     let exact = respond(&plate, frequency, 65, Equation::Corrected).expect("enters").amplitude[place].norm();
     let turn = std::f64::consts::PI * frequency / rate;
     let level = 0.9 * exact * plate.spec().full_scale_m * turn.sin() / turn;
@@ -308,7 +309,7 @@ fn any_plate() -> impl Strategy<Value = Plate> {
                     density_kg_per_m3: 1100.0,
                     thickness_m: None,
                 },
-                // Clamped plates have a test of their own: `clamped_time`.
+                // Clamped plates have their own tests in `clamped_time`.
                 _ => Model::BendingSupported(bending),
             };
             let mut spec = PlateSpec {

@@ -1,9 +1,9 @@
-//! What a calibration leaves open of a plate.
+//! The uncertainty of a plate after its calibration.
 //!
-//! The intervals of wave speed, widths and loss go together: each alone moves the boundary much farther than all of them may.
-//! So the ends of the interval are the plates with the widths at both ends of theirs and the wave speed that puts the boundary
-//! at an end of its own. A light that depends on nothing else is monotone in each of these over so short a way, so what holds
-//! at these corners holds between them.
+//! The intervals of wave speed, widths and loss are correlated: each one alone would move the boundary much farther
+//! than all of them together may. So the ends of the interval are plates with the widths at the ends of their
+//! intervals, and with the wave speed that puts the boundary at an end of its interval. A light that depends on nothing
+//! else is monotone in each of these over so short a range, so a limit that holds at these corners holds between them.
 
 use crate::definition::limits;
 use crate::definition::plate::Plate;
@@ -14,13 +14,13 @@ use std::f64::consts::TAU;
 /// The interval of a calibrated plate at one boundary.
 #[derive(Debug)]
 pub(super) struct Interval {
-    /// How well the boundary is known: half of the interval, metres.
+    /// Half of the interval of the boundary, metres.
     pub(super) boundary_m: f64,
-    /// Factor of the loss to either end of its interval.
+    /// Upper end of the interval of the loss over the fitted loss, and the fitted loss over the lower end.
     pub(super) loss: f64,
-    /// The plates at its corners.
+    /// The plates at the corners of the interval.
     pub(super) ends: Vec<End>,
-    /// Whether all corners are plates that can be computed.
+    /// Whether all corners are valid plates.
     pub(super) is_whole: bool,
 }
 
@@ -28,13 +28,13 @@ pub(super) struct Interval {
 #[derive(Debug)]
 pub(super) struct End {
     pub(super) plate: Plate,
-    /// Where the wave turns that turns at the boundary of the plate itself, metres.
+    /// Turning point on this plate of the wave that turns at the boundary of the calibrated plate, metres.
     pub(super) boundary_m: f64,
 }
 
 impl Interval {
-    /// That of `plate` at the boundary `boundary_m`, metres, where the wave of `frequency_hz` turns; `None` for an
-    /// uncalibrated plate.
+    /// The interval of `plate` at the boundary `boundary_m`, metres, where the wave of `frequency_hz` turns; `None` for
+    /// an uncalibrated plate.
     pub(super) fn new(plate: &Plate, boundary_m: f64, frequency_hz: f64) -> Option<Self> {
         let calibration = plate.spec().calibration.as_ref()?;
         let half_m = plate.boundary_tolerance_m(boundary_m)?;
@@ -54,18 +54,18 @@ impl Interval {
         Some(Self { boundary_m: half_m, loss, ends, is_whole })
     }
 
-    /// How well the boundary is known, in words.
+    /// The uncertainty of the boundary, in words.
     pub(super) fn boundary(&self) -> String {
         boundary_words(self.boundary_m)
     }
 
-    /// The same, and how well the loss is known.
+    /// The uncertainty of boundary and loss, in words.
     pub(super) fn boundary_and_loss(&self) -> String {
         format!("{}, the loss to a factor of {}", self.boundary(), with_decimals(self.loss, 2))
     }
 }
 
-/// How well a boundary is known, in words.
+/// The uncertainty of a boundary with the half interval `half_m`, in words.
 pub(super) fn boundary_words(half_m: f64) -> String {
     format!("the boundary is known to ±{}", show_length(half_m))
 }
@@ -75,10 +75,10 @@ fn corners() -> impl Iterator<Item = [f64; 3]> {
     (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| if bit == 0 { -1.0 } else { 1.0 }))
 }
 
-/// The plate with its taper stretched and with the wave speed at which a wave of `frequency_hz` turns at `place_m`.
+/// The plate with its taper stretched, and with the wave speed at which a wave of `frequency_hz` turns at `place_m`.
 fn turning_at(plate: &Plate, (scale, power): (f64, f64), place_m: f64, frequency_hz: f64) -> Option<Plate> {
     let mut plate = plate.with_taper(plate.spec().taper.stretched(scale, power)).ok()?;
-    // The tension also moves how far from its edges a film bends: a few steps, and the place is right to 0.1 um.
+    // The tension also changes the edge length of a film, so this is an iteration: six steps give the place to 0.1 um.
     let steps = if plate.spec().model.film().is_some() { FILM_STEPS } else { 1 };
     for _ in 0..steps {
         plate = retuned(&plate, place_m, frequency_hz)?;
@@ -86,18 +86,18 @@ fn turning_at(plate: &Plate, (scale, power): (f64, f64), place_m: f64, frequency
     Some(plate)
 }
 
-/// Steps of the wave speed of a film.
+/// Iterations for the wave speed of a film.
 const FILM_STEPS: usize = 6;
 
-/// The plate with the wave speed at which a wave of `frequency_hz` turns at `place_m` by its present turning width.
+/// The plate with the wave speed at which a wave of `frequency_hz` turns at `place_m`, for its present turning width.
 fn retuned(plate: &Plate, place_m: f64, frequency_hz: f64) -> Option<Plate> {
     let turning = plate.width_mode(1).number / plate.turning_at(place_m).0.exp();
-    // The wave that the plate has in vacuum where it has the turning one with its air.
+    // Frequency in vacuum at which the plate has the wavenumber that it has with its air at this frequency.
     let vacuum = plate.free_wave().vacuum_of(TAU * frequency_hz, turning);
     let model = &plate.spec().model;
     let factor = match model.film_square() {
         None => model.wavenumber_squared(vacuum).sqrt() / turning,
-        // T K^2 + D K^4 = omega^2 sigma for the tension.
+        // T K^2 + D K^4 = omega^2 sigma, solved for the tension T.
         Some(square) => {
             let (own, turning) = (model.wavenumber_squared(vacuum), turning * turning);
             (own * (1.0 + square * own) / turning - square * turning).max(0.0).sqrt()

@@ -1,16 +1,17 @@
-//! The laws behind what a finger feels: threshold and friction. All numbers are illustrative: calibrate on your own plate.
+//! Thresholds of vibration and the friction law for a finger. All values are illustrative: calibrate them on your own
+//! plate.
 //!
-//! Below 20 kHz a finger can feel vibration only, from the threshold of its frequency on. From 20 kHz on the squeeze film
-//! of air can make the plate slippery. [`crate::feeling`] is the model that is made of them. PHYSICS.md, section 5, has the
-//! source and the spread of every number.
+//! Below 20 kHz a finger feels a tone as vibration, above the threshold at its frequency. From 20 kHz on, the squeeze
+//! film of air can make the plate slippery. The model that uses both is [`crate::feeling`]. Source and spread of every
+//! number are in PHYSICS.md, section 5.
 
-/// From this frequency on, Hz, a tone can make the plate slippery; below it a tone is felt as a vibration. No source: the end
-/// of hearing, a round value.
+/// Lowest frequency, Hz, of a tone that can make the plate slippery; tones below are felt as vibration. No source: the
+/// upper limit of hearing, a round value.
 pub const SLIPPERY_FROM_HZ: f64 = 20e3;
 
-/// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p) of the displacement amplitude a. Default: a0 = 1 um, r = 0.2,
-/// p = 1.5; no source: round values. Friction that is up to 95 % less has been measured (M. Wiertlewski, R. Fenton Friesen
-/// and J. Colgate, PNAS 113, 9210, 2016).
+/// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p) over the displacement amplitude a. Defaults: a0 = 1 um,
+/// r = 0.2, p = 1.5; no source, round values. Reductions of the friction by up to 95 % have been measured
+/// (M. Wiertlewski, R. Fenton Friesen and J. Colgate, PNAS 113, 9210, 2016).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionCurve {
     /// Amplitude scale a0, metres (above 0).
@@ -35,11 +36,12 @@ impl FrictionCurve {
     }
 }
 
-/// Threshold of feeling a vibration, as a displacement amplitude in metres: 10 um up to 40 Hz, falling by 12 dB per
-/// octave up to 250 Hz (0.256 um), then rising by 12 dB per octave.
+/// Threshold of vibration, as a displacement amplitude in metres: 10 um up to 40 Hz, then falling by 12 dB per octave
+/// to 0.256 um at 250 Hz, then rising by 12 dB per octave.
 ///
-/// The shape up to 250 Hz is that of R. Verrillo, J. Acoust. Soc. Am. 35, 1962 (1963). The rise beyond, and the height, have
-/// no source: a finger that presses or grasps has lower thresholds (Brisben et al., J. Neurophysiol. 81, 1548, 1999).
+/// The shape up to 250 Hz is that of R. Verrillo, J. Acoust. Soc. Am. 35, 1962 (1963). The rise above 250 Hz and the
+/// absolute level have no source; a finger that presses or grasps has lower thresholds (Brisben et al., J.
+/// Neurophysiol. 81, 1548, 1999).
 pub fn threshold_m(frequency_hz: f64) -> f64 {
     const FLAT_M: f64 = 10e-6;
     const CORNER_HZ: f64 = 40.0;
@@ -54,9 +56,9 @@ pub fn threshold_m(frequency_hz: f64) -> f64 {
     }
 }
 
-/// Squeeze number of the air film under a finger, 12 eta omega l^2/(p0 h^2) (M. Biet, F. Giraud and B. Lemaire-Semail, IEEE
-/// Trans. Ultrason. Ferroelectr. Freq. Control 54, 2678, 2007), with a contact of 5 mm and a film of about 5 um (no source):
-/// 0.4 at 30 Hz, 275 at 20 kHz. From about 10 on, the film carries the finger.
+/// Squeeze number of the air film under a finger, 12 eta omega l^2/(p0 h^2) (M. Biet, F. Giraud and B. Lemaire-Semail,
+/// IEEE Trans. Ultrason. Ferroelectr. Freq. Control 54, 2678, 2007), for a contact of 5 mm and a film of about 5 um (no
+/// source): 0.4 at 30 Hz, 275 at 20 kHz. Above about 10 the film carries the finger.
 pub fn squeeze_number(frequency_hz: f64) -> f64 {
     275.0 * frequency_hz / 20e3
 }

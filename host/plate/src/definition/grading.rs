@@ -1,4 +1,4 @@
-//! The thickness along a plate, and what it does to the wave's power and to where it turns.
+//! The thickness along a plate, and its effect on the power and the turning point of a wave.
 
 use crate::definition::plate::Plate;
 use crate::definition::taper::LogWidth;
@@ -20,8 +20,8 @@ impl Plate {
         self.grading.as_ref().map_or(1.0, |grading| grading.log(x).value.exp())
     }
 
-    /// ln of what the wave's power goes with besides k, and its derivatives: the half-width, times the thickness squared over that
-    /// at the driven end.
+    /// ln of the weight S of the amplitude equation, and its derivatives: the half-width times (h/h0)^2, with the
+    /// thickness h0 at the driven end. The power of a wave is proportional to S k.
     pub(crate) fn weight_at(&self, x: f64) -> LogWidth {
         let width = self.width.at(x);
         let Some(grading) = &self.grading else { return width };
@@ -33,7 +33,8 @@ impl Plate {
         }
     }
 
-    /// ln(q/K) at which a wave turns at `x`, with K at the driven end, and its derivative.
+    /// ln of the turning half-width s sqrt(h0/h) at `x`, in metres, and its derivative, 1/m. A wave turns where q/K
+    /// equals this half-width, with K at the driven end.
     pub(crate) fn turning_at(&self, x: f64) -> (f64, f64) {
         match &self.grading {
             None => {

@@ -1,18 +1,18 @@
-//! The plates that come with Slipline, as the plate files under `presets/`.
+//! The plates that come with Slipline: the plate files in `presets/`.
 
 use crate::definition::plate::Plate;
 
 /// A plate that comes with Slipline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Preset {
-    /// The name that selects it.
+    /// Name of the preset, unique.
     pub name: &'static str,
     /// The plate file, TOML text.
     pub toml: &'static str,
 }
 
 impl Preset {
-    /// The plate. `None` only if the preset's own file is invalid; a test checks that none is.
+    /// The plate; `None` if the preset's own file is invalid, which a test excludes.
     pub fn plate(&self) -> Option<Plate> {
         Plate::from_toml(self.toml).ok()
     }
@@ -37,12 +37,12 @@ const PRESETS: [Preset; 8] = [
     Preset { name: "al-sh", toml: include_str!("../../presets/al-sh.toml") },
 ];
 
-/// All presets; the first one is the default.
+/// All presets; the first is the default.
 pub fn presets() -> &'static [Preset] {
     &PRESETS
 }
 
-/// The plate of the preset called `name`; `None` if there is no such preset.
+/// The plate of the preset `name`; `None` if there is no such preset.
 pub fn preset(name: &str) -> Option<Plate> {
     PRESETS.iter().find(|preset| preset.name == name).and_then(Preset::plate)
 }

@@ -1,12 +1,13 @@
-//! How the thickness of a plate in bending changes along x.
+//! Thickness laws of a plate in bending along x.
 //!
-//! With h = h0 e^v the bending stiffness D goes with h^3 and the mass per area with h, so K^2 goes with 1/h and the wave's power
-//! with h^2:
+//! With h = h0 e^v, the bending stiffness D is proportional to h^3 and the mass per area to h. So K^2 is proportional
+//! to 1/h and the power of a wave to h^2:
 //!
 //! ```text
 //! k^2 = a (K0^2 h0/h - (q/s)^2),    (S f')' + S k^2 f = 0,    S = W h^2
 //! ```
-//! A wave turns where K0 s sqrt(h0/h) = q: as on a plate of the thickness h0 with the turning half-width s sqrt(h0/h).
+//! A wave turns where K0 s sqrt(h0/h) = q: as on a plate of uniform thickness h0 with the turning half-width
+//! s sqrt(h0/h).
 
 use super::turning_width::TurningLaw;
 use crate::definition::air::Air;
@@ -17,7 +18,7 @@ use crate::definition::model::{Bending, Model};
 use crate::definition::taper::{LogWidth, WidthLaw};
 use crate::quantity::Range;
 
-/// The law of the thickness h(x) of a plate in bending; h at the driven end is that of the model.
+/// The law of the thickness h(x) of a plate in bending; the thickness of the model is h0 = h(0).
 ///
 /// ```
 /// use slipline_plate::{DriveEnd, Plate, PlateSpec, Thickness, TurningWidth, preset};
@@ -35,7 +36,7 @@ use crate::quantity::Range;
 pub enum Thickness {
     /// h = h0 e^(-g x).
     Exponential {
-        /// Rate g, 1/m (-1000 to 1000; below twice the taper's rate): negative where the plate grows thicker.
+        /// Rate g, 1/m (-1000 to 1000; below twice the taper's rate); negative where the plate becomes thicker.
         rate_per_m: f64,
     },
     /// A straight line from h0 at x = 0 to the plate's end.
@@ -43,16 +44,16 @@ pub enum Thickness {
         /// Thickness at the narrow end, metres (1e-6 to 0.1).
         end_thickness_m: f64,
     },
-    /// Measured or drawn points, joined by a cubic curve of ln h that is monotone between them.
+    /// Measured or drawn points, joined by a cubic curve of ln h that is monotone between neighbouring points.
     Sampled {
-        /// 2 to 10 000 pairs `[position_m, thickness_m]`. Positions rise from 0 to at least the plate's length in steps of at
-        /// least 1e-6 m; the first thickness is the model's.
+        /// 2 to 10 000 pairs `[position_m, thickness_m]`. Positions rise from 0 to at least the plate's length in steps
+        /// of at least 1e-6 m; the first thickness is that of the model.
         points: Vec<[f64; 2]>,
     },
 }
 
 impl Thickness {
-    /// Checks the numbers on a plate of this model and length, and what cannot be with a thickness that changes.
+    /// Checks the numbers for a plate of this model and length, and that the other sections allow a thickness law.
     pub(crate) fn validate(
         &self,
         model: &Model,
@@ -64,26 +65,28 @@ impl Thickness {
             return Err(unexpected("thickness", "only a plate in bending has a law of its thickness"));
         };
         if bending.thick_plate {
-            let reason =
-                "its wavenumber does not follow one law of the thickness: leave shear and rotary inertia out";
+            let reason = "shear and rotary inertia are not modelled where the thickness changes ([thickness]): leave it out";
             return Err(unexpected("model.thick_plate", reason));
         }
         if let Model::BendingClamped(_) = model {
-            let reason = "clamped edges have no law of their wave with a thickness that changes";
+            let reason = "clamped edges are not modelled where the thickness changes";
             return Err(unexpected("thickness", reason));
         }
         if let Some(Air::Around { .. }) = air {
-            return Err(unexpected("air", "its share of the mass changes with the thickness of [thickness]"));
+            return Err(unexpected(
+                "air",
+                "the mass of the air is not modelled where the thickness changes ([thickness])",
+            ));
         }
         match drive_end {
             DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => {}
             DriveEnd::DisplacementAndSlope { .. } => {
                 let reason =
-                    "the near field of an end has no law with a thickness that changes ([thickness])";
+                    "the near field of an end is not modelled where the thickness changes ([thickness])";
                 return Err(unexpected("drive.slope", reason));
             }
             DriveEnd::Source(_) => {
-                let reason = "the near field behind a \"source\" has no law with a thickness that changes ([thickness]); a \"resistance\" has none";
+                let reason = "the near field behind a \"source\" is not modelled where the thickness changes ([thickness]); a \"resistance\" has no near field";
                 return Err(unexpected("drive.end", reason));
             }
         }
@@ -130,7 +133,7 @@ impl Thickness {
         }
     }
 
-    /// v = ln(h/h0) over x, where h0 is `driven_m`.
+    /// v = ln(h/h0) over x, with h0 = `driven_m`.
     fn law(&self, driven_m: f64, length_m: f64) -> WidthLaw {
         match self {
             Self::Exponential { rate_per_m } => {
@@ -155,16 +158,17 @@ fn unexpected(field: &str, reason: &str) -> PlateError {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grading {
     law: WidthLaw,
-    /// ln(s sqrt(h0/h)): where each wave turns.
+    /// ln(s sqrt(h0/h)), which determines the turning points.
     turning: WidthLaw,
 }
 
-/// Intervals of the curve of turning widths over the plate, and how far it goes on beyond the end, over the length.
+/// Intervals of the curve of turning widths over the plate, and the length of its continuation beyond the end, over the
+/// plate's length.
 const INTERVALS: usize = 1024;
 const BEYOND: f64 = 0.5;
 
 impl Grading {
-    /// The grading of a validated plate with this law of the turning half-width.
+    /// The grading of a validated plate, with `turning` as its law of the turning half-width.
     ///
     /// # Errors
     /// [`PlateError::Unfit`] where the plate does not narrow faster than the root of its thickness.

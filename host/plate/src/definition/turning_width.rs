@@ -1,21 +1,22 @@
-//! The width that decides where a wave turns: along the arc that meets both edges at right angles, or straight across.
+//! The width that determines the turning point: along the arc that meets both edges at right angles, or straight
+//! across.
 //!
 //! Between straight edges at an angle a wave has the exact shape f(r) cos(q theta/alpha): its fronts are arcs about the
 //! point where the edges meet. An arc through the centre line at x has the half-length r alpha = W atan(W')/W', so the
 //! wave turns where K times this length is q. Straight across, the width is W'^2/3 larger, and the turning point lies
 //! W'^2/(3 d) too far from the driven end.
 //!
-//! Edges that also bend add one term of the same order, W''/W. It follows from the conformal map of the plate on a strip
-//! x + jz = F(xi + j eta), |eta| < 1, in which one mode obeys g_xixi + (K^2 <|F'|^2> - q^2) g = 0: to second order in W',
-//! 2 c q^2 = 1/2 in (q/W)^2 (1 + W'^2 2/3 - 2 c W W''), which is k^2 + W''/(2 W) for every width mode. A supported edge of
-//! a plate in bending bends its moment condition, too (the Laplacian is (1 - nu) times the edge's curvature times the
-//! normal slope, not zero): near the turning point that takes (1 - nu) W''/W from k^2, and the sum is
-//! (2 nu - 1) W''/(2 W).
+//! Curved edges add one term of the same order, W''/W. It follows from the conformal map of the plate to a strip,
+//! x + jz = F(xi + j eta), |eta| < 1, in which one mode obeys g_xixi + (K^2 <|F'|^2> - q^2) g = 0: to second order
+//! in W', 2 c q^2 = 1/2 in (q/W)^2 (1 + W'^2 2/3 - 2 c W W''), which is k^2 + W''/(2 W) for every width mode. At a
+//! curved supported edge of a plate in bending the moment condition changes as well (the Laplacian is (1 - nu) times
+//! the edge's curvature times the normal slope, not zero): near the turning point this subtracts (1 - nu) W''/W from
+//! k^2, and the sum is (2 nu - 1) W''/(2 W).
 
 use crate::definition::model::Model;
 use crate::definition::taper::{LogWidth, WidthLaw};
 
-/// Which half-width of the plate decides where a wave turns.
+/// The half-width of the plate that determines the turning point.
 ///
 /// ```
 /// use slipline_plate::{TurningWidth, preset};
@@ -28,8 +29,8 @@ use crate::definition::taper::{LogWidth, WidthLaw};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum TurningWidth {
     /// W atan(W')/W', half the arc through the centre line that meets both edges at right angles, and the term of
-    /// edges that bend. Exact for straight edges. Elsewhere it is right to second order in W' at the turning point; before
-    /// it k^2 is too large by (1/3 - 2/pi^2) W W'' = 0.13 W W'' of itself.
+    /// curved edges. Exact for straight edges; otherwise right to second order in W' at the turning point. Before the
+    /// turning point k^2 is too large by the fraction (1/3 - 2/pi^2) W W'' = 0.13 W W''.
     #[default]
     Arc,
     /// W, straight across, as in the paper.
@@ -37,10 +38,10 @@ pub enum TurningWidth {
 }
 
 impl TurningWidth {
-    /// Both, in the order of [`TurningWidth::word`]'s list in a plate file.
+    /// Both, in the order in which messages list [`TurningWidth::word`].
     pub const ALL: [Self; 2] = [Self::Arc, Self::Plain];
 
-    /// The word for it in a plate file: `arc` or `plain`.
+    /// Its word in a plate file: `arc` or `plain`.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Arc => "arc",
@@ -48,7 +49,7 @@ impl TurningWidth {
         }
     }
 
-    /// How the width is measured, as the end of a sentence.
+    /// How the width is measured, for the end of a sentence.
     pub const fn words(self) -> &'static str {
         match self {
             Self::Arc => "along the arc",
@@ -56,12 +57,12 @@ impl TurningWidth {
         }
     }
 
-    /// b of the term b W''/(2 W) that edges which bend add to k^2.
+    /// b of the term b W''/(2 W) that curved edges add to k^2.
     pub(super) fn bend_weight(self, model: &Model) -> f64 {
         match (self, model) {
             (Self::Arc, Model::Membrane { .. } | Model::ShearHorizontal { .. }) => 1.0,
             (Self::Arc, Model::BendingSupported(bending)) => 2.0 * bending.poisson_ratio - 1.0,
-            // Not known in closed form: the arc alone takes two thirds of the distance to the two-dimensional solution.
+            // Unknown in closed form: the arc alone removes two thirds of the distance to the two-dimensional solution.
             (Self::Arc, Model::BendingClamped(_)) | (Self::Plain, _) => 0.0,
         }
     }
@@ -70,7 +71,7 @@ impl TurningWidth {
 /// The law of the turning half-width.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum TurningLaw {
-    /// Of the same kind as the taper: straight across, along the arcs of a linear taper, or a curve through arcs.
+    /// A law of the taper's kinds: straight across, along the arcs of a linear taper, or a curve through arcs.
     Width(WidthLaw),
     /// Along the arcs of an exponential taper: atan(d W)/d.
     ExponentialArc { log_width: f64, rate_per_m: f64 },
@@ -83,9 +84,9 @@ pub(crate) struct LogTurningWidth {
     pub(crate) slope: f64,
 }
 
-/// Intervals in which the curve of a sampled taper's arcs is divided at least.
+/// Least number of intervals of the curve through the arcs of a sampled taper.
 const ARC_INTERVALS: usize = 512;
-/// The least fall of ln(arc) from point to point of a sampled taper: far below what a frequency resolves.
+/// Least fall of ln(arc) from point to point of a sampled taper: far below the resolution of any frequency.
 const LEAST_FALL: f64 = 1e-12;
 
 impl TurningLaw {
@@ -122,7 +123,7 @@ impl TurningLaw {
         }
     }
 
-    /// 1 over the turning half-width, 1/m: what a solver's grid needs at thousands of places, without the logarithm.
+    /// 1 over the turning half-width, 1/m, without the logarithm: a solver's grid evaluates it at thousands of places.
     pub(crate) fn reciprocal_at(&self, x: f64) -> f64 {
         match self {
             Self::Width(law) => (-law.at(x).value).exp(),
@@ -133,7 +134,7 @@ impl TurningLaw {
     }
 
     /// The position where ln of the turning half-width has fallen to `target`, metres. The taper is continued on both
-    /// sides; minus infinity if no width has so long an arc.
+    /// sides; minus infinity if no width has an arc of that length.
     pub(crate) fn place_of(&self, target: f64) -> f64 {
         match self {
             Self::Width(law) => law.place_of(target),
@@ -153,10 +154,10 @@ pub(crate) fn arc_to_width(s: f64) -> f64 {
     if s.abs() < 1e-4 { 1.0 - s * s / 3.0 } else { s.atan() / s }
 }
 
-/// The arcs of a sampled taper or of a film as a monotone curve: at its points, and between them where these are far apart.
+/// The arcs of a sampled taper or of a film as a monotone curve: at its points, and between points that are far apart.
 ///
 /// Where the edges bend outward so sharply that the arc grows (a radius below two thirds of the half-width) no wave
-/// turns: what has come so far has passed a shorter arc. There the curve keeps the shortest arc so far.
+/// turns: a wave that arrives there has already passed a shorter arc. There the curve keeps the shortest arc so far.
 fn curve_of_arcs(position: &[f64], width: &WidthLaw, length_m: f64) -> WidthLaw {
     let longest = length_m / ARC_INTERVALS as f64;
     let mut arcs: Vec<[f64; 2]> = Vec::with_capacity(position.len() + ARC_INTERVALS);

@@ -1,16 +1,17 @@
 //! The damper that absorbs the returning wave: at the driven end, or behind a lead-in.
 //!
-//! Membranes and shear waves have one condition at their end, so a mechanical resistance of the wave impedance Z
-//! ([`Plate::wave_impedance_n_s_per_m`]; of a film a little less) absorbs the returning wave completely. Z changes with the
-//! frequency and a real damper does not, so the match is made where the two ends of the band are wrong by the same factor.
+//! The amplitude equation of membranes and shear waves has one condition at the driven end. So a mechanical resistance
+//! equal to the wave impedance Z ([`Plate::wave_impedance_n_s_per_m`]; for a film slightly less) absorbs the returning
+//! wave completely. Z depends on the frequency, the resistance of a real damper does not. So the damper matches where Z
+//! is the geometric mean of its extremes over the band, and is off by the same factor at both.
 //!
-//! A plate in bending has two conditions and a near field: R = Z at its free end sends more than half of the amplitude
-//! back, the best R a third. What matches a whole band is a lead-in: the plate goes on behind the drive, with a layer that
-//! dissipates and a damper at its far end. The designer takes the shortest whose reflection stays below the target over
-//! the band, with as much loss as possible: close to the cut-off much loss makes the lead-in unlike the plate, and its own
-//! beginning reflects. What comes back from the far end of the lead-in also adds to the wave that the drive launches, and the
-//! longer the lead-in, the more that depends on the wave speed. So the level itself is judged, too, over the tolerance of
-//! the wave speed.
+//! A plate in bending has two conditions and a near field: R = Z at its free end reflects more than half of the
+//! amplitude, the best R a third. A lead-in matches over a whole band: the plate continues behind the drive, with a
+//! layer that dissipates and a damper at its far end. The designer takes the shortest lead-in whose reflection stays
+//! below the target over the band, with the largest possible loss: close to the cut-off a large loss makes the lead-in
+//! unlike the plate, and the start of the lead-in reflects. The reflection from the far end also adds to the wave that
+//! the drive launches; the longer the lead-in, the more this sum depends on the wave speed. So the level is judged,
+//! too, over the tolerance of the wave speed.
 
 use crate::definition::drive::DriveEnd;
 use crate::definition::limits;
@@ -20,41 +21,41 @@ use crate::frequency::driven_end::{Scattering, SourceEnd};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// What absorbs the returning wave.
+/// The part that absorbs the returning wave.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Damper {
     /// Mechanical resistance R, N s/m: at the driven end, or at the far end of the lead-in.
     pub resistance_n_s_per_m: f64,
-    /// Frequency for which it is chosen, Hz: without a lead-in it matches there (R = Z).
+    /// Frequency for which R is chosen, Hz; without a lead-in the damper matches there (R = Z).
     pub match_frequency_hz: f64,
     /// Smallest and largest R/Z over the band.
     pub ratio_range: (f64, f64),
-    /// Largest share of the returning wave's amplitude that the driven end sends back, over the band.
+    /// Largest reflection of the returning wave at the driven end over the band, as a ratio of amplitudes.
     pub largest_reflection: f64,
     /// The strip behind the drive of a plate in bending; `None` where a damper at the driven end matches.
     pub lead_in: Option<LeadIn>,
 }
 
-/// Number of frequencies in the band at which r is evaluated.
+/// Number of frequencies in the band at which R/Z is evaluated.
 const BAND_PLACES: usize = 201;
-/// Frequencies in the band at which a lead-in is judged.
+/// Number of frequencies in the band at which a lead-in is judged.
 const LEAD_IN_PLACES: usize = 31;
-/// Loss factors of a strip of metal with a constrained damping layer, in the order in which they are tried.
+/// Loss factors of a metal strip with a constrained damping layer, in the order of the search.
 const LEAD_IN_LOSSES: [f64; 3] = [0.2, 0.14, 0.1];
-/// Largest reflection of a lead-in. With 0.11 (60 mm on the preset `al-bending`) a wave speed that is 1 % off costs 1.01 dB,
-/// with 0.09 (70 mm) 0.89 dB.
+/// Largest reflection of a lead-in. With 0.11 (60 mm on the preset `al-bending`) an error of 1 % in the wave speed
+/// costs 1.01 dB, with 0.09 (70 mm) 0.89 dB.
 const REFLECTION: f64 = 0.09;
-/// Largest unevenness of the level over the tolerance of the wave speed, dB; a little below the 1 dB that designs hold, because
-/// the band has more frequencies than are judged.
+/// Largest unevenness of the level over the tolerance of the wave speed, dB. It is slightly below the 1 dB that designs
+/// guarantee, because the band contains more frequencies than those judged.
 const LEVEL_DB: f64 = 0.97;
 /// 20 lg e.
 const DB_PER_NEPER: f64 = 8.685_889_638_065_037;
-/// Lengths of a lead-in that are tried, in wavelengths of the band's middle.
+/// Lengths of a lead-in that are tried: first, step and last, in wavelengths of the middle of the band.
 const LEAD_IN_WAVELENGTHS: (f64, f64, f64) = (0.5, 0.05, 4.0);
-/// Resistances behind a lead-in that are tried, over Z in the band's middle.
+/// Resistances behind a lead-in that are tried, over Z in the middle of the band.
 const LEAD_IN_RATIOS: [f64; 5] = [0.25, 0.31, 0.37, 0.44, 0.52];
 
-/// The end that matches `plate` over `band_hz`, and what it is made of.
+/// The driven end that matches `plate` over `band_hz`, and its damper.
 pub(super) fn matched(plate: &Plate, band_hz: (f64, f64)) -> (DriveEnd, Damper) {
     let (at_frequency_hz, ratio_range) = best_match(plate, band_hz);
     let impedance = plate.matching_resistance_n_s_per_m(at_frequency_hz).unwrap_or(f64::NAN);
@@ -82,8 +83,8 @@ pub(super) fn matched(plate: &Plate, band_hz: (f64, f64)) -> (DriveEnd, Damper) 
     (DriveEnd::Resistance { ratio: 1.0, at_frequency_hz }, damper)
 }
 
-/// The shortest lead-in whose [`Unevenness`] is within the limits over the band, or the best one if none is; and its largest
-/// reflection.
+/// The shortest lead-in whose [`Unevenness`] is within the limits over the band, or the best one if there is none; and
+/// its largest reflection.
 fn shortest_lead_in(
     plate: &Plate,
     band_hz: (f64, f64),
@@ -101,7 +102,7 @@ fn shortest_lead_in(
             [end(plate), others[0].as_ref().and_then(end), others[1].as_ref().and_then(end)]
         })
         .collect();
-    // Where none can be judged, the longest with the most loss.
+    // If no lead-in can be judged: the longest, with the largest loss.
     let longest = LeadIn {
         length_m: rounded_up(last * TAU / k0),
         loss_factor: LEAD_IN_LOSSES[0],
@@ -111,7 +112,7 @@ fn shortest_lead_in(
     let count = ((last - first) / step) as usize;
     for loss_factor in LEAD_IN_LOSSES {
         for number in 0..=count {
-            // Whole millimetres are cut more easily; a tenth of the step is enough on a small plate.
+            // Whole millimetres are easier to cut; below 10 mm tenths of a millimetre are used.
             let length_m = rounded_up((first + step * number as f64) * TAU / k0);
             for ratio in LEAD_IN_RATIOS {
                 let end_resistance_n_s_per_m = ratio * impedance;
@@ -130,26 +131,27 @@ fn shortest_lead_in(
     (best.0, best.1.reflected)
 }
 
-/// How a lead-in keeps a table from being even.
+/// The deviations from an even level that a lead-in causes.
 #[derive(Debug, Clone, Copy)]
 struct Unevenness {
     /// Largest |r| over the band.
     reflected: f64,
-    /// How far the level may be off at a wave speed within the plate's tolerance, largest over the band, dB: by the
-    /// ripple, 20 lg(1 + |r|), and by half of what the launched wave changes over the tolerance. The table takes the middle.
+    /// Largest error of the level over the band, at any wave speed within the plate's tolerance, dB: the ripple,
+    /// 20 lg(1 + |r|), and half of the change of the launched wave over the tolerance, because the table takes the
+    /// middle.
     level_db: f64,
 }
 
 impl Unevenness {
     const MOST: Self = Self { reflected: 1.0, level_db: f64::INFINITY };
 
-    /// At most 1 within the limits.
+    /// Largest ratio of a deviation to its limit: at most 1 within the limits.
     fn merit(&self) -> f64 {
         (self.reflected / REFLECTION).max(self.level_db / LEVEL_DB)
     }
 
-    /// Of `source` at the `places` of the band, each at the nominal wave speed and at two others. The search ends early
-    /// where the merit reaches `enough`.
+    /// The unevenness of `source` at the `places` of the band, each at the nominal wave speed and at two others. The
+    /// evaluation ends early where the merit reaches `enough`.
     fn over(places: &[[Option<SourceEnd<'_>>; 3]], source: &Source, enough: f64) -> Self {
         let mut found = Self { reflected: 0.0, level_db: 0.0 };
         for [nominal, others @ ..] in places {
@@ -170,19 +172,19 @@ impl Unevenness {
     }
 }
 
-/// The next whole millimetre, or the next tenth below 10 mm; at least a lead-in's shortest length.
+/// Rounded up to whole millimetres, below 10 mm to tenths; clamped to the allowed lengths of a lead-in.
 fn rounded_up(length_m: f64) -> f64 {
     let per_metre = if length_m < 0.01 { 1e4 } else { 1e3 };
     ((length_m * per_metre).ceil() / per_metre).clamp(limits::LEAD_IN_LENGTH.low, limits::LEAD_IN_LENGTH.high)
 }
 
-/// `count` frequencies of the band in equal ratios, both ends included, Hz.
+/// `count` frequencies of the band in geometric progression, both ends included, Hz.
 fn band_places(band_hz: (f64, f64), count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |i| band_hz.0 * (band_hz.1 / band_hz.0).powf(i as f64 / (count - 1) as f64))
 }
 
-/// The frequency of the band, Hz, where Z is closest to the geometric mean of its extremes; and the smallest and
-/// the largest r over the band for a damper that matches there.
+/// The frequency of the band, Hz, where Z is closest to the geometric mean of its extremes; and the smallest and the
+/// largest R/Z over the band for a damper that matches there.
 fn best_match(plate: &Plate, band_hz: (f64, f64)) -> (f64, (f64, f64)) {
     // 1/Z.
     let slowness = |frequency_hz: f64| {

@@ -55,7 +55,7 @@ pub enum Edge {
     Clamped,
 }
 
-/// What to design a plate for.
+/// The data from which a plate is designed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
     /// Short name of the plate, 1 to 80 characters.
@@ -70,24 +70,24 @@ pub struct Request {
     pub band_hz: (f64, f64),
     /// Length from the driven end to the narrow end, metres (0.005 to 10).
     pub length_m: f64,
-    /// From the driven end to the nearest boundary, metres (see [`super::start_margin_range`]); `None` for the room
+    /// From the driven end to the nearest boundary, metres (see [`super::start_margin_range`]); `None` for the length
     /// that its peak needs.
     pub start_margin_m: Option<f64>,
-    /// From the farthest boundary to the narrow end, metres (see [`super::end_margin_range`]); `None` for the room that
-    /// its tail needs.
+    /// From the farthest boundary to the narrow end, metres (see [`super::end_margin_range`]); `None` for the length
+    /// that its tail needs.
     pub end_margin_m: Option<f64>,
     /// Displacement of the drive at DAC full scale, metres (1e-9 to 0.1).
     pub full_scale_m: f64,
     /// Width of the frame's rim, metres (0.01 to 0.5: the bolts need room).
     pub rim_m: f64,
-    /// The air around the plate; `None` for a plate whose numbers know of none. A shear wave carries none.
+    /// The air around the plate; `None` for a plate designed without air. A shear wave moves no air.
     pub air: Option<Air>,
 }
 
 impl Request {
-    /// A request with defaults for the other fields: margins as needed, a rim of 20 mm, a full-scale displacement of 1 um
-    /// if the band starts at 1 kHz or above, else 100 um, and the air of a room on both faces and round the edges of a
-    /// plate whose wave carries any.
+    /// A request with defaults for the other fields: margins as needed; a rim of 20 mm; a full-scale displacement of
+    /// 1 um if the band starts at 1 kHz or above, else 100 um; and, for a wave that moves the air, the air of a room on
+    /// both faces and around the edges.
     pub fn new(
         name: &str,
         material: Material,
@@ -146,7 +146,7 @@ impl Request {
         }
     }
 
-    /// One line that says what the plate is.
+    /// A one-line description of the plate.
     pub(super) fn describe(&self) -> String {
         let wave = match self.wave {
             Wave::Membrane { .. } => "stretched",

@@ -1,21 +1,21 @@
-//! The two amplitude equations: the one that follows from the wave equation, and the paper's.
+//! The two amplitude equations: the one derived from the wave equation, and the paper's.
 
 use crate::definition::plate::{Plate, PlateSpec};
 use crate::definition::turning_width::TurningWidth;
 use std::borrow::Cow;
 
-/// Which amplitude equation is solved.
+/// The amplitude equation to solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Equation {
     /// f'' + (W'/W) f' + k^2 f = 0, which follows from the wave equation, with the plate's own turning width.
     Corrected,
-    /// f'' + k^2 f = 0, the paper's equation (13), which lacks the term (W'/W) f', with [`TurningWidth::Plain`] and without
-    /// air or a film's stiffness, and with the thickness of the driven end everywhere.
+    /// f'' + k^2 f = 0, the paper's equation (13), which lacks the term (W'/W) f'. It uses [`TurningWidth::Plain`], no
+    /// air, no film stiffness, and the thickness of the driven end everywhere.
     Paper,
 }
 
 impl Equation {
-    /// The plate as this equation sees it.
+    /// The plate with the properties that this equation uses.
     pub(crate) fn plate(self, plate: &Plate) -> Cow<'_, Plate> {
         match (self, plate.spec()) {
             (Self::Corrected, _) => Cow::Borrowed(plate),

@@ -1,21 +1,21 @@
-//! How soon a boundary stands once its tone is switched on, by the plate in time.
+//! Switching time of a boundary: the time from switching its tone on to its final amplitude, by the plate in time.
 //!
-//! The field at the peak, over the tone's own phasor, goes from 0 to the steady amplitude. The line has it at every step, and
-//! between two steps it is interpolated; its last crossing of the limit is the switching time.
+//! The field at the peak, divided by the tone's own phasor, rises from 0 to the steady amplitude. The line gives it at
+//! every step; between two steps it is interpolated. Its last crossing of the limit is the switching time.
 
 use crate::texture::{PLACES, Palette, TextureError};
 use crate::time::TimeDomainLine;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Switched means: within this share of the new amplitude.
+/// Relative deviation from the final amplitude below which a boundary counts as switched.
 const SWITCHED: f64 = 0.1;
-/// The plate in time is watched for this share of the time in which a change decays to a thousandth: there, it has
-/// decayed to a twentieth and less.
+/// Simulated time, as a fraction of the time in which a change decays to a thousandth: after it, a change has decayed
+/// to a twentieth or less.
 const WATCHED: f64 = 0.5;
-/// Amplitudes that are interpolated from each step of the line to the next.
+/// Interpolated amplitudes per step of the line.
 const FINE: usize = 16;
-/// Steps from which an amplitude between them is interpolated.
+/// Number of steps from which an amplitude between them is interpolated.
 const NEIGHBOURS: usize = 6;
 
 /// The peak of a boundary's own tone at level 1.
@@ -23,9 +23,9 @@ pub(super) struct Peak {
     frequency_hz: f64,
     /// DAC amplitude, 0 to 1.
     gain: f64,
-    /// Number of the palette's place that is nearest to it.
+    /// Index of the palette's place nearest to the peak.
     place: usize,
-    /// Displacement there, metres.
+    /// Displacement amplitude at that place, metres.
     amplitude_m: f64,
 }
 
@@ -34,7 +34,7 @@ impl Peak {
         let table = palette.table();
         let columns = palette.squares(&[turning_point_m])?;
         let squares = columns.column(0);
-        // Where loss leaves no peak, the table levels the turning point.
+        // Where loss leaves no peak, the table levels the amplitude at the turning point.
         let turning = turning_point_m / palette.plate().length_m() * (PLACES - 1) as f64;
         let place = Some(last_top(squares)).filter(|&top| top > 0).unwrap_or(turning.round() as usize);
         Ok(Self {
@@ -45,8 +45,8 @@ impl Peak {
         })
     }
 
-    /// From the code that switches the tone on until the peak stays within 10 % of its amplitude, seconds; `None` if the
-    /// plate has no time-domain line.
+    /// Time from the code that switches the tone on until the peak stays within 10 % of its amplitude, seconds; `None`
+    /// if the plate has no time-domain line.
     pub(super) fn switching_time_s(&self, palette: &Palette<'_>) -> Option<f64> {
         let rate_hz = palette.table().sample_rate_hz;
         let line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES, 1).ok()?;
@@ -68,8 +68,8 @@ impl Peak {
     }
 }
 
-/// The step, and part of a step, from which on the magnitude of `phasors` stays within [`SWITCHED`] of `amplitude`: the last
-/// one if it does not; `None` of no steps.
+/// The time, in steps, from which the magnitude of `phasors` stays within [`SWITCHED`] of `amplitude`; the last step if
+/// it does not, `None` if there are no steps.
 fn last_crossing(phasors: &[Complex64], amplitude: f64) -> Option<f64> {
     let last = phasors.len().checked_sub(1)? * FINE;
     let outside = |fine: usize| {
@@ -82,7 +82,7 @@ fn last_crossing(phasors: &[Complex64], amplitude: f64) -> Option<f64> {
     Some((fine as f64 + part) / FINE as f64)
 }
 
-/// The value at a step and part of a step: Lagrange's polynomial through the nearest [`NEIGHBOURS`].
+/// The value at a fractional step, by Lagrange interpolation through the nearest [`NEIGHBOURS`] values.
 fn between(values: &[Complex64], at: f64) -> Complex64 {
     let count = NEIGHBOURS.min(values.len());
     let first = (at.floor() as usize + 1).saturating_sub(count / 2).min(values.len() - count);
@@ -93,7 +93,7 @@ fn between(values: &[Complex64], at: f64) -> Complex64 {
     (first..first + count).map(|i| values[i] * weight(i)).sum()
 }
 
-/// Number of the last place at which a field is largest among its neighbours.
+/// Index of the last local maximum of a field; 0 if there is none.
 pub(super) fn last_top(field: &[f64]) -> usize {
     (1..field.len() - 1).rev().find(|&i| field[i] >= field[i - 1] && field[i] > field[i + 1]).unwrap_or(0)
 }

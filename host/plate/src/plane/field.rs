@@ -12,12 +12,13 @@ use crate::frequency::{POINTS_MAX, POINTS_MIN, RespondError, Response};
 use crate::quantity::OutOfRange;
 use num_complex::Complex64;
 
-/// Exponents of decay beyond the turning point after which the sheet is clamped: what returns from there has twice as
-/// many. The one-mode equation continues the taper beyond the plate's end in the same way.
+/// Decay exponents from the turning point to the far end of the mesh, where the sheet is clamped: a wave that returns
+/// from there has decayed by twice as many. The one-mode equation continues the taper beyond the plate's end, too.
 const TAIL_EXPONENTS: f64 = 14.0;
-/// Positions per element at which the peak is looked for.
+/// Positions per element at which the peak is searched for.
 const PLACES: f64 = 8.0;
-/// Elements and polynomials for an error of the peak below 1e-4 (`the_field_does_not_depend_on_the_resolution`).
+/// Elements and polynomials for an error of the peak below 1e-4 (test
+/// `the_field_does_not_depend_on_the_resolution_or_on_the_radius_of_a_corner`).
 pub(super) const RESOLUTION: Resolution =
     Resolution { elements_per_wavelength: 12.0, extra_orders: 0, rounding: outline::ROUNDING, panels: 1.0 };
 
@@ -35,12 +36,12 @@ pub struct Field {
 }
 
 impl Field {
-    /// Solves the plate at `frequency_hz` as it is set up. The drive end of the plate's specification counts only if
-    /// [`Setup::of`] took it over; the actuator does not.
+    /// Solves the plate at `frequency_hz` with this setup. The drive end of the plate's specification has an effect
+    /// only if [`Setup::of`] has copied it; the actuator has none.
     ///
     /// # Errors
     /// [`PlaneError::Respond`] for a frequency that [`crate::respond`] refuses, [`PlaneError::TooFine`] for a plate so
-    /// wide or long in wavelengths that the system would be too large, and what is wrong with the setup.
+    /// many wavelengths wide or long that the system would be too large, and the error of a setup that is not valid.
     pub fn solve(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Self, PlaneError> {
         Self::solve_with(plate, frequency_hz, setup, RESOLUTION)
     }
@@ -68,8 +69,8 @@ impl Field {
         })
     }
 
-    /// The deflection at `x_m` from the driven end and `z_m` from the centre line; zero beside the plate and beyond its
-    /// end. Negative `x_m` is on the lead-in.
+    /// The deflection at `x_m` from the driven end and `z_m` from the centre line, metres; zero beside the plate and
+    /// beyond its end. Negative `x_m` is on the lead-in.
     #[must_use]
     pub fn at(&self, x_m: f64, z_m: f64) -> Complex64 {
         let width = Outline::of(&self.plate.outline, self.lead_in_m, self.rounding).at(x_m).value.exp();
@@ -77,10 +78,10 @@ impl Field {
         if is_on_sheet { self.mapped(x_m, &self.section.values(z_m / width)) } else { Complex64::ZERO }
     }
 
-    /// The deflection where the polynomials have these values.
+    /// The deflection where the polynomials across the width have these values.
     fn mapped(&self, x: f64, values: &[f64]) -> Complex64 {
         if x > self.mesh.nodes[self.mesh.elements()] {
-            // The tail has died out before.
+            // Beyond the mesh the tail is negligible.
             return Complex64::ZERO;
         }
         amplitudes(&self.section, &self.mesh, &self.unknowns, x)
@@ -90,13 +91,13 @@ impl Field {
             .sum()
     }
 
-    /// The centre line on `points` (8 to 200 001) uniform positions from 0 to the plate's end, and its peak, in the
-    /// form of the one-mode [`crate::respond`].
+    /// The field on the centre line at `points` (8 to 200 001) uniform positions from 0 to the plate's end, and its
+    /// peak, in the form of the one-mode [`crate::respond`].
     ///
-    /// The peak is looked for on a finer grid near the turning point of the one-mode theory.
+    /// The peak is searched for on a finer grid near the turning point of the one-mode theory.
     ///
     /// # Errors
-    /// [`PlaneError::Respond`] for `points`.
+    /// [`PlaneError::Respond`] if `points` is outside its range.
     pub fn centre_line(&self, points: usize) -> Result<Response, PlaneError> {
         OutOfRange::check_count("points", points, POINTS_MIN..=POINTS_MAX).map_err(RespondError::from)?;
         let step_m = self.plate.length_m() / (points - 1) as f64;
@@ -110,8 +111,8 @@ impl Field {
     }
 }
 
-/// Where the mesh ends: so far beyond the turning point that nothing returns. The taper is continued beyond the
-/// plate's end if it must.
+/// End of the mesh, metres: far enough beyond the turning point that no wave returns. Where necessary the taper is
+/// continued beyond the plate's end.
 pub(super) fn far_end(plate: &Plate, frequency_hz: f64) -> f64 {
     let mode = plate.width_mode(1);
     let turning_point_m = mode.turning_point_m(frequency_hz);

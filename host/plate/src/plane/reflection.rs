@@ -1,4 +1,4 @@
-//! How much of the travelling wave a driven end reflects.
+//! The reflection of the propagating wave at a driven end.
 
 use super::discrete::{Discrete, Resolution};
 use super::error::PlaneError;
@@ -13,21 +13,21 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Half-widths between either end of the strip and the part where the waves are fitted: the modes that are left out
-/// decay at least as e^(-x/W), those of the driven shape much faster.
+/// Half-widths between each end of the strip and the part where the waves are fitted: the modes left out of the fit
+/// decay at least as e^(-x/W), those of the drive's shape much faster.
 const MARGIN_HALF_WIDTHS: f64 = 8.0;
-/// Wavelengths over which the waves are fitted.
+/// Length of the part where the waves are fitted, in wavelengths.
 const FITTED_WAVELENGTHS: f64 = 2.0;
-/// Places where the waves are fitted.
+/// Number of places where the waves are fitted.
 const STATIONS: usize = 60;
 const RESOLUTION: Resolution =
     Resolution { elements_per_wavelength: 20.0, extra_orders: 1, rounding: 0.0, panels: 1.0 };
 
-/// The reflection r of the first width mode's travelling wave at the driven end, with the drive at rest: on a uniform
-/// strip of the plate's half-width at x = 0 and without loss, a wave e^(-jkx) that arrives leaves as r e^(+jkx).
+/// The reflection r of the first width mode's propagating wave at the driven end, with the drive at rest: on a uniform
+/// strip of the plate's half-width at x = 0 and without loss, a wave e^(-jkx) that arrives is returned as r e^(+jkx).
 ///
 /// The strip is solved in two dimensions with a force at its far end, and the amplitudes of its own width modes are
-/// fitted in its middle. The finger is left out, and the air counts as the mass of the plate's free wave.
+/// fitted in its middle. A finger in the setup is ignored, and the air is the added mass of the plate's free wave.
 ///
 /// # Errors
 /// As [`super::Field::solve`].
@@ -37,7 +37,7 @@ pub fn reflection(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Com
     let log_width = plate.outline.at(0.0).value;
     let width_mode = plate.width_mode(1);
     let wavenumber = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
-    // Close to the cut-off the wavelength has no bound; a part of it separates two waves, too.
+    // Close to the cut-off the wavelength is unbounded; a part of it also separates two waves.
     let unbounded = plate.spec().model.wavenumber_squared(TAU * frequency_hz).sqrt();
     let margin_m = MARGIN_HALF_WIDTHS * log_width.exp();
     let fitted_m = FITTED_WAVELENGTHS * TAU / wavenumber.max(0.05 * unbounded);
@@ -52,8 +52,8 @@ pub fn reflection(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Com
     let Discrete { section, mesh, level, .. } = &discrete;
     let modes: Vec<StripMode> =
         (0..section.orders).map_while(|number| strip::mode(section, log_width, *level, number)).collect();
-    // Two waves of each mode, e^(jkx) from the start of the fitted part and e^(-jkx) from its end. Where k^2 < 0 the
-    // root with a positive imaginary part makes both decay.
+    // Two waves of each mode: e^(jkx) from the start of the fitted part and e^(-jkx) from its end. Where k^2 < 0, both
+    // decay with the root that has a positive imaginary part.
     let waves: Vec<Complex64> = modes.iter().map(|mode| Complex64::from(mode.square).sqrt()).collect();
     let mut normal = DMatrix::<Complex64>::zeros(2 * modes.len(), 2 * modes.len());
     let mut right = DVector::<Complex64>::zeros(2 * modes.len());

@@ -1,5 +1,5 @@
-//! The cross-section: products of the polynomials across the width, integrated once, and the energy of the sheet per
-//! length along x that follows from them at any place of any taper.
+//! The cross-section: integrals over the width of products of the polynomials, computed once, and the resulting energy
+//! of the sheet per length along x at any place of any taper.
 //!
 //! With b = z/W(x), s = W'/W and w = f(x) p(b),
 //!
@@ -9,8 +9,9 @@
 //! w_zz = f p''/W^2                                         w_xz = (f' p' - f s (b p'' + p'))/W
 //! ```
 //!
-//! A membrane has the energy T (w_x v_x + w_z v_z), a film that of a membrane and a plate together, a plate D ((lap w)(lap v) - (1 - nu)(w_xx v_zz + w_zz v_xx -
-//! 2 w_xz v_xz)), both per area; T and D are divided out here.
+//! A membrane has the energy T (w_x v_x + w_z v_z), a plate
+//! D ((lap w)(lap v) - (1 - nu)(w_xx v_zz + w_zz v_xx - 2 w_xz v_xz)), both per area; a film has the sum of both. T and
+//! D are divided out here.
 
 use super::basis::{Edges, Jet, across};
 use crate::definition::taper::LogWidth;
@@ -18,14 +19,14 @@ use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 
-/// What a deflection of the sheet costs.
+/// The energy of a deflection of the sheet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Energy {
-    /// That of a tension, or of a shear modulus, per unit of it.
+    /// Energy of a tension or of a shear modulus, per unit of it.
     Tension,
-    /// That of bending, per unit of bending stiffness, with this Poisson's ratio.
+    /// Energy of bending, per unit of bending stiffness, with this Poisson's ratio.
     Bending(f64),
-    /// Both, per unit of the tension.
+    /// Sum of both, per unit of the tension.
     Film {
         /// Poisson's ratio.
         poisson_ratio: f64,
@@ -35,7 +36,7 @@ pub(super) enum Energy {
 }
 
 impl Energy {
-    /// The inertia over the modulus of a free wave with K^2 = `squared`: K^2, K^4 or K^2 (1 + s^2 K^2).
+    /// Inertia over modulus of a free wave with K^2 = `squared`: K^2, K^4 or K^2 (1 + s^2 K^2).
     pub(super) fn level(self, squared: f64) -> f64 {
         match self {
             Self::Tension => squared,
@@ -60,12 +61,12 @@ pub(super) struct Section {
     pub(super) edges: Edges,
     pub(super) energy: Energy,
     pub(super) orders: usize,
-    /// Integral of p_m p_n over the width, in half-widths: row by row, `orders` squared numbers, like all the others.
+    /// Integral of p_m p_n over the width, in half-widths: `orders` rows of `orders` numbers, as all the others.
     pub(super) mass: Vec<f64>,
     products: Products,
-    /// Coefficients of the polynomial nearest to the first width mode at its cut-off, which is 1 on the centre line.
+    /// Coefficients of the polynomial nearest to the first width mode at its cut-off; 1 on the centre line.
     pub(super) mode: Vec<f64>,
-    /// The linear form that projects a deflection on that mode: for the mode itself it gives 1.
+    /// The linear form that projects a deflection on that mode; 1 for the mode itself.
     pub(super) projection: Vec<f64>,
     /// b p_n' as a sum of polynomials: the coefficient of p_m is at m orders + n.
     pub(super) slant: Vec<f64>,
@@ -89,17 +90,17 @@ struct Products {
     t_t: Vec<f64>,
 }
 
-/// The energy per length along x as a quadratic form of f, f' and f'' of every polynomial: `terms[i][j]` couples the
-/// derivative of order i of the one with that of order j of the other.
+/// The energy per length along x as a quadratic form in f, f' and f'' of every polynomial: `terms[i][j]` couples the
+/// i-th derivative of the left amplitude with the j-th derivative of the right one.
 #[derive(Debug, Clone)]
 pub(super) struct Form {
     pub(super) terms: [[Vec<f64>; 3]; 3],
 }
 
 impl Section {
-    /// The first width mode at its cut-off is cos(q b) between supported edges, q = pi/2; between clamped ones it is
-    /// that of the clamped beam with q = 2.36502, and in a film the sum of cos(q b) and cosh(r b) that is clamped. `numbers` are
-    /// q and r.
+    /// `orders` polynomials, and the first width mode at its cut-off: cos(q b) between supported edges, q = pi/2;
+    /// between clamped edges that of the clamped beam, q = 2.36502; in a film the clamped sum of cos(q b) and
+    /// cosh(r b). The last argument is [q, r].
     pub(super) fn new(edges: Edges, energy: Energy, orders: usize, [q, r]: [f64; 2]) -> Self {
         let points: Vec<(f64, f64, Vec<Jet>)> = gauss(2 * orders + 4)
             .into_iter()
@@ -109,7 +110,7 @@ impl Section {
             let mut sum = vec![0.0; orders * orders];
             for (b, weight, jets) in &points {
                 for (m, p) in jets.iter().enumerate() {
-                    // Half of the width is integrated: the polynomials are even.
+                    // The integral is over half of the width, because the polynomials are even.
                     let factor = 2.0 * weight * left(*b, *p);
                     for (n, p) in jets.iter().enumerate() {
                         sum[m * orders + n] += factor * right(*b, *p);
@@ -130,7 +131,7 @@ impl Section {
         let shape = |b: f64| match (edges, energy) {
             (Edges::Supported, _) => (q * b).cos(),
             (Edges::Clamped, Energy::Film { .. }) => {
-                // cosh(r b)/cosh(r), of which cosh alone would overflow.
+                // cosh(r b)/cosh(r); cosh alone would overflow.
                 let bent =
                     |b: f64| (r * (b - 1.0)).exp() * (1.0 + (-2.0 * r * b).exp()) / (1.0 + (-2.0 * r).exp());
                 ((q * b).cos() - q.cos() * bent(b)) / (1.0 - q.cos() * bent(0.0))
@@ -150,7 +151,8 @@ impl Section {
             }
         }
         let gram = DMatrix::from_row_slice(orders, orders, &mass).lu();
-        // The Gram matrix of independent polynomials is regular; if rounding says otherwise the fields are not finite.
+        // The Gram matrix of independent polynomials is regular; should rounding make it singular, the fields are not
+        // finite.
         let solve = |right: &DVector<f64>| {
             gram.solve(right).unwrap_or_else(|| DVector::from_element(orders, f64::NAN))
         };
@@ -187,13 +189,13 @@ impl Section {
         }
     }
 
-    /// A form of the right size, for [`Section::fill`].
+    /// A form of zeros of the right size, for [`Section::fill`].
     pub(super) fn form(&self) -> Form {
         let empty = || vec![0.0; self.orders * self.orders];
         Form { terms: std::array::from_fn(|_| std::array::from_fn(|_| empty())) }
     }
 
-    /// Writes the energy per length along x at a place with this width.
+    /// Writes the energy per length along x at a place with this width law.
     pub(super) fn fill(&self, law: LogWidth, form: &mut Form) {
         let (width, s, ds) = (law.value.exp(), law.slope, law.curvature);
         let inverse = (width * width).recip();
@@ -204,7 +206,7 @@ impl Section {
         };
         let bending = |nu: f64, at: usize, turned: usize| {
             let twist = 2.0 * (1.0 - nu) * inverse;
-            // The factors of f in w_xx, with nu w_zz, against p and against b p'.
+            // The factors of f in w_xx + nu w_zz, multiplied by p and by b p'.
             let against_a = |at: usize| s * s * g.a_q[at] - ds * g.a_s[at] + nu * inverse * g.a_c[at];
             let against_s = s * s * g.s_q[turned] - ds * g.s_s[turned] + nu * inverse * g.s_c[turned];
             let cross = s * s * (g.q_c[at] + g.q_c[turned]) - ds * (g.s_c[at] + g.s_c[turned]);
@@ -249,7 +251,7 @@ impl Section {
         (0..self.orders).map(|m| across(self.edges, m, b).value).collect()
     }
 
-    /// Integral over the width of conj(left) right, in half-widths; both by their coefficients.
+    /// Integral over the width of conj(left) right, in half-widths; both functions are given by their coefficients.
     pub(super) fn product(&self, left: &[Complex64], right: &[Complex64]) -> Complex64 {
         let rows = self.mass.chunks_exact(self.orders);
         let weighed =
@@ -276,8 +278,8 @@ impl Section {
 mod tests {
     use super::*;
 
-    /// The form against the energy of w(x, z), whose second derivatives are taken by finite differences in the plane,
-    /// on a taper where every term counts.
+    /// Compares the form with the energy of w(x, z), whose derivatives are finite differences in the plane, on a taper
+    /// where every term contributes.
     #[test]
     fn the_form_is_the_energy_in_the_plane() {
         let width = |x: f64| 0.1 * (-4.0 * x - 9.0 * x * x).exp();

@@ -1,8 +1,10 @@
-//! The waves of a parallel strip: wavenumber, shape and impedance of its width modes, from the same polynomials.
+//! The waves of a parallel strip: wavenumber, shape and impedance of its width modes, computed with the polynomials of
+//! [`Section`].
 //!
-//! A wave w = p(z) e^(jkx) obeys (k^4 A + k^2 B + C) p = K^4 M p in bending, the same for K^2 (1 + s^2 K^2) in a film, and
-//! (k^2 A + C) p = K^2 M p otherwise, with the forms of [`Section`] at W' = 0. For a given k^2 that is a symmetric eigenproblem; for a given frequency k^2 of
-//! each mode is found by Newton's method, because its slope is known from the eigenvector.
+//! A wave w = p(z) e^(jkx) obeys (k^4 A + k^2 B + C) p = L M p with the forms of [`Section`] at W' = 0, where the level
+//! L is K^4 in bending, K^2 (1 + s^2 K^2) in a film and K^2 otherwise; without bending A is zero. For a given k^2 this
+//! is a symmetric eigenproblem. For a given frequency, k^2 of each mode is found by Newton's method, because the
+//! derivative is known from the eigenvector.
 
 use super::basis::Edges;
 use super::section::{Energy, Section};
@@ -12,7 +14,8 @@ use crate::definition::taper::LogWidth;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// The sheet's edges and energy, and the [`Energy::level`] of its free wave without loss and with the air, at a frequency.
+/// Edges and energy of the sheet, and the [`Energy::level`] of its free wave at a frequency, without loss and with the
+/// air.
 pub(super) fn sheet(plate: &Plate, frequency_hz: f64) -> (Edges, Energy, f64) {
     let model = &plate.spec().model;
     let (edges, energy) = match (model, model.film(), model.film_square()) {
@@ -28,7 +31,7 @@ pub(super) fn sheet(plate: &Plate, frequency_hz: f64) -> (Edges, Energy, f64) {
     (edges, energy, energy.level(plate.wavenumber_squared(frequency_hz)))
 }
 
-/// The numbers of the first width mode at the driven end, as [`Section::new`] takes them.
+/// The numbers [q, r] of the first width mode at the driven end, for [`Section::new`].
 pub(super) fn width_numbers(plate: &Plate) -> [f64; 2] {
     let number = plate.spec().model.width_number(1);
     plate.film_edge(0.0).map_or([number; 2], |edge| [edge.number, edge.outer])
@@ -36,7 +39,7 @@ pub(super) fn width_numbers(plate: &Plate) -> [f64; 2] {
 
 /// The bending stiffness D in N m, or the tension per width in N/m (1 where the plate file does not state it).
 ///
-/// Where shear and rotary inertia are included, D is the value that makes the power of a wave right with Mindlin's K:
+/// Where shear and rotary inertia are included, D is the value that gives a wave with Mindlin's K its right power:
 /// rho h omega/(K^2 dK^2/d omega), which is D itself for a thin plate; omega is that of the same K in vacuum.
 pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
     let (model, width_mode) = (&plate.spec().model, plate.width_mode(1));
@@ -48,7 +51,7 @@ pub(super) fn modulus(plate: &Plate, frequency_hz: f64) -> f64 {
     match model.wave_speed_m_per_s() {
         Some(speed) => surface_density * speed * speed,
         None => {
-            // The width mode's a K^2 and its slope have the factor a.
+            // The width mode's a K^2 and its derivative contain the factor a.
             let squares = width_mode.axial_squared(frequency_hz) * plate.axial_rise(frequency_hz);
             surface_density * omega * width_mode.slope.powi(2) / squares
         }
@@ -62,22 +65,22 @@ pub(super) struct StripMode {
     pub(super) square: f64,
     /// Coefficients of the polynomials; 1 on the centre line.
     pub(super) shape: Vec<f64>,
-    /// d(K^4)/d(k^2), or d(K^2)/d(k^2).
+    /// Derivative of the level (K^4 in bending) with respect to k^2.
     rise: f64,
     /// Integral of the shape's square over the width, metres.
     norm_m: f64,
 }
 
 impl StripMode {
-    /// The impedance Z, N s/m, of a source that moves the mode by its centre line: a wave of amplitude A carries the power
+    /// Impedance Z, N s/m, for a source that moves the mode at its centre line: a wave of amplitude A carries the power
     /// (1/2) Z omega^2 A^2.
     pub(super) fn impedance(&self, modulus: f64, omega: f64) -> f64 {
-        // omega^2 = (modulus/surface density) K^4, and Z = surface density x group speed x norm.
+        // omega^2 = (modulus/surface density) x level, and Z = surface density x group speed x norm.
         modulus * self.rise * self.square.max(0.0).sqrt() * self.norm_m / omega
     }
 }
 
-/// Width mode `number` (0 is the first even one, 1 the second) of a strip of half-width W at `level` = K^4 or K^2.
+/// Width mode `number` (0 is the first even one, 1 the second) of a strip of half-width W at this [`Energy::level`].
 ///
 /// `None` if it decays faster than e^(-x/W).
 pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: usize) -> Option<StripMode> {
@@ -107,12 +110,12 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
         let vector: DVector<f64> = eigen.eigenvectors.column(at).into();
         let rise = 2.0 * square * vector.dot(&(&a * &vector)) + vector.dot(&(&b * &vector));
         let step = (level - eigen.eigenvalues[at]) / rise;
-        // The level is a convex function of k^2: from above Newton's method does not overshoot.
+        // The level is a convex function of k^2, so Newton's method from above does not overshoot.
         square += step;
         if square.is_nan() || square < slowest {
             return None;
         }
-        // The step after one as small as this would be below rounding.
+        // After so small a step the next one would be below rounding.
         if step.abs() <= 1e-8 * start {
             let raw = inverse.transpose() * vector;
             let centre: f64 = raw.iter().zip(section.values(0.0)).map(|(share, value)| share * value).sum();
@@ -127,11 +130,12 @@ pub(super) fn mode(section: &Section, log_half_width: f64, level: f64, number: u
     None
 }
 
-/// The wave impedance Z of the first width mode at x = 0, N s/m (per N/m of tension where that is not known); 0 below
-/// the cut-off. With clamped edges it is that of the exact dispersion relation.
+/// The wave impedance Z of the first width mode at x = 0, N s/m (per N/m of tension where the tension is not known); 0
+/// below the cut-off. For clamped edges it follows from the exact dispersion relation.
 ///
-/// It is Z of [`Plate::wave_impedance_n_s_per_m`], of which a plate file states its resistance as a share: the wave has the
-/// wavenumber of the turning width and moves the whole half-width. Of a film it is what matches its end by the one-mode equation.
+/// It is Z of [`Plate::wave_impedance_n_s_per_m`], to which the ratio of a resistance in a plate file refers: the wave
+/// has the wavenumber of the turning width and moves the whole half-width. For a film it is the resistance that matches
+/// its end by the one-mode equation.
 pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
     let (edges, energy, level) = sheet(plate, frequency_hz);
     if let Energy::Film { .. } = energy {
@@ -144,7 +148,8 @@ pub(super) fn wave_impedance(plate: &Plate, frequency_hz: f64) -> f64 {
         .map_or(0.0, |mode| moved * mode.impedance(modulus(plate, frequency_hz), TAU * frequency_hz))
 }
 
-/// k^2 of the first width mode in a strip as wide as the plate at `x`, without loss, 1/m^2; `None` if it decays at once.
+/// k^2 of the first width mode in a strip as wide as the plate at `x`, without loss, 1/m^2; `None` if it decays faster
+/// than e^(-x/W).
 pub(crate) fn wavenumber_squared(plate: &Plate, x: f64, frequency_hz: f64) -> Option<f64> {
     let (edges, energy, _) = sheet(plate, frequency_hz);
     let level = energy.level(plate.wavenumber_squared(frequency_hz) * plate.width_mode(1).local(x));
@@ -153,12 +158,13 @@ pub(crate) fn wavenumber_squared(plate: &Plate, x: f64, frequency_hz: f64) -> Op
     mode(&section, plate.outline.at(x).value, level, 0).map(|mode| mode.square)
 }
 
-/// Polynomials for the first width mode alone.
+/// Number of polynomials for the first width mode alone.
 const ORDERS_OF_A_MODE: usize = 7;
-/// Polynomials over the square root of W/s that resolve a film's edges: those of Legendre are closest there.
+/// Additional polynomials over the square root of W/s for the edges of a film: the zeros of Legendre polynomials are
+/// densest there.
 const ORDERS_OF_EDGES: f64 = 2.0;
 
-/// Polynomials that resolve how a film bends at its edges.
+/// Number of additional polynomials that resolve the bending of a film at its edges.
 pub(super) fn orders_of_edges(plate: &Plate) -> usize {
     let widths = plate.spec().model.film_square().map(|square| plate.half_width_m(0.0) / square.sqrt());
     widths.map_or(0, |widths| (ORDERS_OF_EDGES * widths.sqrt()).ceil() as usize)
@@ -177,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_clamped_strip_obeys_the_exact_dispersion_relation() {
-        // K over that of the cut-off, and k over that of the law near the cut-off, by the physics page.
+        // K over that of the cut-off, and k over that of the law near the cut-off, from the physics page.
         for (ratio, page) in [(1.005, 0.995), (1.05, 0.957), (1.22, 0.879), (1.41, 0.839), (2.0, 0.788)] {
             let (q, squared) = (2.365_020_372_431_352, (2.365_020_372_431_352 * ratio / W).powi(2));
             let found = mode(&section(Edges::Clamped, 9), W.ln(), squared * squared, 0).unwrap();
@@ -195,7 +201,7 @@ mod tests {
         let (edge_m, width_m): (f64, f64) = (2e-3, 0.02);
         let energy = Energy::Film { poisson_ratio: 0.38, square: edge_m * edge_m };
         let film = Section::new(Edges::Clamped, energy, 12, [1.7, 10.1]);
-        // K over the membrane's cut-off, well above that of the film.
+        // K over the cut-off of the membrane, well above that of the film.
         for ratio in [1.2, 1.5, 2.5] {
             let squared = (ratio * std::f64::consts::FRAC_PI_2 / width_m).powi(2);
             let at = |squared: f64| mode(&film, width_m.ln(), energy.level(squared), 0).unwrap();
@@ -203,7 +209,7 @@ mod tests {
             let (a, b) = ((squared - found.square).sqrt(), (squared + found.square + edge_m.powi(-2)).sqrt());
             let residual = a * (a * width_m).tan() / (b * (b * width_m).tanh()) + 1.0;
             assert!(residual.abs() < 2e-4, "{ratio}: {residual}");
-            // T (1 + 2 s^2 K^2) W_f k/omega, with the width that turns the film's waves.
+            // T (1 + 2 s^2 K^2) W_f k/omega with the turning half-width W_f of the film.
             let k = found.square.sqrt();
             let turning_m = std::f64::consts::FRAC_PI_2 / a;
             let wanted = 10.0 * (1.0 + 2.0 * edge_m * edge_m * squared) * turning_m * k / 900.0;
@@ -242,7 +248,7 @@ mod tests {
 
     #[test]
     fn the_impedance_of_an_end_is_the_one_that_a_plate_file_means() {
-        // On al-sh the edges meet the driven end at 43 degrees: arc and half-width differ by a fifth.
+        // On al-sh the edges meet the driven end at 43 degrees, so arc and half-width differ by a fifth.
         for (name, hz) in [("membrane-heavy", 150.0), ("al-sh", 9e3), ("al-bending", 28e3)] {
             let mut spec = crate::preset(name).unwrap().spec().clone();
             if let Model::ShearHorizontal { thickness_m, .. } = &mut spec.model {

@@ -1,4 +1,4 @@
-//! Special functions: Airy's Ai, the modified Bessel function of imaginary order; Gauss's rule; sinc.
+//! Special functions: Airy's Ai, the modified Bessel function of imaginary order, Gauss quadrature, sinc.
 
 pub mod airy;
 pub mod bessel;

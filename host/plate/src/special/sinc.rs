@@ -1,4 +1,4 @@
-//! sin(pi x)/(pi x): what a mean over one length or time leaves of a sine of x periods in it.
+//! sin(pi x)/(pi x): the factor by which a mean over one length or time reduces a sine with x periods in it.
 
 use std::f64::consts::PI;
 

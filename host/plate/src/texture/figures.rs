@@ -1,21 +1,24 @@
-//! Numbers that say how good a texture is.
+//! Figures of quality of a texture.
 
 use super::target::{STILL_FROM_EDGE_WIDTHS, Target, Wanted};
 
-/// How near a field comes to its target.
+/// Deviation of a field from its target, and for solid areas its ripple and contrast.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
-    /// Root of the mean square error of the RMS amplitude over the places that count, over the largest wanted: 0 is exact.
+    /// Root mean square error of the RMS amplitude over the places with weight, over the largest wanted amplitude; 0 is
+    /// exact.
     pub rms_error: f64,
-    /// Solid areas: largest over smallest RMS amplitude from 10 mm to 1.3 edge widths before the turning point, dB.
+    /// Solid areas: ratio of largest to smallest RMS amplitude from 10 mm to 1.3 edge widths before the turning point,
+    /// dB. `None` for other targets.
     pub ripple_db: Option<f64>,
-    /// Solid areas: the mean square there over that 1.4 edge widths past the turning point, or at the plate's end if it
-    /// ends before, dB.
+    /// Solid areas: ratio of the mean square there to that 1.4 edge widths past the turning point, or at the plate's
+    /// end if that is nearer, dB. `None` for other targets.
     pub contrast_db: Option<f64>,
 }
 
 impl Figures {
-    /// Of a field with these mean squares at the places of the palette, in units of the largest wanted, squared.
+    /// The figures of a field with these mean squares at the palette's places, in units of the largest wanted mean
+    /// square.
     pub(super) fn of(squares: &[f64], places_m: &[f64], target: &Target) -> Self {
         let counted = || target.weight.iter().map(|&weight| if weight > 0.0 { 1.0 } else { 0.0 });
         let errors =
@@ -46,7 +49,7 @@ impl Figures {
     }
 }
 
-/// The value at `x` on the plate. Interpolated in the logarithm, because the field falls by decades there.
+/// The value at `x` on the plate, by linear interpolation of the logarithm, because the field falls by decades there.
 fn interpolated(values: &[f64], places_m: &[f64], x: f64) -> f64 {
     let after = places_m.partition_point(|&place| place < x).clamp(1, places_m.len() - 1);
     let before = after - 1;

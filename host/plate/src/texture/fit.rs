@@ -1,4 +1,4 @@
-//! From a target to tones.
+//! The fit of tones to a target.
 
 use super::error::TextureError;
 use super::figures::Figures;
@@ -13,18 +13,18 @@ use crate::quantity::OutOfRange;
 use crate::sensation::SLIPPERY_FROM_HZ;
 use crate::table::level::other_plates;
 
-/// Tones that a texture may have.
+/// Largest number of tones of a texture.
 pub const TONES_MAX: usize = 16;
-/// The DAC amplitudes of a texture's tones add up to this share of full scale: what is left covers the rounding of
-/// levels and positions on the wire.
+/// Sum of the DAC amplitudes of a texture's tones, over full scale: the rest covers the rounding of levels and
+/// positions on the wire.
 pub(super) const HEADROOM: f64 = 0.999;
-/// Tones quieter than this share of the loudest, in power, are left out: -60 dB.
+/// Smallest power of a tone over that of the loudest: -60 dB. Quieter tones are left out.
 const AUDIBLE: f64 = 1e-6;
 
-/// Tones that are felt as vibrations lie this far apart at least, Hz: nearer ones rise and fall together so slowly that
-/// the area comes and goes. No source: a round value.
+/// Least distance of tones that are felt as vibrations, Hz: the sum of closer ones rises and falls so slowly that the
+/// area seems to vanish and return. No source: a round value.
 pub const BEAT_OF_VIBRATIONS_HZ: f64 = 5.0;
-/// Ultrasonic tones lie this far apart at least, Hz: the beat of nearer ones is felt as a vibration. No source: a round value.
+/// Least distance of ultrasonic tones, Hz: the beat of closer ones is felt as a vibration. No source: a round value.
 pub const BEAT_OF_ULTRASOUND_HZ: f64 = 1000.0;
 
 /// One tone of a texture.
@@ -36,36 +36,36 @@ pub struct TextureTone {
     pub frequency_hz: f64,
     /// Level, 0 to 1 of the table's full scale.
     pub level: f64,
-    /// Phase at its start, turns, 0 to 1.
+    /// Phase at its start, turns (0 to 1).
     pub phase_turns: f64,
 }
 
-/// Tones that come near to a target.
+/// Tones whose fields together are close to a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Texture {
-    /// The tones in order of their turning points: as loud together as the DAC allows.
+    /// The tones in the order of their turning points, together as loud as the DAC allows.
     pub tones: Vec<TextureTone>,
-    /// Places at which the rest is given, metres.
+    /// Places of the following amplitudes, metres.
     pub places_m: Vec<f64>,
     /// Wanted RMS displacement at each place, metres.
     pub wanted_m: Vec<f64>,
     /// RMS displacement at each place, metres.
     pub rms_m: Vec<f64>,
-    /// RMS displacement that any number of tones would have there at the same loudness, metres.
+    /// RMS displacement of the best field with any number of tones at the same loudness, metres.
     pub reach_m: Vec<f64>,
-    /// How near it comes.
+    /// Figures of these tones.
     pub figures: Figures,
-    /// How near any number of tones could come.
+    /// Figures of the best field with any number of tones.
     pub reach: Figures,
-    /// Level at which the target's largest amplitude would be the table's peak at full scale.
+    /// The target's largest amplitude over the table's peak at full scale.
     scale: f64,
 }
 
 impl Texture {
-    /// The best texture of at most `most` tones (1 to 16).
+    /// The best texture with at most `most` tones (1 to 16).
     ///
     /// # Errors
-    /// [`TextureError::OutOfRange`] for the number of tones, [`TextureError::Silent`] if the plate does not answer.
+    /// [`TextureError::OutOfRange`] for the number of tones, [`TextureError::Silent`] if the plate does not respond.
     pub fn fit(palette: &Palette<'_>, target: &Target, most: usize) -> Result<Self, TextureError> {
         OutOfRange::check_count("tones", most, 1..=TONES_MAX)?;
         let candidates_m = selection::candidates_m(target);
@@ -75,7 +75,7 @@ impl Texture {
         let best = candidates.times(&best);
         let refined = |places_m| refinement::refine(palette, target, places_m).map(sounding_tones);
         let mut sounding = refined(few.into_iter().map(|candidate| candidates_m[candidate]).collect())?;
-        // A step of this loop leaves one tone less, or is the last.
+        // Each pass of this loop removes at least one tone or ends the loop.
         loop {
             let parted = parted_m(palette, &sounding);
             if parted.len() == sounding.len() {
@@ -100,8 +100,8 @@ impl Texture {
         })
     }
 
-    /// The same wish and reach with other tones: their mean squares at the places and the level at which the largest wanted
-    /// amplitude would be the table's peak.
+    /// The same target and reach with other tones: `squares` are their mean squares at the places, and `scale` is the
+    /// target's largest amplitude over the table's peak at full scale.
     pub(super) fn with_tones(
         &self,
         tones: Vec<TextureTone>,
@@ -124,7 +124,7 @@ impl Texture {
         }
     }
 
-    /// The same tones at the loudness of another texture of the same wish, if they can be as loud.
+    /// The same tones at the loudness of another texture for the same target; unchanged if they cannot be as loud.
     #[must_use]
     pub fn as_loud_as(&self, other: &Self) -> Self {
         self.scaled((other.scale / self.scale).min(1.0))
@@ -141,11 +141,11 @@ impl Texture {
         scaled
     }
 
-    /// The worst figures of these tones over the plates within the plate file's tolerances of speed and loss; those of
-    /// the plate itself if it has none.
+    /// The worst figures of these tones on the plates within the plate file's tolerances of wave speed and loss; the
+    /// figures on the plate itself if the file states no tolerances.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if one of the plates does not answer.
+    /// [`TextureError::Silent`] if one of the plates does not respond.
     pub fn worst(&self, palette: &Palette<'_>, target: &Target) -> Result<Figures, TextureError> {
         let mut worst = self.figures;
         for plate in other_plates(palette.plate()) {
@@ -166,7 +166,7 @@ impl Texture {
     /// The figures of these tones on another plate, with the same table.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if that plate does not answer.
+    /// [`TextureError::Silent`] if that plate does not respond.
     pub fn on(&self, plate: &Plate, palette: &Palette<'_>, target: &Target) -> Result<Figures, TextureError> {
         let there = Palette::new(plate, palette.table());
         let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
@@ -176,12 +176,12 @@ impl Texture {
     }
 }
 
-/// How far above a tone of this frequency the next one lies at least, Hz.
+/// Least distance of the next tone above a tone of this frequency, Hz.
 pub(super) fn least_beat_hz(frequency_hz: f64) -> f64 {
     if frequency_hz < SLIPPERY_FROM_HZ { BEAT_OF_VIBRATIONS_HZ } else { BEAT_OF_ULTRASOUND_HZ }
 }
 
-/// The tones that can be heard as (place, power), in order of their places.
+/// The tones above [`AUDIBLE`] as (place, power), in the order of their places.
 fn sounding_tones(placed: Placed) -> Vec<(f64, f64)> {
     let loudest = placed.powers.iter().copied().fold(0.0, f64::max);
     let mut sounding: Vec<(f64, f64)> = placed.positions_m.into_iter().zip(placed.powers).collect();
@@ -190,7 +190,7 @@ fn sounding_tones(placed: Placed) -> Vec<(f64, f64)> {
     sounding
 }
 
-/// The places of these tones, where two that would beat slowly are one between them.
+/// The places of these tones; tones whose beat would be too slow are merged to one place between them.
 fn parted_m(palette: &Palette<'_>, sounding: &[(f64, f64)]) -> Vec<f64> {
     let table = palette.table();
     let mut parted: Vec<(f64, f64)> = Vec::with_capacity(sounding.len());
@@ -209,7 +209,7 @@ fn parted_m(palette: &Palette<'_>, sounding: &[(f64, f64)]) -> Vec<f64> {
     parted.into_iter().map(|(place_m, _)| place_m).collect()
 }
 
-/// The tones at the highest common level that the DAC's range and each tone's own range allow, and that level.
+/// The tones at the highest common scale that the DAC's range and the range of each level allow, and that scale.
 fn loudest_that_fits(palette: &Palette<'_>, positions_m: &[f64], powers: &[f64]) -> (Vec<TextureTone>, f64) {
     let table = palette.table();
     let dac: Vec<f64> =

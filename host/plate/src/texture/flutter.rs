@@ -1,11 +1,11 @@
-//! How a solid area flutters: its tones are some hertz apart, so the sum of two of them rises and falls.
+//! The flutter of a solid area: its tones differ by some hertz, so the sum of two of them rises and falls.
 //!
 //! The mean square of tones A_i e^(-j omega_i t) over a window T around the time t is
 //!
 //! 1/2 sum over i and j of Re(A_i A_j* e^(-j (omega_i - omega_j) t)) sinc((f_i - f_j) T),  sinc(x) = sin(pi x)/(pi x),
 //!
-//! without the sums of the frequencies. Ripple and evenness are its mean over all times, the terms with i = j. The others
-//! are the flutter; where tones are 1/T apart or more the window takes it away.
+//! without the terms at the sums of the frequencies. Ripple and evenness describe its mean over all times, the terms
+//! with i = j. The other terms are the flutter; the window suppresses those of tones that are 1/T or more apart.
 
 use super::error::TextureError;
 use super::fit::Texture;
@@ -15,33 +15,34 @@ use crate::special::sinc::sinc;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// The RMS is that over this time, seconds. A shorter burst of vibration is felt as a pulse, at 40 to 590 Hz alike
-/// (B. Remache-Vinueza, A. Trujillo-Leon and F. Vidal-Verdu, Sci. Rep. 15, 5057, 2025).
+/// Window of the RMS, seconds. A shorter burst of vibration is felt as a pulse, at any frequency from 40 to 590 Hz (B.
+/// Remache-Vinueza, A. Trujillo-Leon and F. Vidal-Verdu, Sci. Rep. 15, 5057, 2025).
 pub const FLUTTER_WINDOW_S: f64 = 0.03;
-/// The time for which the area is watched, seconds, and the number of moments in it.
+/// Time over which the area is evaluated, seconds, and the number of moments in it.
 const WATCHED_S: f64 = 1.0;
 const MOMENTS: usize = 400;
 
-/// How much and how fast the RMS amplitude of a solid area swings.
+/// Depth and frequency of the swing of a solid area's RMS amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Flutter {
-    /// Largest over smallest RMS over 30 ms, within a second: the median of the even area's places, dB.
+    /// Ratio of the largest to the smallest RMS over 30 ms within a second, dB: the median over the places of the even
+    /// area.
     pub swing_db: f64,
-    /// Mean frequency of the swing, each beat weighted by its power, Hz; 0 of one tone alone.
+    /// Mean frequency of the swing, with each beat weighted by its power, Hz; 0 for a single tone.
     pub frequency_hz: f64,
 }
 
 impl Texture {
-    /// How these tones flutter in the area that is even; `None` of a target that is no solid area.
+    /// The flutter of these tones in the even part of the area; `None` if the target is not a solid area.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if the plate does not answer.
+    /// [`TextureError::Silent`] if the plate does not respond.
     pub fn flutter(&self, palette: &Palette<'_>, target: &Target) -> Result<Option<Flutter>, TextureError> {
         let Some(even) = target.even_m() else { return Ok(None) };
         let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
         let fields = palette.fields(&positions_m)?;
         let frequencies: Vec<f64> = self.tones.iter().map(|tone| tone.frequency_hz).collect();
-        // The device begins a tone as a sine at its phase: e^(j 2 pi turns) of the drive, conjugate in e^(-j omega t).
+        // The device starts a tone as a sine at its phase: e^(j 2 pi turns) of the drive, conjugate in e^(-j omega t).
         let phasors: Vec<Complex64> =
             self.tones.iter().map(|tone| tone.level * Complex64::cis(-TAU * tone.phase_turns)).collect();
         let beats = Beats::of(&frequencies);
@@ -61,18 +62,18 @@ impl Texture {
     }
 }
 
-/// Each pair of tones that beat.
+/// The beats of all pairs of tones.
 struct Beats {
     pairs: Vec<Beat>,
 }
 
 struct Beat {
-    /// Numbers of its tones.
+    /// Indices of its tones.
     tones: (usize, usize),
     frequency_hz: f64,
-    /// What the window leaves of it.
+    /// Factor by which the window reduces it.
     share: f64,
-    /// e^(-j 2 pi frequency t) at each moment, times the share.
+    /// e^(-j 2 pi frequency t) at each moment, times `share`.
     turns: Vec<Complex64>,
 }
 
@@ -90,7 +91,7 @@ impl Beats {
         Self { pairs: pairs.map(beat).collect() }
     }
 
-    /// The flutter of tones of these amplitudes.
+    /// The flutter at a place where the tones have these amplitudes.
     fn flutter(&self, amplitudes: &[Complex64]) -> Flutter {
         let mean: f64 = 0.5 * amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
         let mut squares = vec![mean; MOMENTS];

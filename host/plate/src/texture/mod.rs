@@ -1,4 +1,4 @@
-//! Textures: tones whose fields together come near to a wanted RMS amplitude over the plate.
+//! Textures: tones whose fields together are close to a wanted RMS amplitude over the plate.
 //!
 //! ```text
 //! Target (wanted mean square, weight at each place)
@@ -8,8 +8,8 @@
 //!        (nnls)                                   (selection)          (refinement)
 //! ```
 //! Tones of different frequencies add in power, so the mean square of the sum is linear in the tones' powers, and the
-//! best powers are the solution of a convex problem: what it leaves no number of tones can mend. That is the mean over all
-//! times; how far the sum swings about it is its flutter.
+//! best powers are the solution of a convex problem: no number of tones can remove the error that it leaves. This is
+//! the mean over all times; the swing of the sum about it is its flutter.
 
 mod crest;
 mod error;

@@ -1,10 +1,10 @@
-//! A texture as a chord: its tones on multiples of one base frequency, with phases of a small peak.
+//! A texture as a chord: its tones on multiples of one base frequency, with phases for a small peak.
 //!
 //! ```text
 //! Texture --each to the nearest multiple--> powers fitted anew --> phases (crest) --> as loud as the peak allows
 //! ```
-//! Tones on a grid repeat exactly, so a device can prove their peak and take them louder than by the sum of their
-//! amplitudes. The figures state what the grid costs.
+//! The sum of tones on a grid is periodic, so a device can verify its peak and play it louder than the sum of the
+//! amplitudes allows. The figures include the error that the grid causes.
 
 use super::crest::low_peak_turns;
 use super::error::TextureError;
@@ -16,26 +16,27 @@ use super::target::Target;
 
 /// The longest period of a chord, in samples.
 pub const CHORD_PERIOD: u32 = 1 << 14;
-/// Halvings of the span between two places.
+/// Bisection steps of the search for a place.
 const HALVINGS: usize = 60;
 
 /// A texture whose tones are multiples of the sample rate over [`CHORD_PERIOD`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChordTexture {
-    /// The tones, as loud together as the sum of their amplitudes allows; the phases are those of the chord.
+    /// The tones, together as loud as the sum of their amplitudes allows; the phases are those of the chord.
     pub texture: Texture,
-    /// Which multiple of the base frequency each tone is; rising.
+    /// The multiple of the base frequency of each tone, rising.
     pub harmonics: Vec<u32>,
-    /// How much louder the chord may be played, since its peak is smaller than the sum: dB, 0 or more.
+    /// Additional gain of the chord, possible because its peak is smaller than the sum of the amplitudes, dB; 0 or
+    /// more.
     pub gain_db: f64,
 }
 
-/// What the grid may cost: share of the error, dB of ripple, dB of contrast.
+/// Tolerated losses by the grid: relative increase of the error, dB of ripple, dB of contrast.
 const TOLERATED: (f64, f64, f64) = (0.05, 0.5, 1.0);
 
 impl ChordTexture {
-    /// Whether the grid costs next to nothing against the texture with free tones: 5 % of its error, 0.5 dB of ripple and 1 dB of
-    /// contrast at most.
+    /// Whether the loss by the grid against the texture with free tones is negligible: at most 5 % more error, 0.5 dB
+    /// more ripple and 1 dB less contrast.
     pub fn is_as_good_as(&self, free: &Texture) -> bool {
         let (error, ripple_db, contrast_db) = TOLERATED;
         let (is, was) = (&self.texture.figures, &free.figures);
@@ -49,11 +50,11 @@ impl ChordTexture {
 }
 
 impl Texture {
-    /// The same texture on the multiples of `sample rate / CHORD_PERIOD`, with powers fitted anew. `None` if the table's
-    /// frequencies hold fewer than one of them for each tone that sounds.
+    /// The same texture on the multiples of `sample rate / CHORD_PERIOD`, with powers fitted again. `None` if no
+    /// multiple lies within the frequencies that the target allows, or if none of the tones on them has any power.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if the plate does not answer.
+    /// [`TextureError::Silent`] if the plate does not respond.
     pub fn on_grid(
         &self,
         palette: &Palette<'_>,
@@ -87,7 +88,7 @@ impl Texture {
             positions_m.iter().zip(&powers).map(|(&x, power)| power.sqrt() * table.gain(x)).collect();
         let (turns, peak) = low_peak_turns(&harmonics, &dac, CHORD_PERIOD);
         let (sum, loudest) = (dac.iter().sum::<f64>(), powers.iter().copied().fold(0.0, f64::max).sqrt());
-        // No tone may be louder than the table allows.
+        // No tone may exceed the level 1 of the table.
         let scale = |of: f64| (HEADROOM / of).min(loudest.recip());
         let tones = positions_m.iter().zip(&powers).zip(turns).map(|((&position_m, power), phase_turns)| {
             TextureTone {
@@ -104,8 +105,9 @@ impl Texture {
     }
 }
 
-/// These rising harmonics, each within `lowest..=highest` and once, where ultrasonic ones that would beat are moved down, and
-/// those for which no room is left are left out. The highest stays: it makes the edge of an area.
+/// These rising harmonics, each within `lowest..=highest` and without repetition. A harmonic whose beat with the next
+/// higher one would be too slow is moved down; it is left out if there is no room for it. The highest is kept, because
+/// it determines the edge of an area.
 fn parted(nearest: &[u32], lowest: u32, highest: u32, base_hz: f64) -> Vec<u32> {
     let mut parted: Vec<u32> = Vec::with_capacity(nearest.len());
     for harmonic in nearest.iter().rev().map(|harmonic| (*harmonic).clamp(lowest, highest)) {
@@ -123,7 +125,7 @@ fn parted(nearest: &[u32], lowest: u32, highest: u32, base_hz: f64) -> Vec<u32> 
     parted
 }
 
-/// The place of the span with this frequency, which must be one of the table's.
+/// The place of the span with this frequency, metres; the frequency must be within those of the table.
 fn place_of(palette: &Palette<'_>, frequency_hz: f64) -> f64 {
     let table = palette.table();
     let (mut low_m, mut high_m) = (table.span_start_m, table.span_end_m);
@@ -140,14 +142,14 @@ mod tests {
 
     #[test]
     fn ultrasonic_harmonics_that_would_beat_are_moved_down_and_others_stay() {
-        // 40 multiples are 976.6 Hz, 41 are 1001; 20 kHz is the multiple 819.2.
+        // 40 multiples are 976.6 Hz, 41 are 1001 Hz; 20 kHz is the multiple 819.2.
         let base_hz = 400e3 / f64::from(CHORD_PERIOD);
         let parted = |nearest: &[u32], lowest| parted(nearest, lowest, 1600, base_hz);
         assert_eq!(parted(&[860, 900, 940, 981], 700), [858, 899, 940, 981]);
         assert_eq!(parted(&[860, 901, 945], 700), [860, 901, 945]);
-        // Below 20 kHz 24 Hz are enough, and two on one multiple are one.
+        // Below 20 kHz one step of 24 Hz is enough, and two tones on one multiple become one.
         assert_eq!(parted(&[4, 4, 5, 815, 818, 825], 4), [4, 5, 815, 818, 825]);
-        // No room for the lowest; the highest is the table's.
+        // There is no room for the lowest; the highest becomes the table's.
         assert_eq!(parted(&[1550, 1590, 1700], 1550), [1559, 1600]);
     }
 }

@@ -1,4 +1,4 @@
-//! What a tone of each turning point does to the plate.
+//! The fields of a table's tones on a plate.
 
 use super::error::TextureError;
 use super::nnls::Columns;
@@ -9,20 +9,20 @@ use crate::frequency::numerov::{self, Grid};
 use crate::table::DriveTable;
 use num_complex::Complex64;
 
-/// Places along the plate at which a texture is fitted, uniform from 0 to the plate's end.
+/// Number of places along the plate at which a texture is fitted, uniform from 0 to the plate's end.
 pub const PLACES: usize = 201;
 
-/// The tones that a table gives, and the field of each.
+/// The tones of a table, and the field of each.
 pub struct Palette<'a> {
     plate: &'a Plate,
     table: &'a DriveTable,
     grid: Grid,
-    /// Points of the grid from one place to the next.
+    /// Grid points from one place to the next.
     stride: usize,
 }
 
 impl<'a> Palette<'a> {
-    /// The tones of `table`, made for this plate (or one like it), on `plate`.
+    /// The tones of `table` on `plate`; the table was made for this plate or for a similar one.
     pub fn new(plate: &'a Plate, table: &'a DriveTable) -> Self {
         let highest_hz = table.frequency_hz(table.span_end_m);
         let step_m = plate.length_m() / (PLACES - 1) as f64;
@@ -47,11 +47,11 @@ impl<'a> Palette<'a> {
         (0..PLACES).map(|place| place as f64 * step_m).collect()
     }
 
-    /// The mean square displacement at each place of a tone of level 1 with its turning point at each of `positions_m`
-    /// (in the table's span), in units of the table's peak at full scale, squared.
+    /// The mean square displacement at each place for a tone of level 1 with its turning point at each of `positions_m`
+    /// (in the table's span, metres); one column per tone, in units of the table's peak at full scale, squared.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if a field is not finite: the plate's loss or its actuator leaves nothing.
+    /// [`TextureError::Silent`] if a field is not finite, because the plate's loss or its actuator leaves no amplitude.
     pub fn squares(&self, positions_m: &[f64]) -> Result<Columns, TextureError> {
         let mut columns = Columns::new(PLACES);
         self.each_field(positions_m, |field, scale| {
@@ -64,8 +64,8 @@ impl<'a> Palette<'a> {
         }
     }
 
-    /// As [`Palette::squares`], the complex displacement of each tone, of which the real part of f e^(-j omega t) is that at
-    /// the time t; in units of the table's peak at full scale.
+    /// The complex displacement f of each tone of [`Palette::squares`] at each place, in units of the table's peak at
+    /// full scale; the displacement at the time t is Re(f e^(-j omega t)).
     ///
     /// # Errors
     /// As [`Palette::squares`].
@@ -79,7 +79,7 @@ impl<'a> Palette<'a> {
         }
     }
 
-    /// Calls `visit` with each tone's field over the driven end's displacement, and with the factor of that.
+    /// Calls `visit` with each tone's field over the driven end's displacement, and with [`Palette::scale`].
     fn each_field(&self, positions_m: &[f64], mut visit: impl FnMut(&[Complex64], Complex64)) {
         let frequencies: Vec<f64> = positions_m.iter().map(|&x| self.table.frequency_hz(x)).collect();
         numerov::solve_each_apart(&self.grid, self.plate, &frequencies, self.stride, |number, field| {
@@ -87,7 +87,7 @@ impl<'a> Palette<'a> {
         });
     }
 
-    /// From the driven end's displacement to that of a tone of level 1, over the table's peak at full scale.
+    /// Displacement of the driven end for a tone of level 1, over the table's peak at full scale.
     fn scale(&self, position_m: f64, frequency_hz: f64) -> Complex64 {
         let drive = self.plate.drive_response(frequency_hz);
         let dac = self.table.gain(position_m) * hold_droop(frequency_hz, self.table.sample_rate_hz);

@@ -1,4 +1,4 @@
-//! Solid areas by the place where a finger feels them end.
+//! Solid areas with a given felt edge.
 
 use super::error::TextureError;
 use super::fit::Texture;
@@ -8,24 +8,24 @@ use crate::feeling::{EdgesByPerson, Feeling, FeltEdge, FeltTone};
 use crate::progress::Progress;
 use crate::quantity::{OutOfRange, Range};
 
-/// Distance from the wanted felt edge that is good enough, metres.
+/// Tolerated distance from the wanted felt edge, metres.
 const CLOSE_M: f64 = 1e-5;
-/// Halvings of the span at most.
+/// Largest number of bisection steps.
 const TRIES: usize = 24;
 
 impl Texture {
-    /// What a finger feels of these tones: where it ends.
+    /// The felt edge of these tones.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if the plate does not answer.
+    /// [`TextureError::Silent`] if the plate does not respond.
     pub fn felt_edge(&self, palette: &Palette<'_>, feeling: &Feeling) -> Result<FeltEdge, TextureError> {
         Ok(Feeling::edge(palette.plate(), &self.strength(palette, feeling)?))
     }
 
-    /// Where persons feel it end.
+    /// The felt edges of these tones for persons with a high and with a low threshold.
     ///
     /// # Errors
-    /// [`TextureError::Silent`] if the plate does not answer.
+    /// [`TextureError::Silent`] if the plate does not respond.
     pub fn edges_by_person(
         &self,
         palette: &Palette<'_>,
@@ -34,7 +34,7 @@ impl Texture {
         Ok(Feeling::edges_by_person(palette.plate(), &self.strength(palette, feeling)?))
     }
 
-    /// How strongly each of the palette's places is felt.
+    /// Strength of the sensation at each of the palette's places, see [`Feeling::strength`].
     fn strength(&self, palette: &Palette<'_>, feeling: &Feeling) -> Result<Vec<f64>, TextureError> {
         let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
         let columns = palette.squares(&positions_m)?;
@@ -54,11 +54,12 @@ impl Texture {
         Ok(feeling.strength(palette.plate(), &felt))
     }
 
-    /// A solid area of at most `most` tones that is felt up to `felt_edge_m`, with the turning point that this takes.
+    /// A solid area of at most `most` tones (1 to 16) that is felt up to `felt_edge_m`, and its target, which holds the
+    /// turning point.
     ///
     /// # Errors
-    /// As [`Texture::fit`]; [`TextureError::OutOfRange`] with the felt edges that the span's turning points have if
-    /// `felt_edge_m` is none of them; [`TextureError::NotFelt`] if nothing is felt, or all of the plate.
+    /// As [`Texture::fit`]; [`TextureError::OutOfRange`] with the range of the felt edges of the span's turning points
+    /// if `felt_edge_m` is outside it; [`TextureError::NotFelt`] if nothing is felt, or the whole plate.
     pub fn solid_to(
         palette: &Palette<'_>,
         felt_edge_m: f64,
@@ -68,7 +69,7 @@ impl Texture {
         Self::solid_to_watched(palette, felt_edge_m, most, feeling, &mut Progress::new(&mut |_| true))
     }
 
-    /// As [`Texture::solid_to`], with reports of its progress; it can be stopped.
+    /// As [`Texture::solid_to`], with reports of its progress; the caller can stop it.
     ///
     /// # Errors
     /// As [`Texture::solid_to`], and [`TextureError::Stopped`].
@@ -91,7 +92,7 @@ impl Texture {
         let (mut low_m, mut high_m) = (shortest_m(palette), palette.table().span_end_m);
         let (first, last) = (at(low_m)?, at(high_m)?);
         let whole = Range::new(0.0, palette.plate().length_m(), "m");
-        // Nothing felt is as good as an edge at the driven end.
+        // If nothing is felt, the edge counts as one at the driven end.
         let place_m = |edge: FeltEdge| match edge {
             FeltEdge::At(place_m) => place_m,
             FeltEdge::Nowhere => whole.low,
@@ -105,7 +106,7 @@ impl Texture {
         if felt_edge_m - nearest_m < CLOSE_M {
             return Ok((first.0, first.1));
         }
-        // The nearest area found that is felt as far or farther.
+        // The nearest area found so far whose edge is at the wanted place or beyond it.
         let mut far = last;
         for _ in 0..TRIES {
             if place_m(far.2) - felt_edge_m < CLOSE_M {
@@ -120,7 +121,7 @@ impl Texture {
                 far = found;
             }
         }
-        // Where another set of tones takes over, the felt edge jumps: what it is too far is taken away by the level.
+        // Where another set of tones becomes the best, the felt edge jumps; a lower level then moves the edge back.
         let (mut low, mut high) = (0.0, 1.0);
         while place_m(far.2) - felt_edge_m >= CLOSE_M && high - low > 1e-6 {
             let middle = 0.5 * (low + high);
@@ -139,7 +140,7 @@ impl Texture {
     }
 }
 
-/// The nearest turning point of the span before which an area of two places or more is even, metres.
+/// The nearest turning point of the span with an even area of at least two places, metres.
 fn shortest_m(palette: &Palette<'_>) -> f64 {
     let table = palette.table();
     let (mut short_m, mut long_m) = (table.span_start_m, table.span_end_m);

@@ -1,4 +1,4 @@
-//! What a texture should be: a wanted RMS amplitude at each place, and how much each place counts.
+//! Targets of a texture: a wanted RMS amplitude and a weight at each place.
 
 use super::error::TextureError;
 use super::palette::Palette;
@@ -6,15 +6,16 @@ use crate::quantity::{OutOfRange, Range};
 use crate::special::airy;
 use std::ops::RangeInclusive;
 
-/// A solid area begins this far from the driven end, metres: nearer, the field of the drive itself is felt.
+/// Start of a solid area, metres from the driven end: nearer to it the field of the drive itself is felt.
 const SOLID_FROM_M: f64 = 0.01;
-/// A solid area is even up to this many edge widths before its turning point, where its last peak rises.
+/// Distance from the end of the even part of a solid area to its turning point, in edge widths: the last peak rises
+/// there.
 const SOLID_TO_EDGE_WIDTHS: f64 = 1.3;
-/// From this many edge widths past the turning point on, the plate should be still.
+/// Distance past the turning point from which the plate should be still, in edge widths.
 pub(super) const STILL_FROM_EDGE_WIDTHS: f64 = 1.4;
-/// A place that should be still counts this many times a place that should vibrate.
+/// Weight of a place that should be still, over that of a place that should vibrate.
 const STILL_WEIGHT: f64 = 10.0;
-/// The last peak of a solid area counts this much: it should not stand out, but its height matters less than evenness.
+/// Weight of the last peak of a solid area: it should not stand out, but its height matters less than evenness.
 const PEAK_WEIGHT: f64 = 0.3;
 
 /// A wanted RMS amplitude along the plate.
@@ -22,14 +23,14 @@ const PEAK_WEIGHT: f64 = 0.3;
 pub struct Target {
     /// Wanted RMS amplitude at each of the palette's places, in units of the largest, 0 to 1.
     pub(super) wanted: Vec<f64>,
-    /// How much the error at each place counts, 0 and more.
+    /// Weight of the error at each place, 0 or more.
     pub(super) weight: Vec<f64>,
-    /// Turning points that the tones may have, metres.
+    /// First and last turning point that the tones may have, metres.
     pub(super) allowed_m: (f64, f64),
     pub(super) wanted_kind: Wanted,
 }
 
-/// What is wanted.
+/// The kind of a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Wanted {
     /// An even area from the driven end to an edge.
@@ -44,11 +45,11 @@ pub enum Wanted {
 }
 
 impl Target {
-    /// An even area from the driven end to the turning point `turning_point_m`.
+    /// An even area from the driven end to `turning_point_m`, metres.
     ///
     /// # Errors
-    /// [`TextureError::OutOfRange`] if the turning point is outside the table's span, [`TextureError::TooShort`] if
-    /// less than two places are left for the area.
+    /// [`TextureError::OutOfRange`] if the turning point is outside the table's span, [`TextureError::Silent`] if the
+    /// wave cannot enter, [`TextureError::TooShort`] if the area has fewer than two places.
     pub fn solid(palette: &Palette<'_>, turning_point_m: f64) -> Result<Self, TextureError> {
         let table = palette.table();
         let span = (table.span_start_m, table.span_end_m);
@@ -79,13 +80,14 @@ impl Target {
         })
     }
 
-    /// The RMS amplitude that breakpoints draw: `(place in metres, amplitude)`, joined by straight lines.
-    /// Places before the first and past the last breakpoint do not count. The amplitudes' unit does not matter: the texture is as loud as the
-    /// DAC allows.
+    /// The RMS amplitude over breakpoints `(place in metres, amplitude)` joined by straight lines. Places before the
+    /// first and beyond the last breakpoint have no weight. The unit of the amplitudes is arbitrary: the texture is as
+    /// loud as the DAC allows.
     ///
     /// # Errors
-    /// [`TextureError::Profile`] if there are fewer than two breakpoints, a place is not finite or not beyond the one
-    /// before, an amplitude is not finite or below zero, all are zero, or less than two places of the palette are drawn.
+    /// [`TextureError::Profile`] if there are fewer than two breakpoints; if a place is not finite or not beyond the
+    /// one before; if an amplitude is not finite or below zero, or all are zero; or if fewer than two of the palette's
+    /// places lie within the profile.
     pub fn profile(palette: &Palette<'_>, breakpoints: &[(f64, f64)]) -> Result<Self, TextureError> {
         check_breakpoints(breakpoints)?;
         let largest = breakpoints.iter().map(|&(_, amplitude)| amplitude).fold(0.0, f64::max);
@@ -95,7 +97,7 @@ impl Target {
         if places.iter().filter(|x| drawn.contains(x)).count() < 2 {
             return Err(TextureError::Profile {
                 number: 1,
-                reason: "less than two of the plate's places are drawn",
+                reason: "the profile covers fewer than 2 of the places at which a texture is fitted",
             });
         }
         Ok(Self {
@@ -111,17 +113,17 @@ impl Target {
         &self.wanted
     }
 
-    /// How much the error at each place counts.
+    /// Weight of the error at each place.
     pub fn weight(&self) -> &[f64] {
         &self.weight
     }
 
-    /// What is wanted.
+    /// The kind of this target.
     pub fn kind(&self) -> Wanted {
         self.wanted_kind
     }
 
-    /// Where a solid area is even, metres from the driven end.
+    /// Even part of a solid area, metres from the driven end; `None` for other targets.
     pub(super) fn even_m(&self) -> Option<RangeInclusive<f64>> {
         match self.wanted_kind {
             Wanted::Solid { turning_point_m, edge_width_m } => {
@@ -136,17 +138,17 @@ fn check_breakpoints(breakpoints: &[(f64, f64)]) -> Result<(), TextureError> {
     let refused =
         |number: usize, reason: &'static str| Err(TextureError::Profile { number: number + 1, reason });
     if breakpoints.len() < 2 {
-        return refused(breakpoints.len(), "a profile has at least 2 breakpoints");
+        return refused(breakpoints.len(), "a profile needs at least 2 breakpoints");
     }
     for (number, &(place, amplitude)) in breakpoints.iter().enumerate() {
         if !place.is_finite() {
-            return refused(number, "its place is not a number");
+            return refused(number, "its place is not a finite number");
         }
         if !(amplitude.is_finite() && amplitude >= 0.0) {
-            return refused(number, "its amplitude is not a number of at least 0");
+            return refused(number, "its amplitude is not a finite number of at least 0");
         }
         if number > 0 && breakpoints[number - 1].0 >= place {
-            return refused(number, "its place is not beyond that of the breakpoint before");
+            return refused(number, "its place is not beyond the place of the breakpoint before it");
         }
     }
     if breakpoints.iter().all(|&(_, amplitude)| amplitude == 0.0) {

@@ -1,10 +1,10 @@
-//! Turns DAC codes into the slowly varying complex drive of the oscillators.
+//! Conversion of DAC codes to the slowly varying complex drive of the oscillators.
 //!
-//! The DAC holds each code for one sample. Of that staircase only the plate's band matters. A band filter takes it as
-//! an analytic signal (only e^(-j omega t) with omega > 0), which is shifted down by the band's middle and decimated.
-//! The results are the coefficients of a quintic B-spline; its curve is the drive also between the decimated samples,
-//! so the oscillators can be integrated exactly. The filter keeps the droop of the DAC's hold and cancels the spline's
-//! droop.
+//! The DAC holds each code for one sample. Only the plate's band of that staircase has an effect. A band filter takes
+//! it as an analytic signal (only e^(-j omega t) with omega > 0), which is shifted down by the band's middle and
+//! decimated. The results are the coefficients of a quintic B-spline; its curve is the drive also between the decimated
+//! samples, so the oscillators can be integrated exactly. The filter keeps the droop of the DAC's hold and cancels the
+//! spline's droop.
 
 use super::band_plan::{BandPlan, CYCLE};
 use super::drive_filter::DriveFilter;
@@ -21,11 +21,11 @@ pub(crate) struct AnalyticDrive {
     /// Taps in time order (oldest first), split for the dot product.
     tap_re: Vec<f64>,
     tap_im: Vec<f64>,
-    /// The last samples after the first decimation, as many as there are taps; each is stored twice, so that a window
-    /// of that length is always contiguous.
+    /// The last samples after the first decimation, as many as there are taps; each is stored twice, so that every
+    /// window of that length is contiguous.
     history: Vec<f64>,
     write: usize,
-    /// Triangle decimator: position in the block, the weighted sum that ends with this block, and the one that begins
+    /// Triangle decimator: position in the block, the weighted sum that ends with this block, and the one that starts
     /// with it.
     place: usize,
     ending: f64,
@@ -33,7 +33,7 @@ pub(crate) struct AnalyticDrive {
     /// Samples after the first decimation until the next output.
     wait: usize,
     phase: usize,
-    /// What the drive has beside the actuator's resonance.
+    /// Filter for the response of the drive besides the actuator's resonance; `None` if it has no other.
     curve: Option<DriveFilter>,
 }
 
@@ -57,17 +57,17 @@ impl AnalyticDrive {
         }
     }
 
-    /// Delay of the filters, seconds: from the middle of a code's hold to the end of the hold of the code with which the
-    /// coefficient comes whose taps the first one is in the middle of.
+    /// Delay of the filters, seconds: from the middle of the hold of a code to the end of the hold of the code that
+    /// completes the coefficient centred on it.
     pub(crate) fn delay_s(&self) -> f64 {
         let coarse = self.plan.coarse as f64;
-        // The largest weight of the triangle is that of the last code of the block before.
+        // The largest weight of the triangle is on the last code of the block before.
         let triangle = if self.plan.coarse > 1 { coarse } else { 0.0 };
         let band = ((self.tap_re.len() / 2) as f64 * coarse + triangle + 0.5) / self.plan.sample_rate_hz;
         self.curve.as_ref().map_or(band, |curve| band + curve.delay() as f64 / self.plan.rate_hz())
     }
 
-    /// Clears the history of codes. The mixing phase goes on.
+    /// Clears the history of codes. The mixing phase is kept.
     pub(crate) fn rest(&mut self) {
         self.history.fill(0.0);
         self.ending = 0.0;
@@ -77,7 +77,7 @@ impl AnalyticDrive {
         }
     }
 
-    /// Takes one code (-1..=1 of full scale); returns a coefficient when one is due.
+    /// Takes one code (-1 to 1 of full scale); returns a coefficient when one is complete.
     pub(crate) fn push(&mut self, code: f64) -> Option<Complex64> {
         let coarse = self.plan.coarse;
         if coarse == 1 {
@@ -150,7 +150,7 @@ mod tests {
                     }
                 }
                 let tail = &found[found.len() - 8..];
-                // The spline's own droop, undone in the coefficients, comes back when the curve is drawn.
+                // The coefficients compensate the droop of the spline, so it is divided out here.
                 let wanted = sinc(tone / rate) / sinc((tone - plan.centre_hz) / plan.rate_hz()).powi(6);
                 for value in tail {
                     assert!(

@@ -1,5 +1,4 @@
-//! The band of a plate's drive as the time domain takes it: where it is shifted to, how far it is decimated, and the filter that
-//! does it.
+//! The band of a plate's drive in the time domain: its centre frequency, its decimation and its filter.
 
 use crate::special::sinc::sinc;
 use num_complex::Complex64;
@@ -15,7 +14,7 @@ pub(crate) struct BandPlan {
     pub(crate) fine: usize,
     /// Middle of the band, Hz; it is shifted to 0 Hz.
     pub(crate) centre_hz: f64,
-    /// Edges of the band filter (half-amplitude), Hz.
+    /// Edges of the band filter (half amplitude), Hz.
     low_hz: f64,
     high_hz: f64,
     transition_hz: f64,
@@ -32,8 +31,8 @@ const KAISER_BETA: f64 = 8.96;
 
 impl BandPlan {
     pub(crate) fn new(sample_rate_hz: f64, low_hz: f64, high_hz: f64) -> Self {
-        // Lower transition: from 0.6 of the lowest frequency down to 0.1 of it, because the mirror image of the band
-        // begins below 0 Hz.
+        // Lower transition: from 0.6 down to 0.1 of the lowest frequency, because the mirror image of the band starts
+        // below 0 Hz.
         let transition_hz = 0.5 * low_hz;
         let pass_high = (1.2 * high_hz).min((1.02 * high_hz).max(0.47 * sample_rate_hz));
         let low_edge = 0.35 * low_hz;
@@ -44,7 +43,7 @@ impl BandPlan {
         let middle_rate = sample_rate_hz / coarse as f64;
         let fine = ((middle_rate / (5.2 * half_band)) as usize).max(1);
         let rate = middle_rate / fine as f64;
-        // The centre nearest to the middle whose phase repeats after CYCLE output samples.
+        // The centre nearest to the middle of the band whose phase repeats after CYCLE output samples.
         let turn = (0.5 * (low_edge + stop_high) / rate * CYCLE as f64).round() as usize;
         let centre_hz = turn as f64 * rate / CYCLE as f64;
         Self {
@@ -65,7 +64,7 @@ impl BandPlan {
         self.sample_rate_hz / (self.coarse * self.fine) as f64
     }
 
-    /// The ends of the band filter, Hz: from there on nothing passes.
+    /// The stop band edges of the band filter, Hz: nothing passes beyond them.
     pub(crate) fn stop_hz(&self) -> (f64, f64) {
         (self.low_hz - 0.5 * self.transition_hz, self.high_hz + 0.5 * self.transition_hz)
     }

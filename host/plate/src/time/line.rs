@@ -28,11 +28,11 @@ use std::f64::consts::TAU;
 
 pub use error::LineError;
 
-/// Fewest and most positions of a line.
+/// Least and largest number of positions of a line.
 pub const LINE_POINTS: (usize, usize) = (16, 4096);
-/// Oscillators farther from the middle of the band than this many half bands are treated as quasi-static.
+/// Distance from the middle of the band, in half bands, beyond which an oscillator is treated as quasi-static.
 const REACH: f64 = 3.5;
-/// How far beyond the span's band a fitted field is exact, as a factor of its lowest and of its highest frequency.
+/// The band in which a fitted field is exact: factors on the lowest and the highest frequency of the span.
 const BEYOND: (f64, f64) = (0.85, 1.15);
 /// Highest width mode of a line.
 pub const WIDTH_MODE_MAX: u32 = 9;
@@ -69,21 +69,21 @@ pub struct TimeDomainLine {
     stride: u64,
     field_step: u64,
     settle_s: f64,
-    /// How late the field is by its fit, see [`fit::Fit`].
+    /// Delay of the field by its fit, see [`fit::Fit`].
     fit_delay_s: f64,
 }
 
 impl TimeDomainLine {
     /// Prepares a line of `points` positions (16 to 4096), uniform from 0 to the plate's end, for width mode `mode` (1
-    /// to 9; 1 is the first). The sample rate must be one of [`crate::sample_rates`].
+    /// to 9; 1 is the first). The sample rate, Hz, must be one of [`crate::sample_rates`].
     ///
-    /// Between clamped edges the first width mode is a fit to the field of [`crate::respond`]: within 0.1 dB at the peak, and
-    /// within some thousandths of it in the tail.
+    /// Between clamped edges the first width mode is a fit to the field of [`crate::respond`]: within 0.1 dB at the
+    /// peak, and within some thousandths of the peak in the tail.
     ///
     /// # Errors
     /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
-    /// `mode`, [`LineError::Drive`] for a measured drive that changes too fast with the frequency, and that of
-    /// [`TimeDomainLine::fitted`] for what has no eigenfunctions.
+    /// `mode`, [`LineError::Drive`] for a measured drive that changes too fast with the frequency, and the errors of
+    /// [`TimeDomainLine::fitted`] for plates without exact eigenfunctions.
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         if !modal::fits(plate, mode) {
             return Self::fitted(plate, sample_rate_hz, points, mode);
@@ -96,22 +96,22 @@ impl TimeDomainLine {
         Self::of_bank(plate, plan, points, &bank, &quasi_static, settle_s)
     }
 
-    /// As [`TimeDomainLine::new`], always by a rational fit of the frequency-domain field and never by eigenfunctions.
-    /// [`TimeDomainLine::new`] chooses it where the eigenfunctions are not exact.
+    /// As [`TimeDomainLine::new`], but always by a rational fit of the frequency-domain field, never by eigenfunctions.
+    /// [`TimeDomainLine::new`] uses the fit where the eigenfunctions are not exact.
     ///
     /// # Errors
-    /// Those of [`TimeDomainLine::new`], and [`LineError::Unfit`] if the fit is off by more than 0.5 % of the largest
-    /// amplitude, between clamped edges by more than 3 %.
+    /// Those of [`TimeDomainLine::new`], and [`LineError::Unfit`] if the error of the fit exceeds 0.5 % of the largest
+    /// amplitude, between clamped edges 3 %.
     pub fn fitted(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
         let plan = plan(plate, sample_rate_hz, points, mode)?;
         let fit = fit::of_plate(plate, mode, None, &plan, points, exact_hz(plate));
         Self::of_fit(plate, plan, points, &fit)
     }
 
-    /// As [`TimeDomainLine::new`] for the first width mode, with a finger that rests on the plate.
+    /// As [`TimeDomainLine::new`], for the first width mode, with a finger that rests on the plate.
     ///
     /// # Errors
-    /// Those of [`TimeDomainLine::fitted`], and [`LineError::Finger`] for a finger that the plate cannot have.
+    /// Those of [`TimeDomainLine::fitted`], and [`LineError::Finger`] for a finger that is not valid on this plate.
     pub fn touched(
         plate: &Plate,
         finger: &Finger,
@@ -168,13 +168,13 @@ impl TimeDomainLine {
         })
     }
 
-    /// The same line with a field at every step of its oscillators: 5.2 half bands and more.
+    /// The same line with a field at every step of its oscillators, at a rate of at least 5.2 half bands.
     pub(crate) fn with_every_step(self) -> Self {
         Self { stride: 1, ..self }
     }
 
-    /// Advances the plate by one sample per code. Codes are -1 to 1 of full scale; larger ones are not clamped, NaN and
-    /// infinity count as 0.
+    /// Advances the plate by one sample per code. Codes are -1 to 1 of full scale; larger ones are not clamped; NaN and
+    /// infinity are replaced by 0.
     pub fn push(&mut self, codes: &[f32]) {
         for code in codes {
             let code = if code.is_finite() { f64::from(*code) } else { 0.0 };
@@ -184,8 +184,8 @@ impl TimeDomainLine {
         }
     }
 
-    /// As [`TimeDomainLine::push`], for unsigned codes of a DAC of `bits` bits (1 to 16, else the nearer of the two);
-    /// mid-scale is zero displacement.
+    /// As [`TimeDomainLine::push`], for unsigned codes of a DAC of `bits` bits (clamped to 1 to 16); mid-scale is zero
+    /// displacement.
     pub fn push_codes(&mut self, codes: &[u16], bits: u32) {
         let half = f64::from(1_u32 << (bits.clamp(1, 16) - 1));
         for code in codes {
@@ -212,8 +212,8 @@ impl TimeDomainLine {
     }
 
     fn update_field(&mut self) {
-        // The drive at the end of the step, where five of the spline's pieces are not zero, and its two derivatives.
-        // For a signal e^(-j (omega - centre) t) the factor (omega - centre) is the operator j d/dt.
+        // The drive at the end of the step, where five of the spline's pieces are not zero, and its first two
+        // derivatives. For a signal e^(-j (omega - centre) t) the factor (omega - centre) is the operator j d/dt.
         let c = &self.coefficient;
         let rate = self.plan.rate_hz();
         let drive = (c[1] + c[5] + (c[2] + c[4]) * 26.0 + c[3] * 66.0) / 120.0;
@@ -241,7 +241,7 @@ impl TimeDomainLine {
         &self.position_m
     }
 
-    /// Writes the displacement at the latest step of the field, metres, one number per position; `out` may be shorter.
+    /// Writes the displacement at the latest step of the field, metres, one value per position; `out` may be shorter.
     pub fn field_m(&self, out: &mut [f32]) {
         let carrier = self.carrier();
         let (re, im) = (carrier.re as f32, carrier.im as f32);
@@ -250,9 +250,9 @@ impl TimeDomainLine {
         }
     }
 
-    /// Writes the analytic displacement at the latest step of the field, metres, one number per position; `out` may be
-    /// shorter. Its real part is [`TimeDomainLine::field_m`]. A tone of frequency f appears in it as e^(-j 2 pi f t)
-    /// only, without a part at -f, and with one constant phase for all frequencies.
+    /// Writes the analytic displacement at the latest step of the field, metres, one value per position; `out` may be
+    /// shorter. Its real part is [`TimeDomainLine::field_m`]. A tone of frequency f appears in it only as
+    /// e^(-j 2 pi f t), without a part at -f, and with one constant phase for all frequencies.
     ///
     /// The field is updated every `1/step_rate_hz()` seconds.
     pub fn analytic_m(&self, out: &mut [Complex64]) {
@@ -288,16 +288,16 @@ impl TimeDomainLine {
         self.envelope.reset();
     }
 
-    /// Time after which the transient of a change has decayed to a thousandth in the band, seconds. It includes twice
-    /// the latency, and is at most ten seconds plus that.
+    /// Time in which the transient of a change in the band decays to a thousandth, seconds. It includes twice the
+    /// latency, and is at most ten seconds plus that.
     pub fn settle_time_s(&self) -> f64 {
         self.settle_s + 2.0 * self.latency_s()
     }
 
-    /// Time from a code to its effect in the field, seconds: after n codes, the first of them held from the time 0 on, the
-    /// field is that of the plate at n over the sample rate less this time. It is the delay of the filters of the drive,
-    /// the two steps by which the middle of the spline lies behind its latest coefficient, and between clamped edges the
-    /// delay of the fit, 4.7 periods of the span's lowest frequency.
+    /// Time from a code to its effect in the field, seconds: after n codes, of which the first is held from the time 0,
+    /// the field is that of the plate at the time n over the sample rate, less the latency. It is the sum of the delay
+    /// of the drive's filters, of the two steps by which the middle of the spline is behind its latest coefficient,
+    /// and, between clamped edges, of the delay of the fit, 4.7 periods of the span's lowest frequency.
     pub fn latency_s(&self) -> f64 {
         self.drive.delay_s() + 2.0 / self.plan.rate_hz() + self.fit_delay_s
     }
@@ -316,7 +316,7 @@ fn plan(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<
     Ok(BandPlan::new(sample_rate_hz, low_hz, high_hz))
 }
 
-/// The frequencies between which a fitted field is exact, Hz.
+/// Lowest and highest frequency at which a fitted field is exact, Hz.
 fn exact_hz(plate: &Plate) -> (f64, f64) {
     let (low_hz, high_hz) = plate.band_hz();
     (BEYOND.0 * low_hz, BEYOND.1 * high_hz)
@@ -335,7 +335,7 @@ pub(super) fn check(plate: &Plate, sample_rate_hz: f64, mode: u32) -> Result<(),
     Ok(())
 }
 
-/// Refuses a fit that is off by too much.
+/// Refuses a fit whose error is too large.
 pub(super) fn check_fit(fit: &fit::Fit) -> Result<(), LineError> {
     let fit::Fit { error, most, .. } = *fit;
     if error > most { Err(LineError::Unfit { error, most }) } else { Ok(()) }
@@ -347,7 +347,7 @@ fn positions(plate: &Plate, points: usize) -> Vec<f64> {
 }
 
 /// ln(1000) over the slowest decay rate of an oscillator in the band, seconds; at least four periods of the lowest
-/// frequency, and at most ten seconds.
+/// frequency, at most ten seconds.
 fn settle_time(bank: &ModalBank, plate: &Plate) -> f64 {
     let (low_hz, high_hz) = plate.band_hz();
     let slowest = bank

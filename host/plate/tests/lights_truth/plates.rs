@@ -6,7 +6,7 @@ use slipline_plate::{
 };
 use std::f64::consts::TAU;
 
-/// The driven ends of a membrane and of a shear wave, then those of bending.
+/// The driven ends of membranes and shear waves, then those of bending.
 const ENDS: [&[End]; 2] = [
     &[End::Displacement, End::Force, End::Resistance, End::Damper, End::Coil],
     &[
@@ -36,7 +36,7 @@ pub(crate) enum End {
     LeadIn,
 }
 
-/// The kind of the model, and the driven end, of each plate before they repeat: every model with each of its ends.
+/// Index of the model and kind of driven end of each plate, before they repeat: every model with each of its ends.
 pub(crate) fn kinds() -> Vec<(usize, End)> {
     (0..4).flat_map(|model| ENDS[model / 2].iter().map(move |&end| (model, end))).collect()
 }
@@ -83,8 +83,8 @@ fn model(random: &mut Random, kind: usize) -> Model {
     }
 }
 
-/// A taper with the slope `slope` at the drive and e^(-`exponents`) of the width at the end: exponential, straight, or with
-/// edges that bend the one way or the other.
+/// A taper of the half-width `half_width_m` at the drive and e^(-`exponents`) of it at the end: exponential, straight,
+/// or with edges that bend inward or outward.
 fn taper(random: &mut Random, number: usize, half_width_m: f64, exponents: f64, length_m: f64) -> Taper {
     match number % 4 {
         0 | 1 => Taper::Exponential { half_width_m, rate_per_m: exponents / length_m },
@@ -138,7 +138,8 @@ fn drive_end(random: &mut Random, plate: &Plate, end: End, at_frequency_hz: f64)
     })
 }
 
-/// A plate of some wavelengths, whose edges converge slowly or fast; `None` if the numbers make no valid plate.
+/// A plate a few wavelengths long, whose edges converge slowly or fast; `None` if the numbers do not make a valid
+/// plate.
 pub(crate) fn plate(random: &mut Random, number: usize) -> Option<Plate> {
     let kinds = kinds();
     let (kind, end) = kinds[number % kinds.len()];
@@ -150,7 +151,7 @@ pub(crate) fn plate(random: &mut Random, number: usize) -> Option<Plate> {
         name: format!("plate {number}"),
         taper: taper(random, number, slope / rate_per_m, exponents, length_m),
         length_m,
-        // The straight width is off on steep tapers, and its lights have to say so.
+        // The plain width has large errors on steep tapers, which its lights have to show.
         turning_width: if number % 2 == 1 { TurningWidth::Plain } else { TurningWidth::Arc },
         model: model(random, kind),
         loss_factor: random.log_between(0.002, 0.1),

@@ -1,4 +1,4 @@
-//! Plate files: what is read back is what was written, and nothing hostile gets through or panics.
+//! Plate files: a file that is written is read back unchanged, and no invalid text is accepted or causes a panic.
 
 mod air;
 mod drive;
@@ -34,7 +34,7 @@ fn refusal(from: &str, to: &str) -> String {
     Plate::from_toml(&GOOD.replace(from, to)).expect_err(to).to_string()
 }
 
-/// Cases of (what stands in a good file, what stands there instead, what the refusal must say).
+/// Cases of (text in a good file, its replacement, text that the refusal must contain).
 fn assert_refused(cases: &[(&str, &str, &str)]) {
     for (from, to, wanted) in cases {
         let found = refusal(from, to);
@@ -262,7 +262,7 @@ fn a_calibration_is_read_written_and_corrects_the_drive() {
     let known = known.expect("intervals of level and source");
     assert_eq!(Plate::from_toml(&known.to_toml()).as_ref(), Ok(&known));
     let calibration = known.spec().calibration.as_ref().expect("calibrated");
-    let source = calibration.source_tolerance.expect("told");
+    let source = calibration.source_tolerance.expect("stated");
     assert_eq!(
         (calibration.level_tolerance_db, source.mass_kg, source.stiffness_n_per_m),
         (Some(0.4), 1e-4, 20.0)
@@ -292,7 +292,7 @@ fn a_loss_tolerance_is_read_written_and_refused_by_its_range() {
     assert_eq!(plate.spec().loss_tolerance, None);
     assert!(!plate.to_toml().contains("loss_tolerance"));
     let told = GOOD.replace("loss_factor = 0.01", "loss_factor = 0.01\nloss_tolerance = 1.5");
-    let plate = Plate::from_toml(&told).expect("told");
+    let plate = Plate::from_toml(&told).expect("stated");
     assert_eq!(plate.spec().loss_tolerance, Some(1.5));
     assert_eq!(Plate::from_toml(&plate.to_toml()).expect("written"), plate);
     assert_refused(&[
@@ -498,7 +498,7 @@ fn a_span_of_more_than_six_octaves_is_refused() {
 
 #[test]
 fn a_band_is_checked_as_it_is_given_and_not_as_the_widest_span_would_need_it() {
-    // 0.2 m/s on a half-width of 1 m: the cut-off is 0.05 Hz, and the wide end alone would need less than 0.5 Hz.
+    // 0.2 m/s on a half-width of 1 m: the cut-off is 0.05 Hz, so a span from the wide end would need less than 0.5 Hz.
     let slow = |low: f64, high: f64| {
         let span = format!("band_start_hz = {low:?}\nband_end_hz = {high:?}");
         let text = GOOD

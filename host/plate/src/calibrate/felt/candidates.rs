@@ -1,8 +1,9 @@
-//! The plates and drives near a file's, and the felt edges of tones on them.
+//! The plates and drives near the file's, and the felt edges of tones on them.
 //!
 //! Coordinates: those of the plate ([`crate::calibrate::fit::unknowns`]), each over its standard deviation; then
-//! resistance, mass and spring of the source, resonance and quality of the actuator, as ln(u/(1 - u)) of their place u in the range of
-//! [`crate::truth`]; then the logarithm of the threshold over the level, over its standard deviation.
+//! resistance, mass and stiffness of the source and resonance and quality of the actuator, each as ln(u/(1 - u)) of its
+//! place u (0 to 1) in the range of [`crate::truth`]; then the logarithm of the threshold over the level, over its
+//! standard deviation.
 
 use super::edge_envelope::Envelope;
 use super::importance_sampling::{COUNT, Coordinates, OUTER, Target};
@@ -18,40 +19,40 @@ use crate::table::level;
 use crate::truth::{DriveSpread, QUALITY, REACTANCE, RESISTANCE, RESONANCE, Random};
 use num_complex::Complex64;
 
-/// The threshold's coordinate, and its standard deviation as a logarithm: fingers and sources differ.
+/// Index of the threshold's coordinate, and the prior standard deviation of its logarithm: fingers and sources differ.
 pub(crate) const THRESHOLD: usize = COUNT - 1;
 pub(crate) const THRESHOLD_KNOWN: f64 = 1.5;
-/// The drive's coordinates.
+/// Indices of the first coordinates of the source and of the actuator.
 const RESISTANCE_AT: usize = OUTER;
 const RESONANCE_AT: usize = OUTER + 3;
-/// Fewest points of a field: an edge lies between two of them.
+/// Least number of points of a field: an edge is interpolated between two of them.
 const POINTS_LEAST: usize = 301;
 
-/// A tone that is touched.
+/// A tone whose edge is touched.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlayedTone {
     pub(crate) frequency_hz: f64,
-    /// The DAC's amplitude.
+    /// Amplitude of the DAC codes, over full scale.
     pub(crate) amplitude: f64,
 }
 
-/// The numbers of a drive.
+/// Parameters of a drive.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DriveNumbers {
-    /// Resistance, mass and stiffness in the units of the spread.
+    /// Resistance, mass and stiffness, in the units of the spread.
     pub(crate) impedance: [f64; 3],
-    /// Over the middle of the band.
+    /// Resonance frequency over that of the middle of the band.
     resonance: f64,
     quality: f64,
 }
 
-/// Plates and drives near a file's.
+/// The plates and drives near the file's.
 pub(crate) struct Near<'a> {
     pub(crate) nominal: &'a Plate,
     pub(crate) feeling: Feeling,
-    /// `None` where the drive is as the file states it.
+    /// Spread of the drive; `None` where the drive is as the file states it.
     pub(crate) drive: Option<DriveSpread>,
-    /// Standard deviations of the plate's coordinates beforehand.
+    /// Prior standard deviations of the plate's coordinates.
     pub(crate) deviations: [f64; OF_PLATE],
     points: usize,
 }
@@ -60,9 +61,10 @@ pub(crate) struct Near<'a> {
 pub(crate) struct Felt {
     frequency_hz: f64,
     envelope: Envelope,
-    /// Logarithm of the amplitude and of all that does not depend on the drive's numbers, over the least that is felt.
+    /// ln of the amplitude times all factors that do not depend on the drive's parameters, over the smallest amplitude
+    /// that is felt.
     level: f64,
-    /// F_p and f(0) of [`LoadedEnd::of_wave`]; nothing where the source is that of the file.
+    /// F_p and f(0) of [`LoadedEnd::of_wave`]; `None` where the source is that of the file.
     loaded: Option<Loaded>,
 }
 
@@ -84,13 +86,13 @@ impl<'a> Near<'a> {
         Self { nominal, feeling, drive, deviations, points }
     }
 
-    /// The plate at these coordinates under the file's own drive.
+    /// The plate at these coordinates, with the file's own drive.
     pub(crate) fn plate_at(&self, at: &Coordinates) -> PlateSpec {
         let of_plate: [f64; OF_PLATE] = std::array::from_fn(|i| at[i] * self.deviations[i]);
         spec_at(self.nominal.spec(), &of_plate)
     }
 
-    /// The same with the drive at these coordinates.
+    /// The plate at these coordinates, with the drive at these coordinates.
     pub(crate) fn spec_at(&self, at: &Coordinates) -> PlateSpec {
         let mut spec = self.plate_at(at);
         if let Some(drive) = &self.drive {
@@ -115,7 +117,7 @@ impl<'a> Near<'a> {
         }
     }
 
-    /// The DAC's amplitude for which the file predicts each of these peaks, metres, at these frequencies.
+    /// The DAC amplitude of each tone, given as (frequency in Hz, peak in metres that the file predicts).
     pub(crate) fn amplitudes(&self, tones: &[(f64, f64)]) -> Vec<f64> {
         let plate = self.nominal;
         let grid = Grid::new(plate, 1, Equation::Corrected, self.points, 1);
@@ -130,7 +132,7 @@ impl<'a> Near<'a> {
         amplitudes
     }
 
-    /// The tones on the plate at these coordinates; `None` where the plate is refused or a tone does not enter it.
+    /// The tones on the plate at these coordinates; `None` where the plate is not valid or a tone does not enter it.
     pub(crate) fn felt(&self, at: &Coordinates, tones: &[PlayedTone]) -> Option<Vec<Felt>> {
         let spec = self.plate_at(at);
         let frequencies: Vec<f64> = tones.iter().map(|tone| tone.frequency_hz).collect();
@@ -179,18 +181,18 @@ impl<'a> Near<'a> {
         Some(felt)
     }
 
-    /// The logarithm of the least amplitude that is felt of such a tone, in the unit of its field.
+    /// Logarithm of the smallest amplitude of this tone that is felt, in the unit of its field.
     fn least(&self, felt: &Felt, numbers: &DriveNumbers, at: &Coordinates) -> f64 {
         let Some(drive) = &self.drive else { return THRESHOLD_KNOWN * at[THRESHOLD] - felt.level };
         let actuator = drive.actuator(numbers.resonance, numbers.quality).response(felt.frequency_hz);
         let load = felt.loaded.as_ref().map_or(Complex64::ONE, |loaded| {
             loaded.force + dynamic_stiffness(numbers.impedance, loaded.rate) * loaded.motion
         });
-        // ln|z| without a root.
+        // ln|z| without a square root.
         THRESHOLD_KNOWN * at[THRESHOLD] - felt.level - 0.5 * (actuator.norm_sqr() / load.norm_sqr()).ln()
     }
 
-    /// Where the edges are felt.
+    /// The felt edge of each tone.
     pub(crate) fn edges<'f>(
         &'f self,
         felt: &'f [Felt],
@@ -200,14 +202,14 @@ impl<'a> Near<'a> {
         felt.iter().map(move |felt| felt.envelope.edge(self.least(felt, &numbers, at)))
     }
 
-    /// The same, with the ends of the plate for an edge that is not on it, metres.
+    /// The felt edges as places, metres: the driven end if nothing is felt, the plate's end if everything is.
     pub(crate) fn places_m(&self, felt: &[Felt], at: &Coordinates) -> Vec<f64> {
         let numbers = self.drive_at(at);
         felt.iter().map(|felt| felt.envelope.place_m(self.least(felt, &numbers, at))).collect()
     }
 }
 
-/// Plates and drives on which tones are felt up to marks.
+/// The plates and drives, with tones that are felt up to marks.
 pub(crate) struct Marked<'a> {
     pub(crate) near: Near<'a>,
     pub(crate) touches: &'a [Touch],
@@ -215,7 +217,8 @@ pub(crate) struct Marked<'a> {
 }
 
 impl Marked<'_> {
-    /// The same as [`Target::log_likelihood`]: minus half of the sum of the squared distances over the variances.
+    /// Log likelihood, see [`Target::log_likelihood`]: minus half of the sum of the squared distances of edge and mark,
+    /// each over its variance; `None` where a tone has no edge on the plate.
     pub(crate) fn log_likelihood_of(&self, felt: &[Felt], at: &Coordinates) -> Option<f64> {
         let mut sum = 0.0;
         for (edge, touch) in self.near.edges(felt, at).zip(self.touches) {
@@ -243,7 +246,7 @@ impl Target for Marked<'_> {
     fn log_prior(&self, at: &Coordinates) -> f64 {
         let of = |i: usize| {
             if (OUTER..THRESHOLD).contains(&i) {
-                // Logistic: what ln(u/(1 - u)) of an even u has.
+                // Logistic distribution: that of ln(u/(1 - u)) for a uniform u.
                 -at[i].abs() - 2.0 * (-at[i].abs()).exp().ln_1p()
             } else {
                 -0.5 * at[i] * at[i]

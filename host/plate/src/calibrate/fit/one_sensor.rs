@@ -15,9 +15,9 @@ use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
 use crate::definition::Plate;
 
-/// Calibrates `plate`, the nominal one, from one sensor at one place, by a model of everything before the plate: a source
-/// with resistance, mass and spring, an actuator of the second order, a gain and a delay. The file must state a membrane's
-/// tension or a sheet's thickness. The calibrated plate has the fitted source.
+/// Calibrates `plate`, the nominal one, from one sensor at one place. The model includes everything before the plate: a
+/// source with resistance, mass and stiffness, an actuator of second order, a gain and a delay. The file must state a
+/// membrane's tension or a sheet's thickness. The calibrated plate has the fitted source.
 ///
 /// ```no_run
 /// # use slipline_plate::calibrate::{Measurement, Priors, from_one_sensor};
@@ -31,7 +31,7 @@ use crate::definition::Plate;
 /// ```
 ///
 /// # Errors
-/// [`CalibrateError`]: what is wrong with the measurement, or what it does not carry.
+/// [`CalibrateError`]: a mistake in the measurement, or a quantity that it does not determine.
 pub fn from_one_sensor(
     plate: &Plate,
     sensor: &Measurement,
@@ -40,7 +40,7 @@ pub fn from_one_sensor(
     fitted(plate, sensor, priors).map(|(calibrated, _)| calibrated)
 }
 
-/// As [`from_one_sensor`], with the coordinates of the plate, the place and the source.
+/// As [`from_one_sensor`]; also returns the fitted coordinates of the plate, the place and the source.
 pub(crate) fn fitted(
     plate: &Plate,
     sensor: &Measurement,

@@ -14,15 +14,16 @@ use crate::calibrate::measurement::signal;
 use crate::definition::Plate;
 use num_complex::Complex64;
 
-/// Calibrates `plate`, the nominal one, from the current through its drive: what the plate sends back moves the coil or the
-/// piezo. `current` has the current over the code, in any unit, with the device's own delay taken out; its place and its kind
-/// do not count. The amplifier must be a source of voltage, and nothing may lie on the plate.
+/// Calibrates `plate`, the nominal one, from the current through its drive: the returning wave moves the coil or the
+/// piezo, which changes the current. `current` is the current over the code, in any unit, with the device's own delay
+/// removed; its place and its sensor kind are ignored. The amplifier must be a voltage source, and nothing may lie on
+/// the plate.
 ///
-/// The levels are those of the model: nothing measures them. The file must state a membrane's tension or a sheet's thickness,
-/// and the strip behind the driven end of a plate in bending.
+/// The levels are those of the model, because the current does not measure them. The file must state a membrane's
+/// tension or a sheet's thickness; for a plate in bending also the lead-in behind the driven end.
 ///
 /// # Errors
-/// [`CalibrateError`]: what is wrong with the measurement, or what it does not carry.
+/// [`CalibrateError`]: a mistake in the measurement, or a quantity that it does not determine.
 pub fn from_shunt(
     plate: &Plate,
     current: &Measurement,
@@ -30,7 +31,7 @@ pub fn from_shunt(
     priors: &Priors,
 ) -> Result<Calibrated, CalibrateError> {
     priors.check()?;
-    // Any unit and any kind: the current alone counts.
+    // Unit, place and sensor kind have no effect here.
     let current = &Measurement {
         place_m: 0.0,
         sensor: SensorKind::Displacement,
@@ -47,7 +48,8 @@ pub fn from_shunt(
 
     let first = joint.of_source();
     let of_source = &fit.parameters[first..];
-    // The damping by the electrical side in the middle of the band, as the file states it.
+    // Impedance of the electrical side in the middle of the band, added to the source because the file states their
+    // sum.
     let damping = joint.source.damping(of_source, Complex64::new(0.0, -1.0));
     let mut impedance = joint.impedance_of(&fit.parameters);
     impedance[0] += damping.re.max(0.0);

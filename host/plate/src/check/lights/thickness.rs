@@ -12,9 +12,10 @@ use crate::quantity::number_format::{at_most, with_decimals};
 use crate::quantity::show_length;
 use std::f64::consts::TAU;
 
-/// Its value is what the wavenumber misses, in %: Mindlin's relation against the thin plate's, both for K h. Where the plate
-/// is thick against its own width that decides instead, also for a plate that is taken as thick. Of a membrane it is what the
-/// stiffness of its film leaves open.
+/// The light "thin plate". For bending its value is the excess of Mindlin's wavenumber over the thin plate's at the
+/// same frequency, %; 0 for a plate that is computed as thick. Thickness over width has limits of its own, for thick
+/// plates too, and decides colour and sentence where its colour is worse. For a membrane the value is that of
+/// [`film_light`].
 pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
     let name = "thin plate";
     let bending = match &site.plate.spec().model {
@@ -25,12 +26,12 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
             return site.judged(name, None, "%", Colour::Green, 0.0, sentence);
         }
     };
-    // The plate is narrowest, and the wave shortest, at the boundary.
+    // As far as the wave travels, the plate is narrowest at the boundary.
     let thickness_at = |plate: &Plate, x: f64| plate.thickness_m(x).unwrap_or(bending.thickness_m);
     let share_on = |plate: &Plate, x: f64| thickness_at(plate, x) / (2.0 * plate.half_width_m(x));
     let share_at = |x: f64| share_on(site.plate, x);
     let share = share_at(site.boundary_m);
-    // K h goes with the root of the thickness, so the wave is shortest against it where the plate is thickest.
+    // K h is proportional to the root of the thickness, so it is largest where the plate is thickest.
     let thickest = |plate: &Plate, bending: &Bending, to_m: f64| {
         let places = (0..=PLACES).map(|i| to_m * f64::from(i) / f64::from(PLACES));
         let thickness_m = places.map(|x| thickness_at(plate, x)).fold(bending.thickness_m, f64::max);
@@ -46,7 +47,7 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
         }
     };
     let (missed, by_wave) = missed_by(percent);
-    // By how much each number exceeds its green limit, so that the two can be compared over a span.
+    // The larger ratio of a value to its green limit, to compare both criteria over a span.
     let severity = (share / THICKNESS_SHARE.green).max(missed / THIN_PLATE_PERCENT.green);
     let shares = format!("the plate is {} times as thick as it is wide here", with_decimals(share, 2));
     let sentence = if by_width > by_wave {
@@ -55,9 +56,9 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
             [
                 String::new(),
                 format!(
-                    "For any plate theory {shares}, which is much: measure before you trust the boundary."
+                    "No plate theory is certain here, because {shares}: measure before you trust the boundary."
                 ),
-                format!("No plate theory holds: {shares}, take a thinner or a wider plate."),
+                format!("No plate theory holds here, because {shares}: take a thinner or a wider plate."),
             ],
         )
     } else if bending.thick_plate {
@@ -90,14 +91,14 @@ pub(in crate::check) fn thin_plate_light(site: &Site<'_>) -> Finding {
         let fails = |x: f64| colour(share_at(x), THICKNESS_SHARE) > Colour::Green;
         found.over(|| vec![Stretch::about(site.boundary_m, site.boundary_m, fails)])
     } else {
-        // The wave is as short against the thickness on its whole way.
+        // K h is large on the whole way to the boundary.
         let whole = || vec![Stretch { from_m: 0.0, to_m: site.boundary_m }];
         found.limited(Limit::AtMost(THIN_PLATE_PERCENT)).over(whole)
     }
 }
 
-/// A film's stiffness: its value is how much the law of the turning half-width misses of the wavenumber just before the
-/// boundary, %.
+/// Light for the stiffness of a film. Its value is the amount by which the turning half-width underestimates the
+/// wavenumber just before the boundary, %.
 fn film_light(site: &Site<'_>, name: &'static str) -> Finding {
     let model = &site.plate.spec().model;
     let half_width_m = site.plate.half_width_m(site.boundary_m);
@@ -122,7 +123,7 @@ fn film_light(site: &Site<'_>, name: &'static str) -> Finding {
     let missed = with_decimals(percent, 1);
     let sentences = [
         format!("{narrower}."),
-        format!("{narrower} but for {missed} % of the wavenumber: {thinner}."),
+        format!("{narrower}, except for {missed} % of the wavenumber: {thinner}."),
         format!(
             "This film is a plate rather than a membrane here, {missed} % of the wavenumber is missed: {thinner}."
         ),
@@ -142,10 +143,10 @@ fn film_light(site: &Site<'_>, name: &'static str) -> Finding {
         })
 }
 
-/// Intervals up to the boundary at which the thickness is looked at.
+/// Number of intervals from the driven end to the boundary at whose ends the thickness is evaluated.
 const PLACES: u32 = 16;
 
-/// How much larger Mindlin's wavenumber is than the thin plate's, %.
+/// Excess of Mindlin's wavenumber over the thin plate's, %.
 fn missed_percent(bending: &Bending, frequency_hz: f64) -> f64 {
     let squared =
         |thick_plate: bool| Bending { thick_plate, ..bending.clone() }.wavenumber_squared(TAU * frequency_hz);

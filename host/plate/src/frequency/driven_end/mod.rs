@@ -1,9 +1,9 @@
-//! What the driven end asks of the propagating wave, and the near field that it leaves beside it.
+//! The condition that the driven end imposes on the propagating wave, and the near field beside that wave.
 //!
-//! The amplitude equation knows one wave in each direction and takes one condition at x = 0. A membrane and a shear wave
-//! have no more than that. In bending there are two conditions, for deflection or force and for slope or moment, and an
-//! evanescent wave e beside the propagating one p. Whatever holds or drives the end gives two linear equations in p(0),
-//! p'(0) and the amplitude of e. Eliminating e leaves
+//! The amplitude equation has one wave in each direction and takes one condition at x = 0. A membrane and a shear wave
+//! need no other. In bending there are two conditions, for deflection or force and for slope or moment, and an
+//! evanescent wave e beside the propagating wave p. Every driven end gives two linear equations in p(0), p'(0) and the
+//! amplitude of e. Eliminating e leaves
 //!
 //! alpha p(0) + beta p'(0) = drive,   e(0) = a p(0) + b p'(0).
 //!
@@ -44,7 +44,7 @@ pub(crate) struct DrivenEnd {
     pub(crate) alpha: Complex64,
     pub(crate) beta: Complex64,
     pub(crate) drive: Complex64,
-    /// The evanescent waves that start at the end; none where the model has none.
+    /// The evanescent waves that start at the end; empty if the model has none.
     pub(crate) near: NearField,
 }
 
@@ -54,8 +54,8 @@ impl DrivenEnd {
         Self::with_narrowing(plate, frequency_hz, plate.width.at(0.0).slope)
     }
 
-    /// As [`DrivenEnd::of`], on a plate whose width changes by `narrowing_per_m` (W'/W at x = 0; 0 for the straight strip
-    /// of the end's width).
+    /// As [`DrivenEnd::of`], for a plate whose width changes by `narrowing_per_m` (W'/W at x = 0; 0 for the straight
+    /// strip with the width of the end).
     fn with_narrowing(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64) -> Self {
         match (plate.spec().drive_end, &plate.spec().model) {
             (DriveEnd::DisplacementAndSlope { slope }, Model::BendingSupported(_)) => {
@@ -69,7 +69,7 @@ impl DrivenEnd {
         }
     }
 
-    /// `source` at the end of the plate, in place of its own drive end.
+    /// The driven end with `source` in place of the plate's own drive end.
     fn sourced(plate: &Plate, frequency_hz: f64, narrowing_per_m: f64, source: &Source) -> Self {
         match plate.spec().model {
             Model::BendingSupported(_) => supported::sourced(plate, frequency_hz, narrowing_per_m, source),

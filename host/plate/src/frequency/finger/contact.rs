@@ -1,18 +1,17 @@
-//! What the contact of a finger sees besides the propagating wave: everything that dies out around it.
+//! The response of a finger's contact besides the propagating wave: all waves that decay around it.
 //!
-//! The contact is divided into cells: columns along x, each of them into bands across, a band being both sides of the
-//! centre line. A force on a cell also moves the higher width modes and, in bending, the evanescent wave of each. On the
-//! straight strip of the width at the finger the mode n (1, 3, 5, ..) with q_n = n pi/2W answers a force per length with
-//! e^(-gamma |x|)/(2 gamma S):
-//!
+//! The contact is divided into cells: columns along x, each divided into bands across; a band lies on both sides of the
+//! centre line. A force on a cell also moves the higher width modes and, in bending, the evanescent wave of each. On a
+//! straight strip as wide as the plate at the finger, the mode n (1, 3, 5, ..) with q_n = n pi/2W responds to a force
+//! per length with e^(-gamma |x|)/(2 gamma S):
 //! | plate | waves of the mode n | sign |
 //! |---|---|---|
 //! | membrane, shear wave | gamma^2 = q_n^2 - K^2 for n = 3, 5, .. | + |
 //! | bending | gamma^2 = q_n^2 - K^2 for n = 3, 5, .. | + |
 //! | | gamma^2 = q_n^2 + K^2 for n = 1, 3, 5, .. | - |
 //!
-//! with S of the propagating wave, (S p')' + S k^2 p = -force per length. A clamped strip counts as a supported one of
-//! the same cut-off here.
+//! with S of the propagating wave, (S p')' + S k^2 p = -force per length. A clamped strip is treated as a supported one
+//! of the same cut-off.
 
 use super::Finger;
 use crate::definition::plate::Plate;
@@ -23,24 +22,24 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) const COLUMNS: usize = 6;
 /// Bands of cells across half of the contact.
 pub(super) const BANDS: usize = 4;
-/// Highest width mode that counts; the terms fall with the fourth power of its number.
+/// Highest width mode included; the terms fall with the fourth power of its number.
 const MODE_MAX: u32 = 99;
-/// Exponents of decay after which a wave is left out.
+/// Decay exponent beyond which a wave is neglected.
 const EXPONENTS_MAX: f64 = 30.0;
 
-/// The contact of a finger on the strip of the width at its place.
+/// The contact of a finger on a strip as wide as the plate at its place.
 pub(super) struct Contact {
     begins_m: f64,
     ends_m: f64,
     waves: Vec<Wave>,
 }
 
-/// One of the waves that die out, or that a higher width mode carries away.
+/// A wave that decays around the contact, or a higher width mode that propagates away from it.
 struct Wave {
     gamma: Complex64,
     /// The mode's mean over each band.
     mean: [f64; BANDS],
-    /// The sign of the table above.
+    /// Sign from the table above.
     sign: f64,
 }
 
@@ -66,12 +65,12 @@ impl Contact {
         Self { begins_m, ends_m, waves }
     }
 
-    /// Where column `column` begins, metres; the column after the last begins where the contact ends.
+    /// Start of column `column`, metres; for the column after the last, the end of the contact.
     pub(super) fn column_m(&self, column: usize) -> f64 {
         self.begins_m + (self.ends_m - self.begins_m) * column as f64 / COLUMNS as f64
     }
 
-    /// Mean over a cell of band `k` of what these waves move per unit of force on a cell of band `l` that is `apart`
+    /// Mean motion by these waves over a cell of band `k`, per unit of force on a cell of band `l` that is `apart`
     /// columns away, times S, m: [apart][k][l].
     pub(super) fn compliance(&self) -> [[[Complex64; BANDS]; BANDS]; COLUMNS] {
         let mut sum = [[[Complex64::ZERO; BANDS]; BANDS]; COLUMNS];
@@ -79,8 +78,9 @@ impl Contact {
         for wave in &self.waves {
             let gamma = wave.gamma;
             let decay = (-gamma * width).exp();
-            // The double integral of e^(-gamma |x - x'|)/(2 gamma) over two columns, by their squared width: of one
-            // with itself, and of two neighbours. Every further column between them lets one more decay pass.
+            // The double integral of e^(-gamma |x - x'|)/(2 gamma) over two columns, divided by the square of their
+            // width: for one column with itself, and for two neighbours. Each further column between them adds one
+            // factor of the decay.
             let scale = (gamma * gamma * gamma * width * width).inv() * wave.sign;
             let itself = (gamma * width - 1.0 + decay) * scale;
             let mut apart = 0.5 * (1.0 - decay) * (1.0 - decay) * scale;
@@ -99,8 +99,8 @@ impl Contact {
         sum
     }
 
-    /// What dies out around the contact on the centre line, where `force` is that on each cell. A higher mode that
-    /// propagates is left out: it runs away from here.
+    /// The field that decays around the contact, on the centre line; `force` is that on each cell. A higher mode that
+    /// propagates is left out, because it leaves the contact.
     pub(super) fn near_field(&self, force: &[[Complex64; BANDS]; COLUMNS]) -> NearField<'_> {
         let width = (self.ends_m - self.begins_m) / COLUMNS as f64;
         let waves = self.waves.iter().filter(|wave| wave.gamma.re > wave.gamma.im.abs());
@@ -125,7 +125,7 @@ impl Contact {
     }
 }
 
-/// The field that dies out around the contact, times S.
+/// The field that decays around the contact, times S.
 pub(super) struct NearField<'a> {
     contact: &'a Contact,
     around: Vec<Around>,
@@ -134,16 +134,16 @@ pub(super) struct NearField<'a> {
 /// One wave around the contact.
 struct Around {
     gamma: Complex64,
-    /// What each column pushes.
+    /// Amplitude that each column excites.
     push: [Complex64; COLUMNS],
-    /// At the beginning of the contact, from where it decays toward the drive.
+    /// Amplitude at the start of the contact, from which it decays towards the drive.
     before: Complex64,
-    /// At the end of the contact, from where it decays onwards.
+    /// Amplitude at the end of the contact, from which it decays away from the drive.
     after: Complex64,
 }
 
 impl NearField<'_> {
-    /// On the centre line at `x`, N m.
+    /// The field on the centre line at `x`, N m.
     pub(super) fn at(&self, x: f64) -> Complex64 {
         let (before, after) = (self.contact.begins_m - x, x - self.contact.ends_m);
         let away = before.max(after).max(0.0);
@@ -173,7 +173,7 @@ impl NearField<'_> {
     }
 }
 
-/// Mean of the width mode `mode` (odd), which is 1 on the centre line, over each of the bands of a contact that reaches
+/// Mean of the width mode `mode` (odd), which is 1 on the centre line, over each band of a contact that extends
 /// `half_contact_m` to both sides.
 pub(super) fn means_across(half_contact_m: f64, half_width_m: f64, mode: u32) -> [f64; BANDS] {
     let number = f64::from(mode) * PI / (2.0 * half_width_m);
@@ -184,7 +184,7 @@ pub(super) fn means_across(half_contact_m: f64, half_width_m: f64, mode: u32) ->
     })
 }
 
-/// Half-width at `x` of the supported strip with the plate's cut-off there, metres.
+/// Half-width of the supported strip that has the plate's cut-off at `x`, metres.
 pub(super) fn strip_half_width(plate: &Plate, x: f64) -> f64 {
     plate.swinging_half_width_m(x) * FRAC_PI_2 / plate.width_mode(1).number
 }

@@ -1,4 +1,4 @@
-//! Switching times against a Fourier synthesis of the same drive, which knows no line.
+//! Switching times against a Fourier synthesis of the same drive, which uses no time-domain line.
 
 use super::*;
 use crate::definition::preset;
@@ -30,8 +30,8 @@ fn transform(values: &[Complex64]) -> Vec<Complex64> {
     first.chain((0..even.len()).map(|k| even[k] - turned(k))).collect()
 }
 
-/// The switching time of a peak by the Fourier synthesis: codes that are held, on for the first half of a period and off for
-/// the second, and the solver's own answer at every frequency from 0 to twice the band.
+/// The switching time of a peak by a Fourier synthesis, seconds: codes with a zero-order hold, on for the first half of
+/// a period and off for the second half, and the response of the frequency-domain solver from 0 to twice the band.
 fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> f64 {
     let plate = palette.plate();
     let high_hz = 2.0 * plate.band_hz().1;
@@ -45,7 +45,7 @@ fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> f64 {
     let stride = numerov::refinement_for(plate, high_hz, plate.length_m() / (PLACES - 1) as f64, 1e-6);
     let grid = Grid::new(plate, 1, Equation::Corrected, PLACES, stride);
     let mut spectrum = vec![Complex64::ZERO; count];
-    // The sum of the codes cos(theta k) e^(j phi k), k from 0 to `on` - 1, is that of two geometric series.
+    // The codes cos(theta k) e^(j phi k), k from 0 to `on` - 1, add up to two geometric series.
     let series = |angle: f64| {
         let turn = Complex64::cis(angle);
         (1.0 - Complex64::cis(angle * on as f64)) / (1.0 - turn)
@@ -66,14 +66,14 @@ fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> f64 {
     (last as f64 + part) * period_s / count as f64
 }
 
-/// The switching times of the boundary at a share of the span, by the line and by the synthesis, seconds.
+/// The switching times of the boundary at a fraction of the span, by the line and by the synthesis, seconds.
 fn times_s(palette: &Palette<'_>, share: f64) -> [f64; 2] {
     let (start_m, end_m) = palette.plate().span_m();
     let peak = Peak::of(palette, start_m + share * (end_m - start_m)).expect("answers");
     [peak.switching_time_s(palette).expect("a line"), synthesised_s(palette, &peak)]
 }
 
-/// By how much the line differs from the synthesis at these shares of the span, as far as they have a merit.
+/// Relative difference of line and synthesis at these fractions of the span, where an even area exists.
 fn off(name: &str, shares: &[f64]) -> Vec<f64> {
     let plate = preset(name).expect("a preset");
     let table = DriveTable::build(&plate, RATE_HZ, 257).expect("a table");
@@ -96,7 +96,8 @@ fn switching_times_are_those_of_a_fourier_synthesis_on_thirteen_boundaries() {
     assert!(all.iter().all(|&off| off < 0.01), "{all:?}");
 }
 
-/// Where the amplitude swings back to the very limit, a small error of it moves the last crossing from one swing to the next.
+/// Where a swing of the amplitude just reaches the limit, a small error of the amplitude moves the last crossing to
+/// another swing.
 #[test]
 #[ignore = "the spans in steps of a twentieth: .ci/run long_tests"]
 fn switching_times_are_those_of_a_fourier_synthesis_over_the_spans_but_where_they_graze_the_limit() {

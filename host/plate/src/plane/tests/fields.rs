@@ -11,7 +11,7 @@ use crate::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// J of the integer order `order` (`sign` -1), or I (`sign` 1), by its power series.
+/// Bessel function J (`sign` -1) or I (`sign` 1) of the integer order `order`, by its power series.
 pub(super) fn bessel(order: i32, z: Complex64, sign: f64) -> Complex64 {
     let half = 0.5 * z;
     let mut term: Complex64 = (1..=order).map(|n| half / f64::from(n)).product();
@@ -23,8 +23,8 @@ pub(super) fn bessel(order: i32, z: Complex64, sign: f64) -> Complex64 {
     sum
 }
 
-/// On a linear taper the edges are the rays of a wedge of 2 x 15 degrees, where w = J_6(K r) cos 6 theta (and I_6 in
-/// bending) is exact: the deflection at some places gives that at others.
+/// On a linear taper the edges are the rays of a wedge of 2 x 15 degrees, for which w = J_6(K r) cos 6 theta (and I_6
+/// in bending) is exact: the deflection at some places determines that at the others.
 #[test]
 fn on_a_linear_taper_the_field_is_the_wedges() {
     let slope = (std::f64::consts::PI / 12.0).tan();
@@ -39,7 +39,7 @@ fn on_a_linear_taper_the_field_is_the_wedges() {
         let wavenumber = plate.spec().model.wavenumber_squared(std::f64::consts::TAU * frequency_hz).sqrt();
         let wavenumber = Complex64::new(1.0, plate.wave_loss()).sqrt() * wavenumber;
         let field = Field::solve(&plate, frequency_hz, &Setup::of(&plate)).unwrap();
-        // (r, theta) to (x, z).
+        // The field at polar coordinates about the tip of the wedge.
         let at = |r: f64, theta: f64| field.at(tip_m - r * theta.cos(), r * theta.sin());
         let basis = |r: f64, theta: f64| -> Vec<Complex64> {
             let angular = (6.0 * theta).cos();
@@ -82,7 +82,7 @@ fn membranes_peak_a_little_nearer_to_the_drive_than_the_one_mode_equation_says_s
     }
 }
 
-/// A soft source with a damped lead-in on the aluminium plate: what matches it over the band.
+/// A soft source with a damped lead-in that matches the aluminium plate over the band.
 fn matched(plate: &Plate, frequency_hz: f64) -> Setup {
     let end_resistance_n_s_per_m = 0.37 * wave_impedance(plate, frequency_hz);
     Setup {
@@ -170,7 +170,7 @@ fn a_held_end_is_held_in_deflection_and_slope() {
     for clamped in [false, true] {
         let plate = aluminium(clamped, 0.002);
         let step = 1e-5;
-        // By three points: the error is a third of step^2 times the third derivative.
+        // Three-point difference: its error is a third of step^2 times the third derivative.
         let slope_at = |setup: &Setup, z: f64| {
             let field = Field::solve(&plate, 28e3, setup).unwrap();
             let w = |steps: f64| field.at(steps * step, z);

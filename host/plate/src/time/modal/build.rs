@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Partial fractions of 1/(lambda - a K^2 (1 + j eta)) of one eigenvalue lambda: a sum of c/(p - omega).
+/// Partial fractions of 1/(lambda - a K^2 (1 + j eta)) for one eigenvalue lambda: a sum of c/(p - omega).
 struct Terms {
     /// Pairs (p, c).
     own: Vec<(Complex64, Complex64)>,
@@ -24,12 +24,13 @@ fn shared_pole(centre: f64) -> Complex64 {
     Complex64::new(-2.0 * centre, -0.5 * centre)
 }
 
-/// Whether the eigenfunctions describe this width mode well: of a thin plate in bending exactly, of a membrane or SH waves
-/// exactly at each resonance.
+/// Whether the eigenfunctions describe this width mode well: exactly for a thin plate in bending, exactly at each
+/// resonance for a membrane or SH waves.
 ///
-/// Mindlin's dispersion of a thick plate, that of a film, a thickness that changes and that of a plate with its air have no exact partial fractions: the
-/// bank would be off by 3 % and more. Nor has the strip's law between clamped edges; higher width modes follow its tangent there, and have
-/// them. The near field and the impedance of a source are not among the eigenfunctions.
+/// The dispersion of a thick plate (Mindlin), of a film, of a plate with air and of a plate whose thickness changes has
+/// no exact partial fractions: the bank would have errors of 3 % and more. The same is true of the strip's law between
+/// clamped edges for the first width mode; higher ones follow the tangent of that law, which has them. The near field
+/// and the impedance of a source are not among the eigenfunctions.
 pub(crate) fn fits(plate: &Plate, mode: u32) -> bool {
     let spec = plate.spec();
     let is_thick = spec.model.bending().is_some_and(|bending| bending.thick_plate);
@@ -46,9 +47,10 @@ pub(crate) fn fits(plate: &Plate, mode: u32) -> bool {
         && plate.width_mode(mode).strip.is_none()
 }
 
-/// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band.
+/// Builds the bank of one width mode for waves up to `top_hz`; `centre_hz` is the middle of the band, and `places_m`
+/// are the positions of the field, metres.
 ///
-/// The plate's drive end is a displacement, a force or a resistance, see [`fits`].
+/// The plate's drive end must be a displacement, a force or a resistance, see [`fits`].
 pub(crate) fn build(plate: &Plate, mode: u32, top_hz: f64, centre_hz: f64, places_m: &[f64]) -> ModalBank {
     let width_mode = plate.width_mode(mode);
     let resistance = resistance_over_tension(plate);
@@ -120,15 +122,16 @@ fn terms(width_mode: &WidthMode<'_>, eigenvalue: f64, centre: f64) -> Terms {
             let square = speed * speed / lossy;
             let p = (eigenvalue * square).sqrt();
             let c = square / (2.0 * p);
-            // The second pole is -p, whose oscillation would grow. Replace it by its mirror image -p*, which decays,
-            // with a residue that makes both terms equal in mid-band.
+            // The second pole, -p, would be an oscillation that grows. It is replaced by its mirror image -p*, which
+            // decays, with a residue for which both terms are equal in mid-band.
             let mirror = -p.conj();
             alone(vec![(p, c), (mirror, -c * (p.conj() + centre) / (p + centre))])
         }
     }
 }
 
-/// Mindlin's dispersion: one pole of its own, and a residue at the shared far pole that corrects the error in mid-band.
+/// Mindlin's dispersion: one pole for each eigenvalue, and a residue at the shared far pole that corrects the error in
+/// mid-band.
 fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> Terms {
     let wanted = eigenvalue / lossy;
     // The branch is smooth and the loss small, so finite differences along the real axis and a Taylor series in the
@@ -143,7 +146,7 @@ fn thick(bending: &Bending, eigenvalue: f64, lossy: Complex64, centre: f64) -> T
     let left_over = |omega: f64| {
         1.0 / (eigenvalue - lossy * bending.wavenumber_squared(omega)) - residue / (pole - omega)
     };
-    // Close to the pole this is a difference of two large numbers and loses its precision: take the mean of two
+    // Close to the pole this is the difference of two large numbers and loses precision, so the mean is taken at two
     // frequencies 5 % below and above mid-band.
     let away = 0.05 * centre;
     let rest = 0.5 * (left_over(centre + away) + left_over(centre - away));
@@ -161,7 +164,7 @@ mod tests {
     #[test]
     fn the_bank_of_every_preset_that_has_one_answers_as_the_frequency_domain_solver() {
         let plates: Vec<Plate> = presets().iter().map(|preset| preset.plate().expect("a preset")).collect();
-        // All but the one with a lead-in and the one in air.
+        // All presets but the one with a lead-in and the one with air.
         assert_eq!(plates.iter().filter(|plate| !fits(plate, 1)).count(), 2);
         for plate in plates.iter().filter(|plate| fits(plate, 1)) {
             let (low, high) = plate.band_hz();

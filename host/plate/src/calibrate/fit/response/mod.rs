@@ -1,5 +1,5 @@
-//! Responses of a plate of given numbers: the wave at sensors and at the peak, and the response to a source. Nothing is
-//! compared with a measurement here.
+//! Responses of a plate with given parameters: the wave at sensors and at the peak, and the response to a source.
+//! Comparisons with measurements are in the parent folder.
 
 pub(crate) mod plate_response;
 pub(crate) mod prediction;

@@ -1,8 +1,8 @@
-//! The wave on the plate for any scale of the source: its amplitude at the sensors and at the peak.
+//! The wave on the plate for a source of any scale: its amplitude at the sensors and at the peak.
 //!
-//! Beyond the near field of the driven end the amplitude over x is one solution of the amplitude equation, the one that
-//! dies out beyond the turning point. The source, the actuator and the amplifier only scale it. So the ratio of two places
-//! does not depend on them at all.
+//! Beyond the near field of the driven end the amplitude over x is the one solution of the amplitude equation that
+//! decays beyond the turning point. The source, the actuator and the amplifier only scale it, so the ratio of the
+//! amplitudes at two places does not depend on them.
 
 use crate::calibrate::measurement::sensor::SensorKind;
 use crate::definition::{DriveEnd, Plate, PlateError, PlateSpec};
@@ -13,12 +13,12 @@ use crate::table::level;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Radians of the shortest wave per grid step: where the fit looks for its minimum, and where it ends. Numerov's phase error is
-/// (k h)^4/480 per radian, so the wave speed is right to 1e-5 and to 2e-7.
+/// Radians of the shortest wave per grid step: during the search for the minimum, and for the final fit. Numerov's
+/// phase error is (k h)^4/480 per radian, so the wave speed has an error of 1e-5 and of 2e-7.
 pub(crate) const COARSE: f64 = 0.27;
 pub(crate) const FINE: f64 = 0.1;
 
-/// The wave on a plate, at frequencies that all enter it, on a grid.
+/// The wave on a plate, on a grid, at frequencies that all enter the plate.
 pub(crate) struct Wave {
     plate: Plate,
     grid: Grid,
@@ -26,20 +26,20 @@ pub(crate) struct Wave {
 }
 
 impl Wave {
-    /// The wave on the plate of a specification, on [`points`] positions.
+    /// The wave on the plate of a specification, on `points` positions (see [`points`]).
     ///
     /// # Errors
-    /// What is wrong with the specification.
+    /// The mistake in the specification.
     pub(crate) fn new(spec: PlateSpec, points: usize) -> Result<Self, PlateError> {
-        // Any end does; this one has no near field.
+        // The driven end only scales the wave; this one has no near field.
         let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Displacement, ..spec })?;
         let grid = Grid::new(&plate, 1, Equation::Corrected, points, 1);
         let step_m = plate.length_m() / (points - 1) as f64;
         Ok(Self { plate, grid, step_m })
     }
 
-    /// As [`Wave::new`], with the slope p'(0) of [`Wave::slope`], so that the field gives p(0) over p'(0), too.
-    /// A wave of `at_hz` must enter the plate.
+    /// As [`Wave::new`], with a prescribed slope p'(0), see [`Wave::slope`], so that the field also gives p(0) over
+    /// p'(0). A wave of `at_hz` must enter the plate.
     pub(crate) fn with_slope(spec: PlateSpec, points: usize, at_hz: f64) -> Result<Self, PlateError> {
         let end = DriveEnd::Force { at_frequency_hz: at_hz };
         let mut wave = Self::new(spec, points)?;
@@ -47,8 +47,8 @@ impl Wave {
         Ok(wave)
     }
 
-    /// The complex wave of [`Wave::with_slope`] at sensors of one kind at `places_m`, and at the driven end; with its peak if
-    /// that is wanted.
+    /// The complex wave of [`Wave::with_slope`] at sensors of one kind at `places_m` and at the driven end, and its
+    /// peak if `with_peak`; one row per frequency.
     pub(crate) fn complex(
         &self,
         sensor: SensorKind,
@@ -74,7 +74,7 @@ impl Wave {
         &self.plate
     }
 
-    /// p of [`Wave::with_slope`] on the grid at each frequency, with the frequency's number.
+    /// Calls `each` with the index of each frequency and p of [`Wave::with_slope`] on the grid.
     pub(crate) fn fields(&self, frequencies_hz: &[f64], mut each: impl FnMut(usize, &[Complex64])) {
         numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| each(number, field));
     }
@@ -90,8 +90,8 @@ impl Wave {
         respond_range(&self.plate).contains(frequency_hz)
     }
 
-    /// What sensors of one kind at `places_m` show of the wave, as deflection, or as curvature (1/m^2 of it) for strain:
-    /// for each frequency one magnitude per place, all in one scale.
+    /// The signals of sensors of one kind at `places_m`: the deflection, or for strain the curvature (1/m^2 of the
+    /// deflection's unit). For each frequency one magnitude per place, all on one scale.
     pub(crate) fn at(&self, sensor: SensorKind, places_m: &[f64], frequencies_hz: &[f64]) -> Vec<Vec<f64>> {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
         numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |_, field| {
@@ -101,7 +101,7 @@ impl Wave {
         rows
     }
 
-    /// As [`Wave::at`], and the amplitude of the peak as a drive table levels it.
+    /// As [`Wave::at`]; also returns the amplitude of the peak as a drive table levels it.
     pub(crate) fn with_peak(
         &self,
         sensor: SensorKind,
@@ -126,12 +126,12 @@ pub(crate) struct Row {
     pub(crate) value: Complex64,
     /// p'(0), 1/m.
     pub(crate) slope: Complex64,
-    /// The amplitude of the peak; NaN where it was not asked for.
+    /// Amplitude of the peak; NaN if it was not requested.
     pub(crate) peak: f64,
 }
 
-/// Positions on a plate for frequencies up to `highest_hz`. A fit keeps their number while it moves the plate's numbers:
-/// another number has another error, and a derivative would take that for a change of the wave.
+/// Number of grid positions on a plate for frequencies up to `highest_hz`. A fit keeps it while it varies the plate's
+/// parameters: another number has another error, which a derivative would take for a change of the wave.
 pub(crate) fn points(nominal: &PlateSpec, highest_hz: f64, radians_per_step: f64) -> usize {
     let squared = nominal.free_wave().wavenumber_squared(TAU * highest_hz);
     let shortest = (nominal.model.width_slope(1) * squared).sqrt();
@@ -139,12 +139,12 @@ pub(crate) fn points(nominal: &PlateSpec, highest_hz: f64, radians_per_step: f64
     (points as usize).clamp(POINTS_MIN, POINTS_MAX)
 }
 
-/// Fewest points of a grid, for plates of less than a wavelength.
+/// Least number of points of a grid, for plates shorter than a wavelength.
 const POINTS_MIN: usize = 64;
 /// Points of the polynomial through the field near a place.
 const NEAR: usize = 6;
 
-/// The field or its second derivative at a place, from the polynomial through the six points about it.
+/// The field or its second derivative at a place, from the polynomial through the six points around it.
 pub(crate) fn seen(field: &[Complex64], step_m: f64, place_m: f64, sensor: SensorKind) -> Complex64 {
     let at = place_m / step_m;
     let first = (at - 0.5 * (NEAR - 1) as f64).round().max(0.0) as usize;
@@ -157,12 +157,12 @@ pub(crate) fn seen(field: &[Complex64], step_m: f64, place_m: f64, sensor: Senso
     field[first..first + NEAR].iter().zip(weights).map(|(f, weight)| f * weight).sum()
 }
 
-/// Lagrange's polynomial of point `i` at `t`, in steps from the first point.
+/// Lagrange polynomial of point `i` at `t`, in steps from the first point.
 fn weight(i: usize, t: f64) -> f64 {
     (0..NEAR).filter(|&j| j != i).map(|j| (t - j as f64) / (i as f64 - j as f64)).product()
 }
 
-/// Its second derivative.
+/// Second derivative of [`weight`] with respect to `t`.
 fn curvature_weight(i: usize, t: f64) -> f64 {
     let mut sum = 0.0;
     let others = || (0..NEAR).filter(|&j| j != i);
