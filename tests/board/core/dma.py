@@ -6,7 +6,7 @@ STREAMS = 8
 class Dma:
     """One controller. `reaches` are the memories it can read and write, as (start, size)."""
 
-    # What holds one way's registers: control, count, left, position, peripheral, memory.
+    # What holds one way's registers: control, count, left, position, peripheral, memory; and that memory's bytes.
     NEW = None
 
     def __init__(self, board, base, irqs, reaches):
@@ -33,18 +33,18 @@ class Dma:
 
     def transfer(self, s, size, increments, from_memory):
         """Moves one item of `size` bytes and counts it."""
-        address = s.memory + s.position * size if increments else s.memory
+        start = s.offset + s.position * size if increments else s.offset
         if from_memory:
-            value = int.from_bytes(self.board.cpu.mem_read(address, size), "little")
-            self.board.bus_write(s.peripheral, size, value)
+            self.board.bus_write(s.peripheral, size, int.from_bytes(s.bytes[start : start + size], "little"))
         else:
             value = self.board.bus_read(s.peripheral, size) & ((1 << 8 * size) - 1)
-            self.board.cpu.mem_write(address, value.to_bytes(size, "little"))
+            s.bytes[start : start + size] = value.to_bytes(size, "little")
         s.position += 1
         s.left -= 1
 
-    def check_reach(self, s, size):
-        """The whole buffer lies in a memory that this DMA has a way to."""
+    def find_memory(self, s, size):
+        """The whole buffer lies in a memory that this DMA has a way to; which, and where in it."""
         end = s.memory + s.count * size
         is_reached = any(start <= s.memory and end <= start + length for start, length in self.reaches)
         assert is_reached, f"this DMA has no way to {s.memory:#x}"
+        s.bytes, s.offset = self.board.memory_at(s.memory)

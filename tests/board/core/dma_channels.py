@@ -69,7 +69,7 @@ class Channels(Dma):
             if value & ENABLED and not c.control & ENABLED:
                 assert not self.flags[number], "a channel is enabled with old flags"
                 c.position = c.count - c.left
-                self.check_reach(c, 1 << (value >> 8 & 3))
+                self.find_memory(c, 1 << (value >> 8 & 3))
             c.control = value
             self.pend(number)
             return

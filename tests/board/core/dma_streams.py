@@ -73,7 +73,7 @@ class Streams(Dma):
                 # Flags of an earlier transfer keep the stream from starting (RM0090 10.3.17).
                 assert not self.flags >> FLAG_SHIFT[number] & 63, "a stream is enabled with old flags"
                 s.left, s.position = s.count, 0
-                self.check_reach(s, 1 << (value >> 11 & 3))
+                self.find_memory(s, 1 << (value >> 11 & 3))
             if was & ENABLED and not value & ENABLED:
                 self.set_flag(number, WHOLE)
             self.pend(number)

@@ -76,6 +76,8 @@ class Pins:
     def __init__(self, board, alternates, resets):
         self.board, self.alternates = board, alternates
         self.levels = {}
+        # By pin that has been asked for: the timer's output that drives it, and whether as an open drain. Until a port changes.
+        self.drivers = {}
         self.by_timer = {}
         for (name, _), use in alternates.items():
             if isinstance(use, tuple):
@@ -105,18 +107,25 @@ class Pins:
 
     def level(self, name):
         """0, 1, or None while the chip drives nothing."""
+        if name not in self.drivers:
+            self.drivers[name] = self.driver(name)
+        drive, is_open = self.drivers[name]
+        level = drive()
+        # An open drain drives its low level only.
+        return None if is_open and level == 1 else level
+
+    def driver(self, name):
+        """What gives the level that drives a pin, and whether it is an open drain."""
         registers, number = self.ports[name[1]].registers, int(name[2:])
-        mode = self.mode(name)
+        mode, drive = self.mode(name), lambda: None
         if mode == OUTPUT:
             level = registers[ODR] >> number & 1
+            drive = lambda: level
         elif mode == ALTERNATE and isinstance(self.alternate(name), tuple):
             timer, output = self.alternate(name)
-            level = None if output.startswith("IN") else self.board.timers[timer].outputs.level(output)
-        else:
-            return None
-        # An open drain drives its low level only.
-        is_open = registers[OTYPER] >> number & 1
-        return None if is_open and level == 1 else level
+            if not output.startswith("IN"):
+                drive = lambda: self.board.timers[timer].outputs.level(output)
+        return drive, registers[OTYPER] >> number & 1
 
     def drive(self, name, level):
         """Something outside drives a pin. Only a timer whose input is on this pin sees it."""
@@ -126,6 +135,7 @@ class Pins:
 
     def show(self, letter):
         """Notes what has changed on a port."""
+        self.drivers.clear()
         if letter in self.ports:
             for number in range(16):
                 self.show_pin(f"P{letter}{number}")

@@ -105,6 +105,11 @@ class Processor(Faults, Agenda):
         self.cpu.reg_write(UC_ARM_REG_SP, stack)
         self.pc = entry | 1
 
+    def memory_at(self, address):
+        """The bytes of the memory at an address, and the address in it. Code that runs must be written through the core."""
+        start = max(start for start in self.memories if start <= address)
+        return self.memories[start].memory, address - start
+
     # --- hooks
 
     def watch_memory(self, kind, hook, begin, end):
