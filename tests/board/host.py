@@ -162,25 +162,28 @@ def drive(tones, glide, at=None):
     body = varint(len(tones))
     for slot, position, level in tones:
         body += bytes([slot]) + varint(round(position * 65535)) + varint(round(level * 65535)) + varint(0)
-    apply = b"\0" if at is None else b"\2" if at == AT_TRIGGER else b"\1" + varint(at)
-    return body + zigzag(0) + varint(glide) + apply
+    return body + zigzag(0) + varint(glide) + _apply(at)
 
 
-def chord(period_log2, tones, glide):
-    """A chord at the next block, of tones (multiple of the base frequency, level 0..=1, phase in turns)."""
-    return bytes([period_log2]) + _multiples(tones, glide)
+def _apply(at):
+    return b"\0" if at is None else b"\2" if at == AT_TRIGGER else b"\1" + varint(at)
 
 
-def comb(period_blocks, tones, glide):
-    """A comb at the next block, of tones as a chord's."""
-    return varint(period_blocks) + _multiples(tones, glide)
+def chord(period_log2, tones, glide, at=None):
+    """A chord, begun as a drive is, of tones (multiple of the base frequency, level 0..=1, phase in turns)."""
+    return bytes([period_log2]) + _multiples(tones, glide, at)
 
 
-def _multiples(tones, glide):
+def comb(period_blocks, tones, glide, at=None):
+    """A comb, begun as a drive is, of tones as a chord's."""
+    return varint(period_blocks) + _multiples(tones, glide, at)
+
+
+def _multiples(tones, glide, at):
     body = varint(len(tones))
     for harmonic, level, turns in tones:
         body += varint(harmonic) + varint(round(level * 65535)) + varint(round(turns % 1 * 65536) % 65536)
-    return body + zigzag(0) + varint(glide) + b"\0"
+    return body + zigzag(0) + varint(glide) + _apply(at)
 
 
 class Host:
