@@ -27,7 +27,9 @@ use crate::uart_link::{FromHost, ToHost, start as start_link};
 use crate::usb_link::{FromHost, ToHost, start as start_link};
 use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog};
 
-/// The state that thread and interrupt share.
+/// The state that thread and interrupt share. Where the memory map puts it.
+// SAFETY: what lies there is copied from the flash before the mailbox is used (`fast::load`), or before the program begins.
+#[unsafe(link_section = ".data.mailbox")]
 static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
 
 /// The captured values. Where the memory map puts it; it is not cleared at the start, because no value is read that has not

@@ -59,7 +59,7 @@ class Power(registers.Registers):
 
 class Board(board.Board):
     CPU_MODEL, CORE_HZ = UC_CPU_ARM_CORTEX_M4, 168e6
-    FLASH_START, STACK = flash.START, (CCM, 16 << 10)
+    FLASH_START, STACK = flash.START, (CCM, 32 << 10)
     SYSTEM_MEMORY, UNIQUE_ID = 0x1FFF0000, 0x1FFF7A10
     MEMORIES = {flash.START: flash.SIZE, CCM: 1 << 16, SRAM: 1 << 17, 0x1FFF0000: 1 << 16}
     RAMS, PERIPHERALS = (CCM, SRAM), (0x40000000, 0x50000000, 0xE0000000)
@@ -80,7 +80,7 @@ class Board(board.Board):
         reaches = ((SRAM, 1 << 17), (flash.START, flash.SIZE))
         self.dma = {1: dma_streams.Streams(self, 0x40026000, IRQS[1], reaches), 2: dma_streams.Streams(self, 0x40026400, IRQS[2], reaches)}
         self.adc = adc.F407Adc(self)
-        self.dma[2].settle = self.adc.settle
+        self.dma[1].settle, self.dma[2].settle = self.dac.settle, self.adc.settle
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_Y, FREEZES)
         self.pages = {each.base: each for each in (*self.timers.values(), *self.dma.values())}

@@ -74,14 +74,16 @@ class Power(registers.Registers):
 
 class Board(board.Board):
     CPU_MODEL, CORE_HZ = UC_CPU_ARM_CORTEX_M4, 170e6
-    # The stack has the lowest 16 KiB of SRAM1 and SRAM2 (memory/g474re.x). The core-coupled SRAM, which appears behind them
+    # The stack has the lowest 24 KiB of SRAM1 and SRAM2 (memory/g474re.x). The core-coupled SRAM, which appears behind them
     # as well, is modelled at its own address only.
-    FLASH_START, STACK = flash.START, (SRAM, 1 << 14)
+    FLASH_START, STACK = flash.START, (SRAM, 24 << 10)
     SYSTEM_MEMORY, UNIQUE_ID = SYSTEM_MEMORY, 0x1FFF7590
     MEMORIES = {flash.START: flash.SIZE, SRAM: 96 << 10, 0x10000000: 1 << 15, SYSTEM_MEMORY: 1 << 15}
     RAMS, PERIPHERALS = (0x10000000, SRAM), (0x40000000, 0x48000000, 0x50000000, 0xE0000000)
     CORE_REGISTERS, MPU_REGIONS = {0xED00: 0x410FC241}, 8
     UART_IRQ = 38
+    # SYSCFG_CFGR2: PVDL, CLL (RM0440 10.2).
+    BREAK_SOURCES = 0x1C, 1 << 2, 1 << 0
     # USART3: one of those by which the ROM bootloader listens (AN2606).
     ROM_IRQ = 39
 
