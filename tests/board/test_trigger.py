@@ -5,7 +5,7 @@ import pytest
 
 from boards import BOARDS, RENDERER_IRQ
 from copies import on_copy
-from host import ARM, CLEAR_FAULTS, DISARM, DRIVE, RATE_HZ, STOP, STORE, drive
+from host import ARM, BLOCK, CLEAR_FAULTS, DISARM, DRIVE, RATE_HZ, STOP, STORE, drive
 from images import ROOT
 from rig import MILLISECOND
 
@@ -76,34 +76,42 @@ def test_a_program_that_is_not_played_raises_nothing(sounding):
     assert on_copy(sounding, case) == ([], "underrun")
 
 
-def test_the_pin_keeps_in_step_with_the_ring_when_that_has_begun_anew(sounding, mirror):
-    """The DMA does not deliver: the stream is set up again, and the block timer with it. The codes' places are no longer
-    the device's indices then, so the begin of the program is found in the codes themselves."""
+@pytest.mark.parametrize("stall_us", [20, pytest.param(299, marks=pytest.mark.nightly), 300, 301.5])
+def test_the_pin_keeps_in_step_with_the_ring_when_that_has_begun_anew(sounding, mirror, stall_us):
+    """R-43: the DMA does not deliver: the stream is set up again, and the block timer with it. The codes' places are no longer
+    the device's indices then, so the begin of the program is found in the codes themselves. The inputs' codes have the places
+    of the DAC's, too."""
 
     def case(rig):
         board, host = rig.board, rig.host
         controller, stream = rig.facts.dma
+        board.adc.at_pins = lambda: (board.dac.output, 4095 - board.dac.output)
         board.run(37 / RATE_HZ)
         board.dma[controller].blocked.add(stream)
-        board.run(0.00002)
+        board.run(1e-6 * stall_us)
         board.dma[controller].blocked.clear()
-        host.live(0.03)
-        assert board.dac.underruns >= 1
+        host.live(0.015)
+        assert board.dac.underruns >= 1 and host.status()["underruns"] == 1
         host.accept(CLEAR_FAULTS)
         host.accept(ARM)
         host.live(0.01)
         edges = Edges(rig)
         at = host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+        captured = host.capture(0, 512, at + 8 * BLOCK)
         host.live(0.01)
+        assert edges.seen, "the pin does not rise any more"
         rose = edges.seen[0][1]
-        return edges.seen, at, host.accepted, rig.codes(rose + LEAD, rose + LEAD + 8 * MILLISECOND)
+        sampled = host.captured()
+        return edges.seen, at, host.accepted, rig.codes(rose + LEAD, rose + LEAD + 8 * MILLISECOND), captured, sampled
 
-    seen, at, accepted, codes = on_copy(sounding, case)
+    seen, at, accepted, codes, captured, (progress, begin, sampled) = on_copy(sounding, case)
     assert seen == [(1, seen[0][1]), (0, seen[0][1] + PULSE)]
     # The fault has ended the drive that had been sounding.
     accepted = [each for each in accepted if each[0] != sounding.at]
     assert codes == mirror(accepted, at, at + len(codes), sounding.limit)
     assert max(codes) - min(codes) > 200, "it sounds"
+    assert (progress, begin) == ("finished", captured)
+    assert sampled == codes[begin - at :][: len(sampled)] and len(sampled) == 512
 
 
 def test_a_store_does_not_part_the_pin_from_the_codes(sounding):

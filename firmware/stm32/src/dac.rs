@@ -20,6 +20,12 @@
 //!   chapters in RM0090 and RM0433). Recovery as those chapters say: clear the flag, clear DMAEN, set up DMA and DAC
 //!   again; here with a ring that goes from the held code to mid-scale.
 //!
+//! The F407's DAC differs (ES0182, "DMA underrun flag management" and "DMA request not automatically cleared by DMAEN=0"): an
+//! underrun stops no transfer, and a request that stands when DMAEN is cleared is served when the stream is started again, at
+//! once or when the DMA comes to it. Served before the first trigger, it brings the DMA one code ahead of the sample timer, and
+//! so of the block timer and the inputs. That shows at the end of the first half (`is_ahead`); no request stands any more then,
+//! and the next start is in step.
+//!
 //! If the DMA's own interrupt is late by a block or more, the DMA plays a block again before anyone can know. What bounds
 //! that is the mute pin's timer (`mute`).
 //!
@@ -164,12 +170,12 @@ fn run(held: u16) {
 /// Sets everything up again after the DAC or the DMA has stopped.
 fn restart() {
     SAMPLE_TIMER.cr1().modify(|w| w.set_cen(false));
-    STREAM.stop();
-    // The channel itself stays on: the pin keeps its voltage.
+    // The channel itself stays on: the pin keeps its voltage. Before the stream, which may serve a request that stands.
     pac::DAC1.cr().modify(|w| {
         w.set_dmaudrie(0, false);
         w.set_dmaen(0, false);
     });
+    STREAM.stop();
     pac::DAC1.sr().write(|w| w.set_dmaudr(0, true));
     let held = pac::DAC1.dor(0).read().dor();
     STARVED.store(false, Ordering::Relaxed);
@@ -231,7 +237,7 @@ pub(crate) fn on_dma() {
     let flags = STREAM.take_flags();
     // Before the renderer is woken, which may set it for the block that it writes.
     trigger::on_block();
-    if flags.failed {
+    if flags.failed || is_ahead() {
         STARVED.store(true, Ordering::Relaxed);
     }
     if flags.half && flags.whole {
@@ -242,6 +248,12 @@ pub(crate) fn on_dma() {
         HALVES.finish(&RING);
     }
     WAKER.wake();
+}
+
+/// Whether the DMA has fetched the last code of a block, and nothing after it, before the sample timer's trigger for that. In
+/// the DMA's interrupt, where the block timer has counted the trigger that made the DMA fetch the code.
+fn is_ahead() -> bool {
+    trigger::awaits_last_code() && usize::from(STREAM.left()).is_multiple_of(BLOCK)
 }
 
 /// The DAC's interrupt: a trigger came before the DMA had delivered.

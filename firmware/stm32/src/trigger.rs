@@ -120,6 +120,12 @@ pub(crate) fn on_block() {
     set(0);
 }
 
+/// Whether the trigger for a block's last code is still to come. In step with the DMA that is never so when it has just
+/// fetched this code.
+pub(crate) fn awaits_last_code() -> bool {
+    usize::from(TIMER.cnt().read().cnt()) == BLOCK - 1
+}
+
 /// The ring begins anew, and so does the count; the pin is low. While the sample timer stands still.
 pub(crate) fn restart() {
     set(0);

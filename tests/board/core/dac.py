@@ -7,7 +7,9 @@ REQUEST = "DAC1"
 
 
 class Dac:
-    """The F4's. `triggers` says which timer a value of TSEL1 means."""
+    """The F4's, with both limitations of its DMA requests (ES0182, "DMA underrun flag management" and "DMA request not
+    automatically cleared by DMAEN=0"): an underrun stops nothing, and a request that stands when DMAEN is cleared is served
+    as soon as the stream can. `triggers` says which timer a value of TSEL1 means."""
 
     # TEN1, and where TSEL1 stands.
     TRIGGERED, SELECT_SHIFT, SELECT_MASK = 1 << 2, 3, 7
@@ -23,7 +25,8 @@ class Dac:
         self.codes = []
         self.underruns = 0
         self.is_driven = False
-        self.may_request = True
+        # A request of the DMA stands.
+        self.waits = False
 
     def trigger_timer(self):
         return self.triggers.get(self.control >> self.SELECT_SHIFT & self.SELECT_MASK)
@@ -31,16 +34,27 @@ class Dac:
     def trigger(self, timer):
         if not (self.control & ENABLED and self.control & self.TRIGGERED and self.trigger_timer() == timer):
             return
+        self.settle()
         self.set_output(self.holding)
         self.codes.append(self.output)
-        if not self.control & DMA_ENABLED:
-            return
-        # After an underrun no request is treated until the flag is cleared and DMAEN has been set anew.
-        if self.may_request and not self.board.request_dma(REQUEST):
-            self.may_request = False
-            self.status |= UNDERRUN
-            self.underruns += 1
-            self.raise_interrupt()
+        if self.control & DMA_ENABLED:
+            self.ask()
+
+    def ask(self):
+        """Asks the DMA for the next code."""
+        if self.waits:
+            self.underrun()
+        self.waits = True
+        self.settle()
+
+    def settle(self):
+        """The DMA serves the request that stands, if it can by now. Called before anyone looks."""
+        self.waits = self.waits and not self.board.request_dma(REQUEST)
+
+    def underrun(self):
+        self.status |= UNDERRUN
+        self.underruns += 1
+        self.raise_interrupt()
 
     def triggers_until_flag(self):
         """Triggers until the DMA has played half of its ring or all of it."""
@@ -75,9 +89,7 @@ class Dac:
 
     def write(self, offset, value):
         if offset == CR:
-            was, self.control = self.control, value
-            if value & DMA_ENABLED and not was & DMA_ENABLED and not self.status & UNDERRUN:
-                self.may_request = True
+            self.control = value
             if value & ENABLED and not value & self.TRIGGERED:
                 self.set_output(self.holding)
             self.raise_interrupt()
@@ -94,7 +106,8 @@ class Dac:
 
 
 class DacWithMode(Dac):
-    """The G4's and the H7's (RM0440 chapter 22, RM0433 chapter 26): another place for the trigger, and a mode register.
+    """The G4's and the H7's (RM0440 chapter 22, RM0433 chapter 26): another place for the trigger, and a mode register. An
+    underrun stops the requests until the flag is cleared and DMAEN has been set anew.
 
     `speed` is what DAC_MCR.HFSEL must be at a bus clock, or None if the chip has no such bits."""
 
@@ -107,6 +120,12 @@ class DacWithMode(Dac):
     def reset(self):
         super().reset()
         self.mode = 0
+        self.may_request = True
+
+    def ask(self):
+        if self.may_request and not self.board.request_dma(REQUEST):
+            self.may_request = False
+            self.underrun()
 
     def read(self, offset):
         return self.mode if offset == MCR else super().read(offset)
@@ -124,4 +143,6 @@ class DacWithMode(Dac):
             if self.speed and value & ENABLED:
                 wanted = self.speed(self.bus_hz())
                 assert self.mode >> 14 & 3 >= wanted, f"HFSEL must be {wanted} at {self.bus_hz() / 1e6} MHz"
+            if value & DMA_ENABLED and not self.control & DMA_ENABLED and not self.status & UNDERRUN:
+                self.may_request = True
         super().write(offset, value)

@@ -77,6 +77,8 @@ class Streams(Dma):
             if was & ENABLED and not value & ENABLED:
                 self.set_flag(number, WHOLE)
             self.pend(number)
+            # A request that stands is served at once.
+            self.settle()
             return
         assert not s.control & ENABLED or register == 5, "a stream's registers are locked while it is enabled"
         if register == 1:
