@@ -6,7 +6,7 @@ time; the dead-man and the watchdog take longer. firmware/SAFETY.md lists what e
 import pytest
 from unicorn.arm_const import UC_ARM_REG_PRIMASK
 
-from boards import RENDERER_IRQ
+from boards import G474, H743, RENDERER_IRQ, on
 from copies import on_copy
 from core.pins import BSRR, MODER
 from core.usb import UsbHost
@@ -58,8 +58,12 @@ def halt(rig):
     rig.board.halt()
 
 
+def lock_up(rig):
+    rig.board.lock_up()
+
+
 FAULTS = [
-    lose_the_renderers_interrupt, lose_the_dmas_interrupt, mask_interrupts, jump_into_nothing, stop_the_crystal, halt,
+    lose_the_renderers_interrupt, lose_the_dmas_interrupt, mask_interrupts, jump_into_nothing, stop_the_crystal, halt, lock_up,
 ]  # fmt: skip
 
 
@@ -155,6 +159,25 @@ def test_a_crystal_that_stops_mutes_in_hardware_and_is_told(sounding):
         return board.resets, identity["reset"], identity["crash"]
 
     assert on_copy(sounding, case) == (["software"], "hard fault", "the crystal has stopped")
+
+
+@pytest.mark.every_image
+@on(G474, H743)
+@pytest.mark.parametrize("event", ["a dip of the supply", "a lock-up"])
+def test_the_supply_and_a_lock_up_mute_in_hardware(sounding, event):
+    """The break clears the main output enable; the core does nothing any more. (The F407 has no such way to its timers.)"""
+
+    def case(rig):
+        board = rig.board
+        if event == "a lock-up":
+            board.lock_up()
+        else:
+            mask_interrupts(rig)
+            assert not is_off(rig) and board.dip_supply()
+        assert is_off(rig), "at once"
+        return seconds_until_off(rig, 1e-4)
+
+    assert on_copy(sounding, case) == pytest.approx(0, abs=1e-4)
 
 
 def test_a_halted_core_holds_its_code_and_stays_muted_when_it_goes_on(sounding):

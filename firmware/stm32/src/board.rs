@@ -27,7 +27,7 @@
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
 //! | `set_debug_freezes()` | what stands still while a debugger has halted the core |
 //! | `take_reset_flags()`, `is_brown_out_guarded()` | the reset's cause; whether the brown-out level is set |
-//! | `start_supply_detector()` | switches the detector on, with the level at which it trips |
+//! | `start_supply_detector()` | switches the detector on, with the level at which it trips; where the chip can, connects it and the core's lock-up with the mute timer's break |
 
 use embassy_stm32::gpio::{Flex, Output, Pin, Speed};
 use embassy_stm32::{Peri, peripherals};

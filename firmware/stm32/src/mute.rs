@@ -6,7 +6,8 @@
 //! pin = output, while MOE is set; low while it is not
 //! ```
 //! No program, interrupt or clock of the core takes part in muting. What it needs is the timer's own clock. If that
-//! fails, the clock security system's failure event is a break: it clears MOE in hardware.
+//! fails, the clock security system's failure event is a break: it clears MOE in hardware. So do the supply detector and a
+//! core that has locked up, on the chips whose SYSCFG connects them (`board::start_supply_detector`).
 //!
 //! The channel is in the mode "inactive on match": a match takes the output low, and nothing in that mode takes it high.
 //! So the one write that a block does, 0 to the counter, cannot switch the amplifier on, whenever it comes. (A one-pulse
@@ -18,7 +19,7 @@
 //! * MOE = 0 with OSSI = 1: the pin is driven to OISx (OISxN for a complementary output), which is 0 after a reset.
 //! * CCxNE alone, without CCxE: the complementary output follows the channel's reference, not its complement.
 //! * BKE = 1 with BKP = 1 (active high): no pin is mapped to the break input, which reads 0 then, and the clock security
-//!   system's failure takes effect. AOE = 0: only the program sets MOE again.
+//!   system's failure takes effect, as the other internal sources do. AOE = 0: only the program sets MOE again.
 //! * LOCK = 2 keeps all this, and the polarities, until the next reset. Level 3 would keep the mode, too.
 
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};

@@ -2,7 +2,7 @@
 //!
 //! There are two protections. The supply detector (PVD) trips at 2.66 to 2.90 V, as the board's own supply allows, and
 //! its interrupt mutes at once: below this voltage the DAC's reference and the amplifier's logic are out of their
-//! range. The brown-out reset (BOR) holds the chip in reset while the supply is too low to run from flash. Its level is
+//! range. On the G474 and the H743 it also breaks the mute timer's output in hardware, as a core does that has locked up. The brown-out reset (BOR) holds the chip in reset while the supply is too low to run from flash. Its level is
 //! an option byte, set once per board (BOARDS.md). If it is not set the lamp shows it, and the device reports it to the
 //! host, which asks its user before it arms.
 

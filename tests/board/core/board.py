@@ -28,6 +28,8 @@ class Board(Processor):
     # Of the memory protection unit.
     MPU_REGIONS = None
     SUPPLY_IRQ = 1
+    # A register of SYSCFG and its bits that connect the supply detector and the core's lock-up with the timers' breaks.
+    BREAK_SOURCES = None
     # The USB core, which is larger than a page.
     USB = None
     # An interrupt by which the ROM bootloader listens.
@@ -162,8 +164,25 @@ class Board(Processor):
 
     # --- what a test does to it
 
+    def is_break_source(self, bit):
+        """Whether a bit of SYSCFG connects what it stands for with the timers' breaks."""
+        offset = self.BREAK_SOURCES[0]
+        return bool(self.system.values[offset] & bit)
+
+    def break_timers(self):
+        for timer in self.timers.values():
+            timer.break_in()
+
+    def lock_up(self):
+        """The core stops for good (ARMv7-M B1.5.15)."""
+        super().lock_up()
+        if self.BREAK_SOURCES and self.is_break_source(self.BREAK_SOURCES[2]):
+            self.break_timers()
+
     def dip_supply(self):
         """The supply falls below the detector's threshold; False if nobody watches."""
+        if self.BREAK_SOURCES and self.power.is_supply_watched() and self.is_break_source(self.BREAK_SOURCES[1]):
+            self.break_timers()
         if self.power.is_supply_watched() and self.exti.rise(SUPPLY_LINE):
             self.pend(self.SUPPLY_IRQ)
             return True

@@ -33,10 +33,13 @@ class Faults:
         self.pc = self.cpu.reg_read(UC_ARM_REG_PC) | 1
         self.faults.append((self.pc & ~1, str(error)))
         if any(priority <= HARD_FAULT_PRIORITY for priority, _ in self.active) or self.cpu.reg_read(UC_ARM_REG_FAULTMASK):
-            self.is_locked_up = True
+            self.lock_up()
         else:
             self.nvic.registers[CFSR] |= status
             self.enter(HARD_FAULT_PRIORITY, HARD_FAULT)
+
+    def lock_up(self):
+        self.is_locked_up = True
 
     def status_of_refusal(self):
         """CFSR's bits for what has ended the emulation; MMFAR or BFAR gets the address."""

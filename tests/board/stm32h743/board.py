@@ -96,6 +96,8 @@ class Board(board.Board):
     # CPUID of r1p1; the caches' sizes (CLIDR, CCSIDR: 16 KiB of instructions, 4 ways of 128 sets of 32 bytes).
     CORE_REGISTERS = {0xED00: 0x411FC271, 0xED78: 0x09000003, 0xED80: 0xF01FE019, 0xED84: 0, 0xEF50: 0}
     MPU_REGIONS = 16
+    # SYSCFG_CFGR: PVDL, CM7L (RM0433 12.3).
+    BREAK_SOURCES = 0x18, 1 << 2, 1 << 6
     USB, USB_IRQ = 0x40080000, 101
     # USART3: one of those by which the ROM bootloader listens (AN2606).
     ROM_IRQ = 39
@@ -105,7 +107,7 @@ class Board(board.Board):
         self.clocks = H743Clocks(self)
         self.power = Power(self.clocks)
         self.exti = registers.Exti(mask=0x80, rising=0x00, falling=0x04, waiting=0x88, others=(0x08, 0x84))
-        self.system = registers.Registers("SYSCFG", dict.fromkeys((0x04, 0x08, 0x0C, 0x10, 0x14, 0x20, 0x2C), 0))
+        self.system = registers.Registers("SYSCFG", dict.fromkeys((0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x2C), 0))
         self.interconnect = registers.Registers("AXI interconnect", {ISSUING: 0})
         self.pins = pins.Pins(self, ALTERNATES, PORTS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}

@@ -281,4 +281,11 @@ pub(crate) fn start_supply_detector() {
         w.set_pls(0b110);
         w.set_pvde(true);
     });
+    // SYSCFG_CFGR2: PVDL and CLL connect the detector and the core's lock-up with the break of TIM1, 8, 15, 16, 17 and 20, and
+    // keep that, PVDE and PLS until the next reset (RM0440, SYSCFG_CFGR2; the break's internal sources: 28.3.18).
+    pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
+    pac::SYSCFG.cfgr2().modify(|w| {
+        w.set_pvdl(true);
+        w.set_cll(true);
+    });
 }

@@ -7,6 +7,7 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::adc::Adc;
 use embassy_stm32::pac::adc::vals::{Boost, Dmngt, Ovrmod, Pcsel, Res, SampleTime};
 use embassy_stm32::pac::adccommon::vals::{Ckmode, Damdf, Dual, Presc};
+use embassy_stm32::pac::common::{RW, Reg};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllDiv, PllMul, PllPreDiv, PllSource, Sysclk,
     VoltageScale, mux,
@@ -291,4 +292,10 @@ pub(crate) fn start_supply_detector() {
         w.set_pls(0b110);
         w.set_pvde(true);
     });
+    // PVDL (bit 2) and CM7L (bit 6) connect the detector and the core's lock-up with the break of TIM1, 8, 15, 16 and 17, and
+    // keep that, PVDE and PLS until the next reset (RM0433, SYSCFG_CFGR; the break's internal sources: 38.3.16).
+    pac::RCC.apb4enr().modify(|w| w.set_syscfgen(true));
+    // SAFETY: the peripheral access crate lacks this register of SYSCFG, at 0x18; nothing else uses it.
+    let cfgr = unsafe { Reg::<u32, RW>::from_ptr(pac::SYSCFG.as_ptr().byte_add(0x18).cast()) };
+    cfgr.modify(|w| *w |= 1 << 6 | 1 << 2);
 }
