@@ -1,6 +1,6 @@
 //! The level hold: the bodies of the command that orders it and of the event that reports its state.
 
-use crate::limits::{HELD_AMPLITUDE, MAX_HOLD_CDB, MAX_TONES};
+use crate::limits::{HELD_AMPLITUDE, MAX_HOLD_CDB, MAX_RISE_CDB, MAX_TONES};
 use crate::schema::{body, choices};
 use crate::units::{CentiDecibel, SampleIndex};
 use heapless::Vec;
@@ -28,7 +28,7 @@ body! {
         /// than a drive's shortest glide.
         pub blocks: u16 ["blocks", 1, u16::MAX],
         /// How far above its drive's level a tone may rise.
-        pub max_rise: CentiDecibel ["1/100 dB", 0, MAX_HOLD_CDB],
+        pub max_rise: CentiDecibel ["1/100 dB", 0, MAX_RISE_CDB],
         /// The largest change of a level from one window to the next. Less than 6 dB makes the hold slower than it could be.
         pub slew: CentiDecibel ["1/100 dB", 1, MAX_HOLD_CDB],
         /// The tones, each in a slot of its own. None: the hold ends.
@@ -83,6 +83,8 @@ choices! {
         3 since 0 Stuck,
         /// Codes of the input were lost.
         4 since 0 Broken,
+        /// It was at its largest rise for 10 s: the sensor has slipped, or more lies on the plate than a finger.
+        5 since 0 AtRise,
     }
 }
 

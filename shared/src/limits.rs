@@ -51,8 +51,14 @@ pub const HELD_AMPLITUDE: (u32, u32) = (16, 2047 << 8);
 /// Blocks from the end of a window of a level hold to the beginning of the next: by then the last codes have been sampled,
 /// and the thread side has evaluated them.
 pub const HOLD_PAUSE_BLOCKS: u16 = 12;
-/// The largest correction of a level hold, and its largest slew per window, in hundredths of a decibel: a factor of 1024.
+/// The lowest correction of a level hold is the negative of this, in hundredths of a decibel: a factor of 1024. It is the largest
+/// slew per window, too.
 pub const MAX_HOLD_CDB: i16 = 6020;
+/// The largest rise of a level hold, in hundredths of a decibel: a factor of 10. A finger takes less; a sensor that slips off the
+/// plate would ask for more.
+pub const MAX_RISE_CDB: i16 = 2000;
+/// A held tone that stays at its largest rise for this time is lost.
+pub const MAX_AT_RISE_MS: u32 = 10_000;
 /// The largest sum of a chord's amplitudes, in per mille of full scale: `4 sqrt(2)`. Beyond it the RMS of sixteen tones, and so
 /// their peak, exceeds full scale with any phases.
 pub const MAX_CHORD_SUM_PER_MILLE: u32 = 5657;

@@ -306,6 +306,7 @@ fn page() -> String {
         ("chord_sum", limits::MAX_CHORD_SUM_PER_MILLE.to_string()),
         ("max_capture_values", limits::MAX_CAPTURE_VALUES.to_string()),
         ("captured_values", limits::CAPTURED_VALUES.to_string()),
+        ("max_at_rise_s", (limits::MAX_AT_RISE_MS / 1000).to_string()),
         ("hold_pause_blocks", limits::HOLD_PAUSE_BLOCKS.to_string()),
         ("foldback_period_ms", limits::FOLDBACK_PERIOD_MS.to_string()),
         ("foldback_periods", limits::FOLDBACK_PERIODS.to_string()),

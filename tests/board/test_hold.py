@@ -15,7 +15,7 @@ from host import (
 )  # fmt: skip
 from rig import MID, MILLISECOND, Rig, is_silent
 from test_latency import (
-    MOST_KNOTS, STOP_BLOCKS, STOPS_SEQUENCE, TRAVEL_LIMIT, accepted, check_blocks, send, sweep,
+    DRIVE_BLOCKS_LISTENING, MOST_KNOTS, STOP_BLOCKS, STOPS_SEQUENCE, TRAVEL_LIMIT, accepted, check_blocks, send, sweep,
 )  # fmt: skip
 
 TONES = 16
@@ -73,14 +73,14 @@ def next_turn(rig):
     return begin, ends[0]
 
 
-def in_a_turn(holding, case, moments=8):
-    """Calls the case in copies of the board, at moments from a block before a turn to its end; returns the results, and how many
-    blocks lie between two of them."""
+def in_a_turn(holding, case, moments=8, after=0):
+    """Calls the case in copies of the board, at moments from a block before a turn to some blocks after its end; returns the
+    results, and how many blocks lie between two of them."""
     begin, end = on_copy(holding, next_turn)
     block = holding.board.CORE_HZ * BLOCK / RATE_HZ
-    begin -= block
+    print(f"\n{holding.facts.name}: a turn of {(end - begin) / block:.2f} blocks")
+    begin, end = begin - block, end + after * block
     step = (end - begin) / moments
-    print(f"\n{holding.facts.name}: a turn of {(end - begin) / block - 1:.2f} blocks")
 
     def at(moment):
         def later(rig):
@@ -111,6 +111,22 @@ def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_as_soon_as_ever(hold
     seen, step = in_a_turn(holding, case)
     print(f"stop {message:#x} while levels are planned: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
     assert max(seen) + step <= STOP_BLOCKS
+
+
+def test_a_drive_ends_a_hold_as_soon_as_ever(holding):
+    """R-77: before a turn, while it plans its levels, and until these have begun."""
+
+    def case(rig):
+        sequence, played = send(rig, DRIVE, sweep(1, 20))
+        at = accepted(rig, sequence)
+        assert rig.host.held()[0] == "ended"
+        check_blocks(rig.host)
+        return (at - played) / BLOCK
+
+    seen, step = in_a_turn(holding, case, moments=14, after=6)
+    print([round(each, 1) for each in seen])
+    print(f"drive while levels are planned: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
+    assert max(seen) + step <= DRIVE_BLOCKS_LISTENING
 
 
 def test_a_lost_host_ends_a_hold_in_silence_in_time(holding):

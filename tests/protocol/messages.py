@@ -74,7 +74,7 @@ PROGRESS = Enumeration("Progress", "Idle", "Running", "Finished", ("Broken", {"a
 WINDOW_SHAPE = Enumeration("WindowShape", "Rectangular", "Hann")
 HOLD_PROGRESS = Enumeration("HoldProgress", "Off", "On", "Ended", "Lost")
 HOLD_LIMIT = Enumeration("HoldLimit", "Rise", "Level", "Headroom", "Thermal", "Travel", "Fall")
-HOLD_LOSS = Enumeration("HoldLoss", "NotFollowed", "TooWeak", "Clipped", "Stuck", "Broken")
+HOLD_LOSS = Enumeration("HoldLoss", "NotFollowed", "TooWeak", "Clipped", "Stuck", "Broken", "AtRise")
 HOLD_STATE = Enumeration(
     "HoldState", "Settling", "Held", ("AtLimit", {"value": HOLD_LIMIT}), ("Lost", {"value": HOLD_LOSS})
 )
@@ -326,7 +326,7 @@ class Hold(Record):
     input: int = field(U8)
     time_constant: int = field(U32)
     blocks: int = field(U16, 1, 65535)
-    max_rise: int = field(I16, 0, 6020)
+    max_rise: int = field(I16, 0, 2000)
     slew: int = field(I16, 1, 6020)
     tones: tuple[HoldTone, ...] = field(List(16, Fields(HoldTone)))
 

@@ -278,6 +278,32 @@ fn an_answer_that_cannot_be_trusted_ends_in_the_levels_of_the_drive() {
     }
 }
 
+#[test]
+fn a_sensor_that_slips_is_given_up_at_the_largest_rise() {
+    // its answer falls in steps. To 3 %: too weak at once; to 10 %: the tones stay at the largest rise for 10 s.
+    for (lowest, loss) in [(0.03, HoldLoss::TooWeak), (0.1, HoldLoss::AtRise)] {
+        let tones = [(2, codes(0.05)), (5, codes(0.02))];
+        let (mut rig, finger) = touched(Options::default());
+        rig.accepted(&sounds(&[(2, 0.05), (5, 0.02)]));
+        rig.live_ms(20);
+        rig.accepted(&Command::Hold(HoldSetting { max_rise: CentiDecibel(1200), ..setting(&tones) }));
+        live(&mut rig, 3);
+        // Four times the levels are 12 dB.
+        let (mut step, mut at_rise) = (0, 0);
+        while held(&mut rig).progress == HoldProgress::On {
+            step += 1;
+            finger.put(Touch::Part(f64::max(lowest, 0.85_f64.powi(step))));
+            assert!(live(&mut rig, 12) <= 4 * 70, "{lowest}");
+            at_rise += u64::from(held(&mut rig).tones[0].state == HoldState::AtLimit(HoldLimit::Rise));
+        }
+        let lost = HoldState::Lost(loss);
+        assert_eq!(states(&held(&mut rig)), [(2, lost), (5, lost)]);
+        assert_eq!(live(&mut rig, 4), 70);
+        let seconds = (at_rise * 12 * PERIOD * BLOCK) as f64 / 400_000.0;
+        assert!(loss == HoldLoss::TooWeak || (seconds - 10.0).abs() < 0.25, "{seconds}");
+    }
+}
+
 fn window() -> ListenWindow {
     ListenWindow { from: None, blocks: 4, shape: WindowShape::Hann, slots: 1, input: Some(0) }
 }
@@ -387,8 +413,8 @@ fn what_cannot_be_held_is_refused_by_its_field() {
         // 5 ms are 2000 samples: 32 blocks less the pause.
         (HoldSetting { blocks: 19, ..good() }, out(Field::WindowBlocks, 20, 62_488, 19)),
         (HoldSetting { blocks: u16::MAX, ..good() }, out(Field::WindowBlocks, 20, 62_488, 65_535)),
-        (HoldSetting { max_rise: CentiDecibel(-1), ..good() }, out(Field::MaxRise, 0, 6020, -1)),
-        (HoldSetting { max_rise: CentiDecibel(6021), ..good() }, out(Field::MaxRise, 0, 6020, 6021)),
+        (HoldSetting { max_rise: CentiDecibel(-1), ..good() }, out(Field::MaxRise, 0, 2000, -1)),
+        (HoldSetting { max_rise: CentiDecibel(2001), ..good() }, out(Field::MaxRise, 0, 2000, 2001)),
         (HoldSetting { slew: CentiDecibel(0), ..good() }, out(Field::Slew, 1, 6020, 0)),
         (setting(&[(16, 1.0)]), out(Field::ToneSlot, 0, 15, 16)),
         (setting(&[(2, 1.0), (2, 1.0)]), Refusal::SlotTwice { slot: 2 }),

@@ -148,7 +148,7 @@ fn what_does_not_fit_the_devices_units_is_named_with_its_range() {
         (HoldRequest { time_constant_s: 61.0, ..hold() }, "the time constant (s) is 61; allowed are 0 to 60"),
         (
             HoldRequest { max_rise_db: f64::NAN, ..hold() },
-            "the largest rise (dB) is NaN; allowed are 0 to 60.2",
+            "the largest rise (dB) is NaN; allowed are 0 to 20",
         ),
         (
             HoldRequest { slew_db: 0.0, ..hold() },

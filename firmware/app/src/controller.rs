@@ -85,8 +85,8 @@ pub struct Controller<'a, F, S> {
     last_keep_alive: Option<u32>,
     user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
-    /// The renderer has begun a block while a motion for it was planned.
-    is_outrun: Cell<bool>,
+    /// Blocks that the renderer has begun while the last motion was planned.
+    lead: Cell<u64>,
 }
 
 impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
@@ -121,7 +121,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             last_keep_alive: None,
             user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
-            is_outrun: Cell::new(false),
+            lead: Cell::new(0),
         }
     }
 
@@ -179,7 +179,11 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         match command {
             Command::Arm => self.arm(mailbox).map(accepted),
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
-            Command::Drive(drive) => self.drive(drive, is_stopped, mailbox).map(accepted),
+            Command::Drive(drive) => {
+                let waited = self.hold_back_levels(mailbox);
+                let answer = self.drive(drive, is_stopped, mailbox);
+                self.go_on_if_refused(waited, answer, is_stopped, mailbox)
+            }
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {

@@ -72,6 +72,15 @@ impl Inbox {
         !self.queue.is_empty()
     }
 
+    /// Whether a command waits that brings other tones, and so ends a level hold.
+    #[must_use]
+    pub fn has_drive(&self) -> bool {
+        let is_drive = |incoming: &Incoming| {
+            matches!(incoming.command, Ok(Command::Drive(_) | Command::Chord(_) | Command::Comb(_)))
+        };
+        self.queue.iter().any(is_drive)
+    }
+
     /// The command that has waited longest.
     pub(crate) fn next(&mut self) -> Option<Incoming> {
         self.queue.pop_front()

@@ -88,7 +88,8 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
                         let stops = inbox.stops();
                         let mut is_stopped = || {
                             receive_now(inbox, &mut read, &mut packet, context, mailbox);
-                            inbox.stops() != stops
+                            // The turn of a level hold makes way for the drive that ends it.
+                            inbox.stops() != stops || inbox.has_drive()
                         };
                         controller.tick(&mut is_stopped, mailbox);
                         Poll::Ready(())

@@ -33,7 +33,7 @@ use slipline_plate::quantity::Range;
 use std::f64::consts::TAU;
 
 /// Allowed limits for the rise of a held tone above its drive level.
-pub const MAX_RISE: Range = Range::new(0.0, 60.0, "dB");
+pub const MAX_RISE: Range = Range::new(0.0, 20.0, "dB");
 /// Largest rise without a user's choice, dB.
 pub const USUAL_RISE_DB: f64 = 12.0;
 
@@ -121,7 +121,7 @@ pub struct HoldPlan {
     pub time_constant_s: f64,
     /// The length of a window, in blocks of 128 samples.
     pub blocks: u16,
-    /// Largest rise of a tone above its drive level, dB, 0..=60.2.
+    /// Largest rise of a tone above its drive level, dB, 0..=20.
     pub max_rise_db: f64,
     rate_hz: f64,
 }

@@ -9,7 +9,9 @@ use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::Identity;
 pub use slipline_protocol::hold::{HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldState};
 use slipline_protocol::hold::{HoldSetting, HoldTone};
-use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB};
+use slipline_protocol::limits::{
+    HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB, MAX_RISE_CDB,
+};
 use slipline_protocol::units::CentiDecibel;
 
 /// Steps per code of an amplitude on the wire.
@@ -38,7 +40,7 @@ pub struct HoldRequest {
     pub time_constant_s: f64,
     /// The length of a window in blocks of 128 samples; extended where the device's drives must be slower.
     pub blocks: u16,
-    /// Largest rise of a tone above its drive level, in dB, 0..=60.2.
+    /// Largest rise of a tone above its drive level, in dB, 0..=20.
     pub max_rise_db: f64,
     /// The largest change of a level from one window to the next, in dB, 0.01..=60.2. Less than 6 dB makes
     /// the hold slower than possible.
@@ -76,8 +78,8 @@ impl HoldRequest {
         let shortest = u16::try_from(shortest).unwrap_or(u16::MAX);
         let longest_s = f64::from(MAX_APPLY_AHEAD_MS) / 1000.0;
         OutOfRange::check("time constant (s)", self.time_constant_s, 0.0, longest_s)?;
-        let level = |field, got, least| {
-            OutOfRange::check(field, got, least, f64::from(MAX_HOLD_CDB) / 100.0)?;
+        let level = |field, got, least, most: i16| {
+            OutOfRange::check(field, got, least, f64::from(most) / 100.0)?;
             Ok::<_, OutOfRange>(CentiDecibel((got * 100.0).round() as i16))
         };
         let (least, most) = HELD_AMPLITUDE;
@@ -94,8 +96,8 @@ impl HoldRequest {
             input: self.input,
             time_constant: (self.time_constant_s * f64::from(identity.sample_rate_hz)).round() as u32,
             blocks: if self.tones.is_empty() { self.blocks } else { self.blocks.max(shortest) },
-            max_rise: level("largest rise (dB)", self.max_rise_db, 0.0)?,
-            slew: level("largest change from window to window (dB)", self.slew_db, 0.01)?,
+            max_rise: level("largest rise (dB)", self.max_rise_db, 0.0, MAX_RISE_CDB)?,
+            slew: level("largest change from window to window (dB)", self.slew_db, 0.01, MAX_HOLD_CDB)?,
             tones,
         })
     }

@@ -32,7 +32,7 @@ pub(super) struct HoldArgument {
     /// of a finger. Touch the plate only when the levels are held. Not with a setup file.
     #[arg(long, conflicts_with = "setup")]
     hold: bool,
-    /// Largest rise of a held tone above its level, 0 to 60 dB.
+    /// Largest rise of a held tone above its level, 0 to 20 dB.
     #[arg(long, value_name = "DB", value_parser = argument::decibels(MAX_RISE.low, MAX_RISE.high), allow_hyphen_values = true, default_value_t = USUAL_RISE_DB, requires = "hold")]
     max_rise: f64,
     /// Place of the simulated device's sensor, from the driven end (30mm); by default, at a tenth of the

@@ -22,7 +22,7 @@ fn a_drive_that_is_held_tells_each_tones_state_and_correction() {
 #[test]
 fn what_cannot_be_held_is_refused() {
     let of = |more: &[&str], code| failure(&[&DRIVE[..], more].concat(), code);
-    assert!(of(&["--hold", "--max-rise", "61"], 2).contains("0 to 60 dB"));
+    assert!(of(&["--hold", "--max-rise", "21"], 2).contains("0 to 20 dB"));
     assert!(of(&["--hold", "--sensor", "1m"], 2).contains("--sensor"));
     assert!(of(&["--sensor", "30mm"], 2).contains("--hold"));
     // Full silence is heard by no sensor.

@@ -111,6 +111,7 @@ fn held() -> [(&'static str, Event); 4] {
         HoldState::Lost(HoldLoss::Clipped),
         HoldState::Lost(HoldLoss::Stuck),
         HoldState::Lost(HoldLoss::Broken),
+        HoldState::Lost(HoldLoss::AtRise),
     ];
     let tone = |(slot, state)| HeldTone { slot, state, correction: CentiDecibel(-312), amplitude: 127_500 };
     let held = Held {
@@ -122,7 +123,7 @@ fn held() -> [(&'static str, Event); 4] {
     };
     let most = HeldTone {
         slot: u8::MAX,
-        state: HoldState::Lost(HoldLoss::Broken),
+        state: HoldState::Lost(HoldLoss::AtRise),
         correction: CentiDecibel(i16::MIN),
         amplitude: u32::MAX,
     };

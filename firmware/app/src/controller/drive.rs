@@ -17,8 +17,9 @@ use crate::range::in_range;
 use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
-/// How many blocks later each further attempt to publish a program begins, should planning take longer than a block.
-const LEADS: [u64; 6] = [0, 1, 2, 4, 16, 64];
+/// How many blocks later each further attempt to publish a program begins at least, should planning take longer than a block.
+const LEADS: [u64; 6] = [0, 1, 2, 4, 16, LONGEST_LEAD];
+const LONGEST_LEAD: u64 = 64;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
@@ -72,7 +73,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         self.refuse_unless_drivable(drive.glide, drive.apply, mailbox)?;
-        let at = publish(mailbox, &self.is_outrun, hand_over(drive.apply), |view, lead| {
+        let at = publish(mailbox, &self.lead, hand_over(drive.apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let at = self.begin(drive.apply, view.next.max(view.ready_at), view, lead)?;
             let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
@@ -125,7 +126,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let at = publish(mailbox, &self.is_outrun, hand_over(apply), |view, lead| {
+        let at = publish(mailbox, &self.lead, hand_over(apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let mut earliest = view.next.max(view.ready_at);
             if view.motion.ends_silent() && !view.motion.is_silent_from(earliest) {
@@ -199,29 +200,33 @@ fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
 
 /// Makes a motion and hands it over, anew with a later index if the renderer was faster.
 ///
-/// `is_outrun` remembers that it was. From then on the first attempt leads by a block, too: a failed attempt costs more
-/// time than that block.
+/// `lead` remembers how many blocks the last attempt took: the next one begins so much later, and fails only if it takes longer,
+/// for a failed attempt costs more time than that. It falls by a block with each program that takes less, to one block. Where
+/// planning takes no time it stays 0.
 ///
-/// A motion that waits for the trigger input gives way to one that `make` makes.
+/// A motion that waits for the trigger input, or is the level hold's own, gives way to one that `make` makes.
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
-    is_outrun: &Cell<bool>,
+    lead: &Cell<u64>,
     hand_over: impl Fn(&Mailbox<M>, Motion, &View) -> Result<(), NotPublished>,
     mut make: impl FnMut(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<SampleIndex, Refusal> {
-    for lead in LEADS.into_iter().skip(is_outrun.get().into()) {
+    for least in LEADS {
         let view = mailbox.view();
         if view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        if view.pending.is_some() && !view.waits() {
+        if !view.has_room() {
             break;
         }
-        let motion = make(&view, lead.saturating_mul(BLOCK_SAMPLES))?;
-        match hand_over(mailbox, motion, &view) {
+        let motion = make(&view, least.max(lead.get()).saturating_mul(BLOCK_SAMPLES))?;
+        let handed_over = hand_over(mailbox, motion, &view);
+        let taken = mailbox.now().saturating_sub(view.next).checked_div(BLOCK_SAMPLES).unwrap_or(0);
+        lead.set(taken.max(lead.get().saturating_sub(1)).clamp(lead.get().min(1), LONGEST_LEAD));
+        match handed_over {
             Ok(()) => return Ok(motion.start()),
             Err(NotPublished::Pending) => break,
-            Err(NotPublished::Late) => is_outrun.set(true),
+            Err(NotPublished::Late) => {}
         }
     }
     Err(Refusal::Busy(Busy::CommitPending))

@@ -15,8 +15,11 @@ mod turn;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Vec;
 use slipline_protocol::Event;
+use slipline_protocol::event::Accepted;
 use slipline_protocol::hold::{self as wire, Held, HoldProgress, HoldSetting};
-use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_HOLD_CDB, MAX_TONES};
+use slipline_protocol::limits::{
+    HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_AT_RISE_MS, MAX_HOLD_CDB, MAX_RISE_CDB, MAX_TONES,
+};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
@@ -31,6 +34,8 @@ use crate::range::in_range;
 use crate::safety::excursion::shortest_glide;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
+/// Blocks that planning a drive takes at most while a hold has all lock-ins at work, on a board.
+const HOLDING_LEAD: u64 = 4;
 /// The highest slot.
 const HIGHEST_SLOT: i64 = MAX_TONES as i64 - 1;
 
@@ -140,18 +145,19 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let least = blocks(shortest).saturating_sub(pause).max(1);
         let most = blocks(timing.max_glide).saturating_sub(pause).min(u16::MAX.into());
         in_range(Field::WindowBlocks, least, most, asked.blocks.into())?;
-        let level = |field, least: i16, asked: CentiDecibel| {
-            if (least..=MAX_HOLD_CDB).contains(&asked.0) {
+        let level = |field, least: i16, most: i16, asked: CentiDecibel| {
+            if (least..=most).contains(&asked.0) {
                 return Ok(octaves(asked));
             }
-            Err(Refusal::out_of_range(field, least.into(), MAX_HOLD_CDB.into(), asked.0.into()))
+            Err(Refusal::out_of_range(field, least.into(), most.into(), asked.0.into()))
         };
         let period = u64::from(asked.blocks).saturating_add(pause).saturating_mul(BLOCK_SAMPLES);
         Ok(LoopSetting {
             period: u32::try_from(period).unwrap_or(u32::MAX),
             tau: asked.time_constant,
-            max_rise: level(Field::MaxRise, 0, asked.max_rise)?,
-            slew: level(Field::Slew, 1, asked.slew)?,
+            max_rise: level(Field::MaxRise, 0, MAX_RISE_CDB, asked.max_rise)?,
+            at_rise: u32::try_from(timing.samples(MAX_AT_RISE_MS)).unwrap_or(u32::MAX),
+            slew: level(Field::Slew, 1, MAX_HOLD_CDB, asked.slew)?,
         })
     }
 
@@ -236,6 +242,34 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
     }
 
+    /// Drops the hold's own levels that have not begun, before a drive is planned: were they to begin meanwhile, it would have to be
+    /// planned anew. Returns whether there were any.
+    pub(super) fn hold_back_levels<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> bool {
+        self.refresh_hold(mailbox);
+        if self.holding.is_on() && self.lead.get() > 0 {
+            self.lead.set(self.lead.get().max(HOLDING_LEAD));
+        }
+        self.holding.is_on() && mailbox.drop_levels()
+    }
+
+    /// Publishes them again if the drive was refused: that has changed nothing.
+    pub(super) fn go_on_if_refused<M: RawMutex>(
+        &mut self,
+        waited: bool,
+        answer: Result<SampleIndex, Refusal>,
+        is_stopped: &mut dyn FnMut() -> bool,
+        mailbox: &Mailbox<M>,
+    ) -> Result<Event, Refusal> {
+        if waited && answer.is_err() {
+            let levels = self.holding.hold.levels();
+            match self.publish_levels(&levels, is_stopped, mailbox) {
+                Ok(at) => self.holding.published = Some(at),
+                Err(_) => self.end_hold(mailbox),
+            }
+        }
+        answer.map(|at| Event::Accepted(Accepted { at }))
+    }
+
     /// Refuses a measurement while the hold is on, which has the lock-ins for itself.
     pub(super) fn refuse_if_holding(&self) -> Result<(), Refusal> {
         if self.holding.is_on() { Err(Refusal::Busy(Busy::Holding)) } else { Ok(()) }
@@ -314,6 +348,7 @@ const fn on_wire(state: LoopState) -> wire::HoldState {
             Loss::Clipped => wire::HoldLoss::Clipped,
             Loss::Stuck => wire::HoldLoss::Stuck,
             Loss::Broken => wire::HoldLoss::Broken,
+            Loss::AtRise => wire::HoldLoss::AtRise,
         }),
     }
 }

@@ -29,7 +29,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             return Err(refusal);
         }
-        let at = publish(mailbox, &self.is_outrun, Mailbox::publish, |view, lead| {
+        let at = publish(mailbox, &self.lead, Mailbox::publish, |view, lead| {
             if view.waits() {
                 // It was planned by the table in force.
                 return Err(Refusal::Busy(Busy::CommitPending));

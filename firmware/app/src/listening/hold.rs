@@ -32,7 +32,8 @@
 //! that would stay below a quarter of its set value even at the limit, for longer than the plate takes to answer: the
 //! tone is lost for good, and goes back to the table's level by the next drive, without slew. Nothing rises while a tone is
 //! that weak: an unplugged sensor does not drive the plate up. Only the window in which it is unplugged may look like that of
-//! a finger, which is one step up at most.
+//! a finger, which is one step up at most. A sensor that slips slowly looks like a finger, too: the tone rises as far as it may.
+//! One that stays there for [`LoopSetting::at_rise`] is lost.
 //!
 //! **Messages.** The protocol carries the input, `tau`, the blocks of a window, `max_rise`, `slew`, and of each tone the slot
 //! and the amplitude; no gains, so that no host can make the loop unstable. `controller/hold.rs` takes them, has the windows
@@ -86,6 +87,8 @@ pub enum Loss {
     Stuck,
     /// Samples of the window were lost.
     Broken,
+    /// It has been [at its largest rise](Limit::Rise) for [`LoopSetting::at_rise`]: the sensor has slipped.
+    AtRise,
 }
 
 /// State of a held tone.
@@ -182,7 +185,7 @@ impl Hold {
                 *place = Some(Tone::new(tone));
             }
         }
-        self.law = Law::new(setting.tau, setting.period, setting.max_rise, setting.slew);
+        self.law = Law::new(setting);
         self.glide = setting.period / 2;
         Ok(())
     }

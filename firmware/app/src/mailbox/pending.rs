@@ -15,4 +15,6 @@ pub struct Pending {
     pub sounds: bool,
     /// It begins with the first block after a rise of the trigger input.
     pub waits: bool,
+    /// It gives way to any other motion: one that waits, and the level hold's own.
+    pub yields: bool,
 }

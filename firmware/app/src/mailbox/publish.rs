@@ -15,14 +15,29 @@ pub enum NotPublished {
     Late,
 }
 
+/// How a motion is pending: as the fields of [`Pending`].
+#[derive(Clone, Copy)]
+struct Manner {
+    waits: bool,
+    yields: bool,
+}
+
 impl<M: RawMutex> Mailbox<M> {
-    /// Hands over a motion that goes on from that of `view`: it is pending until its start. One that waits for the
-    /// trigger input is dropped for it.
+    /// Hands over a motion that goes on from that of `view`: it is pending until its start. One that [yields](Pending::yields)
+    /// is dropped for it.
     ///
     /// # Errors
     /// [`NotPublished`]; nothing has begun then.
     pub fn publish(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, false)
+        self.hand_over(motion, view, Manner { waits: false, yields: false })
+    }
+
+    /// As [`Mailbox::publish`] a motion that gives way to any other as long as it has not begun.
+    ///
+    /// # Errors
+    /// As [`Mailbox::publish`].
+    pub fn publish_yielding(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
+        self.hand_over(motion, view, Manner { waits: false, yields: true })
     }
 
     /// As [`Mailbox::publish`] a motion that begins with the first block after a rise of the trigger input. The rise
@@ -31,15 +46,26 @@ impl<M: RawMutex> Mailbox<M> {
     /// # Errors
     /// As [`Mailbox::publish`].
     pub fn publish_waiting(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, true)
+        self.hand_over(motion, view, Manner { waits: true, yields: true })
     }
 
-    fn hand_over(&self, motion: Motion, view: &View, waits: bool) -> Result<(), NotPublished> {
+    /// Drops what has been [published yielding](Mailbox::publish_yielding) and has not begun; returns whether there was any.
+    pub fn drop_levels(&self) -> bool {
+        self.shared.lock(|shared| {
+            let waits = shared.pending.get().is_some_and(|pending| pending.yields && !pending.waits);
+            if waits {
+                shared.pending.set(None);
+            }
+            waits
+        })
+    }
+
+    fn hand_over(&self, motion: Motion, view: &View, manner: Manner) -> Result<(), NotPublished> {
         let refusal = |shared: &Shared| {
             let is_late = motion.start() < shared.next.get()
                 || shared.changes.get() != view.changes
                 || shared.stop.get().is_some();
-            if shared.pending.get().is_some_and(|pending| !pending.waits) {
+            if shared.pending.get().is_some_and(|pending| !pending.yields) {
                 Err(NotPublished::Pending)
             } else if is_late {
                 Err(NotPublished::Late)
@@ -53,7 +79,7 @@ impl<M: RawMutex> Mailbox<M> {
                 return Err(NotPublished::Pending);
             }
             refusal(shared)?;
-            // It may be one that waits: from here on it cannot begin any more.
+            // It may be one that yields: from here on it cannot begin any more.
             shared.pending.set(None);
             shared.is_publishing.set(true);
             Ok(shared.live.get().other())
@@ -67,7 +93,8 @@ impl<M: RawMutex> Mailbox<M> {
                 at: motion.start(),
                 slot: motion.table().slot,
                 sounds: !motion.ends_silent(),
-                waits,
+                waits: manner.waits,
+                yields: manner.yields,
             }));
             Ok(())
         })

@@ -42,4 +42,10 @@ impl View {
     pub fn waits(&self) -> bool {
         self.pending.is_some_and(|pending| pending.waits)
     }
+
+    /// Whether a new program can be published: none is pending, or one that gives way.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.pending.is_none_or(|pending| pending.yields)
+    }
 }

@@ -203,6 +203,18 @@ mod tests {
     }
 
     #[test]
+    fn a_coil_that_is_assumed_hot_is_folded_back_for_less_than_4_seconds_of_rest() {
+        for (seconds, is_warm) in [(3.5, true), (4.0, false)] {
+            let mut thermal = Thermal::new(Heat::AssumedHot);
+            thermal.advance(0, 0, RATE);
+            for step in 1..=100 {
+                thermal.advance((f64::from(step) / 100.0 * seconds * f64::from(RATE)) as u64, 0, RATE);
+            }
+            assert_eq!(thermal.is_warm(), is_warm, "{seconds} s: {}", thermal.rise());
+        }
+    }
+
+    #[test]
     fn the_foldback_alone_holds_the_limit_for_ever() {
         let mut thermal = Thermal::new(Heat::Cold);
         for _ in 0..3600 {

@@ -39,7 +39,9 @@ pub const fn state_words(state: HoldState) -> &'static str {
             HoldLimit::Rise => "at the largest rise that is allowed",
             HoldLimit::Level => "at its full level",
             HoldLimit::Headroom => "at full scale: there is no more headroom",
-            HoldLimit::Thermal => "at the thermal limit: the actuator is warm",
+            HoldLimit::Thermal => {
+                "at the thermal limit: the actuator is warm, or the device takes it for warm, as in the first 4 s after a reset"
+            }
             HoldLimit::Travel => "at the limit of the actuator's travel",
             HoldLimit::Fall => "at the lowest level",
         },
@@ -49,6 +51,7 @@ pub const fn state_words(state: HoldState) -> &'static str {
             HoldLoss::Clipped => "lost: the sensor's input is clipped",
             HoldLoss::Stuck => "lost: the sensor's input does not move",
             HoldLoss::Broken => "lost: codes of the sensor's input were lost",
+            HoldLoss::AtRise => "lost: at its largest rise for 10 s, the sensor may have slipped",
         },
     }
 }

@@ -238,7 +238,7 @@ fn another_plate_ends_it() {
 fn the_rise_is_a_limit_that_is_told_and_a_wrong_one_is_refused() {
     let (mut app, shows) = held();
     type_into(&mut app, "Rise", "61 dB");
-    assert!(has(&app, "0 to 60 dB"));
+    assert!(has(&app, "0 to 20 dB"));
     type_into(&mut app, "Rise", "3 dB");
     wait_for(&mut app, "Holding: the plate may be touched.");
     shows.store(TOUCHED, Ordering::Relaxed);

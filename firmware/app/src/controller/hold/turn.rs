@@ -91,8 +91,11 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         let (changes, glide) = (self.holding.changes, self.holding.hold.glide());
-        publish(mailbox, &self.is_outrun, Mailbox::publish, |view, lead| {
+        publish(mailbox, &self.lead, Mailbox::publish_yielding, |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
+            if view.pending.is_some() {
+                return Err(Refusal::Busy(Busy::CommitPending));
+            }
             if view.changes != changes || view.motion.ends_silent() {
                 return Err(Refusal::Busy(Busy::DriveActive));
             }

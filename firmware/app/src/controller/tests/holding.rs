@@ -108,6 +108,32 @@ fn what_it_publishes_is_no_act_of_the_user() {
 }
 
 #[test]
+fn a_drive_takes_the_place_of_levels_that_have_not_begun() {
+    //
+    let mut rig = holding();
+    measured(&rig, 0.8);
+    tick(&mut rig);
+    let pending = rig.mailbox.view().pending;
+    assert!(pending.is_some_and(|levels| levels.yields));
+    // One that is refused changes nothing.
+    let too_loud = Command::Drive(Drive {
+        tones: Default::default(),
+        master: CentiDecibel(1),
+        glide: 200,
+        apply: Apply::Next,
+    });
+    assert!(rig.execute(&too_loud).is_err());
+    assert_eq!((rig.mailbox.view().pending, read_hold(&mut rig).progress), (pending, HoldProgress::On));
+    rig.accepted(&full_scale(Apply::Next));
+    assert_eq!(read_hold(&mut rig).progress, HoldProgress::Ended);
+    rig.render(30);
+    assert!((sum(&rig) - 1.0).abs() < 1e-3, "{}", sum(&rig));
+    // It gives way to nothing: another one must wait.
+    rig.accepted(&full_scale(Apply::At(rig.mailbox.now() + 4096)));
+    assert_eq!(rig.execute(&full_scale(Apply::Next)), Err(Refusal::Busy(Busy::CommitPending)));
+}
+
+#[test]
 fn a_stop_that_comes_while_levels_are_planned_keeps_them_from_starting() {
     //
     for look in 0.. {

@@ -21,6 +21,7 @@
 //! With a loop twice as strong 21 degrees are left. Where `tau` is long against `T` the margins are larger.
 
 use super::octaves::Octaves;
+use super::setting::LoopSetting;
 
 /// Fractional bits that the controller has below those of [`Octaves`].
 pub(super) const FINE: u32 = 24;
@@ -43,15 +44,19 @@ pub(super) struct Law {
     pub(super) slew: i64,
     /// Windows that a tone may be too weak before it is lost: the time that the plate needs to answer.
     pub(super) patience: u32,
+    /// Windows after which a tone has been at its largest rise for longer than it may.
+    pub(super) at_rise: u32,
 }
 
 impl Law {
     /// Answers nothing.
-    pub(super) const NONE: Self = Self { proportional: 0, integral: 0, max_rise: 0, slew: 0, patience: 0 };
+    pub(super) const NONE: Self =
+        Self { proportional: 0, integral: 0, max_rise: 0, slew: 0, patience: 0, at_rise: 0 };
 
-    /// `tau` and `period` in samples, `period` not 0.
-    pub(super) fn new(tau: u32, period: u32, max_rise: Octaves, slew: Octaves) -> Self {
-        let (tau, period) = (i64::from(tau), i64::from(period).max(1));
+    /// The gains by a setting whose period is not 0.
+    pub(super) fn new(setting: &LoopSetting) -> Self {
+        let LoopSetting { max_rise, slew, at_rise, .. } = *setting;
+        let (tau, period) = (i64::from(setting.tau), i64::from(setting.period).max(1));
         // In half periods: 5 periods or 2 tau. At most 2^34.4, and tau << 25 at most 2^57.
         let slowest = (5 * period).max(2 * tau);
         let share = |time: i64| (time << (FINE + 1)).checked_div(slowest).unwrap_or(0);
@@ -62,6 +67,8 @@ impl Law {
             max_rise: fine(max_rise),
             slew: fine(slew),
             patience: windows.saturating_add(3),
+            // From the first of these windows to the last.
+            at_rise: at_rise.div_ceil(setting.period.max(1)).saturating_add(1),
         }
     }
 }
@@ -70,6 +77,10 @@ impl Law {
 mod tests {
     use super::*;
     use core::f64::consts::{FRAC_PI_2, PI};
+
+    fn law(tau: u32, period: u32) -> Law {
+        Law::new(&LoopSetting { period, tau, max_rise: Octaves::ONE, at_rise: 4_000_000, slew: Octaves::ONE })
+    }
 
     /// `|L|` and its phase at an angular frequency, in one over the period: from the integers of the law and the plant.
     fn open_loop(law: &Law, ratio: f64, w: f64) -> (f64, f64) {
@@ -84,7 +95,7 @@ mod tests {
     fn the_phase_margin_is_55_degrees_and_the_gain_margin_8_decibels_for_every_time_constant() {
         const PERIOD: u32 = 40_000;
         for thousandths in (0..100).chain((100..40_000).step_by(97)) {
-            let law = Law::new(PERIOD / 1000 * thousandths, PERIOD, Octaves::ONE, Octaves::ONE);
+            let law = law(PERIOD / 1000 * thousandths, PERIOD);
             let ratio = f64::from(thousandths) / 1000.0;
             // Both fall with the frequency: the first place where one is reached, in steps of 0.1 %.
             let mut w = 1e-3;
@@ -107,10 +118,11 @@ mod tests {
 
     #[test]
     fn the_longest_and_shortest_times_make_gains() {
-        let law = Law::new(u32::MAX, 4000, Octaves::MAX, Octaves::ONE);
-        assert_eq!((law.proportional, law.patience), (1 << FINE, u32::MAX / 4000 + 3));
-        assert!(law.integral > 0);
-        let law = Law::new(0, u32::MAX, Octaves::MAX, Octaves::ONE);
-        assert_eq!((law.proportional, law.integral, law.patience), (0, (2 << FINE) / 5, 3));
+        let longest = law(u32::MAX, 4000);
+        assert_eq!((longest.proportional, longest.patience), (1 << FINE, u32::MAX / 4000 + 3));
+        assert!(longest.integral > 0);
+        let shortest = law(0, u32::MAX);
+        assert_eq!((shortest.proportional, shortest.integral, shortest.patience), (0, (2 << FINE) / 5, 3));
+        assert_eq!([longest.at_rise, shortest.at_rise], [1001, 2]);
     }
 }

@@ -19,6 +19,8 @@ pub struct LoopSetting {
     pub tau: u32,
     /// How far above the table's level a tone may rise, 0 to [`Octaves::MAX`].
     pub max_rise: Octaves,
+    /// How long a tone may stay at that, in samples; any.
+    pub at_rise: u32,
     /// The largest change of a level per period, above 0 to [`Octaves::MAX`]. With less than an octave the loop is slower
     /// than it could be.
     pub slew: Octaves,

@@ -17,7 +17,7 @@ const ROOMY: Room = Room { rise: Octaves::MAX, limit: Limit::Headroom };
 const SPAN: Span = Span { lowest: 1000, highest: 3000 };
 
 fn setting(tau: u32) -> LoopSetting {
-    LoopSetting { period: PERIOD, tau, max_rise: Octaves(4 << 16), slew: Octaves::ONE }
+    LoopSetting { period: PERIOD, tau, max_rise: Octaves(4 << 16), at_rise: u32::MAX, slew: Octaves::ONE }
 }
 
 /// A hundredth of full scale.
@@ -205,6 +205,34 @@ fn nothing_rises_without_room_and_every_limit_is_named() {
         assert!((level - ends).abs() < 1e-4 && level <= ends, "{level}");
         assert_eq!(hold.state(9), Some(LoopState::AtLimit(limit)));
     }
+}
+
+#[test]
+fn a_tone_that_stays_at_its_largest_rise_is_lost() {
+    // the sensor slips, a tenth of its answer at a time.
+    let at_rise = 10 * PERIOD;
+    let setting = LoopSetting { max_rise: Octaves(2 << 16), at_rise, ..setting(0) };
+    let mut hold = Hold::new(&setting, &[tone(7)], MIN_GLIDE).expect("it can be held");
+    let (mut level, mut answer, mut stood) = (1.0, 1.0, 0);
+    while hold.state(7) != Some(LoopState::Lost(Loss::AtRise)) {
+        assert!(level <= 4.0 && stood <= at_rise / PERIOD, "{level} for {stood} windows");
+        if answer > 0.2 {
+            answer *= 0.9;
+        }
+        level = take(&mut hold, Some(&answers(&[(7, answer * level)])), ROOMY)[7];
+        if hold.state(7) == Some(LoopState::AtLimit(Limit::Rise)) {
+            stood += 1;
+        }
+    }
+    assert_eq!((level, stood), (1.0, at_rise / PERIOD));
+    // A finger that leaves in time is none.
+    let mut hold = Hold::new(&setting, &[tone(7)], MIN_GLIDE).expect("it can be held");
+    let mut level = 1.0;
+    for window in 0..100 {
+        let answer = if window % 12 < 6 { 0.2 } else { 0.5 };
+        level = take(&mut hold, Some(&answers(&[(7, answer * level)])), ROOMY)[7];
+    }
+    assert!(!hold.is_over());
 }
 
 #[test]

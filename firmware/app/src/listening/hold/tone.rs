@@ -31,6 +31,8 @@ pub(super) struct Tone {
     proposed: Stand,
     /// Windows in which it was too weak, one after the other.
     weak: u32,
+    /// Windows in which it was at its largest rise, one after the other.
+    at_rise: u32,
     /// Windows in which no rise is proposed, and what refused it.
     frozen: u8,
     frozen_by: Limit,
@@ -47,6 +49,7 @@ impl Tone {
             accepted: Stand::default(),
             proposed: Stand::default(),
             weak: 0,
+            at_rise: 0,
             frozen: 0,
             frozen_by: Limit::Rise,
             state: LoopState::Settling,
@@ -89,6 +92,11 @@ impl Tone {
         } else {
             LoopState::Settling
         };
+        let is_at_rise = self.state == LoopState::AtLimit(Limit::Rise);
+        self.at_rise = if is_at_rise { self.at_rise.saturating_add(1) } else { 0 };
+        if self.at_rise >= law.at_rise {
+            self.lose(Loss::AtRise, room);
+        }
     }
 
     /// Proposes a correction; returns whether a higher one was wanted than the ceiling.
