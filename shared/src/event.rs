@@ -5,7 +5,7 @@ pub use crate::fault::{Fault, Faults};
 use crate::hold::Held;
 use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
 use crate::listen::{Captured, InputsReport, Listened};
-use crate::message::messages;
+use crate::message::{Older, messages};
 use crate::refusal::Refusal;
 use crate::schema::{body, choices};
 use crate::units::SampleIndex;
@@ -27,6 +27,8 @@ messages! {
         0x91 since 0 Refused(Refusal),
         /// Done without a write, because the flash holds the requested content already. A host of 1.0 gets `Accepted`.
         0x92 since 1 Unchanged(Accepted) or Accepted,
+        /// As `Accepted`, of a drive whose glide takes longer than asked. A host of a minor before 3 gets `Accepted`.
+        0x93 since 3 AcceptedUntil(AcceptedUntil) or Accepted,
         /// The limit of the actuator's travel that is in force.
         0x97 since 1 TravelLimit(TravelSetting),
         /// Whether a drive waits for the trigger input, and where the last one began that had waited.
@@ -67,6 +69,40 @@ body! {
     pub struct Accepted {
         /// The index from which the command shows in the samples; the present index for commands that do not show.
         pub at: SampleIndex ["samples"],
+    }
+}
+
+body! {
+    /// The body of [`Event::AcceptedUntil`].
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub struct AcceptedUntil {
+        /// The index at which the drive begins; of one that waits for the trigger input, the first at which it may.
+        pub at: SampleIndex ["samples"],
+        /// The index from which nothing moves any more, if it begins there.
+        pub until: SampleIndex ["samples"],
+    }
+}
+
+impl Older<Accepted> for Accepted {
+    fn older(&self) -> Accepted {
+        *self
+    }
+}
+
+impl Older<Accepted> for AcceptedUntil {
+    fn older(&self) -> Accepted {
+        Accepted { at: self.at }
+    }
+}
+
+impl Event {
+    /// Where an accepted command takes effect; `None` for every other answer.
+    #[must_use]
+    pub fn accepted_at(&self) -> Option<SampleIndex> {
+        match self {
+            Self::Accepted(Accepted { at }) | Self::AcceptedUntil(AcceptedUntil { at, .. }) => Some(*at),
+            _ => None,
+        }
     }
 }
 

@@ -1,8 +1,13 @@
 //! The macro that defines the messages of one direction from a table: ids, names, bodies and answers. An id is never
 //! used again for another message.
 
+/// A body in the form of an older message.
+pub(crate) trait Older<T> {
+    fn older(&self) -> T;
+}
+
 /// Defines an enum of messages with an explicit id each, and its encoding and decoding. A message of a later minor may
-/// name an older one with the same body (`or`), which takes its place for a side that does not know it.
+/// name an older one (`or`), which takes its place for a side that does not know it; its body must have an [`Older`] form for that.
 macro_rules! messages {
     (
         $(#[$enum_doc:meta])*
@@ -101,7 +106,9 @@ macro_rules! messages {
     (@bind $value:ident $variant:ident) => { Self::$variant };
     (@bind $value:ident $variant:ident, $body:ty) => { Self::$variant($value) };
     (@older $value:ident $minor:ident) => { None };
-    (@older $value:ident $minor:ident $older:ident) => { Self::$older(*$value).lowered($minor) };
+    (@older $value:ident $minor:ident $older:ident) => {
+        Self::$older($crate::message::Older::older($value)).lowered($minor)
+    };
     (@lower $value:ident $minor:ident $variant:ident) => { Self::$variant };
     (@lower $value:ident $minor:ident $variant:ident, $body:ty) => {
         Self::$variant($crate::schema::Wire::lowered($value, $minor))

@@ -9,7 +9,7 @@ mod examples;
 
 use examples::{SEQUENCE, SESSION, VERSION, commands_of, events_of};
 use slipline_protocol::command::Hello;
-use slipline_protocol::event::{Fault, Faults};
+use slipline_protocol::event::{Accepted, Fault, Faults};
 use slipline_protocol::frame::CRC;
 use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::schema::MessageRow;
@@ -213,7 +213,8 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
         events_of(3).iter().map(|(_, event)| as_received(event, minor(2))).collect();
     // No host of 1.2 sends what these refuse; so none ever gets these.
     let refused = |field| Some(Event::Refused(Refusal::OutOfRange { field, min: 0, max: 1, got: 2 }));
-    let mut expected = vec![None; 12];
+    let mut expected = vec![Some(Event::Accepted(Accepted { at: 128_000 }))];
+    expected.extend(vec![None; 12]);
     expected.push(Some(Event::Refused(Refusal::Busy(Busy::DriveActive))));
     expected.push(Some(Event::Refused(Refusal::NotSupported)));
     let stand_ins = [

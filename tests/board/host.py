@@ -17,6 +17,8 @@ HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABL
     0x81, 0x83, 0x84, 0x90, 0x91, 0x92, 0xA4, 0xD0,
 )  # fmt: skip
 TRIGGER, TRIGGER_REPLY = 0x18, 0x98
+# As ACCEPTED, of a drive whose glide takes longer than asked: the index of its end follows.
+ACCEPTED_UNTIL = 0x93
 SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
 CHORD = 0x19
 COMB = 0x1A
@@ -224,7 +226,7 @@ class Host:
             self.board.run(0.0005)
             for session, sequence, reply, reply_body in self.replies():
                 if sequence == self.sequence:
-                    if reply == ACCEPTED and message not in (KEEP_ALIVE, LISTEN, CAPTURE, HOLD):
+                    if reply in (ACCEPTED, ACCEPTED_UNTIL) and message not in (KEEP_ALIVE, LISTEN, CAPTURE, HOLD):
                         self.accepted.append((Reader(reply_body).number(), sent))
                     return session, reply, reply_body
         raise AssertionError(f"no answer to {message:#x} within {patience} s")
@@ -242,7 +244,7 @@ class Host:
     def accept(self, message, body=b"", patience=0.6):
         """Sends a command that must be accepted; returns the index."""
         _, reply, reply_body = self.exchange(message, body, patience)
-        assert reply == ACCEPTED, f"{message:#x} is answered by {reply:#x} {reply_body.hex()}"
+        assert reply in (ACCEPTED, ACCEPTED_UNTIL), f"{message:#x} is answered by {reply:#x} {reply_body.hex()}"
         return Reader(reply_body).number()
 
     def status(self):

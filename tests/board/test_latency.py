@@ -8,7 +8,7 @@ than both as they lie apart.
 import pytest
 
 from host import (
-    BLOCK, CHUNK_KNOTS, CLEAR_FAULTS, DRIVE, EMERGENCY_STOP, RATE_HZ, SET_TRAVEL_LIMIT, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT,
+    ACCEPTED, ACCEPTED_UNTIL, BLOCK, CHUNK_KNOTS, CLEAR_FAULTS, DRIVE, EMERGENCY_STOP, RATE_HZ, SET_TRAVEL_LIMIT, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT,
     TABLE_DIGEST, TRAVEL_LIMIT_REPLY, UNSEQUENCED, Reader, drive, frame, table, varint,
 )  # fmt: skip
 from measuring import listen, listened
@@ -42,12 +42,12 @@ def send(rig, message, body=b""):
     return host.sequence, rig.played()
 
 
-def accepted(rig, wanted, message=0x90):
+def accepted(rig, wanted, messages=(ACCEPTED, ACCEPTED_UNTIL)):
     """The index that the command was accepted for."""
     for _ in range(100):
         rig.board.run(0.0005)
         for _, sequence, reply, body in rig.host.replies():
-            if (sequence, reply) == (wanted, message):
+            if sequence == wanted and reply in messages:
                 return Reader(body).number()
     raise AssertionError("no answer")
 

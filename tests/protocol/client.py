@@ -301,11 +301,13 @@ class Client:
                 pass
         self.channel.close()
 
-    def _request(self, command: str, answer: str, value: Any = None, **options: Any) -> tuple[Any, Any]:
+    def _request(
+        self, command: str, answer: str, value: Any = None, or_answer: Optional[str] = None, **options: Any
+    ) -> tuple[Any, Any]:
         if COMMANDS[command].since > self.minor:
             raise SliplineError(f"{command} needs protocol 1.{COMMANDS[command].since}, the device has 1.{self.minor}")
         frame, event = self.channel.request(command, value, **options)
-        if frame.id != EVENTS[answer].id:
+        if frame.id not in (EVENTS[answer].id, EVENTS[or_answer or answer].id):
             raise SliplineError(f"{command} was answered by the message {frame.id:#04x}, not by {answer}")
         return frame, event
 
@@ -336,7 +338,7 @@ class Client:
         return told
 
     def _accepted(self, command: str, value: Any = None) -> int:
-        accepted: Accepted = self._request(command, "Accepted", value)[1]
+        accepted: Accepted = self._request(command, "Accepted", value, or_answer="AcceptedUntil")[1]
         return accepted.at
 
     def _written(self, command: str) -> bool:

@@ -380,6 +380,14 @@ class Accepted(Record):
 
 
 @dataclass(frozen=True)
+class AcceptedUntil(Record):
+    """As `Accepted`, of a drive whose glide takes longer than asked: it ends at `until`. Since 1.3."""
+
+    at: int = field(U64)
+    until: int = field(U64)
+
+
+@dataclass(frozen=True)
 class MaintenanceEvent(Record):
     """The wear of the flash, and whether the supply is guarded. Since 1.1."""
 
@@ -551,6 +559,7 @@ EVENTS = {
         Kind(0x90, "Accepted", Fields(Accepted)),
         Kind(0x91, "Refused", REFUSAL),
         Kind(0x92, "Unchanged", Fields(Accepted), since=1),
+        Kind(0x93, "AcceptedUntil", Fields(AcceptedUntil), since=3),
         Kind(0x97, "TravelLimit", Fields(TravelLimitEvent), since=1),
         Kind(0x98, "Trigger", Fields(TriggerEvent), since=1),
         Kind(0xA4, "Table", Fields(TableEvent)),

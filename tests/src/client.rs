@@ -17,10 +17,8 @@ pub trait Client {
     /// # Panics
     /// If it is not.
     fn accepted(&mut self, command: &Command) -> SampleIndex {
-        match self.send(command) {
-            Event::Accepted(accepted) => accepted.at,
-            other => panic!("{command:?} should be accepted, not {other:?}"),
-        }
+        let answer = self.send(command);
+        answer.accepted_at().unwrap_or_else(|| panic!("{command:?} should be accepted, not {answer:?}"))
     }
 
     /// Sends a command that must be refused and returns the refusal.

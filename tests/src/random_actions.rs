@@ -7,7 +7,7 @@ use slipline_app::Stop;
 use slipline_link::mirror::Mirror;
 use slipline_link::simulator::Options;
 use slipline_protocol::command::{Apply, Chord, Comb, Drive};
-use slipline_protocol::event::Event;
+use slipline_protocol::event::{Accepted, AcceptedUntil, Event};
 use slipline_protocol::limits::{CHORD_PERIOD_LOG2, COMB_BLOCK};
 use slipline_protocol::refusal::{Busy, Field};
 use slipline_protocol::units::{CentiDecibel, Gain, Phase};
@@ -125,10 +125,10 @@ pub fn play(
                     ahead.map(|ahead| rig.device.now() + 2 * BLOCK + ahead),
                 );
                 match rig.send(&Command::Drive(drive.clone())) {
-                    Event::Accepted(accepted) => {
+                    Event::Accepted(Accepted { at }) | Event::AcceptedUntil(AcceptedUntil { at, .. }) => {
                         let sum = sum(table, tones, *master);
                         prop_assert!(sum <= 1.0 + 1e-3, "accepted with a sum of {}", sum);
-                        mirror.acknowledge_play(drive.clone(), accepted.at)?;
+                        mirror.acknowledge_play(drive.clone(), at)?;
                     }
                     Event::Refused(
                         Refusal::Headroom { .. } | Refusal::SlotTwice { .. } | Refusal::Busy(_),

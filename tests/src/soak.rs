@@ -15,7 +15,7 @@ use slipline_app::{Stop, Timing};
 use slipline_link::mirror::Mirror;
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_protocol::command::Command;
-use slipline_protocol::event::{Event, Fault, Faults, State, Status};
+use slipline_protocol::event::{Accepted, AcceptedUntil, Event, Fault, Faults, State, Status};
 use slipline_protocol::limits::{DEAD_MAN_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
 use slipline_protocol::refusal::Refusal;
 use slipline_protocol::units::SampleIndex;
@@ -237,11 +237,11 @@ impl Soak {
         let glide = 20 + self.random.below(480);
         let drive = drive(tones, self.rig.samples(glide) as u32);
         match self.send(&Command::Drive(drive.clone())) {
-            Event::Accepted(accepted) => {
-                self.mirror.acknowledge_play(drive.clone(), accepted.at).expect("the mirror is not ahead");
+            Event::Accepted(Accepted { at }) | Event::AcceptedUntil(AcceptedUntil { at, .. }) => {
+                self.mirror.acknowledge_play(drive.clone(), at).expect("the mirror is not ahead");
                 self.listening.acted();
                 self.tally.drives += 1;
-                Some(accepted.at + u64::from(drive.glide))
+                Some(at + u64::from(drive.glide))
             }
             Event::Refused(Refusal::Busy(_)) => None,
             other => panic!("a drive should be taken or put off, not {other:?}"),

@@ -293,12 +293,12 @@ fn a_sensor_that_slips_is_given_up_at_the_largest_rise() {
         while held(&mut rig).progress == HoldProgress::On {
             step += 1;
             finger.put(Touch::Part(f64::max(lowest, 0.85_f64.powi(step))));
-            assert!(live(&mut rig, 12) <= 4 * 70, "{lowest}");
+            assert!(live(&mut rig, 12) <= 4 * 71, "{lowest}");
             at_rise += u64::from(held(&mut rig).tones[0].state == HoldState::AtLimit(HoldLimit::Rise));
         }
         let lost = HoldState::Lost(loss);
         assert_eq!(states(&held(&mut rig)), [(2, lost), (5, lost)]);
-        assert_eq!(live(&mut rig, 4), 70);
+        assert_eq!(live(&mut rig, 4), 71);
         let seconds = (at_rise * 12 * PERIOD * BLOCK) as f64 / 400_000.0;
         assert!(loss == HoldLoss::TooWeak || (seconds - 10.0).abs() < 0.25, "{seconds}");
     }

@@ -100,7 +100,7 @@ proptest! {
         let mut last = at(&places);
         for next in [at(&places), at(&moved), at(&places)] {
             match rig.send(&Command::Drive(next.clone())) {
-                Event::Accepted(_) => last = next,
+                Event::Accepted(_) | Event::AcceptedUntil(_) => last = next,
                 Event::Refused(Refusal::Headroom { sum_per_mille }) => prop_assert!(sum_per_mille > 1000),
                 other => prop_assert!(false, "{other:?}"),
             }

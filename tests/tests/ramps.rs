@@ -3,12 +3,12 @@
 use slipline_link::simulator::Options;
 use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Drive};
-use slipline_protocol::event::{Fault, ResetCause, State};
+use slipline_protocol::event::{AcceptedUntil, Event, Fault, ResetCause, State};
 use slipline_protocol::limits::{EMERGENCY_RAMP_MS, STOP_RAMP_MS};
 use slipline_protocol::units::Phase;
 use slipline_tests::client::Client;
 use slipline_tests::measure::{envelope, peak};
-use slipline_tests::rig::{BLOCK, MID, Rig, drive, tone};
+use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive, tone};
 
 /// Sounds 20 kHz at full scale.
 fn driving() -> Rig {
@@ -53,6 +53,31 @@ fn an_emergency_stop_is_silent_within_its_time_then_mutes_and_latches() {
     assert!(rig.recording.was_muted(end + 8 * BLOCK));
     let status = rig.status();
     assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::EmergencyStop)));
+}
+
+#[test]
+fn a_glide_that_takes_longer_than_asked_says_until_when() {
+    // The law of PROTOCOL.md: 131072 (n k + 2 d) samples.
+    let table = Table::line(65, 60_000.0, 20_000.0, |_| 1.0);
+    let step = (60_000.0 - 20_000.0) / 64.0 / 400_000.0;
+    let needed = 131_072.0 * (0.9 - 0.1) * 64.0 * step;
+    for (minor, asked, takes) in
+        [(3, 2000, Some(needed)), (3, needed as u32 + 10, None), (2, 2000, None), (0, 2000, None)]
+    {
+        let mut rig = Rig::default();
+        rig.hello_of_minor(minor);
+        rig.upload(&table);
+        rig.arm();
+        rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.3), (1, 0.5, 0.3)], 2000)));
+        rig.live_ms(20);
+        match (rig.send(&Command::Drive(drive(&[(0, 0.9, 0.3), (1, 0.5, 0.3)], asked))), takes) {
+            (Event::AcceptedUntil(AcceptedUntil { at, until }), Some(takes)) => {
+                assert!(((until - at) as f64 - takes).abs() < 3.0, "{} of {takes}", until - at);
+            }
+            (Event::Accepted(_), None) => {}
+            other => panic!("minor {minor}: {other:?}"),
+        }
+    }
 }
 
 #[test]

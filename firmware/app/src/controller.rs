@@ -182,7 +182,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Drive(drive) => {
                 let waited = self.hold_back_levels(mailbox);
                 let answer = self.drive(drive, is_stopped, mailbox);
-                self.go_on_if_refused(waited, answer, is_stopped, mailbox)
+                self.go_on_if_refused(waited, answer.is_err(), is_stopped, mailbox);
+                answer.map(|program| program.answer(drive.glide))
             }
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),

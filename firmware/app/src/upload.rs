@@ -12,8 +12,9 @@ use slipline_protocol::units::SampleIndex;
 use crate::mailbox::Mailbox;
 use crate::slots::{SlotIndex, TableRef};
 
-/// Knots that are worked on between two looks for a stop: together they take less than a tenth of a block's time.
-const KNOTS_AT_ONCE: usize = 4;
+/// Knots that are worked on between two looks for a stop. Judging the travel of more takes so long while lock-ins measure that a
+/// stop may miss the block that waits.
+const KNOTS_AT_ONCE: usize = 1;
 
 /// An upload under way.
 ///

@@ -308,6 +308,7 @@ impl Recorder {
         view.identity = None;
         view.maintenance = None;
         view.inputs = None;
+        view.glide_until = None;
         view.hold = None;
         view.compatibility = None;
         view.status = None;

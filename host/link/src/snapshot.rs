@@ -10,7 +10,7 @@ use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use slipline_protocol::Command;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
-use slipline_protocol::event::{Identity, Maintenance, Status, TableReport, TriggerReport};
+use slipline_protocol::event::{AcceptedUntil, Identity, Maintenance, Status, TableReport, TriggerReport};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::hold::{Held, HoldProgress};
 use slipline_protocol::listen::InputsReport;
@@ -141,6 +141,9 @@ pub struct Snapshot {
     /// The limit of the actuator's travel that the device has accepted in this session; `None` without a
     /// limit.
     pub travel_limit: Option<TravelLimit>,
+    /// Begin and end of the drive that was accepted last, if its glide takes longer than asked; `None` otherwise, and with a device
+    /// of a protocol older than 1.3, which does not report it.
+    pub glide_until: Option<AcceptedUntil>,
     /// The progress of an upload.
     pub upload: Option<UploadProgress>,
     /// Whether the device holds the table of the last upload by its digest, read back; `None` while there was none.
@@ -196,6 +199,13 @@ impl Snapshot {
     pub fn can_play_chords(&self) -> bool {
         let since = Command::TABLE.iter().find(|row| row.name == "Chord").map_or(u8::MAX, |row| row.since);
         self.identity.as_ref().is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+    }
+
+    /// How long the glide of the drive that was accepted last takes, in seconds, if that is longer than asked.
+    #[must_use]
+    pub fn stretched_glide_s(&self) -> Option<f64> {
+        let (glide, identity) = (self.glide_until?, self.identity.as_ref()?);
+        Some(glide.until.saturating_sub(glide.at) as f64 / f64::from(identity.sample_rate_hz))
     }
 
     /// Whether the device has inputs that it can measure; older firmware and a board without them have none.

@@ -43,7 +43,7 @@ impl Line {
     }
 
     fn take_event(&mut self, event: &Event, sequence: u16) {
-        self.is_answered |= matches!(event, Event::Accepted(_)) && self.drive == Some(sequence);
+        self.is_answered |= event.accepted_at().is_some() && self.drive == Some(sequence);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::Example;
 use heapless::Vec;
 use slipline_protocol::command::{Apply, Comb, CombTone};
+use slipline_protocol::event::AcceptedUntil;
 use slipline_protocol::hold::{
     Held, HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldSetting, HoldState, HoldTone,
 };
@@ -193,6 +194,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         values: Vec::from_slice(&[u32::MAX; 40]).unwrap(),
     };
     let mut events = std::vec![
+        ("accepted-until".to_owned(), Event::AcceptedUntil(AcceptedUntil { at: 128_000, until: 138_485 }),),
         ("inputs-reply".to_owned(), Event::Inputs(inputs)),
         ("inputs-reply-largest".to_owned(), Event::Inputs(most)),
         ("listened".to_owned(), Event::Listened(listened)),

@@ -15,7 +15,6 @@ mod turn;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Vec;
 use slipline_protocol::Event;
-use slipline_protocol::event::Accepted;
 use slipline_protocol::hold::{self as wire, Held, HoldProgress, HoldSetting};
 use slipline_protocol::limits::{
     HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_AT_RISE_MS, MAX_HOLD_CDB, MAX_RISE_CDB, MAX_TONES,
@@ -256,18 +255,17 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn go_on_if_refused<M: RawMutex>(
         &mut self,
         waited: bool,
-        answer: Result<SampleIndex, Refusal>,
+        is_refused: bool,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
-    ) -> Result<Event, Refusal> {
-        if waited && answer.is_err() {
+    ) {
+        if waited && is_refused {
             let levels = self.holding.hold.levels();
             match self.publish_levels(&levels, is_stopped, mailbox) {
                 Ok(at) => self.holding.published = Some(at),
                 Err(_) => self.end_hold(mailbox),
             }
         }
-        answer.map(|at| Event::Accepted(Accepted { at }))
     }
 
     /// Refuses a measurement while the hold is on, which has the lock-ins for itself.

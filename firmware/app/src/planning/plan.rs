@@ -20,8 +20,8 @@ use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
 use crate::timing::Timing;
 
-/// Tones that are planned between two looks for a stop: together they take about a tenth of a block's time.
-const TONES_AT_ONCE: usize = 4;
+/// Tones that are planned between two looks for a stop: together they take about a twentieth of a block's time.
+const TONES_AT_ONCE: usize = 2;
 
 /// Inputs of the planner: tables, ramp shape, limits of time, and the check for a stop.
 pub struct Planner<'a> {

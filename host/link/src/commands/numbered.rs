@@ -69,7 +69,16 @@ impl CommandQueue {
         now: Duration,
     ) -> Next {
         match event {
-            Event::Accepted(accepted) => return self.accepted(task, command, accepted.at, recorder, now),
+            Event::Accepted(accepted) => {
+                if matches!(command, Command::Drive(_) | Command::Chord(_) | Command::Comb(_)) {
+                    recorder.view.glide_until = None;
+                }
+                return self.accepted(task, command, accepted.at, recorder, now);
+            }
+            Event::AcceptedUntil(accepted) => {
+                recorder.view.glide_until = Some(accepted);
+                return self.accepted(task, command, accepted.at, recorder, now);
+            }
             Event::Unchanged(accepted) => {
                 recorder
                     .log(Severity::Info, "The device's flash holds this already: it was not written again.");

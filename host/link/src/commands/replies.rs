@@ -13,7 +13,7 @@ use crate::refusal::Refusal;
 use crate::request::Outcome;
 use crate::snapshot::LinkState;
 use slipline_app::Timing;
-use slipline_protocol::event::{Identity, State, Status};
+use slipline_protocol::event::{Accepted, AcceptedUntil, Identity, State, Status};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Event, refusal};
@@ -155,7 +155,7 @@ impl CommandQueue {
 /// The index at which the device carries out the command, or its refusal.
 fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
     match event {
-        Event::Accepted(accepted) => Ok(accepted.at),
+        Event::Accepted(Accepted { at }) | Event::AcceptedUntil(AcceptedUntil { at, .. }) => Ok(*at),
         Event::Refused(refusal) => Err(Refusal::Device(*refusal)),
         Event::Hello(_)
         | Event::Status(_)

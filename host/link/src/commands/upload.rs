@@ -202,6 +202,7 @@ impl Uploads {
                 Event::Hello(_)
                 | Event::Status(_)
                 | Event::Maintenance(_)
+                | Event::AcceptedUntil(_)
                 | Event::Unchanged(_)
                 | Event::Trigger(_)
                 | Event::Digest(_)

@@ -6,6 +6,8 @@ use crate::{add_tone, type_into};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::{Request, Sounding};
+use slipline_model::setup::Setup;
+use slipline_window::settings::ThemeChoice;
 
 /// Level, master in dB and glide in seconds, as they are set.
 fn set(app: &TestApp) -> (f64, f64, f64) {
@@ -127,4 +129,29 @@ fn the_box_of_the_volume_takes_units_and_a_comma_and_tells_its_range() {
         assert!(app.window.query_by_label_contains("0 to 1, or 0 to 100 %").is_some(), "{text}");
         assert!((app.window.state().settings().volume - 0.1).abs() < 1e-6, "{text}");
     }
+}
+
+#[test]
+fn a_change_that_takes_longer_than_its_glide_says_how_long() {
+    let plate = slipline_plate::preset("al-bending").unwrap();
+    let builder = egui_kittest::HarnessBuilder::default()
+        .with_size([1280.0, 800.0])
+        .with_theme(eframe::egui::Theme::Light);
+    let mut app = TestApp::driving_setup(Setup::new(plate.into()), ThemeChoice::Light, builder);
+    let says =
+        |app: &TestApp| app.window.query_all_by_label_contains("The last change takes").next().is_some();
+    type_into(&mut app, "Glide", "5 ms");
+    app.wait(300);
+    assert!(!says(&app));
+    let plate = app.window.state().setup().plate.clone();
+    let (low, high) = (0.1 * plate.length_m(), 0.9 * plate.length_m());
+    for place_m in [low, high, low] {
+        type_into(&mut app, "Boundary position", &format!("{} mm", 1e3 * place_m));
+        app.wait(300);
+    }
+    assert!(says(&app), "{:?}", app.snapshot().glide_until);
+    type_into(&mut app, "Glide", "2 s");
+    type_into(&mut app, "Boundary position", &format!("{} mm", 1e3 * high));
+    app.wait(300);
+    assert!(!says(&app));
 }

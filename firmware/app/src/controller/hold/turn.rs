@@ -91,7 +91,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         let (changes, glide) = (self.holding.changes, self.holding.hold.glide());
-        publish(mailbox, &self.lead, Mailbox::publish_yielding, |view, lead| {
+        let program = publish(mailbox, &self.lead, Mailbox::publish_yielding, |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             if view.pending.is_some() {
                 return Err(Refusal::Busy(Busy::CommitPending));
@@ -103,7 +103,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             let motion = self.planner(mailbox, is_stopped).levels(levels, at, glide, &view.motion)?;
             self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
-        })
+        })?;
+        Ok(program.at)
     }
 }
 

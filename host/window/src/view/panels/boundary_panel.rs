@@ -101,6 +101,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, &mut view.fields, intents);
     Quantity::master(setup.master_db).show(ui, setup, &mut view.fields, intents);
     Quantity::glide(setup.glide_s).show(ui, setup, &mut view.fields, intents);
+    if let Some(seconds) = scene.snapshot.stretched_glide_s() {
+        let text = format!("The last change takes {:.0} ms: frequencies change no faster.", 1e3 * seconds);
+        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
+    }
 
     ui.add_space(6.0);
     ui.separator();
