@@ -64,6 +64,9 @@ class CallGraph:
             symbols = list(elf.get_section_by_name(".symtab").iter_symbols())
             sections = [(s["sh_addr"], s.data()) for s in elf.iter_sections() if s["sh_flags"] & EXECUTABLE and s["sh_size"]]
             self.vectors = elf.get_section_by_name(".vector_table").data()
+        named = {s.name: s["st_value"] for s in symbols}
+        # What the memory map sets aside.
+        self.stack = named["_stack_start"] - named["_stack_end"]
         marks = sorted((s["st_value"], s.name[1]) for s in symbols if re.match(r"\$[td]", s.name))
         self.by_name = {s.name: s["st_value"] & ~1 for s in symbols if s["st_info"]["type"] == "STT_FUNC"}
         sizes = {s["st_value"] & ~1: s["st_size"] for s in symbols if s["st_info"]["type"] == "STT_FUNC"}

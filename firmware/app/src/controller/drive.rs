@@ -72,9 +72,9 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         drive: &Drive,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
-    ) -> Result<Program, Refusal> {
+    ) -> Result<Published, Refusal> {
         self.refuse_unless_drivable(drive.glide, drive.apply, mailbox)?;
-        let program = publish(mailbox, &self.lead, hand_over(drive.apply), |view, lead| {
+        let published = publish(mailbox, &self.lead, hand_over(drive.apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let at = self.begin(drive.apply, view.next.max(view.ready_at), view, lead)?;
             let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
@@ -82,8 +82,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acted_at = self.user_acted_at.max(program.at);
-        Ok(program)
+        self.user_acted_at = self.user_acted_at.max(published.at);
+        Ok(published)
     }
 
     /// Never inlined: a chord's tones would lie on the stack under every other command.
@@ -127,7 +127,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
-        let Program { at, .. } = publish(mailbox, &self.lead, hand_over(apply), |view, lead| {
+        let Published { at, .. } = publish(mailbox, &self.lead, hand_over(apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let mut earliest = view.next.max(view.ready_at);
             if view.motion.ends_silent() && !view.motion.is_silent_from(earliest) {
@@ -191,12 +191,12 @@ fn refuse_unless_fading<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal
 
 /// Where a published motion begins and ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Program {
+pub(super) struct Published {
     pub(super) at: SampleIndex,
     pub(super) until: SampleIndex,
 }
 
-impl Program {
+impl Published {
     /// The answer to a drive with this glide, in samples: its end, if the glide takes longer.
     pub(super) const fn answer(self, glide: u32) -> Event {
         let Self { at, until } = self;
@@ -229,7 +229,7 @@ pub(super) fn publish<M: RawMutex>(
     lead: &Cell<u64>,
     hand_over: impl Fn(&Mailbox<M>, Motion, &View) -> Result<(), NotPublished>,
     mut make: impl FnMut(&View, u64) -> Result<Motion, Refusal>,
-) -> Result<Program, Refusal> {
+) -> Result<Published, Refusal> {
     for least in LEADS {
         let view = mailbox.view();
         if view.stopping {
@@ -243,7 +243,7 @@ pub(super) fn publish<M: RawMutex>(
         let taken = mailbox.now().saturating_sub(view.next).checked_div(BLOCK_SAMPLES).unwrap_or(0);
         lead.set(taken.max(lead.get().saturating_sub(1)).clamp(lead.get().min(1), LONGEST_LEAD));
         match handed_over {
-            Ok(()) => return Ok(Program { at: motion.start(), until: motion.end() }),
+            Ok(()) => return Ok(Published { at: motion.start(), until: motion.end() }),
             Err(NotPublished::Pending) => break,
             Err(NotPublished::Late) => {}
         }

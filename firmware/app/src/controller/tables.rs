@@ -5,7 +5,7 @@ use slipline_protocol::event::{Accepted, Event, Fault, StoredConfig};
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
 
-use super::drive::{Program, publish};
+use super::drive::{Published, publish};
 use super::{Controller, accepted};
 use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
@@ -29,7 +29,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             return Err(refusal);
         }
-        let Program { at, .. } = publish(mailbox, &self.lead, Mailbox::publish, |view, lead| {
+        let Published { at, .. } = publish(mailbox, &self.lead, Mailbox::publish, |view, lead| {
             if view.waits() {
                 // It was planned by the table in force.
                 return Err(Refusal::Busy(Busy::CommitPending));
