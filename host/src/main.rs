@@ -1,4 +1,4 @@
-//! `slipline`: the app without arguments, the command line with arguments.
+//! `slipline`: the app without a command, the command line with one.
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
@@ -7,7 +7,9 @@ use clap::Parser;
 use slipline::cli::Cli;
 use slipline::cli::Failure;
 use slipline::{signals, trace};
+use slipline_link::Port;
 use slipline_model::atomic_file;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -17,8 +19,9 @@ fn main() -> ExitCode {
         // host is silent.
         eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
-    let ended = trace::start(cli.trace.as_deref()).map_err(described).and_then(|()| match cli.command {
-        None => open_window(),
+    let traced = trace::start(cli.trace.as_deref()).and_then(|()| cli.checked());
+    let ended = traced.map_err(described).and_then(|cli| match cli.command {
+        None => open_window(cli.file, cli.port),
         Some(command) => command.run(cli.json).map_err(described),
     });
     // If a signal has ended the command, nothing more is printed.
@@ -39,11 +42,12 @@ fn described(failure: Failure) -> (String, u8) {
 }
 
 #[cfg(feature = "gui")]
-fn open_window() -> Result<(), (String, u8)> {
-    slipline_window::app::run(signals::end_window).map_err(|error| (format!("{error:#}"), 1))
+fn open_window(file: Option<PathBuf>, port: Option<Port>) -> Result<(), (String, u8)> {
+    let opening = slipline_window::app::Opening { file, port };
+    slipline_window::app::run(opening, signals::end_window).map_err(|error| (format!("{error:#}"), 1))
 }
 
 #[cfg(not(feature = "gui"))]
-fn open_window() -> Result<(), (String, u8)> {
+fn open_window(_file: Option<PathBuf>, _port: Option<Port>) -> Result<(), (String, u8)> {
     Err(("this build has no window; see slipline --help".to_owned(), 2))
 }

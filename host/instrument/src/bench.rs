@@ -1,7 +1,11 @@
 //! The rig that drives the inputs of the simulated device. Without a rig the inputs are at mid-scale.
+//!
+//! A plate costs a tenth of a core, so while nobody listens the rig rests and the inputs are at mid-scale, too. The latest
+//! codes are kept meanwhile: the rig plays them before it is heard again, so its plate has settled on the present drive.
 
 use crate::rig::PreparedRig;
 use slipline_link::simulator::SimulatedInputs;
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Mid-scale of an input.
@@ -10,6 +14,13 @@ const SILENCE: u16 = 2048;
 const SETTLES_S: f64 = 0.3;
 /// Duration of the crossfade, about that of placing or lifting a finger, seconds.
 const TOUCH_S: f64 = 0.05;
+/// Blocks that are kept while the rig rests: a third of a second at 400 kS/s.
+const MISSED: usize = 1024;
+/// Duration of a tap on the plate, and of each of its knocks, in blocks: half a second and 2.6 ms at 400 kS/s.
+const TAP: usize = 1500;
+const KNOCK: usize = 8;
+/// Height of a knock, in codes.
+const KNOCK_CODES: i32 = 800;
 
 /// Shared holder of the rig. Clones share the same rig.
 #[derive(Clone, Default)]
@@ -20,6 +31,11 @@ pub struct Bench(Arc<Mutex<Rigs>>);
 struct Rigs {
     present: Option<Box<dyn SimulatedInputs>>,
     coming: Option<Coming>,
+    is_resting: bool,
+    /// The latest codes that a resting rig has not played, and whether the output was muted.
+    missed: VecDeque<([u16; 128], bool)>,
+    /// Blocks that a tap still lasts.
+    tapped: usize,
 }
 
 /// A rig that runs beside the present one until it replaces it.
@@ -40,7 +56,9 @@ impl Bench {
 
     /// Replaces the rig at once by another that is at rest.
     pub fn put(&self, rig: &PreparedRig) {
-        *self.rigs() = Rigs { present: Some(rig.inputs()), coming: None };
+        let mut rigs = self.rigs();
+        (rigs.present, rigs.coming) = (Some(rig.inputs()), None);
+        rigs.missed.clear();
     }
 
     /// Replaces the rig without a step, as when a finger is placed or lifted: the new rig runs unseen until
@@ -49,6 +67,16 @@ impl Bench {
         let samples = |seconds: f64| (seconds * sample_rate_hz) as u64;
         let (settled, touch) = (samples(SETTLES_S), samples(TOUCH_S));
         self.rigs().coming = Some(Coming { rig: rig.inputs(), run: 0, settled, touch });
+    }
+
+    /// Lets the rig rest, or has it heard again.
+    pub fn rest(&self, is_resting: bool) {
+        self.rigs().is_resting = is_resting;
+    }
+
+    /// Taps on the plate, at its driven end.
+    pub fn tap(&self) {
+        self.rigs().tapped = TAP;
     }
 
     /// Whether a replacement is in progress.
@@ -63,7 +91,31 @@ impl Bench {
 }
 
 impl Rigs {
+    /// The codes, with the knocks of a tap.
+    fn knocked(&mut self, codes: &[u16; 128]) -> [u16; 128] {
+        if self.tapped == 0 {
+            return *codes;
+        }
+        self.tapped -= 1;
+        let knock = if (self.tapped / KNOCK).is_multiple_of(2) { KNOCK_CODES } else { -KNOCK_CODES };
+        codes.map(|code| (i32::from(code) + knock).clamp(0, 4095) as u16)
+    }
+
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
+        if self.is_resting && self.present.is_some() {
+            if self.missed.len() == MISSED {
+                self.missed.pop_front();
+            }
+            self.missed.push_back((*codes, muted));
+            *sensed = [[SILENCE; 128]; 2];
+            return;
+        }
+        for (codes, muted) in std::mem::take(&mut self.missed) {
+            if let Some(rig) = &mut self.present {
+                rig.sample(&codes, muted, sensed);
+            }
+        }
+        let codes = &self.knocked(codes);
         match &mut self.present {
             Some(rig) => rig.sample(codes, muted, sensed),
             None => *sensed = [[SILENCE; 128]; 2],
@@ -100,5 +152,62 @@ impl SimulatedInputs for Wires {
 
     fn sample(&mut self, codes: &[u16; 128], muted: bool, sensed: &mut [[u16; 128]; 2]) {
         self.0.rigs().sample(codes, muted, sensed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A rig that shows how many blocks it has run, and the first code of the latest.
+    struct Counting(u16);
+
+    impl SimulatedInputs for Counting {
+        fn inputs(&self) -> usize {
+            2
+        }
+
+        fn delay_ns(&self) -> i32 {
+            0
+        }
+
+        fn sample(&mut self, codes: &[u16; 128], _muted: bool, sensed: &mut [[u16; 128]; 2]) {
+            self.0 += 1;
+            *sensed = [[self.0; 128], *codes];
+        }
+    }
+
+    fn run(rigs: &mut Rigs, code: u16) -> [u16; 2] {
+        let mut sensed = [[0; 128]; 2];
+        rigs.sample(&[code; 128], false, &mut sensed);
+        [sensed[0][0], sensed[1][0]]
+    }
+
+    #[test]
+    fn a_rig_that_rests_costs_nothing_and_plays_what_it_has_missed_before_it_is_heard() {
+        let mut rigs = Rigs { present: Some(Box::new(Counting(0))), ..Rigs::default() };
+        assert_eq!(run(&mut rigs, 3000), [1, 3000]);
+        rigs.is_resting = true;
+        for _ in 0..3 {
+            assert_eq!(run(&mut rigs, 3100), [SILENCE; 2]);
+        }
+        rigs.is_resting = false;
+        assert_eq!(run(&mut rigs, 3200), [5, 3200]);
+        rigs.is_resting = true;
+        for _ in 0..3 * MISSED {
+            run(&mut rigs, 3100);
+        }
+        rigs.is_resting = false;
+        assert_eq!(run(&mut rigs, 3200), [6 + MISSED as u16, 3200], "no more than it needs to settle");
+    }
+
+    #[test]
+    fn a_tap_knocks_for_half_a_second_within_the_range_of_the_codes() {
+        let mut rigs = Rigs { present: Some(Box::new(Counting(0))), tapped: TAP, ..Rigs::default() };
+        let codes: Vec<u16> = (0..=TAP).map(|_| run(&mut rigs, 2048)[1]).collect();
+        assert!(codes.contains(&2848) && codes.contains(&1248), "{:?}", &codes[..20]);
+        assert_eq!(codes[TAP], 2048);
+        rigs.tapped = TAP;
+        assert!((0..TAP).all(|_| run(&mut rigs, 4000)[1] <= 4095));
     }
 }

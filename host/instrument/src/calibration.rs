@@ -1,9 +1,11 @@
 //! The steps of a calibration, one page each: plate file and caliper widths, first sensor place, its
 //! measurement, second sensor place, result.
 
+pub(crate) mod name;
 mod page;
 pub(crate) mod remedy;
 
+pub use name::named_calibrated;
 pub use page::WizardPage;
 pub use remedy::Remedy;
 

@@ -70,9 +70,9 @@ pub enum DriveError {
         max: u8,
     },
     /// A value lies outside its range or is not a number.
-    #[error("tone {slot}: {value}")]
+    #[error("tone {}: {value}", u16::from(*slot) + 1)]
     Tone {
-        /// The tone's slot.
+        /// The tone's slot; the text counts tones from 1.
         slot: u8,
         /// The value, and its range.
         value: OutOfRange,

@@ -32,10 +32,24 @@ impl OutOfRange {
 
 impl fmt::Display for OutOfRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { field, got, min, max } = self;
-        write!(f, "{field} is {got}; allowed are {min} ")?;
-        if max.is_finite() { write!(f, "to {max}") } else { f.write_str("or more") }
+        let Self { field, got, min, max } = *self;
+        let beyond = if got > max { got - max } else { min - got };
+        let shown = |value| rounded(value, beyond);
+        write!(f, "{field} is {}; allowed are {} ", shown(got), shown(min))?;
+        if max.is_finite() { write!(f, "to {}", shown(max)) } else { f.write_str("or more") }
     }
+}
+
+/// Fewest and most decimals of a number that has some.
+const DECIMALS: std::ops::RangeInclusive<i32> = 1..=9;
+
+/// A number with no more decimals than are needed to see that it lies `beyond` another.
+fn rounded(value: f64, beyond: f64) -> String {
+    let decimals = 1 - (beyond.log10().floor() as i32).clamp(-8, 0);
+    let decimals = decimals.clamp(*DECIMALS.start(), *DECIMALS.end());
+    let text = format!("{value:.*}", decimals as usize);
+    let text = if value.is_finite() { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    text.to_owned()
 }
 
 impl std::error::Error for OutOfRange {}
@@ -51,6 +65,10 @@ mod tests {
         assert_eq!(said(0.0, f64::INFINITY), Ok(()));
         assert_eq!(said(-1.0, f64::INFINITY), Err("glide time (s) is -1; allowed are 0 or more".to_owned()));
         assert_eq!(said(11.0, 10.0), Err("glide time (s) is 11; allowed are 0 to 10".to_owned()));
+        assert_eq!(said(10.1234567, 10.0), Err("glide time (s) is 10.12; allowed are 0 to 10".to_owned()));
+        let close = OutOfRange::check("boundary (mm)", 264.977_133_470_569, 80.0, 264.971_2);
+        let close = close.map_err(|error| error.to_string());
+        assert_eq!(close, Err("boundary (mm) is 264.9771; allowed are 80 to 264.9712".to_owned()));
         for got in [f64::NAN, f64::INFINITY] {
             assert!(said(got, f64::INFINITY).is_err(), "{got}");
         }

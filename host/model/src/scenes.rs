@@ -13,7 +13,7 @@ use std::sync::Arc;
 pub struct Scene {
     /// Its name.
     pub name: &'static str,
-    /// Its effect, in one line.
+    /// Its effect, in one line; and why some of its lights are red, if they are.
     pub description: &'static str,
     plate: PlateOf,
     /// Turning point and level of each tone.
@@ -41,7 +41,7 @@ pub const SCENES: [Scene; 6] = [
     },
     Scene {
         name: "Slippery area",
-        description: "Ultrasound on aluminium: slippery up to the line, the plate's own friction beyond it",
+        description: "Ultrasound on aluminium: slippery up to the line. Red light: 120 dB of sound at half a metre",
         plate: PlateOf::Preset("al-bending"),
         tones: &[(0.223, 0.8)],
     },
@@ -60,13 +60,13 @@ pub const SCENES: [Scene; 6] = [
     },
     Scene {
         name: "A beat that is felt",
-        description: "Two ultrasonic tones 180 Hz apart: each is too fast to feel, their beat is not",
+        description: "Two ultrasonic tones 180 Hz apart: their beat is felt. Red light: 114 dB of sound at half a metre",
         plate: PlateOf::Preset("al-bending"),
         tones: &[(0.223, 0.4), (0.2221, 0.4)],
     },
     Scene {
         name: "The paper's rubber",
-        description: "The paper's sheet of rubber, moved by a voice coil at 50 Hz",
+        description: "The paper's rubber at 50 Hz. Red lights: its end sends every wave back, its loss is not known",
         plate: PlateOf::Preset("paper-rubber"),
         tones: &[(0.15, 0.5)],
     },

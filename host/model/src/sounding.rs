@@ -17,6 +17,8 @@ pub struct SoundingDrive {
     pub table: Arc<DeviceTable>,
     /// Its tones, in physical units.
     pub tones: Vec<SteadyTone>,
+    /// The index at which it began.
+    pub began: u64,
     /// The index at which a drive's tones have reached their places and levels.
     pub reached: u64,
 }
@@ -48,7 +50,7 @@ pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     });
     let (number, reached) = (entry.number, entry.at.saturating_add(played.glide().into()));
     let (table, played) = (Arc::clone(table), played.clone());
-    Some(SoundingDrive { number, tones: tones.collect(), table, played, reached })
+    Some(SoundingDrive { number, tones: tones.collect(), table, played, began: entry.at, reached })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::destination::Destination;
 use super::{Failure, output};
 use serde_json::{Value, json};
+use slipline_instrument::calibration::named_calibrated;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Departure, Parameter, departure};
@@ -108,7 +109,7 @@ pub(super) fn finish(
     };
     let before = departure(file, &found.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?;
     if let Some(out) = out {
-        let text = found.plate.to_toml();
+        let text = named_calibrated(&found.plate).to_toml();
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
     output::print(as_json, &value(file, &found, &before), |writer| {

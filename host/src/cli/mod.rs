@@ -52,13 +52,13 @@ pub use trim::TrimArguments;
 
 use crate::signals;
 use argument::{Boundary, FingerArgument, ToneArgument, Typed};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use figure_file::{FigureFile, figure_file};
 use slipline_link::Port;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::MAX_SECONDS;
 use slipline_plate::calibrate::SensorKind;
-use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate};
+use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate, nearest};
 use std::path::PathBuf;
 
 /// Longest drive of one command, in seconds: the device's own limit is ten minutes.
@@ -69,13 +69,21 @@ Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message s
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
 const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; for 1 and 2 see slipline --help.";
 
-/// Drag the boundary on a tapered plate. With no command, the app opens.
+/// Drag the boundary on a tapered plate. With no command, the app opens its window.
 #[derive(Debug, Parser)]
 #[command(name = "slipline", version, max_term_width = 110, after_help = EXIT_CODES)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Option<Command>,
+    /// Without a command: the setup or plate file that the window opens. To open a file that has the name of a command,
+    /// give its folder, too (./drive).
+    #[arg(value_name = "FILE")]
+    pub file: Option<PathBuf>,
+    /// Without a command: the port to which the window connects: sim, a serial port's name, or unix:PATH. A real device is
+    /// not armed.
+    #[arg(long, value_name = "P")]
+    pub port: Option<Port>,
     /// Print JSON: SI numbers, field names that end in their unit.
     #[arg(long, global = true, display_order = 998)]
     pub json: bool,
@@ -382,6 +390,29 @@ pub struct CheckArguments {
     /// The drive acts beside the centre line.
     #[arg(long)]
     off_centre: bool,
+}
+
+impl Cli {
+    /// The arguments, if they belong together: a file and a port without a command are for the window.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`]: the argument that does not belong here, or the file that is not there.
+    pub fn checked(self) -> Result<Self, Failure> {
+        if self.command.is_some() && (self.file.is_some() || self.port.is_some()) {
+            let text = "FILE and --port before a command are for the window: give a command's own after it";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        if let Some(file) = self.file.as_deref().filter(|file| !file.is_file()) {
+            let file = file.display().to_string();
+            let commands = Self::command();
+            let similar = nearest(&file, commands.get_subcommands().map(clap::Command::get_name));
+            let similar = similar.map_or(String::new(), |name| format!("; a similar command is '{name}'"));
+            return Err(Failure::Usage(format!(
+                "'{file}' is neither a file nor a command{similar}; see slipline --help"
+            )));
+        }
+        Ok(self)
+    }
 }
 
 impl Command {

@@ -23,7 +23,7 @@ mod window;
 pub use event_loop::run as run_in_event_loop;
 pub use slipline_instrument::{Jobs, Link};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
-pub use window::run;
+pub use window::{Opening, run};
 
 use crate::files::{FileJob, Files};
 use crate::intent::{Dialog, Grab};
@@ -37,9 +37,11 @@ use slipline_instrument::{DeviceIntent, DragRecorder, Instrument};
 use slipline_link::{Port, PortInfo};
 use slipline_model::export::figures::plate::{self, FigureJob};
 use slipline_model::export::figures::{DrawError, encode};
+use slipline_model::field::steady_field::{SteadyField, magnification};
 use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::{SCENES, Thumbnail};
 use slipline_model::setup::Setup;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
@@ -75,6 +77,8 @@ pub struct App {
     desk: Desk,
     settings: Settings,
     grab: Option<Grab>,
+    /// How many times larger than to the table's full scale the stage shows displacements.
+    magnification: f64,
     /// When egui took the latest input that was processed.
     input_time_s: Option<f64>,
     ports: Vec<PortInfo>,
@@ -104,6 +108,7 @@ impl App {
             desk,
             settings,
             grab: None,
+            magnification: 1.0,
             input_time_s: None,
             hearing: sound::Hearing::default(),
             glyphs: glyphs::Glyphs::default(),
@@ -118,6 +123,11 @@ impl App {
         let port = app.settings.port.as_deref().and_then(|name| name.parse().ok()).unwrap_or(Port::Simulated);
         app.connect(port);
         app
+    }
+
+    /// Opens a setup or plate file, or what else the menu opens.
+    pub fn open(&mut self, file: PathBuf) {
+        self.desk.files.begin(FileJob::Open(file));
     }
 
     /// The user's setup.
@@ -192,6 +202,7 @@ impl App {
     /// Shows the window in all of `ui`, then carries out the intents of its views.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         self.look_for_glyphs(ui.ctx());
+        self.magnify(ui.ctx());
         let mut view = std::mem::take(&mut self.view);
         let sound = SoundScene {
             choice: self.sound_choice(),
@@ -203,13 +214,36 @@ impl App {
             grab: self.grab,
             sound,
             settings: &self.settings,
-            ports: &self.ports,
+            magnification: self.magnification,
+            ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
             thumbnails: &self.thumbnails,
         };
         let intents = view::show(ui, &scene, &mut view);
         self.view = view;
         self.perform(&ui.ctx().clone(), intents);
+    }
+}
+
+impl App {
+    /// The ports to choose from: those that were found, and the present one.
+    fn listed_ports(&self) -> Vec<PortInfo> {
+        let mut ports = self.ports.clone();
+        let current = self.instrument.snapshot().port.clone();
+        if let Some(port) = current.filter(|port| ports.iter().all(|info| info.port != *port)) {
+            ports.push(PortInfo { label: port.to_string(), port, is_ours: false, usb_serial: None });
+        }
+        ports
+    }
+
+    /// Chooses the scale of the stage by its content. While something is pressed it stays, unless the content outgrows it.
+    fn magnify(&mut self, ctx: &egui::Context) {
+        let shown = self.instrument.shown();
+        let highest_m = shown.sounding.map_or(0.0, SteadyField::highest_m).max(shown.predicted.highest_m());
+        let share = shown.full_peak_m.map_or(1.0, |full_peak_m| highest_m / full_peak_m);
+        let fitting = if share > 0.0 { magnification(share) } else { 1.0 };
+        let is_held = self.grab.is_some() || ctx.input(|input| input.pointer.any_down());
+        self.magnification = if is_held { self.magnification.min(fitting) } else { fitting };
     }
 }
 

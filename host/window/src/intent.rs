@@ -120,6 +120,8 @@ pub enum Intent {
     Start,
     /// STOP was pressed: ramp to silence, and disarm a real device; pressed twice within a second, an emergency stop.
     Stop,
+    /// A key of STOP was pressed: as STOP, but two presses on a simulated device that is silent are no emergency stop.
+    StopKey,
     /// Ramp to silence and mute.
     Disarm,
     /// Switch the level hold on or off.

@@ -5,6 +5,7 @@ use crate::settings::Settings;
 use crate::sound::{SoundChoice, SpeakerState};
 use slipline_instrument::Shown;
 use slipline_link::{PortInfo, upkeep};
+use slipline_model::field::steady_field::{envelope_top_m, full_colour_m};
 use slipline_model::scenes::Thumbnail;
 use std::ops::Deref;
 
@@ -19,6 +20,8 @@ pub struct Scene<'a> {
     pub instrument: Shown<'a>,
     /// What the pointer drags.
     pub grab: Option<Grab>,
+    /// How many times larger than to the table's full scale the stage shows displacements: 1, 2, 5, 10 and so on.
+    pub magnification: f64,
     /// What is heard.
     pub sound: SoundScene,
     /// The settings that are kept between runs.
@@ -40,6 +43,16 @@ impl<'a> Deref for Scene<'a> {
 }
 
 impl Scene<'_> {
+    /// The displacement of full colour, in metres.
+    pub(crate) fn full_colour_m(&self) -> f64 {
+        full_colour_m(self.sounding, self.full_peak_m.unwrap_or(0.0)) / self.magnification
+    }
+
+    /// The top of the envelope's axis, in metres, or of its unit height while the peak at level 1 is not known.
+    pub(crate) fn envelope_top_m(&self) -> f64 {
+        envelope_top_m(self.predicted, self.full_peak_m.unwrap_or(1.0)) / self.magnification
+    }
+
     /// What the user has to know before this board is armed for the first time, if there is anything.
     pub(crate) fn asks_before_arming(&self) -> Option<&'static str> {
         let sentence = upkeep::before_arming(self.snapshot.maintenance.as_ref()?)?;

@@ -16,8 +16,10 @@ use slipline_plate::check::Conditions;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Work that takes longer than this gets a progress bar and a Cancel button, in seconds.
+/// Work that takes longer than this gets a progress bar and a Cancel button, in seconds; what the screen computes by itself
+/// after a drag gets them later, so that they do not come and go.
 const PATIENCE_S: f64 = 0.3;
+const LONG_PATIENCE_S: f64 = 3.0;
 /// Time between two updates of the progress bar.
 const BAR: Duration = Duration::from_millis(100);
 /// The sample rate that is assumed until a device reports its own, in Hz.
@@ -49,7 +51,7 @@ impl Work {
         }
     }
 
-    /// The work that the user waits for, once it has taken longer than [`PATIENCE_S`].
+    /// The work that the user waits for, once it has taken longer than the user's patience.
     pub(crate) fn waiting(&self, jobs: &Jobs) -> Option<Waiting> {
         under_way(jobs).filter(|_| self.is_long)
     }
@@ -67,6 +69,14 @@ fn under_way(jobs: &Jobs) -> Option<Waiting> {
     ]
     .into_iter()
     .find_map(|(what, share)| Some(Waiting { what, share: share? }))
+}
+
+/// How long this work may take before it is shown, in seconds.
+const fn patience_s(what: Awaited) -> f64 {
+    match what {
+        Awaited::Sheet | Awaited::Check => LONG_PATIENCE_S,
+        Awaited::Table | Awaited::Design | Awaited::Texture | Awaited::Plane => PATIENCE_S,
+    }
 }
 
 impl Instrument {
@@ -90,7 +100,7 @@ impl Instrument {
             _ => now,
         };
         self.background.since = Some((what, since));
-        self.background.is_long = now - since > PATIENCE_S;
+        self.background.is_long = now - since > patience_s(what);
         self.wake_after(BAR);
     }
 
@@ -221,6 +231,7 @@ impl Instrument {
         }
         if let Some(textured) = self.jobs.textures.take() {
             self.textures.latest = Some(textured);
+            self.textures.suit();
         }
         if let Some(designed) = self.jobs.designs.take()
             && designed.draft == self.background.shown.draft
@@ -274,5 +285,17 @@ impl Instrument {
             Some(Awaited::Check) => self.jobs.checks.cancel(),
             None => {}
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_screen_computes_by_itself_shows_no_cancel_for_a_moment_after_a_drag() {
+        let [asked, unasked] = [Awaited::Table, Awaited::Sheet].map(patience_s);
+        // A sheet starts again after each drag and is done within a second or two.
+        assert!(asked < 0.5 && unasked >= 3.0 && patience_s(Awaited::Check) == unasked);
     }
 }

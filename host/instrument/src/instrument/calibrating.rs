@@ -73,6 +73,7 @@ impl Instrument {
             CalibrateIntent::Use => {
                 if let Some(found) = self.calibrating.found().cloned() {
                     self.end_calibration();
+                    self.live.rig.is_described_by(&found.plate);
                     self.edit(&Edit::Plate(Arc::clone(&found.plate)));
                     self.notices.post("The calibrated plate is in use. Undo takes it back.".to_owned());
                 }

@@ -6,12 +6,16 @@ use crate::autopilot;
 use crate::changes::Changes;
 use crate::hold::HoldEnd;
 use slipline_link::protocol::command::Drive;
-use slipline_link::protocol::event::Fault;
+use slipline_link::protocol::event::{Fault, State};
+use slipline_link::protocol::limits::MAX_DRIVE_MS;
 use slipline_link::{Outcome, Played, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Sounding, Ticket};
 use slipline_model::setup::{MAX_TONES, edit};
 use slipline_model::sounding;
 use slipline_model::texture;
 use std::sync::Arc;
+
+/// Time before the device's limit of a drive at which a simulated one is paused.
+const PAUSE_BEFORE_MS: u32 = 5000;
 
 /// A reason as a whole sentence.
 fn sentence(reason: &str) -> String {
@@ -94,6 +98,25 @@ impl Instrument {
             "Press Clear fault, then arm and drive it again."
         };
         self.notices.stopped(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
+    }
+
+    /// Stops a simulated drive shortly before the device's own limit would make a fault of it. Every change of the drive
+    /// begins its time anew, there as here.
+    pub(crate) fn pause_unwatched(&mut self) {
+        let (Some(identity), Some(status)) = (&self.snapshot.identity, self.snapshot.status) else { return };
+        let may_sound = status.state == State::Driving && self.autopilot.wants_drive();
+        if !may_sound || !self.snapshot.is_simulated() {
+            return;
+        }
+        let lasts = u64::from(identity.sample_rate_hz) * u64::from(MAX_DRIVE_MS - PAUSE_BEFORE_MS) / 1000;
+        let drive = sounding::sounding(&self.snapshot);
+        if drive.is_some_and(|drive| status.now >= drive.began.saturating_add(lasts)) {
+            self.autopilot.stopped();
+            self.link.send(Request::Stop);
+            let minutes = MAX_DRIVE_MS / 60_000;
+            self.notices
+                .pause(format!("Paused: nothing was changed for {minutes} minutes. Press Drive to go on."));
+        }
     }
 
     /// Reports that the link has ended the drive because this window did not respond.

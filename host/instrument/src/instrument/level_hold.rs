@@ -118,8 +118,7 @@ impl Instrument {
         let Some(end) = self.level.holding.ended() else { return };
         let text = format!("The levels are not held any more: {end}.");
         if end.is_trouble() {
-            self.note(Severity::Warning, text.clone());
-            self.fail(text);
+            self.notices.report(Severity::Warning, text.clone(), text);
         } else if *end == HoldEnd::Measured {
             self.notices.post(text);
         }

@@ -62,6 +62,8 @@ pub enum MeasureIntent {
     /// Have the simulated device use an unknown plate, a few per cent off that of the file; or that of the
     /// file.
     Secret(bool),
+    /// Tap on the simulated plate.
+    Tap,
     /// Cancel the measurement under way.
     Cancel,
 }

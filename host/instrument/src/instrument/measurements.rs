@@ -76,6 +76,7 @@ impl Instrument {
             MeasureIntent::Draft(draft) => self.live.draft = draft,
             MeasureIntent::Begin(answers) => self.begin_measuring(answers),
             MeasureIntent::Secret(is_secret) => self.choose_truth(is_secret),
+            MeasureIntent::Tap => self.bench.tap(),
             MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::OpenFile => self.outputs.push(Output::ChooseMeasurement),
             MeasureIntent::Describe(metadata) => {
@@ -162,7 +163,6 @@ impl Instrument {
                 {
                     (*sweep, *refused) = (played, None);
                 }
-                self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.post(format!("Opened {name}: the sweep of the recordings"));
             }
             Err(error) => self.not_opened(name, &error),
@@ -224,7 +224,6 @@ impl Instrument {
         if !self.answered(number) {
             self.outputs.push(Output::Open(Page::Measurements));
         }
-        self.note(Severity::Info, format!("Opened {name}."));
         self.notices.post(format!("Opened {name}"));
         Ok(())
     }

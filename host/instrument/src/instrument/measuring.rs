@@ -21,6 +21,9 @@ use std::time::Duration;
 /// Time between two updates of the progress.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// What is said after a measurement that has ended a drive: nothing but a press of Drive starts it again.
+const DRIVE_ENDED: &str = " The drive was stopped for it: press Drive to go on.";
+
 /// A measurement under way.
 struct UnderWay {
     measuring: Run<AfterCheck<Measuring>>,
@@ -28,6 +31,8 @@ struct UnderWay {
     name: String,
     /// The calibration's place that it measures, 0 or 1.
     answers: Option<usize>,
+    /// Whether it has ended a drive.
+    has_stopped_drive: bool,
 }
 
 /// The state of the measurements with the device.
@@ -64,6 +69,11 @@ impl Live {
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.run.as_ref().is_some_and(|run| run.measuring.awaited() == Some(ticket))
             || self.looks.awaits(ticket)
+    }
+
+    /// Whether the device's input is listened to.
+    pub(crate) fn is_heard(&self) -> bool {
+        self.is_under_way() || self.looks.is_looking()
     }
 
     pub(crate) fn is_under_way(&self) -> bool {
@@ -103,6 +113,7 @@ impl Instrument {
             Ok(measuring) => {
                 self.end_hold(HoldEnd::Measured);
                 self.make_ready();
+                let has_stopped_drive = self.autopilot.wants_drive();
                 self.autopilot.stopped();
                 self.end_replay();
                 self.live.count += 1;
@@ -111,7 +122,7 @@ impl Instrument {
                 let plate = Arc::clone(&self.setup.plate);
                 self.note(Severity::Info, format!("Measuring at {place}."));
                 let measuring = Run::of(measuring);
-                self.live.run = Some(UnderWay { measuring, plate, name, answers });
+                self.live.run = Some(UnderWay { measuring, plate, name, answers, has_stopped_drive });
             }
         }
     }
@@ -179,20 +190,23 @@ impl Instrument {
 
     /// Stores the measurement, or reports why it failed.
     fn measured(&mut self) {
-        let Some(UnderWay { measuring, name, answers, .. }) = self.live.run.take() else { return };
+        let Some(under_way) = self.live.run.take() else { return };
+        let UnderWay { measuring, name, answers, has_stopped_drive, .. } = under_way;
+        let next = if has_stopped_drive { DRIVE_ENDED } else { "" };
         match measuring.finish() {
-            Ok(measured) => self.take_measured(&name, measured, answers),
-            Err(MeasureError::Cancelled) => self.notices.post("The measurement was cancelled.".to_owned()),
+            Ok(measured) => self.take_measured(&name, measured, answers, next),
+            Err(MeasureError::Cancelled) => {
+                self.notices.post(format!("The measurement was cancelled.{next}"));
+            }
             Err(error) => {
-                let text = not_measured(&error);
-                self.note(Severity::Error, text.clone());
+                let text = format!("{}{next}", not_measured(&error));
                 self.live.failed = Some(text.clone());
                 self.fail(text);
             }
         }
     }
 
-    fn take_measured(&mut self, name: &str, measured: Measured, answers: Option<usize>) {
+    fn take_measured(&mut self, name: &str, measured: Measured, answers: Option<usize>, next: &str) {
         let Measured { measurement, warnings, .. } = measured;
         let count = measurement.points.len();
         match self.measures.add(name, measurement) {
@@ -209,8 +223,8 @@ impl Instrument {
         }
         let text = format!("Measured {name}: {count} answers.");
         match sentences.first() {
-            Some(first) => self.fail(format!("{text} {first}")),
-            None => self.notices.post(text),
+            Some(first) => self.fail(format!("{text} {first}{next}")),
+            None => self.notices.post(format!("{text}{next}")),
         }
     }
 }

@@ -167,10 +167,16 @@ impl Instrument {
         self.replay();
         self.update_hold();
         self.update_measuring();
+        self.rest_bench();
         self.update_background();
+        self.pause_unwatched();
         self.measure(self.attention.now_s);
         if self.playback.sounding.is_none() {
             self.end_trace();
+        }
+        // Every message is in the log, too.
+        for (severity, text) in self.notices.take_unlogged() {
+            self.note(severity, text);
         }
     }
 
@@ -236,11 +242,6 @@ impl Instrument {
         self.notices.dismiss(number);
     }
 
-    /// Removes the messages of successes: the user has moved on.
-    pub fn successes_seen(&mut self) {
-        self.notices.seen();
-    }
-
     /// Sets whether the replay repeats from its start.
     pub fn loop_replay(&mut self, is_looped: bool) {
         self.recorder.is_looped = is_looped;
@@ -259,6 +260,11 @@ impl Instrument {
     /// Shows a success.
     pub fn post(&mut self, text: String) {
         self.notices.post(text);
+    }
+
+    /// Shows a success or a failure that the log has in other words: the log is sent to others, and holds no folders.
+    pub fn report(&mut self, severity: Severity, shown: String, logged: String) {
+        self.notices.report(severity, shown, logged);
     }
 
     /// Writes a line to the log.

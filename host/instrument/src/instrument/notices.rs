@@ -1,7 +1,8 @@
 //! The messages on the screen. A message about a state stays as long as the state; a message about an event
-//! disappears after a time. Each can be dismissed.
+//! disappears after a time. Each can be dismissed. What is not the device's own word, which the link logs, goes to the log.
 
 use super::shown::Notice;
+use slipline_link::Severity;
 
 /// How long a message about a success is shown, in seconds.
 const PLAIN_S: f64 = 5.0;
@@ -15,7 +16,7 @@ enum About {
     Refusal,
     /// Why the device stopped by itself, until that fault is cleared.
     Stop,
-    /// That the window did not respond while it drove, until something is driven again.
+    /// That the window did not respond while it drove, or that the drive was paused, until something is driven again.
     Hang,
     /// Why there is no connection, until there is one.
     Trouble,
@@ -31,6 +32,14 @@ pub(crate) struct Notices {
     /// In the order in which they are shown.
     standing: Vec<(About, Notice)>,
     count: u64,
+    /// Lines for the log.
+    unlogged: Vec<(Severity, String)>,
+}
+
+/// A text as a line of the log: closed with a full stop.
+fn line(text: &str) -> String {
+    let end = if text.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{text}{end}")
 }
 
 impl Notices {
@@ -47,12 +56,26 @@ impl Notices {
 
     /// Reports a success.
     pub(crate) fn post(&mut self, text: String) {
-        self.put(About::Latest, text, false, Some(PLAIN_S));
+        let logged = line(&text);
+        self.report(Severity::Info, text, logged);
     }
 
     /// Reports a failure.
     pub(crate) fn fail(&mut self, text: String) {
-        self.put(About::Latest, text, true, Some(ERROR_S));
+        let logged = line(&text);
+        self.report(Severity::Error, text, logged);
+    }
+
+    /// Reports a success or, from a warning on, a failure, and logs it in other words.
+    pub(crate) fn report(&mut self, severity: Severity, text: String, logged: String) {
+        let is_error = severity >= Severity::Warning;
+        self.put(About::Latest, text, is_error, Some(if is_error { ERROR_S } else { PLAIN_S }));
+        self.unlogged.push((severity, logged));
+    }
+
+    /// The lines for the log since the last call.
+    pub(crate) fn take_unlogged(&mut self) -> Vec<(Severity, String)> {
+        std::mem::take(&mut self.unlogged)
     }
 
     /// Reports that the device refused the drive on the screen: plate and screen differ until the device accepts
@@ -76,6 +99,12 @@ impl Notices {
         self.put(About::Hang, text, true, None);
     }
 
+    /// Reports that the drive was paused, until something is driven again.
+    pub(crate) fn pause(&mut self, text: String) {
+        self.unlogged.push((Severity::Info, line(&text)));
+        self.put(About::Hang, text, false, None);
+    }
+
     /// Reports why there is no connection.
     pub(crate) fn miss(&mut self, text: String) {
         self.put(About::Trouble, text, true, None);
@@ -83,6 +112,7 @@ impl Notices {
 
     /// Reports why Drive cannot act now, and what helps.
     pub(crate) fn hinder(&mut self, text: String) {
+        self.unlogged.push((Severity::Warning, line(&text)));
         self.put(About::Obstacle, text, true, Some(ERROR_S));
     }
 
@@ -110,11 +140,6 @@ impl Notices {
     /// Removes the message about Drive: the device's state has changed, so the obstacle may be gone.
     pub(crate) fn state_changed(&mut self) {
         self.end(About::Obstacle);
-    }
-
-    /// Removes the messages of successes: the user has moved on.
-    pub(crate) fn seen(&mut self) {
-        self.standing.retain(|(_, notice)| notice.is_error);
     }
 
     /// Removes the message with this number.

@@ -2,7 +2,6 @@
 
 use super::Instrument;
 use crate::recording::{Recording, RecordingError};
-use slipline_link::Severity;
 use slipline_model::response::is_measurement;
 use std::fmt::Display;
 
@@ -23,17 +22,14 @@ impl Instrument {
         match recording {
             Ok(recording) => {
                 self.take_recording(recording);
-                self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.post(format!("Opened {name}: press Play on the page Play"));
             }
             Err(error) => self.not_opened(name, &error),
         }
     }
 
-    /// Reports why a file was not opened, on the screen and in the log.
+    /// Reports why a file was not opened.
     pub fn not_opened(&mut self, name: &str, reason: &impl Display) {
-        let text = format!("{name} was not opened, nothing has changed. {reason}");
-        self.note(Severity::Error, text.clone());
-        self.fail(text);
+        self.fail(format!("{name} was not opened, nothing has changed. {reason}"));
     }
 }

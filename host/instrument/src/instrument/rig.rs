@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// The rig of the simulated device.
 #[derive(Default)]
 pub(crate) struct Rig {
-    /// The plate of the rig; `None` for the one on the screen.
-    truth: Option<Arc<Plate>>,
+    /// The unknown plate of the rig; `None` for the one on the screen.
+    secret: Option<Secret>,
     /// Number of unknown plates drawn so far.
     draws: u64,
     /// The rig on the bench.
@@ -25,6 +25,13 @@ pub(crate) struct Rig {
     looked_for: Option<RigJob>,
     /// A rig that could not be put together: only the user can request it again.
     pub(crate) refused: Option<RigJob>,
+}
+
+/// An unknown plate, and the plates on the screen that describe it.
+struct Secret {
+    truth: Arc<Plate>,
+    /// The plate from which it was drawn, and those that were calibrated on it.
+    models: Vec<Arc<Plate>>,
 }
 
 /// The rig on the bench.
@@ -46,7 +53,14 @@ impl Rig {
 
     /// Whether its plate is unknown to the user.
     pub(crate) const fn is_secret(&self) -> bool {
-        self.truth.is_some()
+        self.secret.is_some()
+    }
+
+    /// Keeps the unknown plate under a plate that was calibrated on it.
+    pub(crate) fn is_described_by(&mut self, calibrated: &Arc<Plate>) {
+        if let Some(secret) = &mut self.secret {
+            secret.models.push(Arc::clone(calibrated));
+        }
     }
 
     /// Data-sheet values of its drive.
@@ -64,19 +78,31 @@ impl Instrument {
     /// Has the simulated device use an unknown plate, or the one on the screen.
     pub(crate) fn choose_truth(&mut self, is_secret: bool) {
         let rig = &mut self.live.rig;
-        rig.truth = None;
+        rig.secret = None;
         if !is_secret {
             return;
         }
         rig.draws += 1;
-        match secret(&self.setup.plate, rig.draws) {
-            Ok(truth) => rig.truth = Some(Arc::new(truth)),
+        let plate = &self.setup.plate;
+        match secret(plate, rig.draws) {
+            Ok(truth) => {
+                rig.secret = Some(Secret { truth: Arc::new(truth), models: vec![Arc::clone(plate)] });
+            }
             Err(error) => self.fail(format!("No plate like this one was found: {error}")),
         }
     }
 
+    /// Draws another unknown plate if the one under the simulated device does not belong to the plate on the screen.
+    pub(crate) fn renew_truth(&mut self) {
+        let is_foreign =
+            |secret: &Secret| !secret.models.iter().any(|model| Arc::ptr_eq(model, &self.setup.plate));
+        if self.live.rig.secret.as_ref().is_some_and(is_foreign) {
+            self.choose_truth(true);
+        }
+    }
+
     fn rig_job(&self) -> RigJob {
-        let truth = self.live.rig.truth.as_ref().unwrap_or(&self.setup.plate);
+        let truth = self.live.rig.secret.as_ref().map_or(&self.setup.plate, |secret| &secret.truth);
         let MeasureDraft { place_m, kind, .. } = self.live.draft;
         RigJob {
             truth: Arc::clone(truth),
@@ -140,6 +166,12 @@ impl Instrument {
             RigJob { finger: wanted, full_scale, place_m: standing.hand.place_m(), ..standing.job.clone() };
         self.look_for_rig(job);
         false
+    }
+
+    /// Lets the rig rest while nothing listens to it.
+    pub(crate) fn rest_bench(&self) {
+        let is_heard = self.live.is_heard() || self.level.awaits_rig || self.level.holding.is_on();
+        self.bench.rest(!is_heard);
     }
 
     /// Puts a finished rig on the bench, and starts what waits for it.

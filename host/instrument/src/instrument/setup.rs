@@ -99,6 +99,7 @@ impl Instrument {
         if is_new_plate {
             self.playback.measured = None;
             self.end_trace();
+            self.renew_truth();
             self.table_asked = None;
             self.autopilot.setup_replaced();
             self.ask_for_table();

@@ -18,6 +18,11 @@ pub(crate) struct Looks {
 }
 
 impl Looks {
+    /// Whether a capture is under way.
+    pub(crate) const fn is_looking(&self) -> bool {
+        self.awaited.is_some()
+    }
+
     /// Whether this request is a capture of the sensor's input.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
         self.awaited == Some(ticket)

@@ -1,8 +1,10 @@
 //! Presses of STOP, Esc and Space. One press stops, and disarms a real device; two within a second are an emergency stop.
+//! Esc also leaves pages and fields, so on a simulated device that is known to be silent a key is no first press.
 
 use super::Instrument;
 use crate::hold::HoldEnd;
 use slipline_link::Request;
+use slipline_link::protocol::event::State;
 
 /// The second press counts within this time after the first, in seconds.
 const TWICE_S: f64 = 1.0;
@@ -17,13 +19,39 @@ pub(crate) struct StopPresses {
 impl StopPresses {
     /// Records a press; returns whether it is the second of two within [`TWICE_S`].
     fn is_second(&mut self, now_s: f64) -> bool {
-        let last_s = self.last_s.replace(now_s);
-        last_s.is_some_and(|last_s| now_s - last_s <= TWICE_S)
+        let is_second = self.has_first(now_s);
+        self.last_s = Some(now_s);
+        is_second
+    }
+
+    /// Whether a press now would be the second of two.
+    fn has_first(&self, now_s: f64) -> bool {
+        self.last_s.is_some_and(|last_s| now_s - last_s <= TWICE_S)
     }
 }
 
 impl Instrument {
-    /// Carries out a press of STOP.
+    /// Carries out a press of a key of STOP.
+    pub fn press_stop_key(&mut self) {
+        if self.is_known_to_be_silent() && !self.stop_presses.has_first(self.attention.now_s) {
+            self.stop();
+        } else {
+            self.press_stop();
+        }
+    }
+
+    /// Whether nothing sounds, and nothing real could move: the device is simulated, connected, without a fault, and no
+    /// drive or measurement is wanted.
+    fn is_known_to_be_silent(&self) -> bool {
+        let state = self.snapshot.status.map(|status| status.state);
+        self.snapshot.is_connected()
+            && self.snapshot.is_simulated()
+            && matches!(state, Some(State::Idle | State::Armed))
+            && !self.autopilot.wants_drive()
+            && !self.live.is_under_way()
+    }
+
+    /// Carries out a press of the STOP button.
     pub fn press_stop(&mut self) {
         if self.stop_presses.is_second(self.attention.now_s) {
             self.end_drive(Request::EmergencyStop);

@@ -2,10 +2,9 @@
 
 use super::shown::TextureScene;
 use super::{Instrument, Output, Page};
-use slipline_link::Severity;
-use slipline_model::jobs::texture::{TextureJob, TextureWish, Textured};
-use slipline_model::setup::edit;
+use slipline_model::jobs::texture::{TextureJob, TextureRefused, TextureWish, Textured};
 use slipline_model::setup::file as setup_file;
+use slipline_model::setup::{BoundaryMode, edit};
 use slipline_model::texture::{Made, WishDraft, from_csv, from_png};
 use slipline_plate::Plate;
 use std::sync::Arc;
@@ -33,6 +32,17 @@ impl Textures {
     pub(crate) fn draft(&mut self, draft: WishDraft) {
         self.draft = draft;
         self.is_given_up = false;
+    }
+
+    /// Moves the end of an area that nobody has chosen to where this plate allows it.
+    pub(crate) fn suit(&mut self) {
+        let is_new = self.draft.felt_edge_m == WishDraft::of(&self.plate).felt_edge_m;
+        if let Some(Textured { result: Err(TextureRefused(refused)), .. }) = self.current()
+            && is_new
+            && let Some(suited) = self.draft.suited(refused)
+        {
+            self.draft(suited);
+        }
     }
 
     /// Cancels the draft.
@@ -95,6 +105,11 @@ impl Instrument {
     /// Puts the computed texture into the setup.
     pub fn play_texture(&mut self) {
         let Some(made) = self.made_texture() else { return };
+        if self.setup.boundary != BoundaryMode::TurningPoint {
+            let text = "The lines are at turning points now: no tone of a texture has a felt edge of its own. \
+                        Undo, or \"Line at\" on the page Boundary, takes it back.";
+            self.notices.post(text.to_owned());
+        }
         self.edit(&made.edit());
         let gain_db = made.chord_gain_db().unwrap_or(0.0);
         if gain_db > 0.1 && self.snapshot.is_connected() && self.chord().is_none() {
@@ -133,7 +148,6 @@ impl Instrument {
                 draft.take_profile(&breakpoints);
                 self.textures.draft(draft);
                 self.outputs.push(Output::Open(Page::Texture));
-                self.note(Severity::Info, format!("Opened {name}."));
                 self.notices.post(format!("Opened {name}"));
             }
             Err(error) => self.not_opened(name, &error),

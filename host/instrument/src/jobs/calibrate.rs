@@ -1,5 +1,6 @@
 //! A calibration from two places of a sensor, in the background.
 
+use crate::calibration::name::named_calibrated;
 use crate::calibration::remedy::Remedy;
 use slipline_model::jobs::Task;
 use slipline_plate::Plate;
@@ -87,6 +88,6 @@ fn calibrate(job: &CalibrateJob, task: &Task) -> Result<Option<CalibrationResult
         return Ok(None);
     }
     let before = departure(&job.plate, &calibrated.plate, job.sample_rate_hz)?;
-    let plate = Arc::new(calibrated.plate.clone());
+    let plate = Arc::new(named_calibrated(&calibrated.plate));
     Ok(Some(CalibrationResult { calibrated, plate, before }))
 }

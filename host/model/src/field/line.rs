@@ -31,6 +31,19 @@ pub enum Holds {
     Unfelt(NotFelt),
 }
 
+impl Holds {
+    /// The quantity, in words.
+    #[must_use]
+    pub fn words(self) -> String {
+        match self {
+            Self::TurningPoint => "turning point".to_owned(),
+            Self::FeltEdge => "felt edge".to_owned(),
+            Self::PlateEnd => "plate's end: felt up to there".to_owned(),
+            Self::Unfelt(why) => format!("turning point; {}", why.words()),
+        }
+    }
+}
+
 /// The boundary line of a tone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {

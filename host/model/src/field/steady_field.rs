@@ -209,9 +209,26 @@ pub fn envelope_top_m(steady: &SteadyField, full_peak_m: f64) -> f64 {
     (full_peak_m * 1.08).max(steady.highest_m() * 1.05).max(1e-12)
 }
 
+/// The factor of 1, 2, 5, 10 and so on, up to 5000, by which a view whose largest value is this share of full scale can be
+/// magnified.
+#[must_use]
+pub fn magnification(largest: f64) -> f64 {
+    let factors = (0..4).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(power)));
+    factors.take_while(|factor| largest * factor <= 1.0).last().unwrap_or(1.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_curve_is_magnified_as_far_as_it_fits() {
+        for (largest, factor) in
+            [(2.0, 1.0), (1.0, 1.0), (0.6, 1.0), (0.5, 2.0), (0.11, 5.0), (0.1, 10.0), (0.0, 5000.0)]
+        {
+            assert_eq!(magnification(largest), factor, "{largest}");
+        }
+    }
 
     #[test]
     fn every_peak_stands_as_high_as_the_table_makes_it() {

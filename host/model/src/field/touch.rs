@@ -7,7 +7,7 @@ mod trace;
 pub(crate) use trace::mean_over_contact;
 pub use trace::{Met, TRACE_S, Trace, Under};
 
-use slipline_plate::{Finger, Plate};
+use slipline_plate::{Finger, Plate, RespondError};
 
 /// The kind of touch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,9 +35,9 @@ impl Touch {
 
 /// Why this plate cannot be touched, if so: its file lacks the mass that moves with the wave.
 #[must_use]
-pub fn refusal(plate: &Plate) -> Option<String> {
+pub fn refusal(plate: &Plate) -> Option<RespondError> {
     let (low_hz, _) = plate.band_hz();
-    Finger::light(0.0).load(plate, low_hz).err().map(|error| error.to_string())
+    Finger::light(0.0).load(plate, low_hz).err()
 }
 
 #[cfg(test)]
@@ -62,6 +62,6 @@ mod tests {
         assert_eq!(refusal(&plate), None);
         let text = plate.to_toml().replace("tension_n_per_m = 40.0\n", "");
         let untold = Plate::from_toml(&text).unwrap();
-        assert!(refusal(&untold).unwrap().contains("tension_n_per_m"));
+        assert!(refusal(&untold).unwrap().to_string().contains("tension_n_per_m"));
     }
 }

@@ -79,7 +79,7 @@ pub enum EditError {
     #[error("{}", .0.in_suitable_units())]
     OutOfRange(OutOfRange),
     /// There is no tone in this slot.
-    #[error("there is no tone {0}")]
+    #[error("there is no tone {}", u16::from(*.0) + 1)]
     NoTone(u8),
     /// All slots are in use.
     #[error("all {MAX_TONES} tones are in use")]

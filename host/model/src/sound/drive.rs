@@ -50,7 +50,7 @@ mod tests {
         let tones = [tone].into_iter().collect();
         let drive = Drive { tones, master: CentiDecibel(master), glide: 400, apply: Apply::Next };
         let played = drive.into();
-        SoundingDrive { number: 1, played, table, tones: vec![steady], reached: 0 }
+        SoundingDrive { number: 1, played, table, tones: vec![steady], began: 0, reached: 0 }
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use super::making::Wish;
 use slipline_plate::Plate;
-use slipline_plate::texture::TONES_MAX;
+use slipline_plate::quantity::OutOfRange;
+use slipline_plate::texture::{TONES_MAX, TextureError};
 
 /// A kind of texture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,6 +73,15 @@ pub const BREAKPOINTS_MIN: usize = 2;
 pub const BREAKPOINTS_DRAWN_MAX: usize = 32;
 /// Smallest distance of two breakpoints, in metres.
 const APART_M: f64 = 1e-3;
+/// The beat of a new draft, in Hz: near where skin is most sensitive; in a narrow band this share of it.
+const BEAT_HZ: f64 = 180.0;
+const BEAT_SHARE: f64 = 0.2;
+
+/// A positive number to two digits.
+fn rounded(value: f64) -> f64 {
+    let step = 10f64.powf(value.log10().floor() - 1.0);
+    (value / step).round() * step
+}
 
 impl Wish {
     /// Its kind.
@@ -94,13 +104,14 @@ impl WishDraft {
         let length_m = plate.length_m();
         let (middle_m, late_m) = (0.5 * (start_m + end_m), start_m + 0.75 * (end_m - start_m));
         let stripes_m = slipline_plate::texture::stripes_m(plate, plate.frequency_for_boundary_hz(middle_m));
+        let (low_hz, high_hz) = plate.band_hz();
         Self {
             kind: WishKind::default(),
             felt_edge_m: late_m,
             profile: vec![(0.0, 1.0), (middle_m, 1.0), (late_m, 0.0), (length_m, 0.0)],
             stripes_m: stripes_m.unwrap_or(0.1 * length_m),
-            beat_place_m: middle_m,
-            beat_hz: 180.0,
+            beat_place_m: plate.airy_peak_m(0.5 * (low_hz + high_hz)).unwrap_or(middle_m),
+            beat_hz: rounded(BEAT_HZ.min(BEAT_SHARE * (high_hz - low_hz))),
             most: TONES_MAX,
         }
     }
@@ -114,6 +125,18 @@ impl WishDraft {
             WishKind::Stripes => Wish::Stripes(self.stripes_m),
             WishKind::Beat => Wish::Beat { place_m: self.beat_place_m, beat_hz: self.beat_hz },
         }
+    }
+
+    /// This draft with the end of its area where the refusal of another end allows it; `None` for any other refusal. Where a
+    /// finger feels an area end depends on the plate's table, which a new draft does not know.
+    #[must_use]
+    pub fn suited(&self, refused: &TextureError) -> Option<Self> {
+        let TextureError::OutOfRange(OutOfRange { range, field: "felt edge", .. }) = *refused else {
+            return None;
+        };
+        let middle_m = 1e-3 * (500.0 * (range.low + range.high)).round();
+        (self.kind == WishKind::Solid && range.contains(middle_m))
+            .then(|| Self { felt_edge_m: middle_m, ..self.clone() })
     }
 
     /// Moves a breakpoint; it stays between its neighbours, on the plate, and its amplitude within 0..=1.
@@ -162,6 +185,12 @@ impl WishDraft {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes::SCENES;
+    use crate::texture::making::make;
+    use slipline_plate::feeling::Feeling;
+    use slipline_plate::texture::Palette;
+    use slipline_plate::{DriveTable, Progress};
+    use std::sync::Arc;
 
     #[test]
     fn breakpoints_stay_in_order_and_on_the_plate() {
@@ -196,5 +225,48 @@ mod tests {
         let mut draft = WishDraft { kind: WishKind::Beat, ..WishDraft::of(&plate) };
         draft.take_profile(&[(0.0, 20.0), (0.2, 5.0)]);
         assert_eq!((draft.kind, &draft.profile[..]), (WishKind::Profile, &[(0.0, 1.0), (0.2, 0.25)][..]));
+    }
+
+    #[test]
+    fn every_kind_of_a_new_draft_can_be_made_on_every_plate_that_is_shipped() {
+        let presets = slipline_plate::presets().iter().filter_map(|preset| preset.plate()).map(Arc::new);
+        let scenes = SCENES.iter().filter_map(|scene| Some(scene.setup()?.plate));
+        for plate in presets.chain(scenes) {
+            let table = DriveTable::build(&plate, 400e3, 65).unwrap();
+            let palette = Palette::new(&plate, &table);
+            for kind in WishKind::ALL {
+                let draft = WishDraft { kind, most: 2, ..WishDraft::of(&plate) };
+                let mut go_on = |_| true;
+                let progress = &mut Progress::new(&mut go_on);
+                let mut made = |draft: &WishDraft| {
+                    make(&palette, &draft.wish(), draft.most, &Feeling::default(), progress)
+                };
+                if let Err(refused) = made(&draft) {
+                    // The paper's plate as it was printed moves by too little to be felt at all.
+                    if plate.name() == "paper-as-printed" && kind == WishKind::Solid {
+                        assert!(refused.to_string().starts_with("nothing is felt"), "{refused}");
+                        continue;
+                    }
+                    let suited =
+                        draft.suited(&refused).unwrap_or_else(|| panic!("{}: {refused}", plate.name()));
+                    let made = made(&suited);
+                    assert!(made.is_ok(), "{} {kind:?}: {}", plate.name(), made.unwrap_err());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_beat_of_more_than_the_band_is_refused_with_a_range_that_rises() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let table = DriveTable::build(&plate, 400e3, 65).unwrap();
+        let palette = Palette::new(&plate, &table);
+        let draft = WishDraft { kind: WishKind::Beat, beat_hz: 300.0, ..WishDraft::of(&plate) };
+        let mut go_on = |_| true;
+        let progress = &mut Progress::new(&mut go_on);
+        let refused = make(&palette, &draft.wish(), 2, &Feeling::default(), progress).unwrap_err();
+        let TextureError::OutOfRange(error) = refused else { panic!("{refused}") };
+        assert!(error.field == "beat frequency" && error.range.low < error.range.high, "{error}");
+        assert!(error.range.high < 140.0, "{error}");
     }
 }

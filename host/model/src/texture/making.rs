@@ -11,8 +11,9 @@ use crate::setup::Setup;
 use crate::setup::edit::Edit;
 use slipline_plate::feeling::{EdgesByPerson, Feeling};
 use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::texture::{
-    ChordTexture, Figures, Flutter, Palette, Target, Texture, TextureError, TextureTone, beat,
+    BEAT_RANGE_HZ, ChordTexture, Figures, Flutter, Palette, Target, Texture, TextureError, TextureTone, beat,
     least_largest_square_error, stripes, stripes_felt_db, stripes_m,
 };
 use slipline_plate::{Plate, Progress};
@@ -132,7 +133,16 @@ pub fn make(
             let stripes_felt_db = stripes_m.map(|stripes_m| stripes_felt_db(stripes_m, feeling.contact_m));
             Ok(Made { stripes_m, stripes_felt_db, ..plain(vec![tone]) })
         }
-        Wish::Beat { place_m, beat_hz } => Ok(plain(beat(palette, place_m, beat_hz)?.to_vec())),
+        Wish::Beat { place_m, beat_hz } => {
+            let table = palette.table();
+            let band_hz = table.frequency_hz(table.span_end_m) - table.frequency_hz(table.span_start_m);
+            // Of such a beat no place would be left.
+            if beat_hz > band_hz {
+                let range = Range::new(BEAT_RANGE_HZ.0, BEAT_RANGE_HZ.1.min(band_hz), "Hz");
+                OutOfRange::check("beat frequency", beat_hz, range)?;
+            }
+            Ok(plain(beat(palette, place_m, beat_hz)?.to_vec()))
+        }
     }
 }
 

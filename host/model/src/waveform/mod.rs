@@ -2,7 +2,7 @@
 
 mod spectrum;
 
-pub use spectrum::{Line, peaks};
+pub use spectrum::{Line, level_at};
 
 use crate::jobs::Task;
 use slipline_link::BLOCK;

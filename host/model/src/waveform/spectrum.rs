@@ -74,32 +74,21 @@ impl Spectrum {
     }
 }
 
-/// Smallest height of a peak above the higher of its neighbouring valleys, in dB; less is noise.
-const PROMINENCE_DB: f64 = 12.0;
+/// How far from a tone its strongest line can stand, in lines.
+const ASIDE: usize = 2;
 
-/// The peaks of a spectrum down to `floor_db`, at most `most`, the strongest first. Where the lines are
-/// evenly spaced, frequency and level are those of the parabola through a peak and its neighbours, so they
-/// are correct between bins, too.
+/// The level of a tone of this frequency, in dB: where the lines are evenly spaced, that of the parabola through its
+/// strongest line and the neighbours, so it is correct between bins, too. `None` outside the spectrum.
 #[must_use]
-pub fn peaks(lines: &[Line], floor_db: f64, most: usize) -> Vec<Line> {
-    let level = |i: usize| lines[i].level_db;
-    let mut tops: Vec<Line> = Vec::new();
-    for i in 1..lines.len().saturating_sub(1) {
-        let here = level(i);
-        if here < floor_db || here < level(i - 1) || here <= level(i + 1) {
-            continue;
-        }
-        let valley = |beside: &mut dyn Iterator<Item = usize>| {
-            beside.map(level).take_while(|&other| other <= here).fold(here, f64::min)
-        };
-        let higher = valley(&mut (0..i).rev()).max(valley(&mut (i + 1..lines.len())));
-        if here - higher >= PROMINENCE_DB {
-            tops.push(between(&lines[i - 1..=i + 1]));
-        }
+pub fn level_at(lines: &[Line], frequency_hz: f64) -> Option<f64> {
+    let after = lines.partition_point(|line| line.frequency_hz < frequency_hz);
+    if after == 0 || after == lines.len() {
+        return None;
     }
-    tops.sort_by(|a, b| b.level_db.total_cmp(&a.level_db));
-    tops.truncate(most);
-    tops
+    let near = after.saturating_sub(ASIDE + 1)..(after + ASIDE).min(lines.len());
+    let strongest = near.max_by(|&a, &b| lines[a].level_db.total_cmp(&lines[b].level_db))?;
+    let around = lines.get(strongest.saturating_sub(1)..strongest + 2)?;
+    Some(between(around).level_db)
 }
 
 /// The top of the parabola through three lines; the middle one where they are not evenly spaced.
@@ -144,16 +133,15 @@ mod tests {
         assert!((top.frequency_hz - 40_000.0).abs() < 20.0 && (top.level_db + 6.02).abs() < 0.9, "{top:?}");
         let far = lines.iter().filter(|line| (line.frequency_hz - 40_000.0).abs() > 500.0);
         assert!(far.map(|line| line.level_db).fold(-200.0, f64::max) < -70.0);
-        let tops = peaks(&lines, -60.0, 4);
-        assert_eq!(tops.len(), 1, "{tops:?}");
-        assert!((tops[0].level_db + 6.02).abs() < 0.9, "{tops:?}");
+        let level_db = level_at(&lines, 40_000.0).unwrap();
+        assert!((level_db + 6.02).abs() < 0.9, "{level_db}");
         assert!(lines.len() < 8000 && Spectrum::default().of(&[2048; 10], rate).is_empty());
     }
 
     #[test]
-    fn the_peaks_are_those_of_the_tones_between_the_bins_and_no_noise() {
+    fn the_level_of_a_known_tone_is_right_between_the_bins_and_beside_louder_tones() {
         let rate = 400_000.0;
-        let tones = [(171.3, 800.0), (388.9, 80.0), (1207.7, 8.0)];
+        let tones = [(171.3, 800.0), (216.0, 500.0), (388.9, 80.0), (1207.7, 8.0)];
         let codes: Vec<u16> = (0..1 << 16)
             .map(|i| {
                 let tone = |(hertz, codes): &(f64, f64)| codes * (TAU * hertz * f64::from(i) / rate).sin();
@@ -161,15 +149,13 @@ mod tests {
             })
             .collect();
         let lines = Spectrum::default().of(&codes, rate);
-        let tops = peaks(&lines, -70.0, 16);
-        assert_eq!(tops.len(), tones.len(), "{tops:?}");
-        for (top, (hertz, codes)) in tops.iter().zip(tones) {
-            let level_db = 20.0 * (codes / 2048.0f64).log10();
+        for (hertz, codes) in tones {
+            let wanted_db = 20.0 * (codes / 2048.0f64).log10();
+            let level_db = level_at(&lines, hertz).unwrap();
             // A bin is 6.1 Hz wide.
-            assert!((top.frequency_hz - hertz).abs() < 0.2, "{top:?} {hertz}");
-            assert!((top.level_db - level_db).abs() < 0.1, "{top:?} {level_db}");
+            assert!((level_db - wanted_db).abs() < 0.1, "{hertz}: {level_db}, not {wanted_db}");
         }
-        assert_eq!(peaks(&lines, -70.0, 2).len(), 2);
-        assert!(peaks(&[], -70.0, 16).is_empty());
+        assert!(level_at(&lines, 800.0).is_some_and(|level_db| level_db < -75.0), "noise");
+        assert_eq!([level_at(&lines, 1e6), level_at(&lines, -1.0), level_at(&[], 100.0)], [None; 3]);
     }
 }

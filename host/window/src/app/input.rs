@@ -24,6 +24,10 @@ impl App {
         let is_typing = ctx.text_edit_focused();
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
+        // The line is what the window is for; the controls follow it.
+        self.view.begins_by_tab = focused.is_none()
+            && self.dialog.is_none()
+            && ctx.input(|input| input.modifiers.is_none() && input.key_pressed(Key::Tab));
         let closes_page = self.dialog.is_some() && ctx.input(|input| input.key_pressed(Key::Escape));
         let notice = closes_page.then(|| closed_by_escape(self.instrument.snapshot()));
         let presses = ctx.input_mut(|input| {
@@ -37,7 +41,7 @@ impl App {
             let presses = input.events.iter().filter(is_press).count() as u64;
             // Escape is read, not consumed: it also closes pages and leaves fields.
             let stops = stop_presses(input, is_typing);
-            asked.extend(std::iter::repeat_n(Intent::Stop, stops));
+            asked.extend(std::iter::repeat_n(Intent::StopKey, stops));
             if !is_typing {
                 input.consume_key(Modifiers::NONE, Key::Space);
                 if input.consume_key(Modifiers::NONE, Key::P) {

@@ -15,6 +15,7 @@ use slipline_model::scenes::{SCENES, Scene};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_plate::design::Design;
+use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -41,6 +42,7 @@ impl App {
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start => self.instrument.start(),
                 Intent::Stop => self.instrument.press_stop(),
+                Intent::StopKey => self.instrument.press_stop_key(),
                 Intent::Disarm => self.instrument.disarm(),
                 Intent::HoldLevel(is_on) => self.instrument.switch_hold(is_on),
                 Intent::MaxRise(decibels) => self.instrument.choose_max_rise(decibels),
@@ -143,8 +145,6 @@ impl App {
                 Intent::ShowPlots(show) => {
                     self.settings.show_plots = show;
                     self.settings.in_front = if show { Part::Plots } else { Part::Panel };
-                    // Where there is room for one part, a message would keep the panel open.
-                    self.instrument.successes_seen();
                 }
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
@@ -284,7 +284,6 @@ impl App {
                     Err(error) => return self.instrument.not_opened(&name, &error),
                 }
                 self.settings.used(&path);
-                self.instrument.note(Severity::Info, format!("Opened {name}."));
                 self.instrument.post(format!("Opened {name}"));
             }
             FileEvent::Measurement(path, bytes) => {
@@ -313,12 +312,13 @@ impl App {
                 if path.extension().is_some_and(|extension| extension == "toml") {
                     self.settings.used(&path);
                 }
-                self.instrument.note(Severity::Info, format!("Saved {}.", name_of(&path)));
-                self.instrument.post(format!("Saved {}", path.display()));
+                let logged = format!("Saved {}.", name_of(&path));
+                self.instrument.report(Severity::Info, format!("Saved {}", path.display()), logged);
             }
             FileEvent::Saved(path, Err(reason)) => {
-                self.instrument.note(Severity::Error, format!("{} was not saved: {reason}", name_of(&path)));
-                self.instrument.fail(format!("{} was not saved: {reason}", path.display()));
+                let said = |name: &dyn Display| format!("{name} was not saved: {reason}");
+                let (shown, logged) = (said(&path.display()), said(&name_of(&path)));
+                self.instrument.report(Severity::Error, shown, logged);
             }
             FileEvent::NoDialog(job) => self.ask_for_path(job, None),
             FileEvent::Exists(path, save) => self.ask_for_path(FileJob::Save(save), Some(&path)),

@@ -6,6 +6,7 @@ use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
 use eframe::egui;
 use slipline_instrument::bench::Bench;
+use slipline_link::Port;
 use slipline_link::native::list_ports;
 use slipline_link::native::{Handle, SystemOpener, Worker, stop_on_panic};
 use slipline_model::export::figures::plate;
@@ -13,10 +14,13 @@ use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use std::io;
+use std::path::PathBuf;
 
 /// The app in a window of the system.
 struct Window {
     app: App,
+    /// Whether the window was made to fit the screen.
+    is_fitted: bool,
     /// It ends, and stops the device, with the window.
     _worker: Worker,
 }
@@ -29,6 +33,7 @@ const KEPT_SETUP: &str = "setup";
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.is_fitted = self.is_fitted || fit_to_screen(ctx);
         self.app.logic(ctx);
     }
 
@@ -48,19 +53,49 @@ impl eframe::App for Window {
     }
 }
 
+/// What a window opens with, instead of what was used last.
+#[derive(Clone, Debug, Default)]
+pub struct Opening {
+    /// A setup or plate file.
+    pub file: Option<PathBuf>,
+    /// The port. The window connects to it; a real device is armed by the user only.
+    pub port: Option<Port>,
+}
+
 /// Opens the window and returns when it is closed. `opened` receives the link and a handle that closes the window
 /// from any thread, for the code that ends the program.
 ///
 /// # Errors
 /// When there is no display, or the system cannot start a thread.
-pub fn run(opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static) -> anyhow::Result<()> {
+pub fn run(
+    opening: Opening,
+    opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static,
+) -> anyhow::Result<()> {
     let options = eframe::NativeOptions { viewport: viewport(), ..Default::default() };
     let open = |context: &eframe::CreationContext<'_>| {
-        let (window, link) = open(context, opened)?;
+        let (window, link) = open(context, opening, opened)?;
         Ok((Box::new(window) as Box<dyn eframe::App>, link))
     };
     event_loop::run("Slipline", options, open, || ())
         .map_err(|error| anyhow::anyhow!(no_display::explain(&error)))
+}
+
+/// Room that the bars of the system take beside the window, in points: a title bar and a task bar.
+const BARS: f32 = 80.0;
+
+/// Makes a window smaller that would lie under the bars of the system; returns whether the screen's size is known.
+fn fit_to_screen(ctx: &egui::Context) -> bool {
+    let (screen, inner, is_filling) = ctx.input(|input| {
+        let window = input.viewport();
+        let is_filling = window.maximized == Some(true) || window.fullscreen == Some(true);
+        (window.monitor_size, window.inner_rect, is_filling)
+    });
+    let (Some(screen), Some(inner)) = (screen, inner) else { return false };
+    let height = (screen.y - BARS).max(LEAST_SIZE[1]);
+    if inner.height() > height && !is_filling {
+        ctx.send_viewport_cmd(egui::ViewportCommand::InnerSize(egui::vec2(inner.width(), height)));
+    }
+    true
 }
 
 fn viewport() -> egui::ViewportBuilder {
@@ -112,6 +147,7 @@ impl Parts {
 
 fn open(
     context: &eframe::CreationContext<'_>,
+    opening: Opening,
     opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>),
 ) -> anyhow::Result<(Window, Handle)> {
     let ctx = &context.egui_ctx;
@@ -123,12 +159,19 @@ fn open(
     opened(handle.clone(), closer(ctx));
     let parts = Parts { bench, ..Parts::threaded(ctx, Box::new(handle.clone()))? };
     let kept = |key: &str| context.storage.and_then(|storage| storage.get_string(key));
-    let settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
+    let mut settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
+    if let Some(port) = opening.port {
+        settings.port = Some(port.to_string());
+    }
     let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
         Some(Ok(Opened::Setup(setup))) => *setup,
         _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
     };
-    Ok((Window { app: App::new(ctx, parts, setup, settings), _worker: worker }, handle))
+    let mut app = App::new(ctx, parts, setup, settings);
+    if let Some(file) = opening.file {
+        app.open(file);
+    }
+    Ok((Window { app, is_fitted: false, _worker: worker }, handle))
 }
 
 #[cfg(test)]
@@ -149,6 +192,27 @@ mod tests {
         // There is no renderer to take them.
         output.textures_delta.clear();
         output.viewport_output[&ViewportId::ROOT].commands.clone()
+    }
+
+    #[test]
+    fn a_window_as_high_as_the_screen_makes_room_for_the_bars_of_the_system() {
+        let told = |screen: [f32; 2], inner: [f32; 2], maximized: bool| {
+            let ctx = egui::Context::default();
+            let mut input = egui::RawInput::default();
+            let window = input.viewports.entry(ViewportId::ROOT).or_default();
+            window.monitor_size = Some(screen.into());
+            window.inner_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, inner.into()));
+            window.maximized = Some(maximized);
+            let mut output = ctx.run_ui(input, |ui| assert!(fit_to_screen(ui.ctx())));
+            output.textures_delta.clear();
+            let commands = output.viewport_output[&ViewportId::ROOT].commands.clone().into_iter();
+            commands.filter(|command| matches!(command, ViewportCommand::InnerSize(_))).collect::<Vec<_>>()
+        };
+        let sized = |size: [f32; 2]| vec![ViewportCommand::InnerSize(size.into())];
+        assert_eq!(told([1280.0, 800.0], [1280.0, 800.0], false), sized([1280.0, 720.0]));
+        assert_eq!(told([640.0, 480.0], [640.0, 480.0], false), sized([640.0, 400.0]));
+        assert_eq!(told([1920.0, 1080.0], [1280.0, 800.0], false), []);
+        assert_eq!(told([1280.0, 800.0], [1280.0, 800.0], true), []);
     }
 
     #[test]

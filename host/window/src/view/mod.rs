@@ -6,6 +6,7 @@
 //! stage/: plate, envelope, felt strip (one x axis)     panels/side_panel: boundary, tones, texture, plate, device, play
 //!    or plots/response: level, phase, residual, Nyquist
 //! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log
+//! bars/status_line: messages
 //! ```
 //! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` is what the
 //! views keep from frame to frame; a view gets its own part of it. `room` decides what fits the window, `theme` has
@@ -26,7 +27,7 @@ pub(crate) use state::ViewState;
 
 use crate::intent::Intents;
 use crate::scene::Scene;
-use bars::{bottom_row, top_bar};
+use bars::{bottom_row, status_line, top_bar};
 use eframe::egui;
 use panels::side_panel;
 use plots::response;
@@ -41,8 +42,17 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         .resizable(false)
         .show(ui, |ui| top_bar::show(ui, scene, &mut intents));
     let size = ui.ctx().content_rect().size();
-    let room = room::Room::of(size, scene.settings, !scene.notices.is_empty());
-    room.switch(ui, frame, &mut intents);
+    let room = room::Room::of(size, scene.settings);
+    let low = frame.inner_margin(egui::Margin::symmetric(14, 0));
+    egui::Panel::bottom("status").frame(low).exact_size(room.status_height()).resizable(false).show(
+        ui,
+        |ui| {
+            ui.horizontal_centered(|ui| {
+                room.switch(ui, &mut intents);
+                status_line::show(ui, scene, &mut view.notices, &mut intents);
+            });
+        },
+    );
     if room.plots {
         egui::Panel::bottom("bottom")
             .frame(frame)

@@ -1,10 +1,10 @@
 //! What the views keep from frame to frame: the open pages, typed texts, and each panel's own part.
 
 use super::bars::log::LogView;
+use super::bars::status_line::Seen;
 use super::dialogs::TypedPath;
 use super::fields::field::Fields;
 use super::panels::designer::sketch::Sketched;
-use super::panels::notices::Seen;
 use super::plots::PlotsView;
 use super::plots::response::ResponseView;
 use crate::intent::{Intent, Intents};
@@ -50,6 +50,12 @@ pub(crate) struct ViewState {
     pub(crate) held_breakpoint: Option<usize>,
     pub(crate) focused_handle: Option<egui::Id>,
     pub(crate) focused_finger: Option<egui::Id>,
+    /// Where the selected line was before the plate was clicked, in metres.
+    pub(crate) line_before_click_m: Option<f64>,
+    /// Whether the Tab key was pressed while nothing had the focus: it begins with the line.
+    pub(crate) begins_by_tab: bool,
+    /// The line whose knob was pressed and is still under the pointer.
+    pub(crate) pressed_knob: Option<egui::Id>,
     pub(crate) notices: Seen,
     pub(crate) response: ResponseView,
     pub(crate) sketched: Sketched,

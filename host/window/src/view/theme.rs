@@ -83,6 +83,11 @@ pub(super) const DARK: Palette = Palette {
 };
 
 impl Palette {
+    /// Text on the accent colour.
+    const fn on_accent(&self) -> Color32 {
+        if self.dark { self.page } else { self.on_colour }
+    }
+
     /// Shade over the part of a view that a boundary cannot reach.
     #[must_use]
     pub fn beyond(&self) -> Color32 {
@@ -105,7 +110,7 @@ pub fn install(ctx: &egui::Context) {
 
 fn dress(style: &mut egui::Style, palette: &Palette) {
     style.text_styles = [
-        (TextStyle::Small, FontId::proportional(11.5)),
+        (TextStyle::Small, FontId::proportional(12.5)),
         (TextStyle::Body, FontId::proportional(13.5)),
         (TextStyle::Button, FontId::proportional(13.5)),
         (TextStyle::Heading, FontId::proportional(16.0)),
@@ -182,6 +187,17 @@ pub const HEADING: f32 = 13.5;
 /// A small heading over a group of controls.
 pub fn heading(ui: &mut egui::Ui, text: &str) {
     ui.label(egui::RichText::new(text).strong().size(HEADING));
+}
+
+/// A button that is filled while it is the one to be pressed next: there is only one of them on a page then.
+pub(super) fn primary(ui: &egui::Ui, word: &str, is_due: bool) -> egui::Button<'static> {
+    let palette = palette(ui);
+    let text = egui::RichText::new(word).strong();
+    if is_due {
+        egui::Button::new(text.color(palette.on_accent())).fill(palette.accent)
+    } else {
+        egui::Button::new(text)
+    }
 }
 
 /// Keeps the content of a scrolled area clear of its bar, which floats over it and is widest under the pointer.

@@ -203,3 +203,66 @@ fn where_paths_are_typed_the_pages_come_back() {
     app.wait(200);
     assert!(page(&app) == Some(3) && is_enabled(&app, "Next"));
 }
+
+/// The buttons that lead on, back and out.
+fn places(app: &TestApp) -> Vec<(String, eframe::egui::Rect)> {
+    let named =
+        |name: &str| Some((name.to_owned(), app.window.query_by_role_and_label(Role::Button, name)?.rect()));
+    ["Cancel", "Back", "Next"].into_iter().filter_map(named).collect()
+}
+
+#[test]
+fn the_calibrations_buttons_keep_their_places_from_page_to_page() {
+    for size in [[1280.0, 800.0], [640.0, 480.0]] {
+        let mut app = TestApp::driving();
+        app.window.set_size(size.into());
+        app.wait(100);
+        for (name, answer) in ["near.csv", "far.csv"].into_iter().zip(&answers(1.02)) {
+            app.open(name, Ok(answer.to_csv()));
+            app.wait(200);
+        }
+        open_calibration(&mut app);
+        let first = places(&app);
+        for number in 2..=5 {
+            if number == 4 {
+                press(&mut app, "near.csv at 32.0 mm");
+            } else if number == 5 {
+                press(&mut app, "far.csv at 176.0 mm");
+            }
+            press(&mut app, "Next");
+            assert_eq!(page(&app), Some(number), "{size:?}");
+            let title = app.window.get_by_label(&format!("{number} of 5")).rect();
+            assert!(
+                (55.0..200.0).contains(&title.top()),
+                "{size:?}: page {number} begins at its top: {title}"
+            );
+            let here = places(&app);
+            assert_eq!(here, first[..here.len()], "{size:?}: page {number}");
+            assert_eq!(here.len(), if number == 5 { 2 } else { 3 });
+        }
+        // Where Next was there is nothing that a second press could do.
+        let next = first[2].1;
+        for name in ["Use this plate", "Save plate file…"] {
+            let button = app.window.get_by_role_and_label(Role::Button, name).rect();
+            assert!(!button.intersects(next), "{size:?}: {name} {button} {next}");
+        }
+    }
+}
+
+#[test]
+fn a_calibrated_plate_has_a_name_of_its_own() {
+    let mut app = TestApp::driving();
+    go_through(&mut app, &answers(1.04));
+    press(&mut app, "Save plate file…");
+    let (_, bytes) = app.files.saved.borrow().last().cloned().unwrap();
+    let saved = Plate::from_toml(str::from_utf8(&bytes).unwrap()).unwrap();
+    assert_eq!(saved.name(), "membrane, calibrated");
+    press(&mut app, "Use this plate");
+    app.wait(1500);
+    assert_eq!(app.window.state().setup().plate.name(), "membrane, calibrated");
+    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
+    app.wait(200);
+    assert!(crate::plots::words(app.window.output()).iter().any(|(word, _)| word == "membrane, calibrated"));
+    // Calibrated once more, it is still called so.
+    assert_eq!(slipline_instrument::calibration::named_calibrated(&saved).name(), saved.name());
+}

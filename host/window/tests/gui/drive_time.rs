@@ -67,3 +67,36 @@ fn a_real_device_and_every_other_fault_are_cleared_by_hand() {
         assert!(!sent.iter().any(is_kept), "{sent:?}");
     }
 }
+
+#[test]
+fn a_simulated_drive_is_paused_before_its_limit_and_a_real_one_is_not() {
+    for is_simulated in [true, false] {
+        let mut link = real_device(State::Driving);
+        let snapshot = Arc::make_mut(&mut link.snapshot);
+        Arc::make_mut(snapshot.identity.as_mut().unwrap()).simulated = is_simulated;
+        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+        let mut window =
+            open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
+        window.run_steps(5);
+        window.key_press_modifiers(eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Enter);
+        window.run_steps(5);
+        let stops = |link: &FixedLink| {
+            link.sent.borrow_mut().drain(..).filter(|request| matches!(request, Request::Stop)).count()
+        };
+        let later = |minutes: f64| {
+            let mut snapshot = (*link.snapshot).clone();
+            let rate_hz = f64::from(snapshot.identity.as_ref().unwrap().sample_rate_hz);
+            snapshot.status.as_mut().unwrap().now = (60.0 * minutes * rate_hz) as u64;
+            link.become_known(snapshot);
+        };
+        stops(&link);
+        later(9.8);
+        window.run_steps(5);
+        assert_eq!(stops(&link), 0);
+        later(9.95);
+        window.run_steps(5);
+        assert_eq!(stops(&link), usize::from(is_simulated));
+        let told = window.state().notice().cloned().map(|notice| notice.text).unwrap_or_default();
+        assert_eq!(told.starts_with("Paused: nothing was changed for 10 minutes."), is_simulated, "{told}");
+    }
+}

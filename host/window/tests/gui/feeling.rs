@@ -76,7 +76,7 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
             let wanted = format!("{mm}.0 mm");
             let near = |mm: f64, wanted: u32| (mm - f64::from(wanted)).abs() < 0.06;
             assert!(near(slider_mm(&app, "Boundary"), mm), "{name} {mm}: the line");
-            let flag = painted(&app, &format!("{wanted}   "));
+            let flag = painted(&app, &format!("felt edge {wanted}   "));
             assert!(flag.is_some_and(|flag| flag.contains("edge")), "{name} {mm}: the flag");
             let strip = painted(&app, "felt to ").unwrap_or_default();
             let (edge, by_person) = strip.split_once(", ").unwrap_or((&strip, ""));
@@ -164,7 +164,8 @@ fn below_20_khz_an_ultrasonic_plate_is_not_felt_and_says_so() {
     // In the strip and in the flag, which stands at the turning point.
     assert!(painted(&app, "not felt: below 20 kHz").is_some());
     let turning_mm = app.window.state().setup().tones[0].position_m * 1e3;
-    let flag = painted(&app, &format!("{turning_mm:.1} mm   19.50 kHz   not felt: below 20 kHz"));
+    let flag =
+        painted(&app, &format!("turning point {turning_mm:.1} mm   19.50 kHz   not felt: below 20 kHz"));
     assert!(flag.is_some(), "{turning_mm}");
     type_into(&mut app, "Boundary frequency", "25 kHz");
     app.wait(200);

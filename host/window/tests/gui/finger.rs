@@ -141,6 +141,6 @@ fn a_plate_of_unknown_weight_takes_no_finger_and_says_why() {
     open_plate(&mut app, text.replace("tension_n_per_m = 40.0\n", ""));
     app.wait(500);
     assert!(app.window.get_by_role_and_label(Role::RadioButton, "Firm").accesskit_node().is_disabled());
-    assert!(app.window.query_by_label_contains("tension_n_per_m").is_some());
+    assert!(app.window.query_by_label_contains("Tension is missing: a finger needs it").is_some());
     assert!(app.window.query_by_role_and_label(Role::Slider, "Finger").is_none());
 }

@@ -32,7 +32,10 @@ impl FixedLink {
 
 impl Link for FixedLink {
     fn send(&self, request: Request) -> Ticket {
-        self.sent.borrow_mut().push(request);
+        // A line of the log goes to no device.
+        if !matches!(request, Request::Note(..)) {
+            self.sent.borrow_mut().push(request);
+        }
         Ticket(self.sent.borrow().len() as u64)
     }
 

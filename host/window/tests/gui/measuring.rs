@@ -220,3 +220,161 @@ fn a_plate_that_is_secretly_off_is_measured_calibrated_and_then_fits() {
     let off = |plate: &slipline_plate::Plate| 1e3 * departure(plate, &truth, 400e3).unwrap().boundary_m;
     assert!(off(&used) < 1.0 && off(&used) < 0.3 * off(&nominal), "{} {} mm", off(&nominal), off(&used));
 }
+
+/// The dB by which half of the answers are off the model, as the page says.
+fn off_db(app: &TestApp) -> Option<f64> {
+    let node = app.window.query_all_by_label_contains("half of the answers are").next()?;
+    let text = node.accesskit_node().label().or_else(|| node.accesskit_node().value())?;
+    let number = text.split("more than ").nth(1).or_else(|| text.split("within ").nth(1))?;
+    number.split(' ').next()?.parse().ok()
+}
+
+#[test]
+fn a_secret_plate_is_drawn_anew_with_every_other_plate() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench);
+    open_measure(&mut app);
+    app.window.get_by_label("A secret plate, a few per cent off").click();
+    app.wait(200);
+    crate::background::open_plate(&mut app, crate::measure::membrane(1.5).to_toml());
+    app.wait(1500);
+    open_measure(&mut app);
+    let switch = app.window.get_by_role_and_label(Role::CheckBox, "A secret plate, a few per cent off");
+    assert_eq!(switch.accesskit_node().toggled(), Some(eframe::egui::accesskit::Toggled::True));
+    press(&mut app, "Measure now");
+    wait_for_the_end(&mut app);
+    // A few per cent, and not the half by which the plates differ.
+    let off = off_db(&app).unwrap();
+    assert!((0.2..5.0).contains(&off), "{off} dB");
+}
+
+#[test]
+fn a_measurement_that_ends_a_drive_says_so() {
+    let mut app = begun();
+    wait_for_the_end(&mut app);
+    let notice = app.window.state().notice().cloned().unwrap();
+    assert!(notice.text.ends_with("The drive was stopped for it: press Drive to go on."), "{notice:?}");
+    press(&mut app, "Measure now");
+    app.wait(500);
+    press(&mut app, "Cancel measuring");
+    app.wait(500);
+    let notice = app.window.state().notice().cloned().unwrap();
+    assert_eq!(notice.text, "The measurement was cancelled.", "nothing was driven");
+}
+
+#[test]
+fn the_rig_rests_while_nobody_listens_and_has_settled_when_it_is_heard() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench.clone());
+    open_measure(&mut app);
+    press(&mut app, "Measure now");
+    wait_for_the_end(&mut app);
+    app.window.get_by_label("Drive").click();
+    app.wait(1000);
+    assert!(app.is_driving());
+    let mut sensed = [[0; 128]; 2];
+    bench.inputs().sample(&[3000; 128], false, &mut sensed);
+    assert_eq!(sensed, [[2048; 128]; 2], "it costs nothing");
+    crate::calibrate::open_calibration(&mut app);
+    press(&mut app, "Next");
+    app.wait(1500);
+    assert!(has(&app, "dB of full scale"), "it is heard");
+}
+
+#[test]
+fn while_it_is_measured_nothing_moves_under_a_pointer_that_presses_twice() {
+    let mut app = TestApp::sensed(Box::new(Half(2)), Bench::default());
+    crate::calibrate::open_calibration(&mut app);
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    press(&mut app, "Measure now");
+    wait_for_the_end(&mut app);
+    press(&mut app, "Next");
+    let at = |app: &TestApp, name: &str| app.window.get_by_role_and_label(Role::Button, name).rect();
+    let before = ["Measure now", "Open file…", "Next", "Back", "Cancel"].map(|name| at(&app, name));
+    let level = app.window.get_by_role_and_label(Role::TextInput, "Level");
+    assert!(level.accesskit_node().is_disabled(), "it stays as it was at the first place");
+    press(&mut app, "Measure now");
+    assert_eq!(["Measure now", "Open file…", "Next", "Back", "Cancel"].map(|name| at(&app, name)), before);
+    for name in ["Measure now", "Next"] {
+        let button = app.window.get_by_role_and_label(Role::Button, name);
+        assert!(button.accesskit_node().is_disabled(), "{name}");
+    }
+    wait_for_the_end(&mut app);
+}
+
+#[test]
+fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench);
+    app.window.key_press(Key::Space);
+    app.wait(500);
+    crate::calibrate::open_calibration(&mut app);
+    press(&mut app, "Next");
+    app.wait(2500);
+    let level_db = |app: &TestApp| -> f64 {
+        let node = app.window.query_all_by_label_contains("The sensor now:").next().unwrap();
+        let text = node.accesskit_node().label().or_else(|| node.accesskit_node().value()).unwrap();
+        let number = text.split(": ").nth(1).and_then(|rest| rest.split(' ').next());
+        number.and_then(|number| number.replace('\u{2212}', "-").parse().ok()).unwrap_or(-99.0)
+    };
+    let quiet = level_db(&app);
+    press(&mut app, "Tap on the simulated plate");
+    app.wait(200);
+    let tapped = level_db(&app);
+    assert!(tapped > quiet + 10.0, "{quiet} {tapped}");
+}
+
+/// The whole way of somebody new, and what the simulated plate shows afterwards.
+#[test]
+fn after_a_calibration_the_rings_of_the_simulated_plate_lie_on_the_curve() {
+    let bench = Bench::default();
+    let mut app = TestApp::sensed(bench.inputs(), bench);
+    open_measure(&mut app);
+    app.window.get_by_label("A secret plate, a few per cent off").click();
+    app.wait(200);
+    press(&mut app, "Calibrate…");
+    press(&mut app, "Next");
+    press(&mut app, "Next");
+    for _ in 0..2 {
+        press(&mut app, "Measure now");
+        wait_for_the_end(&mut app);
+        press(&mut app, "Next");
+    }
+    press(&mut app, "Use this plate");
+    app.wait(1500);
+    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
+    app.wait(100);
+    app.window.get_by_label("Drive").click();
+    app.wait(2500);
+    // What the menu exports: the curve and the rings, in metres.
+    app.window.get_by_label("File").click();
+    app.wait(200);
+    app.window.get_by_label_contains("Export envelope").click();
+    app.wait(200);
+    let (_, bytes) = app.files.saved.borrow().last().cloned().unwrap();
+    let text = String::from_utf8(bytes).unwrap();
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column =
+        |name: &str| head.iter().position(|head| *head == name).unwrap_or_else(|| panic!("{head:?}"));
+    let rows: Vec<Vec<Option<f64>>> =
+        lines.map(|line| line.split(',').map(|cell| cell.parse().ok()).collect()).collect();
+    let of = |name: &str| -> Vec<(f64, f64)> {
+        let (x, y) = (column("position_m"), column(name));
+        rows.iter().filter_map(|row| Some((row[x]?, row[y]?))).collect()
+    };
+    let (curve, rings) = (of("predicted_maximum_m"), of("simulated_maximum_m"));
+    let top_m = curve.iter().map(|(_, metres)| *metres).fold(0.0, f64::max);
+    let mut places = 0;
+    for (x_m, ring_m) in rings {
+        let after = curve.partition_point(|(x, _)| *x < x_m).clamp(1, curve.len() - 1);
+        let ((a, low_m), (b, high_m)) = (curve[after - 1], curve[after]);
+        let curve_m = low_m + (high_m - low_m) * (x_m - a) / (b - a);
+        if curve_m > 0.3 * top_m {
+            places += 1;
+            assert!((ring_m / curve_m - 1.0).abs() < 0.01, "{x_m}: {ring_m}, not {curve_m}");
+        }
+    }
+    assert!(places >= 5, "{places}");
+}

@@ -79,9 +79,7 @@ fn a_message_covers_nothing_that_is_used_or_watched() {
         let chip = app.window.get_by_label_contains("Validity").rect();
         assert!(!message.intersects(chip), "{size:?}: validity");
         let lines = app.window.get_all_by_label_contains("simulated with firmware");
-        assert!(
-            lines.chain(app.window.get_all_by_label("Log")).all(|line| message.bottom() < line.rect().top())
-        );
+        assert!(lines.chain(app.window.get_all_by_label("Log")).all(|line| !message.intersects(line.rect())));
         app.window.get_by_label("Dismiss").click();
         app.wait(100);
     }
@@ -126,11 +124,7 @@ fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
     let mut app = TestApp::driving();
     open_bad_file(&mut app);
     let text = app.window.state().notice().unwrap().text.clone();
-    let message = |app: &TestApp| {
-        let mut nodes = app.window.get_all_by_label(&text).map(|node| node.rect());
-        // The log has the same words.
-        nodes.find(|rect| rect.left() > 960.0 && rect.top() < 590.0).unwrap()
-    };
+    let message = |app: &TestApp| app.window.get_by_label(&text).rect();
     let cut = message(&app);
     assert!(cut.height() < 50.0, "{cut}");
     let at = cut.center();
@@ -270,4 +264,41 @@ fn the_same_words_again_are_shown_their_whole_time() {
     assert!(app.window.query_by_label("Saved setup.toml").is_some());
     watch(&mut app, 3);
     assert!(app.window.query_by_label("Saved setup.toml").is_none());
+}
+
+#[test]
+fn a_message_moves_nothing_stands_in_one_line_at_the_bottom_and_is_in_the_log() {
+    for size in [[1280.0, 800.0], [640.0, 480.0]] {
+        let mut app = TestApp::driving();
+        app.window.set_size(size.into());
+        app.wait(100);
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
+        app.wait(200);
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
+        app.wait(200);
+        ask_too_much(&mut app);
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
+        app.wait(200);
+        let before = crate::line_rect(&app);
+        open_bad_file(&mut app);
+        save(&mut app);
+        assert_eq!(crate::line_rect(&app), before, "{size:?}: the stage stays");
+        assert!(app.window.query_by_label("Tones").is_none(), "{size:?}: the hidden panel stays hidden");
+        let dismiss: Vec<Rect> = app.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
+        assert!(dismiss.iter().all(|rect| rect.bottom() > size[1] - 34.0), "{size:?}: {dismiss:?}");
+        let log = app.snapshot().log;
+        for part in ["Saved setup.toml.", "add up to"] {
+            assert!(log.iter().any(|entry| entry.text.contains(part)), "{part}: {log:?}");
+        }
+    }
+    // A refusal of the window itself is in the log with all its words.
+    let mut app = TestApp::driving();
+    app.window.get_by_role_and_label(Role::Button, "Plate").click();
+    app.wait(100);
+    app.window.get_by_role_and_label(Role::Button, "Measure").click();
+    app.wait(200);
+    app.window.get_by_role_and_label(Role::Button, "Measure now").click();
+    app.wait(200);
+    let text = app.window.state().notice().cloned().unwrap().text;
+    assert!(app.snapshot().log.iter().any(|entry| entry.text == text), "{text}");
 }

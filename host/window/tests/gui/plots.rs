@@ -39,7 +39,8 @@ fn labels(app: &TestApp, plot: &str) -> (Vec<String>, Vec<String>) {
     let fit = app.window.get_by_label(&format!("More: {plot}")).rect();
     // In a small window the row ends at the button that opens it.
     let switch = app.window.query_by_label("Plots").map(|button| button.rect().top() - 6.0);
-    let bottom = switch.unwrap_or(app.window.ctx.content_rect().bottom());
+    // Elsewhere at the status line.
+    let bottom = switch.unwrap_or(app.window.ctx.content_rect().bottom() - 30.0);
     let area =
         Rect::from_min_max(pos2(head.left() - 6.0, head.bottom() + 2.0), pos2(fit.right() + 6.0, bottom));
     let words: Vec<(String, Rect)> =
@@ -203,7 +204,8 @@ fn a_curve_is_held_magnified_and_drawn_over_the_logarithm_of_the_frequency() {
     assert!(y(&app).contains(&"1.0".to_owned()), "{:?}", y(&app));
     choose(&mut app, "Drive waveform", "Magnify to fit");
     // Level 0.8 at -20 dB, and the gain of the table.
-    assert_eq!(read_outs(&app, "×10"), ["×10"]);
+    // Of the stage, which scales itself, and of the plot.
+    assert_eq!(read_outs(&app, "×10"), ["×10", "×10"]);
     assert!(!y(&app).contains(&"1.0".to_owned()) && y(&app).contains(&"0.10".to_owned()), "{:?}", y(&app));
     for plot in PLOTS {
         let held = read_outs(&app, "held: thin line").len();
@@ -219,4 +221,40 @@ fn a_curve_is_held_magnified_and_drawn_over_the_logarithm_of_the_frequency() {
     app.turn_wheel(middle(&app, "Spectrum"), 300.0);
     let zoomed = x_numbers(&app, "Spectrum");
     assert!(zoomed.len() >= 2 && zoomed != whole, "{zoomed:?}");
+}
+
+#[test]
+fn every_tone_has_its_label_in_the_spectrum_and_nothing_else_has() {
+    let mut app = TestApp::driving();
+    let mut setup = app.window.state().setup().clone();
+    let first = setup.tones[0];
+    setup.master_db = -12.0;
+    // The second is 9 Hz from the first, within its skirt.
+    setup.tones = [(0, 0.18, 0.8), (1, 0.1855, 0.3), (2, 0.11, 0.02)]
+        .map(|(slot, position_m, level)| slipline_model::setup::ToneSetup {
+            slot,
+            position_m,
+            level,
+            ..first
+        })
+        .into();
+    app.open("three.toml", Ok(slipline_model::setup::file::write(&setup)));
+    app.wait(1500);
+    let plate = &app.window.state().setup().plate;
+    let wanted: std::collections::BTreeSet<String> = setup
+        .tones
+        .iter()
+        .map(|tone| {
+            slipline_plate::quantity::show_frequency(plate.frequency_for_boundary_hz(tone.position_m))
+        })
+        .collect();
+    let head = app.window.get_by_label("Spectrum").rect();
+    let area = app.window.get_by_label("More: Spectrum").rect();
+    let labels: std::collections::BTreeSet<String> = painted(&app)
+        .into_iter()
+        .filter(|(_, rect)| rect.top() > head.bottom() && (head.left()..area.right()).contains(&rect.left()))
+        .map(|(word, _)| word)
+        .filter(|word| word.contains('.') && word.ends_with(" Hz"))
+        .collect();
+    assert_eq!(labels, wanted);
 }

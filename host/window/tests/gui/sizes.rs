@@ -104,3 +104,10 @@ fn the_logs_controls_stay_in_the_window() {
         assert!(has_filter || width < 960, "{width}: there is room for the filter");
     }
 }
+
+#[test]
+fn explanations_are_no_smaller_than_twelve_points() {
+    let app = TestApp::driving();
+    let style = app.window.ctx.global_style();
+    assert!(eframe::egui::TextStyle::Small.resolve(&style).size >= 12.0);
+}

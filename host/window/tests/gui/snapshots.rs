@@ -251,7 +251,7 @@ fn what_is_felt_is_faint_while_nothing_is_driven() {
         };
         // A place on the strip with a strong feeling, and one beside the plate.
         let contrast = |seen: &ColorImage| -> u32 {
-            let at = |x: usize| seen.pixels[544 * seen.size[0] + x];
+            let at = |x: usize| seen.pixels[511 * seen.size[0] + x];
             let (felt, page) = (at(440), at(940));
             [felt.r().abs_diff(page.r()), felt.g().abs_diff(page.g()), felt.b().abs_diff(page.b())]
                 .into_iter()

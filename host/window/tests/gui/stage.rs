@@ -188,7 +188,7 @@ fn the_outputs_counters_stay_in_the_window_below_a_heading_level_with_the_others
         heading("Output"),
         heading("Spectrum")
     );
-    let last = app.window.get_by_label("CRC errors").rect();
+    let last = app.window.get_by_label("Errors").rect();
     // Of the panel, which ends before the window of the test does.
     assert!(last.bottom() <= 792.0 - 8.0, "{last}");
 }
@@ -250,4 +250,116 @@ fn the_relief_lifts_the_plate_where_it_moves_and_is_flat_at_rest() {
     app.window.get_by_label("Relief").click();
     app.wait(100);
     assert!(heights(&app).is_empty());
+}
+
+/// The labels of the envelope's axis, and the factor beside it.
+fn factor(app: &TestApp) -> Option<String> {
+    painted_words(app, "×").into_iter().find(|word| word.len() > "×".len())
+}
+
+#[test]
+fn a_weak_drive_is_magnified_by_a_written_factor_that_stays_while_something_is_dragged() {
+    let mut app = TestApp::driving();
+    assert_eq!(factor(&app), None);
+    let first = painted(&app, "µm").unwrap();
+    crate::type_into(&mut app, "Level", "0.04");
+    app.wait(600);
+    assert_eq!(factor(&app).as_deref(), Some("×20"));
+    assert!(painted(&app, "µm").is_some() || painted(&app, "nm").is_some(), "{first}");
+    // While the pointer holds the line nothing is scaled anew, unless it would be cut.
+    let line = line_rect(&app).center();
+    app.window.drag_at(line);
+    app.wait(50);
+    app.window.hover_at(line + vec2(60.0, 0.0));
+    app.wait(100);
+    assert_eq!(factor(&app).as_deref(), Some("×20"));
+    app.window.drop_at(line + vec2(60.0, 0.0));
+    app.wait(200);
+    crate::type_into(&mut app, "Level", "0.8");
+    app.wait(600);
+    assert_eq!(factor(&app), None);
+}
+
+/// The plate's pixels that are not those of a plate at rest, as a share.
+#[test]
+fn the_scene_of_two_tones_is_no_black_plate() {
+    let scene = slipline_model::scenes::SCENES.iter().find(|scene| scene.name == "Two tones").unwrap();
+    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let theme = slipline_window::settings::ThemeChoice::Dark;
+    let app = TestApp::driving_setup(scene.setup().unwrap(), theme, size);
+    let factor = factor(&app).unwrap();
+    let factor: f64 = factor.trim_start_matches('×').parse().unwrap();
+    assert!(factor >= 5.0, "{factor}");
+}
+
+#[test]
+fn a_line_says_what_stands_at_its_place() {
+    let mut app = TestApp::driving();
+    assert!(painted(&app, "turning point 180.0 mm").is_some());
+    crate::type_into(&mut app, "Level", "0.0001");
+    app.wait(300);
+    app.window.get_by_label("Felt edge").click();
+    app.wait(300);
+    assert!(painted(&app, "turning point ").is_some() && painted(&app, "not felt: too weak").is_some());
+    crate::type_into(&mut app, "Level", "0.8");
+    app.wait(300);
+    assert!(painted(&app, "felt edge ").is_some());
+    app.window.get_by_label("Tones").click();
+    app.wait(100);
+    assert!(app.window.query_by_label("felt edge").is_some(), "in the list, too");
+}
+
+#[test]
+fn the_switches_of_the_view_keep_their_places_whichever_is_pressed() {
+    let mut app = TestApp::driving();
+    let places = |app: &TestApp| {
+        ["Wave", "Amplitude", "Relief"].map(|name| app.window.get_by_label(name).rect().left_top())
+    };
+    let before = places(&app);
+    for name in ["Amplitude", "Relief", "Wave"] {
+        app.window.get_by_label(name).click();
+        app.wait(300);
+        assert_eq!(places(&app), before, "{name}");
+    }
+    // A switch of its own beside a choice of two.
+    let relief = app.window.get_by_label("Relief");
+    assert_eq!(egui_kittest::kittest::NodeT::accesskit_node(&relief).role(), Role::CheckBox);
+}
+
+#[test]
+fn a_click_on_the_plate_brings_the_line_and_a_double_click_moves_none() {
+    let mut app = TestApp::driving();
+    let line = line_rect(&app);
+    let at = eframe::egui::pos2(line.center().x - 60.0, line.top() + 0.3 * line.height());
+    let click = |app: &mut TestApp, at: eframe::egui::Pos2| {
+        app.window.drag_at(at);
+        app.window.step();
+        app.window.drop_at(at);
+        app.window.step();
+    };
+    let before = boundary_mm(&app);
+    click(&mut app, at);
+    app.wait(600);
+    let moved = boundary_mm(&app);
+    assert!((line_rect(&app).center().x - at.x).abs() < 1.0 && moved < before - 10.0, "{before} {moved}");
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(300);
+    assert_eq!(boundary_mm(&app), before, "one step");
+    app.window.run_steps(60);
+    click(&mut app, at);
+    click(&mut app, at);
+    app.wait(300);
+    let setup = app.window.state().setup();
+    assert_eq!((setup.tones.len(), setup.tones[0].position_m * 1e3), (2, before));
+}
+
+#[test]
+fn the_row_below_gives_its_room_to_the_plots_while_no_error_was_counted() {
+    let app = TestApp::driving();
+    let left = |name: &str| app.window.get_by_label(name).rect().left();
+    let plots = left("Output") - left("Drive waveform");
+    assert!(plots > 0.64 * 1252.0, "{plots}");
+    assert!(
+        app.window.query_by_label("Errors").is_some() && app.window.query_by_label("CRC errors").is_none()
+    );
 }

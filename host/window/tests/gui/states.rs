@@ -3,7 +3,7 @@
 use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::test_app::{TestApp, open_window};
-use eframe::egui::{Key, Modifiers, Rect, vec2};
+use eframe::egui::{Key, Modifiers, Rect, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::protocol::event::{Fault, Faults, State};
@@ -334,4 +334,35 @@ fn a_fault_that_stands_after_it_was_cleared_is_told() {
     window.run_steps(3);
     let told = window.state().notice().unwrap().text.clone();
     assert!(told.starts_with("Not cleared: ") && told.ends_with("Its cause is still there."), "{told}");
+}
+
+#[test]
+fn a_served_device_is_reached_by_its_port_which_is_in_the_lists_then() {
+    let mut app = TestApp::driving();
+    app.window.get_by_role_and_label(Role::Button, "Device").click();
+    app.wait(200);
+    crate::type_into(&mut app, "Another port", "unix:");
+    app.wait(100);
+    assert!(app.window.query_all_by_label_contains("is not a port").next().is_some());
+    app.take_sent();
+    crate::type_into(&mut app, "Another port", "unix:/run/slipline.sock");
+    app.wait(300);
+    let sent = app.take_sent();
+    let port = slipline_link::Port::Unix("/run/slipline.sock".into());
+    assert!(sent.iter().any(|request| matches!(request, Request::Connect(to) if *to == port)), "{sent:?}");
+    assert!(!sent.iter().any(|request| matches!(request, Request::Arm)), "it arms nothing");
+    let named = |app: &TestApp| app.window.query_all_by_label_contains("unix:/run/slipline.sock").count();
+    let on_the_page = named(&app);
+    assert!(on_the_page >= 2, "in the list and in the menu: {on_the_page}");
+    assert_eq!(app.window.state().settings().port.as_deref(), Some("unix:/run/slipline.sock"));
+}
+
+#[test]
+fn a_file_that_was_named_on_the_command_line_is_opened() {
+    let mut app = TestApp::driving();
+    let text = app.setup_text().replace("master_db = 0.0", "master_db = -7.0");
+    *app.files.contents.borrow_mut() = vec![("given.toml".into(), Ok(text))];
+    app.window.state_mut().open("given.toml".into());
+    app.wait(300);
+    assert_eq!(app.window.state().setup().master_db, -7.0);
 }

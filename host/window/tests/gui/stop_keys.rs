@@ -245,3 +245,42 @@ fn there_is_one_control_for_the_emergency_stop_on_every_page() {
         assert_eq!(stops, ["STOP"], "{page}");
     }
 }
+
+#[test]
+fn two_keys_on_a_silent_simulated_device_latch_no_fault_and_two_presses_of_the_button_do() {
+    let mut app = TestApp::driving();
+    app.window.key_press(Key::Space);
+    app.wait(2000);
+    assert!(app.window.query_by_label("State: armed").is_some());
+    // The window counts a 60th of a second a frame.
+    app.window.run_steps(OVER_A_SECOND);
+    app.take_sent();
+    for key in [Key::Escape, Key::Escape, Key::Space, Key::Escape] {
+        app.window.key_press(key);
+        app.wait(100);
+    }
+    let sent = app.take_sent();
+    assert!(!sent.iter().any(|request| matches!(request, Request::EmergencyStop)), "{sent:?}");
+    assert_eq!(sent.iter().filter(|request| matches!(request, Request::Stop)).count(), 4, "each is a stop");
+    assert!(app.window.query_by_label("State: armed").is_some());
+    for _ in 0..2 {
+        app.window.get_by_label("STOP").click();
+        app.wait(100);
+    }
+    app.wait(300);
+    assert!(app.window.query_by_label("State: fault: emergency stop").is_some());
+    assert!(app.window.query_by_label("Clear fault").is_some());
+}
+
+#[test]
+fn two_keys_on_a_silent_real_device_are_an_emergency_stop_as_ever() {
+    for state in [State::Idle, State::Armed] {
+        let link = real_device(state);
+        let mut window = show(&link);
+        for _ in 0..2 {
+            window.key_press(Key::Escape);
+            window.run_steps(3);
+        }
+        assert_eq!(sent(&link), "SDE", "{state:?}");
+    }
+}

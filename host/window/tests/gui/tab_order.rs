@@ -105,3 +105,17 @@ fn tab_reaches_every_control_once() {
     app.wait(300);
     walk(&mut app, "More");
 }
+
+#[test]
+fn the_first_press_of_tab_reaches_the_line() {
+    let mut app = TestApp::driving();
+    app.window.key_press(Key::Tab);
+    app.window.step();
+    app.window.step();
+    let focused = app.window.get_by(|node| node.is_focused());
+    assert_eq!(focused.accesskit_node().label().as_deref(), Some("Boundary"));
+    let before = crate::boundary_mm(&app);
+    crate::arrow_right(&mut app);
+    app.wait(100);
+    assert!((crate::boundary_mm(&app) - before - 1.0).abs() < 1e-6);
+}

@@ -200,3 +200,33 @@ fn the_page_lies_inside_its_panel() {
     let page = app.window.get_by_label("Texture over the plate").rect();
     assert!(page.right() <= window.right() && page.width() > 250.0, "{page:?}");
 }
+
+#[test]
+fn a_beat_opens_without_red_on_the_first_plate_and_its_range_does_not_run_backwards() {
+    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut app = TestApp::first_start(ThemeChoice::Light, size);
+    open_textures(&mut app);
+    choose(&mut app, "Beat");
+    app.wait(600);
+    assert!(!has(&app, "must be") && has(&app, "2 tones"));
+    type_into(&mut app, "Beat", "300 Hz");
+    app.wait(300);
+    let node = app.window.query_all_by_label_contains("beat frequency = 300 Hz: must be").next().unwrap();
+    let text = node.accesskit_node().label().or_else(|| node.accesskit_node().value()).unwrap();
+    let range = text.split("must be ").nth(1).unwrap();
+    let ends: Vec<f64> = range.split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(ends.len() == 2 && ends[0] < ends[1], "{text}");
+}
+
+#[test]
+fn a_texture_that_moves_the_lines_to_turning_points_says_so() {
+    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut app = TestApp::first_start(ThemeChoice::Light, size);
+    open_textures(&mut app);
+    choose(&mut app, "Stripes");
+    app.wait(600);
+    app.window.get_by_label("Play this").click();
+    app.wait(300);
+    let notice = app.window.state().notice().cloned().map(|notice| notice.text).unwrap_or_default();
+    assert!(notice.starts_with("The lines are at turning points now"), "{notice}");
+}

@@ -174,12 +174,68 @@ fn the_strip_and_the_line_say_it_at_the_pointer() {
             let is_one = matches!(access.role(), Role::Label | Role::Slider);
             is_one && access.label().or_else(|| access.value()).is_some_and(|label| label.starts_with(name))
         };
-        let at = app.window.root().children_recursive().find(named).unwrap().rect().center();
-        // Beside the line, where the strip is alone.
-        let beside = if name == "Boundary" { 0.0 } else { 100.0 };
-        app.window.hover_at(at + eframe::egui::vec2(beside, 0.0));
+        let mut at = app.window.root().children_recursive().find(named).unwrap().rect().center();
+        if name == "Boundary" {
+            // At the knob.
+            at.y = app.window.get_by_label("Plate from above").rect().center().y;
+        } else {
+            // Beside the line, where the strip is alone.
+            at.x += 100.0;
+        }
+        app.window.hover_at(at);
         app.wait(2500);
         let words = crate::plots::words(app.window.output());
         assert!(words.iter().any(|(words, _)| words.contains(wanted)), "{name}");
     }
+}
+
+/// Painted explanations and read-outs at the pointer: their first words.
+fn at_pointer(app: &TestApp) -> Vec<String> {
+    let beginnings = [
+        "Drag it along the plate",
+        "What a finger feels along",
+        "From the peak to a tenth",
+        "Where the line is, the",
+    ];
+    let words = crate::plots::words(app.window.output()).into_iter().map(|(words, _)| words);
+    let is_one = |words: &String| {
+        beginnings.iter().any(|beginning| words.starts_with(beginning))
+            || (words.contains(" mm   ") && (words.ends_with("over felt") || words.ends_with("below felt")))
+    };
+    words.filter(is_one).collect()
+}
+
+#[test]
+fn the_line_explains_itself_at_its_knob_alone_and_not_after_a_press() {
+    let mut app = TestApp::driving();
+    let line = crate::line_rect(&app);
+    let knob =
+        eframe::egui::pos2(line.center().x, app.window.get_by_label("Plate from above").rect().center().y);
+    let strip = app.window.query_all_by_label_contains("felt to").next().unwrap().rect();
+    let edge = app.window.query_all_by_label_contains("Edge: ").next().unwrap().rect();
+    for at in [
+        knob,
+        knob + eframe::egui::vec2(0.0, 40.0),
+        eframe::egui::pos2(line.center().x, strip.center().y),
+        strip.center() + eframe::egui::vec2(100.0, 0.0),
+        edge.center(),
+        eframe::egui::pos2(line.center().x, edge.center().y),
+    ] {
+        app.window.hover_at(at - eframe::egui::vec2(30.0, 3.0));
+        app.wait(100);
+        app.window.hover_at(at);
+        app.wait(2500);
+        let shown = at_pointer(&app);
+        assert_eq!(shown.len(), 1, "{at}: {shown:?}");
+        assert_eq!(shown[0].starts_with("Drag it"), at == knob, "{at}: {shown:?}");
+    }
+    app.window.hover_at(knob);
+    app.wait(100);
+    app.window.drag_at(knob);
+    app.wait(100);
+    app.window.drop_at(knob);
+    app.wait(100);
+    app.window.hover_at(knob + eframe::egui::vec2(2.0, 1.0));
+    app.wait(3000);
+    assert!(!at_pointer(&app).iter().any(|words| words.starts_with("Drag it")), "after a press");
 }

@@ -22,11 +22,14 @@ pub(crate) fn height(ui: &egui::Ui) -> f32 {
     (HEIGHT - missing).max(LOW_HEIGHT.min(LEAST_SHARE * window))
 }
 
-/// Height of all meters, in points: in a lower row they scroll.
+/// Height of all meters with every counter, in points: in a lower row they may scroll.
 const METERS: f32 = 170.0;
 
 /// Shares of the width; each gap between two parts has a separator line.
 const SHARES: [f32; 4] = [0.28, 0.28, 0.18, 0.26];
+/// The shares in a window wider than [`WIDE`], in points, where meters and log have enough and the plots get the rest.
+const WIDE_SHARES: [f32; 4] = [0.335, 0.335, 0.145, 0.185];
+const WIDE: f32 = 1200.0;
 /// The shares in a window narrower than [`NARROW`], in points, where meters and log need more of it.
 const NARROW_SHARES: [f32; 4] = [0.25, 0.24, 0.245, 0.265];
 const NARROW: f32 = 760.0;
@@ -34,7 +37,11 @@ const GAP: f32 = 21.0;
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
-    let shares = if area.width() < NARROW { NARROW_SHARES } else { SHARES };
+    let shares = match area.width() {
+        width if width < NARROW => NARROW_SHARES,
+        width if width < WIDE => SHARES,
+        _ => WIDE_SHARES,
+    };
     let free = area.width() - GAP * (SHARES.len() - 1) as f32;
     let mut left = area.left();
     for (i, share) in shares.into_iter().enumerate() {

@@ -118,7 +118,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, log: &mut LogView, inte
                     ui.label(RichText::new(seconds(entry)).small().color(palette.weak));
                 });
                 let text = RichText::new(&entry.text).small().color(colour);
-                ui.add(egui::Label::new(text).truncate()).on_hover_text(&entry.text);
+                let line = ui.add(egui::Label::new(text).truncate());
+                // With its time, by which it differs from a message of the same words.
+                let said = format!("{} s: {}", seconds(entry), entry.text);
+                line.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
+                line.on_hover_text(&entry.text);
             });
         }
     });

@@ -40,30 +40,38 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     meter(ui, "Thermal load", load, "The coil's computed warming, against its limit");
     ui.add_space(1.0);
     let counters = status.map(|status| status.counters);
-    let clips = counters.map(|counters| counters.clips);
-    count(
-        ui,
-        "Clipped samples",
-        clips,
-        "Samples that did not fit the DAC since the device started: lower the levels",
-    );
-    let underruns = counters.map(|counters| counters.underruns);
-    count(ui, "Underruns", underruns, "Times the DAC ran out of samples since the device started");
-    let retries = status.map(|_| scene.snapshot.counters.retries);
-    count(
-        ui,
-        "Retries",
-        retries,
-        "Commands that were sent again because no answer came: a bad cable or a busy port",
-    );
     let here = scene.snapshot.decoder.damaged;
-    let damaged = counters.map(|counters| counters.crc_errors.saturating_add(here));
-    count(
-        ui,
-        "CRC errors",
-        damaged,
-        "Messages that arrived damaged, here or at the device; they were not acted on",
-    );
+    let counts = [
+        (
+            "Clipped samples",
+            counters.map(|counters| counters.clips),
+            "Samples that did not fit the DAC since the device started: lower the levels",
+        ),
+        (
+            "Underruns",
+            counters.map(|counters| counters.underruns),
+            "Times the DAC ran out of samples since the device started",
+        ),
+        (
+            "Retries",
+            status.map(|_| scene.snapshot.counters.retries),
+            "Commands that were sent again because no answer came: a bad cable or a busy port",
+        ),
+        (
+            "CRC errors",
+            counters.map(|counters| counters.crc_errors.saturating_add(here)),
+            "Messages that arrived damaged, here or at the device; they were not acted on",
+        ),
+    ];
+    if counts.iter().all(|(_, value, _)| *value == Some(0)) {
+        let help = "No clipped samples, underruns, retries or CRC errors since the device started";
+        row(ui, "Errors", "none").on_hover_text(help);
+        return;
+    }
+    // What has happened, or what is not known.
+    for (name, value, help) in counts.into_iter().filter(|(_, value, _)| *value != Some(0)) {
+        count(ui, name, value, help);
+    }
 }
 
 /// A level in dB; never `-0.0`.

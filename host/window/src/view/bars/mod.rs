@@ -5,4 +5,5 @@ pub(crate) mod log;
 pub(crate) mod menu;
 pub(crate) mod meters;
 pub(crate) mod offers;
+pub(crate) mod status_line;
 pub(crate) mod top_bar;

@@ -253,7 +253,7 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
     );
     // A long name must not push STOP out of the window.
     let menu = egui::ComboBox::from_id_salt("port").selected_text(label.as_str()).width(width).truncate();
-    let response = menu.show_ui(ui, |ui| {
+    let menu_of = |ui: &mut egui::Ui| {
         for info in scene.ports {
             let is_current = current == Some(&info.port);
             let choice = ui.selectable_label(is_current, &info.label);
@@ -271,7 +271,12 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
         if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
             intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
         }
+    };
+    let response = ui.scope(|ui| {
+        ui.set_max_width(width);
+        menu.show_ui(ui, menu_of)
     });
+    let response = response.inner;
     let name = format!("Device: {label}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
     response.response.on_hover_text(format!("{label}: what is driven. Press to choose another port"))

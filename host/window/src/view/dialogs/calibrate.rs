@@ -10,6 +10,7 @@ use crate::scene::Scene;
 use crate::view::fields::{foreign_form, measure_form};
 use crate::view::panels::validity;
 use crate::view::plots::response::inks::ink;
+use crate::view::stage::aligned;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Label, RichText, Sense, vec2};
@@ -34,12 +35,12 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         WizardPage::Plate => known::show(ui, calibration, view, intents),
         WizardPage::FirstPlace => {
             place(ui, calibration, 0);
-            signal::show(ui, scene);
+            signal::show(ui, scene, intents);
         }
         WizardPage::FirstAnswer => answer(ui, scene, view, calibration, 0, intents),
         WizardPage::SecondPlace => {
             place(ui, calibration, 1);
-            signal::show(ui, scene);
+            signal::show(ui, scene, intents);
             ui.add_space(6.0);
             answer(ui, scene, view, calibration, 1, intents);
         }
@@ -141,15 +142,19 @@ pub(super) fn steps(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents)
             ask(CalibrateIntent::Page(back));
         }
         if let Some(next) = step.next() {
-            let obstacle = shown.calibration.obstacle();
-            let button = egui::Button::new(RichText::new("Next").strong());
+            let is_measuring = scene.measure.live.progress.is_some();
+            let waits = is_measuring.then_some("Wait until it is measured, or cancel that.");
+            let obstacle = waits.or(shown.calibration.obstacle());
+            let next_is_due = obstacle.is_none();
+            let button = theme::primary(ui, "Next", next_is_due);
             let button = ui.add_enabled(obstacle.is_none(), button);
             let button = button.on_hover_text("The next page; Back returns to this one");
             if button.on_disabled_hover_text(obstacle.unwrap_or_default()).clicked() {
                 ask(CalibrateIntent::Page(next));
             }
         } else if matches!(shown.result, Some(Ok(_))) {
-            result::actions(ui, ask);
+            // Not in the place of Next, which may have been pressed twice.
+            aligned::at_right(ui, |ui| result::actions(ui, ask));
         }
         is_cancelled
     })

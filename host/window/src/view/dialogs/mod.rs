@@ -20,7 +20,10 @@ use slipline_model::export::report;
 pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
     ("Esc", "STOP in every state, even while typing or in a page: silence; a real device is disarmed"),
     ("Space", "The same, but not while typing"),
-    ("Esc or Space twice", "Within a second: emergency stop, a fault to be cleared"),
+    (
+        "Esc or Space twice",
+        "Within a second: emergency stop, a fault to be cleared; not on a silent simulated plate",
+    ),
     ("Ctrl+Enter", "Drive"),
     ("Left, Right", "Move the boundary by 1 mm"),
     ("Shift+Left, Shift+Right", "Move the boundary by 0.1 mm"),
@@ -32,7 +35,7 @@ pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
     ("Ctrl+B", "Switch between the setups A and B"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
-    ("Double click", "On the plate: add a tone there"),
+    ("Click, double click", "On the plate: the selected line comes there; add a tone there"),
     ("Wheel on a plot", "Zoom about the pointer; with Shift its values"),
     ("Drag, double click on a plot", "Move it, show all of it again"),
     ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
@@ -49,6 +52,8 @@ const USUAL: f32 = 460.0;
 const WIDE: f32 = 620.0;
 /// Least height of a page, even in a window that is too low for it, in points.
 const LEAST_HEIGHT: f32 = 90.0;
+/// Height of the calibration's pages without their buttons, in points; less in a low window.
+const CALIBRATE: f32 = 520.0;
 /// Height of the row with Close, and the space before it, in points.
 const CLOSE: f32 = 26.0 + 2.0 * GAP;
 
@@ -64,10 +69,15 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let height = (room.y - 2.0 * top_bar::HEIGHT).max(LEAST_HEIGHT);
     let response = egui::Modal::new(egui::Id::unique("dialog")).frame(frame).show(ui.ctx(), |ui| {
         ui.set_width(width.min(room.x - 2.0 * GAP).max(0.0));
-        let most = height - CLOSE;
+        // The calibration's buttons keep their places from page to page.
+        let is_fixed = matches!(dialog, Dialog::Calibrate);
+        let most = if is_fixed { (height - CLOSE).min(CALIBRATE) } else { height - CLOSE };
         // Without the least height an area in a page takes no more than it had: a page that grows would be cut.
         let area = egui::ScrollArea::vertical().max_height(most).min_scrolled_height(most);
-        let area = area.auto_shrink([false, true]);
+        // Each of its pages begins at its top.
+        let page =
+            scene.calibration.as_ref().filter(|_| is_fixed).map(|shown| shown.calibration.step.number());
+        let area = area.auto_shrink([false, !is_fixed]).id_salt(page);
         let is_ended = area.show(ui, |ui| {
             theme::clear_of_bar(ui);
             match dialog {

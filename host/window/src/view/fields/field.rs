@@ -18,6 +18,9 @@ struct Typing {
     over: String,
 }
 
+/// Most letters in a field: the path of a socket has up to 108.
+const MOST_LETTERS: usize = 120;
+
 /// One input field: its name for screen readers, its present value as text, and a hint of the allowed range.
 pub(crate) struct InputField<'a> {
     pub(crate) name: &'a str,
@@ -74,8 +77,10 @@ impl InputField<'_> {
             let typing = fields.texts.get(&id);
             let mut text = typing.map_or_else(|| self.value.to_owned(), |typing| typing.text.clone());
             let mut error = typing.and_then(|typing| typing.error.clone());
-            let mut edit =
-                egui::TextEdit::singleline(&mut text).id(id).desired_width(self.width).char_limit(64);
+            let mut edit = egui::TextEdit::singleline(&mut text)
+                .id(id)
+                .desired_width(self.width)
+                .char_limit(MOST_LETTERS);
             if error.is_some() {
                 edit = edit.text_color(theme::palette(ui).wrong);
             }

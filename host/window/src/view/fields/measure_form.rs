@@ -7,10 +7,14 @@ use crate::view::fields::{
     drive_fields,
     sensor_fields::{kind, number, place, refusal},
 };
+use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_instrument::measure::LEVEL;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity;
+
+/// Width of the button that cancels, in points.
+const CANCEL: f32 = 140.0;
 
 /// Shows the form. `answers` is the calibration's place that the measurement is for.
 pub(crate) fn show(
@@ -22,22 +26,48 @@ pub(crate) fn show(
 ) {
     let live = &scene.measure.live;
     let mut ask = |intent: MeasureIntent| intents.push(Intent::Measure(intent));
-    if let Some(share) = live.progress {
-        ui.horizontal(|ui| {
-            if ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked() {
-                ask(MeasureIntent::Cancel);
-            }
-            let percent = format!("{:.0} %", 100.0 * share);
-            let bar = ui.add(egui::ProgressBar::new(share).desired_height(8.0));
-            let name = format!("Measured: {percent}");
-            bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
-        });
-        if live.is_checking {
-            ui.label(RichText::new("Quiet tones first: is the drive on?").small());
+    let is_measuring = live.progress.is_some();
+    // The fields stay while it is measured, so that nothing comes under a pointer that presses twice.
+    ui.add_enabled_ui(!is_measuring, |ui| settings(ui, scene, typed, answers, &mut ask));
+    let is_answered = answers.is_some_and(|sensor| {
+        scene.calibration.as_ref().is_some_and(|shown| shown.calibration.answer(sensor).is_some())
+    });
+    let help = "Play tones over the plate's band and measure the sensor's answer to each; never louder than the level";
+    ui.horizontal(|ui| {
+        let button = theme::primary(ui, "Measure now", !is_answered && !is_measuring);
+        let button = ui.add_enabled(!is_measuring, button).on_hover_text(help);
+        if button.on_disabled_hover_text("It is being measured").clicked() {
+            ask(MeasureIntent::Begin(answers));
         }
-        return;
+        let Some(share) = live.progress else { return };
+        let percent = format!("{:.0} %", 100.0 * share);
+        let room = (ui.available_width() - CANCEL).max(20.0);
+        let bar = ui.add(egui::ProgressBar::new(share).desired_height(8.0).desired_width(room));
+        let name = format!("Measured: {percent}");
+        bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
+        if ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked() {
+            ask(MeasureIntent::Cancel);
+        }
+    });
+    if live.is_checking {
+        ui.label(RichText::new("Quiet tones first: is the drive on?").small());
     }
+    // A message would lie behind the calibration's pages.
+    refusal(ui, live.failed);
+}
+
+/// What is measured, and how.
+fn settings(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    typed: &mut Fields,
+    answers: Option<usize>,
+    ask: &mut impl FnMut(MeasureIntent),
+) {
+    let live = &scene.measure.live;
     let draft = *live.draft;
+    ui.spacing_mut().item_spacing.y = 3.0;
+    ui.spacing_mut().interact_size.y = 20.0;
     let mut reason = None;
     ui.horizontal_top(|ui| {
         let field = ("Sensor at", "Where the sensor stands, from the driven end (32 mm)", 82.0);
@@ -45,20 +75,24 @@ pub(crate) fn show(
         if let Some(place_m) = place(ui, typed, &mut reason, field, at) {
             ask(MeasureIntent::Draft(MeasureDraft { place_m, ..draft }));
         }
-        let field = ("Level", "What all tones together may be of full scale: 0.001 to 1, or in dB", 52.0);
-        let shown = with_decimals(draft.level, 2);
-        let of_level = (shown.as_str(), "level", LEVEL);
-        if let Some(level) = number(ui, typed, &mut reason, field, of_level, quantity::level) {
-            ask(MeasureIntent::Draft(MeasureDraft { level, ..draft }));
-        }
-        if let Some(kind) = kind(ui, "It shows", Some(draft.kind)) {
-            ask(MeasureIntent::Draft(MeasureDraft { kind, ..draft }));
-        }
+        // At the second place nothing but the place may differ.
+        ui.add_enabled_ui(answers != Some(1), |ui| {
+            let field = ("Level", "What all tones together may be of full scale: 0.001 to 1, or in dB", 52.0);
+            let shown = with_decimals(draft.level, 2);
+            let of_level = (shown.as_str(), "level", LEVEL);
+            if let Some(level) = number(ui, typed, &mut reason, field, of_level, quantity::level) {
+                ask(MeasureIntent::Draft(MeasureDraft { level, ..draft }));
+            }
+            if let Some(kind) = kind(ui, "It shows", Some(draft.kind)) {
+                ask(MeasureIntent::Draft(MeasureDraft { kind, ..draft }));
+            }
+        });
     });
     refusal(ui, reason.as_deref());
     if scene.snapshot.is_simulated() {
         let mut is_secret = live.is_secret;
-        let switch = ui.checkbox(&mut is_secret, "A secret plate, a few per cent off");
+        let switch = egui::Checkbox::new(&mut is_secret, "A secret plate, a few per cent off");
+        let switch = ui.add_enabled(answers != Some(1), switch);
         if switch
             .on_hover_text("To try a calibration: nobody knows the plate that the sensor stands on")
             .changed()
@@ -69,10 +103,4 @@ pub(crate) fn show(
     if let Some(draft) = drive_fields::show(ui, typed, live) {
         ask(MeasureIntent::Draft(draft));
     }
-    let help = "Play tones over the plate's band and measure the sensor's answer to each; never louder than the level";
-    if ui.button(RichText::new("Measure now").strong()).on_hover_text(help).clicked() {
-        ask(MeasureIntent::Begin(answers));
-    }
-    // A message would lie behind the calibration's pages.
-    refusal(ui, live.failed);
 }

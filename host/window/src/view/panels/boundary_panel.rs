@@ -77,8 +77,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         row(ui, "Turning point", show_place(tone.position_m));
     }
     if let Some(half_m) = plate.boundary_tolerance_m(tone.position_m) {
-        row(ui, "Calibrated to", format!("± {}", show_length(half_m)))
-            .on_hover_text("The boundary lies within this of its place, in 95 of 100 calibrations");
+        row(ui, "Turning point known to", format!("± {}", show_length(half_m))).on_hover_text(
+            "Here, in 95 of 100 calibrations. The felt edge has an interval of its own, beside the strip; the calibration \
+             states the largest over the span",
+        );
     }
     if let Some(wave) = scene.predicted.tone(slot) {
         row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));

@@ -3,15 +3,15 @@
 use crate::intent::{Confirm, DeviceIntent, Dialog, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::top_bar;
-use crate::view::fields::field::row;
+use crate::view::fields::field::{InputField, labelled, row};
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Port, upkeep};
 
-pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, intents: &mut Intents) {
-    ports(ui, scene, intents);
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
+    ports(ui, scene, view, intents);
     ui.separator();
     connection(ui, scene, intents);
     if scene.snapshot.is_connected() {
@@ -26,7 +26,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, _view: &mut ViewState, 
     }
 }
 
-fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
         theme::heading(ui, "Ports");
@@ -56,6 +56,21 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     if scene.ports.len() <= 1 {
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));
     }
+    labelled(ui, "Another port", |ui| {
+        let current = scene.snapshot.port.as_ref().map_or_else(String::new, ToString::to_string);
+        let hint = "unix:PATH of a served device, or a serial port's name. Enter connects to it and arms no real device";
+        let field = InputField {
+            name: "Another port",
+            value: &current,
+            hint,
+            width: ui.available_width() - 8.0,
+            caption: None,
+            is_live: false,
+        };
+        if let Some(port) = field.show(ui, &mut view.fields, str::parse) {
+            intents.push(Intent::Connect(port));
+        }
+    });
     let missing = ui.link("My device is not listed, or may not be opened");
     if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
         intents.push(Intent::Dialog(Some(Dialog::PortHelp)));

@@ -6,7 +6,6 @@ pub(crate) mod boundary_panel;
 pub(crate) mod designer;
 pub(crate) mod device_panel;
 pub(crate) mod measure_panel;
-pub(crate) mod notices;
 pub(crate) mod plane_check;
 pub(crate) mod plate_panel;
 pub(crate) mod play_panel;

@@ -3,7 +3,7 @@
 use crate::intent::Intents;
 use crate::scene::Scene;
 use crate::view::panels::{
-    boundary_panel, device_panel, notices, plate_panel, play_panel, texture_panel, tones_panel,
+    boundary_panel, device_panel, plate_panel, play_panel, texture_panel, tones_panel,
 };
 use crate::view::state::{Tab, ViewState};
 use crate::view::theme;
@@ -22,7 +22,6 @@ const TABS: [(Tab, &str, &str); 6] = [
 ];
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
-    notices::show(ui, scene, &mut view.notices, intents);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         ui.spacing_mut().button_padding.x = 2.0;

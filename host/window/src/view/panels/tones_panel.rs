@@ -80,6 +80,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                         }
                     });
                 });
+                if let Some(what) = scene.line(slot).map(|line| line.holds.words()) {
+                    ui.label(RichText::new(what).small().color(palette.weak));
+                }
                 let name = format!("Level of tone {}", slot + 1);
                 let level = |level| Edit::Level { slot, level };
                 Quantity::level(name, tone.level, &level).show(ui, setup, &mut view.fields, intents);

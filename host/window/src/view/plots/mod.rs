@@ -13,8 +13,8 @@ use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, pos2};
 use egui_plot::{Line, PlotPoint, PlotPoints, PlotResponse, VLine};
 use frame::{Frame, fit, plot};
-use scale::magnification;
-use slipline_model::waveform::peaks;
+use slipline_model::field::steady_field::magnification;
+use slipline_model::waveform::level_at;
 use slipline_plate::quantity::show_frequency;
 use steer::steer;
 
@@ -58,10 +58,10 @@ const HARMONICS: f64 = 3.0;
 const LOWEST: f64 = 0.1;
 /// The spectrum is drawn down to here, in dB of full scale.
 const FLOOR_DB: f64 = -120.0;
-/// Peaks of the spectrum down to here get a label, in dB of full scale.
+/// Tones down to here get a label in the spectrum, in dB of full scale.
 const PEAK_FLOOR_DB: f64 = -80.0;
-/// Most labels of peaks in the spectrum; the strongest peaks get them.
-const MOST_PEAKS: usize = 16;
+/// Rows of a label from its peak, negative above it, the best first.
+const ROWS: [i32; 6] = [0, -1, 1, 2, 3, 4];
 
 /// The ranges of the plots. They depend on the plate, not on the tone, so that they do not change while a boundary
 /// is dragged.
@@ -289,12 +289,15 @@ pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
     });
     theme::describe(&shown.response, "Plot of the spectrum", SPECTRUM_HELP);
     note(ui, &shown, is_held, 1.0);
-    let tops = peaks(lines, PEAK_FLOOR_DB, MOST_PEAKS);
-    label_peaks(ui, &shown, tops.iter().map(|top| (place(top.frequency_hz), top.level_db, top.frequency_hz)));
+    let level = |&hertz: &f64| Some((hertz, level_at(lines, hertz).filter(|level| *level > PEAK_FLOOR_DB)?));
+    let mut tones: Vec<(f64, f64)> = pitches.iter().filter_map(level).collect();
+    tones.sort_by(|a, b| b.1.total_cmp(&a.1));
+    label_tones(ui, &shown, tones.into_iter().map(|(hertz, level_db)| (place(hertz), level_db, hertz)));
 }
 
-/// Writes the frequency of each peak (x, y and Hz) over it, the strongest first; one that has no room gets none.
-fn label_peaks(ui: &egui::Ui, shown: &PlotResponse<()>, tops: impl Iterator<Item = (f64, f64, f64)>) {
+/// Writes the frequency of each tone (x, y and Hz) at its peak, the strongest first: over it, or in the first row above or
+/// below where there is room.
+fn label_tones(ui: &egui::Ui, shown: &PlotResponse<()>, tops: impl Iterator<Item = (f64, f64, f64)>) {
     let palette = theme::palette(ui);
     let (frame, bounds) = (*shown.transform.frame(), *shown.transform.bounds());
     let painter = ui.painter().with_clip_rect(frame);
@@ -307,7 +310,13 @@ fn label_peaks(ui: &egui::Ui, shown: &PlotResponse<()>, tops: impl Iterator<Item
         let left = (at.x - 0.5 * size.x).min(frame.right() - size.x).max(frame.left());
         let top = (at.y - size.y - 1.0).max(frame.top());
         let rect = egui::Rect::from_min_size(pos2(left, top), size);
-        if taken.iter().all(|other| !other.expand(2.0).intersects(rect)) {
+        let row = |n: i32| rect.translate(egui::vec2(0.0, n as f32 * size.y));
+        let is_free = |rect: &egui::Rect| {
+            frame.y_range().contains(rect.top())
+                && frame.y_range().contains(rect.bottom())
+                && taken.iter().all(|other| !other.expand2(egui::vec2(2.0, -0.5)).intersects(*rect))
+        };
+        if let Some(rect) = ROWS.map(row).into_iter().find(is_free) {
             painter.galley(rect.min, galley, palette.text);
             taken.push(rect);
         }

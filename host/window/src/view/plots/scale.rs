@@ -1,4 +1,4 @@
-//! The scales of the plots: linear or logarithmic marks, and the factor by which a weak drive is magnified.
+//! The scales of the plots: linear or logarithmic marks.
 
 use egui_plot::{GridInput, GridMark};
 use slipline_plate::quantity::ticks::{self, Ticks};
@@ -49,31 +49,9 @@ pub(super) fn decade_label(mark: GridMark, unit: &str, scale: f64) -> String {
     format!("{label} {unit}")
 }
 
-/// The factor of 1, 2, 5, 10 and so on by which a curve with this largest value still fits.
-pub(super) fn magnification(largest: f64) -> f64 {
-    let mut best = 1.0;
-    for power in 0..4 {
-        for digit in IN_A_DECADE {
-            let factor = digit * 10f64.powi(power);
-            if largest * factor <= 1.0 {
-                best = factor;
-            }
-        }
-    }
-    best
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_curve_is_magnified_as_far_as_it_fits() {
-        for (largest, factor) in [(1.0, 1.0), (0.6, 1.0), (0.5, 2.0), (0.11, 5.0), (0.1, 10.0), (0.0, 5000.0)]
-        {
-            assert_eq!(magnification(largest), factor, "{largest}");
-        }
-    }
 
     #[test]
     fn a_logarithmic_axis_has_round_labels_at_every_zoom() {

@@ -9,7 +9,6 @@ use eframe::egui::{
     self, Color32, ColorImage, Id, Mesh, Pos2, Shape, TextureHandle, TextureOptions, epaint::Vertex, pos2,
 };
 use slipline_model::field::displacement_map::{DisplacementMap, Row, Wave};
-use slipline_model::field::steady_field::full_colour_m;
 
 /// Rows of the picture across the plate.
 pub(crate) const ROWS: usize = 19;
@@ -92,7 +91,7 @@ fn picture(scene: &Scene<'_>, columns: usize, palette: &theme::Palette) -> Color
     // Under the present displacement lies a glow of the largest, so that no moment of the wave looks like a plate at rest.
     let reach = map(scene, true);
     let across = rows(&now);
-    let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
+    let full_m = scene.full_colour_m();
     let mut picture = ColorImage::filled([columns + 1, ROWS], Color32::TRANSPARENT);
     for column in 0..=columns {
         let x_m = column as f64 / columns as f64 * plate.length_m();

@@ -6,7 +6,7 @@ use crate::view::fields::field::UNKNOWN;
 use crate::view::stage::polyline::thinned;
 use crate::view::theme;
 use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2};
-use slipline_model::field::steady_field::{POINTS, displacement_unit, envelope_top_m};
+use slipline_model::field::steady_field::{POINTS, displacement_unit};
 use slipline_model::setup::BoundaryMode;
 use slipline_plate::quantity::show_place;
 use slipline_plate::quantity::ticks::Ticks;
@@ -35,11 +35,12 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let predicted = scene.predicted;
     let is_known = scene.full_peak_m.is_some();
-    let top_m = envelope_top_m(predicted, scene.full_peak_m.unwrap_or(1.0));
+    let top_m = scene.envelope_top_m();
     let height = Height { rect, top_m };
     let response = ui.interact(axis.over_plate(rect), ui.scope_id().with("envelope"), Sense::hover());
     theme::describe(&response, "Envelope", HELP);
     scale(ui, axis, &height, is_known);
+    factor(ui, scene.magnification, pos2(rect.left(), rect.top() + 13.0));
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
     let place = |i: usize| axis.screen_from_place(i as f64 / (POINTS - 1) as f64 * axis.length_m());
     let line = |values: &[f64]| -> Vec<Pos2> {
@@ -132,6 +133,15 @@ fn scale(ui: &egui::Ui, axis: &Axis, height: &Height, is_known: bool) {
     let left = Rangef::new(height.rect.left(), axis.screen().min);
     let place = pos2(left.min, height.rect.top() - 1.0);
     painter.text(place, Align2::LEFT_TOP, unit, font, palette.weak);
+}
+
+/// The factor by which displacements are shown larger than to the table's full scale, where there is one.
+fn factor(ui: &egui::Ui, magnification: f64, at: Pos2) {
+    if magnification > 1.0 {
+        let ink = theme::palette(ui).warn;
+        let text = format!("×{magnification}");
+        ui.painter().text(at, Align2::LEFT_TOP, text, FontId::proportional(12.5), ink);
+    }
 }
 
 /// The edge of the selected tone: from its peak to a tenth of it, or that there is no peak.

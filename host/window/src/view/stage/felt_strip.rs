@@ -85,13 +85,15 @@ fn zones(felt: &Felt, axis: &Axis, over: Rangef) -> Vec<(Rangef, Zone)> {
 /// Where it is felt, in words.
 fn said(scene: &Scene<'_>) -> String {
     let Some(felt) = scene.felt else { return "felt: not known yet".to_owned() };
+    // The line of a tone stands where the tone alone ends.
+    let all = if scene.setup.tones.len() > 1 { "together " } else { "" };
     let mut said = match felt {
         Felt { not_felt: Some(why), .. } => return why.words(),
         Felt { edge: FeltEdge::At(edge_m), tolerance_m, .. } => {
             let known = tolerance_m.map_or(String::new(), |half_m| format!(" ± {}", show_length(half_m)));
-            format!("felt to {}{known}", show_place(*edge_m))
+            format!("{all}felt to {}{known}", show_place(*edge_m))
         }
-        Felt { .. } => "felt to the plate's end".to_owned(),
+        Felt { .. } => format!("{all}felt to the plate's end"),
     };
     if let Some(by_person) = by_person_words(felt.by_person) {
         said.push_str(", ");

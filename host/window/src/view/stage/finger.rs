@@ -1,6 +1,7 @@
 //! The finger on the plate: its choice, and its handle on the stage.
 
 use crate::axis::Axis;
+use crate::caption::Panel;
 use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::stage::handle;
@@ -9,6 +10,7 @@ use crate::view::theme;
 use eframe::egui::{self, CornerRadius, CursorIcon, Rect, RichText, Sense, Stroke, StrokeKind, pos2, vec2};
 use slipline_model::field::felt::Zone;
 use slipline_model::field::touch::{Touch, refusal};
+use slipline_plate::RespondError;
 use slipline_plate::quantity::show_place;
 use theme::HANDLE;
 
@@ -24,7 +26,10 @@ const HANDLE_HELP: &str =
 /// The choice of a finger, and where it is.
 pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
-    let refusal = refusal(&scene.setup.plate);
+    let refusal = refusal(&scene.setup.plate).map(|error| match error {
+        RespondError::Unstated(error) => error.worded(&Panel::Plate),
+        other => other.to_string(),
+    });
     let is_chosen = |touch| if refusal.is_some() { touch == Touch::None } else { touch == scene.touch };
     // One row: in a window of the usual height it is the last that is seen without scrolling.
     ui.horizontal(|ui| {

@@ -17,11 +17,10 @@ const FLAG_HELP: &str = "Where the line is, the frequency of its tone, and how f
 fn flag(line: &Line, frequency_hz: f64, edge_m: f64) -> String {
     let (place, frequency) = (show_place(line.place_m), show_frequency(frequency_hz));
     match line.holds {
-        Holds::FeltEdge | Holds::TurningPoint => {
-            format!("{place}   {frequency}   edge {:.0} mm", edge_m * 1e3)
-        }
+        Holds::FeltEdge => format!("felt edge {place}   {frequency}   edge {:.0} mm", edge_m * 1e3),
+        Holds::TurningPoint => format!("turning point {place}   {frequency}   edge {:.0} mm", edge_m * 1e3),
         Holds::PlateEnd => format!("felt to the plate's end   {frequency}"),
-        Holds::Unfelt(why) => format!("{place}   {frequency}   {}", why.words()),
+        Holds::Unfelt(why) => format!("turning point {place}   {frequency}   {}", why.words()),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::view::theme::{self, HANDLE};
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2,
 };
+use slipline_model::setup::edit::Edit;
 
 /// The accessible name of a tone's handle.
 pub(crate) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
@@ -40,7 +41,7 @@ pub(super) fn show(
     let is_held = scene.grab.is_some_and(|grab| grab.held == Dragged::Tone(slot));
     let name = handle_name(scene, slot);
     response.widget_info(|| egui::WidgetInfo::slider(true, line.place_m * 1e3, &name));
-    let response = response.on_hover_text(LINE_HELP);
+    ui.ctx().accesskit_node_builder(id, |node| node.set_description(LINE_HELP));
     if response.is_pointer_button_down_on()
         && !is_held
         && let Some(pointer) = response.interact_pointer_pos()
@@ -52,6 +53,20 @@ pub(super) fn show(
             axis: layout.axis,
             offset: pointer.x - x,
         }));
+    }
+    // A click on the plate has brought the line under the pointer; the second of a double click sends it back and adds
+    // a tone there.
+    if response.clicked()
+        && let Some(before_m) = view.line_before_click_m.take()
+        && response.double_clicked()
+    {
+        if before_m != line.place_m {
+            intents.push(Intent::Undo);
+        }
+        intents.push(Intent::Edit(Edit::Add { position_m: line.place_m }));
+    }
+    if is_selected && std::mem::take(&mut view.begins_by_tab) {
+        response.request_focus();
     }
     if response.has_focus() {
         // Left and right move the boundary instead of the focus.
@@ -65,6 +80,7 @@ pub(super) fn show(
     if let Some(place_m) = handle::by_assistive_technology(ui, id, line.place_m) {
         intents.push(Intent::MoveLine { slot, place_m });
     }
+    knob_help(ui, id, pos2(x, layout.plate.center().y), response.is_pointer_button_down_on(), view);
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
     paint_line(ui, layout, x, look);
     if is_selected {
@@ -80,6 +96,21 @@ pub(super) fn show(
 }
 
 const LINE_HELP: &str = "Drag it along the plate, or press the arrow keys: 1 mm, with Shift 0.1 mm. Its tone is selected and sounds at once";
+
+/// Says at the knob what the line is for: not along the line, where it would cover what is read there, and after a press
+/// only once the pointer has left the knob.
+fn knob_help(ui: &egui::Ui, line: egui::Id, at: Pos2, is_pressed: bool, view: &mut ViewState) {
+    let rect = Rect::from_center_size(at, egui::Vec2::splat(HANDLE + 4.0));
+    let knob = ui.interact(rect, line.with("knob"), Sense::hover());
+    if is_pressed {
+        view.pressed_knob = Some(line);
+    } else if view.pressed_knob == Some(line) && !knob.contains_pointer() {
+        view.pressed_knob = None;
+    }
+    if view.pressed_knob.is_none() {
+        knob.on_hover_text(LINE_HELP);
+    }
+}
 
 #[derive(Clone, Copy)]
 struct Look {

@@ -21,7 +21,7 @@ use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use crate::view::panels::designer::sketch;
 use crate::view::state::ViewState;
-use crate::view::theme::{self, HANDLE};
+use crate::view::theme;
 use eframe::egui::{self, Align2, CornerRadius, FontId, Key, Rangef, Rect, Sense, Stroke, pos2};
 use hint::Hint;
 use layout::{LABEL, Layout, MARGIN};
@@ -55,6 +55,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     felt_strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);
     let drawn = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.envelope.bottom());
+    press_plate(ui, scene, &layout, view, intents);
     let marks =
         LightMarks::show(ui, scene, view, &layout.axis, area.x_range(), (drawn, layout.envelope.top()));
     // The selected tone comes last, so that it is drawn on top and gets the pointer first.
@@ -68,7 +69,6 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         hint.show(ui, &layout);
     }
     envelope::legend(ui, scene, &layout.axis, layout.envelope);
-    add_by_double_click(ui, scene, &layout, intents);
     let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
     // What a symbol says takes the read-out's place.
     if !marks.interact(ui, view, intents) {
@@ -114,20 +114,32 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
 }
 
 /// The read-out of the place is there for the pointer, so this is for those who do not see it.
-const PLATE_HELP: &str =
-    "The plate and its wave, the driven end at the left. A double click adds a tone at that place";
+const PLATE_HELP: &str = "The plate and its wave, the driven end at the left. A click brings the selected tone's line to that \
+    place, a double click adds a tone there";
 
-fn add_by_double_click(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &mut Intents) {
-    let response = ui.interact(layout.plate, ui.scope_id().with("plate"), Sense::hover());
+/// A click brings the selected line; the second of a double click then meets the line, or the plate where the line cannot
+/// be, and adds a tone. Lines, the finger and lights lie over the plate and keep their presses.
+fn press_plate(
+    ui: &egui::Ui,
+    scene: &Scene<'_>,
+    layout: &Layout,
+    view: &mut ViewState,
+    intents: &mut Intents,
+) {
+    // Not by the keyboard, which moves the line itself.
+    let response = ui.interact(layout.plate, ui.scope_id().with("plate"), Sense::CLICK);
     theme::describe(&response, "Plate from above", PLATE_HELP);
-    let is_double = ui.input(|input| input.pointer.button_double_clicked(egui::PointerButton::Primary));
-    let Some(pointer) = response.hover_pos() else { return };
-    let near_handle = scene
-        .lines
-        .iter()
-        .any(|line| (layout.axis.screen_from_place(line.place_m) - pointer.x).abs() < HANDLE);
-    if is_double && !near_handle {
-        intents.push(Intent::Edit(Edit::Add { position_m: layout.axis.place_from_screen(pointer.x) }));
+    let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked()) else { return };
+    let place_m = layout.axis.place_from_screen(pointer.x);
+    let line_m = scene.line(scene.selected).map(|line| line.place_m);
+    if response.double_clicked() {
+        if view.line_before_click_m.take().is_some_and(|before_m| line_m != Some(before_m)) {
+            intents.push(Intent::Undo);
+        }
+        intents.push(Intent::Edit(Edit::Add { position_m: place_m }));
+    } else {
+        view.line_before_click_m = line_m;
+        intents.push(Intent::MoveLine { slot: scene.selected, place_m });
     }
 }
 

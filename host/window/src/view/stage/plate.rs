@@ -13,7 +13,6 @@ use eframe::egui::{self, Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Str
 use slipline_link::protocol::event::State;
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::sheet::FieldSource;
-use slipline_model::field::steady_field::full_colour_m;
 use slipline_plate::quantity::show_length;
 use std::sync::Arc;
 use theme::GAP;
@@ -43,9 +42,10 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             is_wide: ui.available_width() >= ROOM_FOR_SCALE,
         };
         let has_scale = ui.available_width() >= ROOM_FOR_ANY_SCALE;
-        let scale = if has_scale { look.size(ui, scene).x + GAP } else { 0.0 };
+        let scale = if has_scale { look.size(ui).x + GAP } else { 0.0 };
         let beside = if has_scale {
-            SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP
+            let mark = ui.spacing().icon_width + ui.spacing().icon_spacing;
+            SWITCHES.iter().map(|name| button_width(ui, name)).sum::<f32>() + 3.0 * GAP + mark
         } else {
             button_width(ui, colours(scene)) + GAP
         };
@@ -58,7 +58,10 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             let width =
                 ui.painter().layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak);
             let beside = if has_scale { width.size().x + GAP } else { 0.0 };
-            let room = (left.x - beside).max(NAME);
+            // What a calibration or a file adds to the name is at its end, so the words after it give way.
+            let font = FontId::proportional(15.0);
+            let whole = ui.painter().layout_no_wrap(scene.setup.plate.name().to_owned(), font, palette.text);
+            let room = (left.x - beside).max((whole.size().x + 4.0).min(left.x - NAME)).max(NAME);
             let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
             ui.scope(|ui| {
                 ui.set_max_width(room.min(left.x));
@@ -116,10 +119,11 @@ fn switches(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
         intents.push(Intent::ShowAmplitude(true));
     }
-    let relief = ui.selectable_label(show_relief, relief);
+    let mut is_relief = show_relief;
+    let relief = ui.checkbox(&mut is_relief, relief);
     let help = "Show the displacement as hills and valleys too, seen from the side and much magnified";
-    if relief.on_hover_text(help).clicked() {
-        intents.push(Intent::ShowRelief(!show_relief));
+    if relief.on_hover_text(help).changed() {
+        intents.push(Intent::ShowRelief(is_relief));
     }
 }
 
@@ -150,6 +154,9 @@ fn drawn(scene: &Scene<'_>) -> String {
     format!("{source}, 1/{:.0} speed{paused}", (slower / step).round() * step)
 }
 
+/// The longest labels at the ends of a wide and of a narrow colour scale.
+const FULLEST: [&str; 2] = ["−888.8 µm", "±888.8 µm"];
+
 /// The colour scale, with the displacements at both ends, or only at the right end if there is little space.
 #[derive(Clone, Copy)]
 struct Scale {
@@ -164,10 +171,8 @@ impl Scale {
 
     /// The labels at its ends.
     fn ends(self, ui: &egui::Ui, scene: &Scene<'_>) -> [Arc<Galley>; 2] {
-        let full = scene.full_peak_m.map_or_else(
-            || UNKNOWN.to_owned(),
-            |full_peak_m| show_length(full_colour_m(scene.sounding, full_peak_m)),
-        );
+        let full =
+            scene.full_peak_m.map_or_else(|| UNKNOWN.to_owned(), |_| show_length(scene.full_colour_m()));
         let ends = match (self.show_amplitude, self.is_wide) {
             (true, true) => ["0".to_owned(), full],
             (true, false) => [String::new(), full],
@@ -179,14 +184,22 @@ impl Scale {
         ends.map(|end| ui.painter().layout_no_wrap(end, FontId::proportional(11.5), ink))
     }
 
-    fn size(self, ui: &egui::Ui, scene: &Scene<'_>) -> Vec2 {
-        let [left, right] = self.ends(ui, scene);
-        vec2(left.size().x + right.size().x + self.bar().x + 12.0, 18.0)
+    /// Its size does not depend on what the colours mean or how much they stand for, so that its neighbours keep their
+    /// places.
+    fn size(self, ui: &egui::Ui) -> Vec2 {
+        let longest = FULLEST.map(|end| {
+            ui.painter()
+                .layout_no_wrap(end.to_owned(), FontId::proportional(11.5), Color32::PLACEHOLDER)
+                .size()
+                .x
+        });
+        let ends = if self.is_wide { 2.0 * longest[0] } else { longest[1] };
+        vec2(ends + self.bar().x + 12.0, 18.0)
     }
 
     fn show(self, ui: &mut egui::Ui, scene: &Scene<'_>) {
         let palette = theme::palette(ui);
-        let (rect, response) = ui.allocate_exact_size(self.size(ui, scene), egui::Sense::hover());
+        let (rect, response) = ui.allocate_exact_size(self.size(ui), egui::Sense::hover());
         let [left, right] = self.ends(ui, scene);
         response.on_hover_text("What full colour stands for");
         let painter = ui.painter();

@@ -3,7 +3,7 @@
 use crate::axis::Axis;
 use crate::scene::Scene;
 use crate::view::theme;
-use eframe::egui::{self, CornerRadius, FontId, Rangef, Rect, Stroke, StrokeKind, pos2, vec2};
+use eframe::egui::{self, CornerRadius, FontId, Rangef, Rect, Stroke, StrokeKind, Tooltip, pos2, vec2};
 use slipline_model::field::steady_field::interpolate;
 use slipline_plate::quantity::{show_length, show_place};
 
@@ -39,7 +39,8 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, views: Rect) {
     let Some(pointer) = pointer.filter(|at| views.contains(*at) && ui.rect_contains_pointer(views)) else {
         return;
     };
-    if scene.grab.is_some() {
+    // One at a time: an explanation takes its place.
+    if scene.grab.is_some() || Tooltip::seconds_since_last_tooltip(ui.ctx()) <= 0.0 {
         return;
     }
     let palette = theme::palette(ui);

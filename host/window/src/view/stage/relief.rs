@@ -5,7 +5,6 @@ use crate::scene::Scene;
 use crate::view::stage::displacement::{self, ROWS};
 use crate::view::theme;
 use eframe::egui::{self, Color32, Mesh, Pos2, Rect, Shape, pos2};
-use slipline_model::field::steady_field::full_colour_m;
 
 /// Half the plate's width at the driven end, and the height of full colour, as shares of the height of its view.
 const DEPTH: f32 = 0.2;
@@ -25,7 +24,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, rect: Rect, far_edge: &[Pos
     let (plate, is_largest) = (&scene.setup.plate, scene.settings.show_amplitude);
     let map = displacement::map(scene, is_largest);
     let across = displacement::rows(&map);
-    let full_m = full_colour_m(scene.sounding, scene.full_peak_m.unwrap_or(0.0));
+    let full_m = scene.full_colour_m();
     let columns = far_edge.len().saturating_sub(1).max(1);
     let middle = rect.center().y;
     let mut mesh = Mesh::default();

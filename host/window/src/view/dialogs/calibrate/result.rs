@@ -54,7 +54,7 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
     grid("calibration errors").show(ui, |ui| {
         ui.label("");
         ui.label(weak("with the file, at most"));
-        ui.label(weak("calibrated, 95 %"));
+        ui.label(weak("calibrated, 95 %, at most"));
         ui.end_row();
         ui.label("Boundary off by");
         ui.label(RichText::new(millimetres(found.before.boundary_m)).color(palette.wrong));
@@ -102,7 +102,7 @@ pub(super) fn actions(ui: &mut egui::Ui, mut ask: impl FnMut(CalibrateIntent)) {
     if save.on_hover_text("A plate file, as the app and the command line read it").clicked() {
         ask(CalibrateIntent::Save);
     }
-    let button = ui.button(RichText::new("Use this plate").strong());
+    let button = ui.add(theme::primary(ui, "Use this plate", true));
     if button.on_hover_text("Put it on the screen, with its table; Undo takes it back").clicked() {
         ask(CalibrateIntent::Use);
     }

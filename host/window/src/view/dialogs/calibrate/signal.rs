@@ -1,5 +1,6 @@
 //! What the sensor shows right now, on the pages where it is put in its place.
 
+use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
 use crate::view::panels::validity;
 use crate::view::theme;
@@ -14,7 +15,7 @@ const LINES: f32 = 2.0;
 
 /// The bar and its sentence; nothing if the device has no inputs. Their space does not change with what is shown, so that no
 /// button moves under the pointer.
-pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
+pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     if !scene.snapshot.can_listen() {
         return;
     }
@@ -37,4 +38,13 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
         let text = RichText::new(format!("The sensor now: {sentence}")).small().color(ink);
         ui.add(Label::new(text).wrap());
     });
+    if scene.hold.has_rig {
+        let tap = ui.button("Tap on the simulated plate");
+        if tap
+            .on_hover_text("Knocks at its driven end for half a second, to see what the sensor shows")
+            .clicked()
+        {
+            intents.push(Intent::Measure(MeasureIntent::Tap));
+        }
+    }
 }

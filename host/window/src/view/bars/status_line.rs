@@ -1,0 +1,173 @@
+//! The status line at the bottom of the window: the messages beside each other, one line each. One that is cut opens over
+//! the line when it is pressed. The line is always there and as high, so no message moves anything.
+
+use crate::intent::{Intent, Intents};
+use crate::scene::Notice;
+use crate::scene::Scene;
+use crate::view::bars::top_bar;
+use crate::view::theme;
+use eframe::egui::{
+    self, Align2, FontId, Galley, Label, Rect, ScrollArea, Sense, UiBuilder, text::LayoutJob, vec2,
+};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The state of a shown message.
+pub(crate) struct Shown {
+    number: u64,
+    /// The time at which it was shown first, in seconds of the window's clock.
+    since_s: f64,
+    /// Whether it is shown in full.
+    is_open: bool,
+}
+
+/// The messages that are shown.
+pub(crate) type Seen = Vec<Shown>;
+
+/// Height of the line, in points.
+pub(crate) const HEIGHT: f32 = 28.0;
+/// Size of the button that dismisses a message, and the space between two messages, in points.
+const BUTTON: f32 = 24.0;
+const BESIDE: f32 = 6.0;
+/// Largest size of a message that is shown in full, in points; it is scrolled if it is longer.
+const WHOLE: [f32; 2] = [560.0, 240.0];
+
+/// Shows the line in the rest of `ui`.
+pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intents: &mut Intents) {
+    let shown = current(ui, scene, seen, intents);
+    let area = ui.available_rect_before_wrap();
+    ui.allocate_rect(area, Sense::hover());
+    if shown.is_empty() {
+        let palette = theme::palette(ui);
+        let (_, _, sentence) = top_bar::state_words(scene, palette);
+        let galley = line(ui, sentence, FontId::proportional(12.5), palette.weak, area.width());
+        let place = Align2::LEFT_CENTER.anchor_size(area.left_center(), galley.size());
+        ui.painter().galley(place.min, galley, palette.weak);
+        return;
+    }
+    let count = shown.len() as f32;
+    let width = (area.width() - BESIDE * (count - 1.0)) / count;
+    for (i, (notice, is_open)) in shown.into_iter().enumerate() {
+        let left = area.left() + i as f32 * (width + BESIDE);
+        let rect = Rect::from_min_size(egui::pos2(left, area.center().y - 0.5 * BUTTON), vec2(width, BUTTON));
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let mut cell = ui.new_child(UiBuilder::new().max_rect(rect).id_salt(notice.number).layout(layout));
+        match message(&mut cell, notice, rect, is_open) {
+            Press::None => {}
+            Press::Open => {
+                for seen in seen.iter_mut().filter(|seen| seen.number == notice.number) {
+                    seen.is_open = !is_open;
+                }
+            }
+            Press::Dismiss => intents.push(Intent::DismissNotice(notice.number)),
+        }
+        if is_open {
+            whole(ui, notice, rect);
+        }
+    }
+}
+
+/// The messages to show, and whether each is shown in full; those whose time is over are put away.
+fn current<'a>(
+    ui: &egui::Ui,
+    scene: &Scene<'a>,
+    seen: &mut Seen,
+    intents: &mut Intents,
+) -> Vec<(&'a Notice, bool)> {
+    let now_s = ui.input(|input| input.time);
+    seen.retain(|seen| scene.notices.iter().any(|notice| notice.number == seen.number));
+    let mut shown: Vec<(&Notice, bool)> = Vec::new();
+    for &notice in &scene.notices {
+        let known = seen.iter().position(|seen| seen.number == notice.number);
+        let known = known.unwrap_or_else(|| {
+            seen.push(Shown { number: notice.number, since_s: now_s, is_open: false });
+            seen.len() - 1
+        });
+        let seen = &seen[known];
+        // A message that is shown in full stays until it is dismissed.
+        let left_s = notice.lasts_s.filter(|_| !seen.is_open).map(|lasts_s| seen.since_s + lasts_s - now_s);
+        match left_s {
+            Some(left_s) if left_s <= 0.0 => intents.push(Intent::DismissNotice(notice.number)),
+            left_s => {
+                if let Some(left_s) = left_s {
+                    ui.ctx().request_repaint_after(Duration::from_secs_f64(left_s));
+                }
+                shown.push((notice, seen.is_open));
+            }
+        }
+    }
+    shown
+}
+
+/// One line of text, cut where the room ends.
+fn line(ui: &egui::Ui, text: String, font: FontId, ink: egui::Color32, room: f32) -> Arc<Galley> {
+    let mut job = LayoutJob::simple(text, font, ink, room);
+    job.wrap.max_rows = 1;
+    job.wrap.break_anywhere = true;
+    ui.painter().layout_job(job)
+}
+
+/// The colour of a message's rim.
+fn rim(ui: &egui::Ui, notice: &Notice) -> egui::Stroke {
+    let palette = theme::palette(ui);
+    egui::Stroke::new(1.0, if notice.is_error { palette.bad } else { palette.accent })
+}
+
+/// The effect of a press on a message.
+enum Press {
+    None,
+    /// Shows it in full, or no longer.
+    Open,
+    Dismiss,
+}
+
+/// One message in its part of the line.
+fn message(ui: &mut egui::Ui, notice: &Notice, rect: Rect, is_open: bool) -> Press {
+    let palette = theme::palette(ui);
+    ui.painter().rect(rect, 4.0, palette.well, rim(ui, notice), egui::StrokeKind::Inside);
+    ui.spacing_mut().item_spacing.x = 0.0;
+    ui.add_space(8.0);
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let room = (rect.width() - BUTTON - 10.0).max(BUTTON);
+    let galley = line(ui, notice.text.clone(), font, palette.text, room);
+    let is_cut = galley.elided;
+    // The whole part of the line is pressed, however short the words; the button has the keyboard focus.
+    let (place, mut words) = ui.allocate_exact_size(vec2(room, BUTTON), Sense::CLICK);
+    let at = Align2::LEFT_CENTER.anchor_size(place.left_center(), galley.size());
+    ui.painter().galley(at.min, galley, palette.text);
+    let said = if is_open { "The message above, cut" } else { &notice.text };
+    words.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, said));
+    if is_cut && !is_open {
+        words = words.on_hover_text("Press to read all of it; the log has it, too");
+    }
+    let button = egui::Button::new("×").frame(false).min_size(vec2(BUTTON, BUTTON));
+    let button = ui.add(button);
+    button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Dismiss"));
+    match (words.clicked(), is_cut) {
+        _ if button.on_hover_text("Put this message away").clicked() => Press::Dismiss,
+        (true, true) => Press::Open,
+        (true, false) => Press::Dismiss,
+        (false, _) => Press::None,
+    }
+}
+
+/// The whole text of a message, over its place in the line.
+fn whole(ui: &egui::Ui, notice: &Notice, place: Rect) {
+    let palette = theme::palette(ui);
+    let width = WHOLE[0].min(ui.ctx().content_rect().width() - 2.0 * BESIDE);
+    let area = egui::Area::new(ui.scope_id().with(("whole", notice.number)))
+        .order(egui::Order::Foreground)
+        .pivot(Align2::LEFT_BOTTOM)
+        .fixed_pos(place.left_top() - vec2(0.0, 4.0))
+        .constrain_to(ui.ctx().content_rect());
+    area.show(ui.ctx(), |ui| {
+        let frame = egui::Frame::popup(ui.style()).fill(palette.panel).stroke(rim(ui, notice));
+        frame.show(ui, |ui| {
+            ui.set_width(width - frame.total_margin().sum().x);
+            ScrollArea::vertical().max_height(WHOLE[1]).show(ui, |ui| {
+                theme::clear_of_bar(ui);
+                ui.add(Label::new(&notice.text).wrap());
+            });
+        });
+    });
+}
