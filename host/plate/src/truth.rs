@@ -1,7 +1,7 @@
 //! A random plate near a nominal one, as an unknown truth for tests and for a simulated rig.
 
 use crate::definition::{
-    Actuator, Air, AirMounting, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel,
+    Actuator, Air, DriveEnd, Impedance, Plate, PlateError, Resonator, Source, Taper, Travel,
 };
 use std::f64::consts::TAU;
 
@@ -86,8 +86,8 @@ pub fn near(nominal: &Plate, random: &mut Random) -> Result<Plate, PlateError> {
     let (resonance, quality) = (random.factor(RESONANCE.0, RESONANCE.1), random.factor(QUALITY.0, QUALITY.1));
     spec.actuator = Some(drive.actuator(resonance, quality));
     if let Some(Air::Around { mounting, .. }) = &mut spec.air {
-        let (alpha, faces) = mounting.coefficient();
-        *mounting = AirMounting::Coefficient { alpha: alpha * random.factor(0.9, 1.0 / 0.9), faces };
+        let (alpha, _) = mounting.coefficient();
+        *mounting = mounting.found(alpha * random.factor(0.9, 1.0 / 0.9), mounting.distant());
     }
     Plate::new(spec)
 }

@@ -4,8 +4,8 @@ use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions};
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
 use slipline_plate::{
-    Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Sheet, SheetGrid,
-    TimeDomainLine, preset, presets, reflection, respond, respond_range,
+    Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Sheet,
+    SheetError, SheetGrid, TimeDomainLine, preset, presets, reflection, respond, respond_range,
 };
 use std::f64::consts::TAU;
 
@@ -40,6 +40,7 @@ fn the_peaks_of_membranes_are_where_two_dimensions_with_air_have_them() {
     // A Galerkin method in two dimensions with the air's own matrix (Rayleigh's integral in the baffle, the jump of the
     // potential without one): shifts of the peak, mm; allowed are 1.5 mm on the light membrane, 0.5 mm on the heavy one.
     let bare = around(AirMounting::BareFrame);
+    let mut rows = Vec::new();
     for (name, air, shifts, allowed) in [
         ("membrane", baffle(), [30.1, 25.0, 19.7, 15.3], 1.5),
         ("membrane", bare, [21.7, 16.8, 13.1, 10.5], 1.5),
@@ -54,8 +55,10 @@ fn the_peaks_of_membranes_are_where_two_dimensions_with_air_have_them() {
             assert!((found - wanted).abs() < allowed, "{name} {air:?} {boundary_m}: {found} for {wanted}");
         }
         let row = PLACES_M.map(|boundary_m| format!("{:.1}", moved_mm(name, air, boundary_m))).join(" | ");
-        assert!(include_str!("../PHYSICS.md").contains(&format!("| the law | {row} |")), "{name}: {row}");
+        rows.push(format!("| the law | {row} |"));
     }
+    let page = include_str!("../PHYSICS.md");
+    assert!(rows.iter().all(|row| page.contains(row)), "{rows:#?}");
     // Faster than sound, the plate of the ultrasonic preset carries hardly any.
     for boundary_m in [0.2, 0.24, 0.278] {
         let found = moved_mm("al-bending", baffle(), boundary_m);
@@ -183,8 +186,10 @@ fn the_page_has_the_error_of_a_sheet_that_is_made_for_the_whole_band() {
     let of = |name: &str, air: Option<Air>| {
         let plate = preset(name).expect("a preset");
         let plate = air.map_or_else(|| plate.clone(), |air| with_air(&plate, air));
-        let cost = SheetGrid::new(64, 10).cost(&plate, 400e3).expect("follows it");
-        format!("{:.2} %", 100.0 * cost.wavenumber_error)
+        match SheetGrid::new(64, 10).cost(&plate, 400e3) {
+            Err(SheetError::Air { error, .. }) => format!("{:.2} %: refused", 100.0 * error),
+            cost => format!("{:.2} %", 100.0 * cost.expect("a sheet").wavenumber_error),
+        }
     };
     let bare = around(AirMounting::BareFrame);
     let rows = [
@@ -212,42 +217,59 @@ fn the_membrane_that_one_can_build_is_the_textbooks_in_air_and_reaches_as_far() 
     let impedance = |hz: f64| built.wave_impedance_n_s_per_m(hz).expect("a tension");
     let (low_hz, high_hz) = built.band_hz();
     let ends = [low_hz, high_hz].map(|hz| impedance(100.0) / impedance(hz));
-    assert!((ends[0] * ends[1] - 1.0).abs() < 0.05 && (ends[0] - 1.13).abs() < 0.01, "{ends:?}");
-    assert!((low_hz - 78.75).abs() < 0.05 && (high_hz - 209.4).abs() < 0.05, "{low_hz} {high_hz}");
+    assert!((ends[0] * ends[1] - 1.0).abs() < 0.05 && (ends[0] - 1.14).abs() < 0.01, "{ends:?}");
+    assert!((low_hz - 78.51).abs() < 0.05 && (high_hz - 209.09).abs() < 0.05, "{low_hz} {high_hz}");
     let table = DriveTable::build(&built, 400e3, 65).expect("a table");
     assert!(table.knots.iter().all(|knot| knot.peak_present));
+}
+
+/// A tone on the sheet against the one-mode equation: the largest difference over the largest amplitude, and how much farther and
+/// higher the peak is, mm and dB. The sheet's error where it refuses the tone.
+fn sheet_misses(plate: &Plate, frequency_hz: f64) -> Result<(f64, f64, f64), f64> {
+    let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(192, 30) };
+    let grid = match grid.at_tones(plate, &[frequency_hz]) {
+        Err(SheetError::Air { error, .. }) => return Err(error),
+        grid => grid.expect("a sheet"),
+    };
+    let rate_hz = 500.0 * frequency_hz;
+    let mut sheet = Sheet::new(plate, rate_hz, grid).expect("a sheet");
+    let settled = (rate_hz * 0.4) as u32 / 500 * 500;
+    let tone = |n: u32| (TAU * f64::from(n % 500) / 500.0).sin() as f32;
+    sheet.push(&(0..settled).map(|n| tone(n) * (n as f32 / 2000.0).min(1.0)).collect::<Vec<f32>>());
+    sheet.reset_envelope();
+    sheet.push(&(0..5000).map(tone).collect::<Vec<f32>>());
+    let wanted = respond(plate, frequency_hz, 193, Equation::Corrected).expect("enters");
+    let scale = 2.0_f64.sqrt() / plate.spec().full_scale_m;
+    let line: Vec<f64> = sheet.envelope().rms_m.iter().map(|rms| f64::from(*rms) * scale).collect();
+    let largest = wanted.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
+    let apart = line.iter().zip(&wanted.amplitude).map(|(a, f)| (a - f.norm()).abs());
+    let top = (1..line.len() - 1).max_by(|&a, &b| line[a].total_cmp(&line[b])).expect("a peak");
+    let [before, at, after] = [line[top - 1], line[top], line[top + 1]];
+    let aside = 0.5 * (before - after) / (before - 2.0 * at + after);
+    let place_m = (top as f64 + aside) * plate.length_m() / (line.len() - 1) as f64;
+    let peak = wanted.peak.expect("a peak");
+    let decibel = 20.0 * ((at - 0.25 * (before - after) * aside) / peak.amplitude).log10();
+    Ok((apart.fold(0.0, f64::max) / largest, 1e3 * (place_m - peak.position_m), decibel))
 }
 
 #[test]
 fn the_sheet_answers_a_tone_in_air_as_the_line_does() {
     // Where the peak is and how high, against the one-mode equation: as near as without air.
     let still = preset("membrane").expect("a preset");
-    let differs = |plate: &Plate, frequency_hz: f64| {
-        let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(192, 30) };
-        let grid = grid.at_tones(plate, &[frequency_hz]).expect("follows one tone");
-        let rate_hz = 500.0 * frequency_hz;
-        let mut sheet = Sheet::new(plate, rate_hz, grid).expect("a sheet");
-        let settled = (rate_hz * 0.4) as u32 / 500 * 500;
-        let tone = |n: u32| (TAU * f64::from(n % 500) / 500.0).sin() as f32;
-        sheet.push(&(0..settled).map(|n| tone(n) * (n as f32 / 2000.0).min(1.0)).collect::<Vec<f32>>());
-        sheet.reset_envelope();
-        sheet.push(&(0..5000).map(tone).collect::<Vec<f32>>());
-        let wanted = respond(plate, frequency_hz, 193, Equation::Corrected).expect("enters");
-        let scale = 2.0_f64.sqrt() / plate.spec().full_scale_m;
-        let largest = wanted.amplitude.iter().map(|f| f.norm()).fold(0.0, f64::max);
-        let envelope = sheet.envelope();
-        let worst = envelope.rms_m.iter().zip(&wanted.amplitude);
-        worst.map(|(rms, f)| (f64::from(*rms) * scale - f.norm()).abs()).fold(0.0, f64::max) / largest
-    };
+    let (bare, wall) = (with_air(&still, around(AirMounting::BareFrame)), with_air(&still, baffle()));
     for boundary_m in [0.12, 0.2] {
-        let vacuum = differs(&still, still.frequency_for_boundary_hz(boundary_m));
-        for mounting in [AirMounting::BareFrame, AirMounting::Baffle { faces: Faces::Two }] {
-            let plate = with_air(&still, around(mounting));
-            let found = differs(&plate, plate.frequency_for_boundary_hz(boundary_m));
-            println!("{boundary_m} {mounting:?}: {found}, {vacuum} in a vacuum");
-            assert!((found - vacuum).abs() < 2e-3, "{boundary_m} {mounting:?}: {found} {vacuum}");
-        }
+        let of = |plate: &Plate| sheet_misses(plate, plate.frequency_for_boundary_hz(boundary_m));
+        let (vacuum, found) = (of(&still).expect("a sheet"), of(&bare).expect("follows one tone"));
+        println!("{boundary_m}: {found:?}, {vacuum:?} in a vacuum");
+        assert!((found.0 - vacuum.0).abs() < 2e-3, "{boundary_m}: {found:?} {vacuum:?}");
+        assert!(found.1.abs() < 0.1 && found.2.abs() < 0.1, "{boundary_m}: {found:?}");
     }
+    // What a baffle holds together at a distance is missing: most of it near the driven end, where the sheet is refused.
+    let near = sheet_misses(&wall, wall.frequency_for_boundary_hz(0.09)).expect_err("too far off");
+    assert!((0.012..0.02).contains(&near), "{near}");
+    let (apart, mm, db) = sheet_misses(&wall, wall.frequency_for_boundary_hz(0.2)).expect("a sheet");
+    println!("baffle: {apart} {mm} mm {db} dB");
+    assert!(apart < 0.08 && mm.abs() < 0.5 && db.abs() < 0.5, "{apart} {mm} mm {db} dB");
 }
 
 #[test]

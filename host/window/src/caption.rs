@@ -80,6 +80,8 @@ pub const STATIC_TRAVEL: Caption =
     Caption::new("Travel at full scale", Unit::Millimetre, &["actuator.static_travel_m"]);
 /// Coefficient of the air's mass on each face.
 pub const AIR_COEFFICIENT: Caption = Caption::new("Air coefficient", Unit::Pure, &["air.coefficient"]);
+/// Share of the air's pressure at a distance.
+pub const DISTANT_SHARE: Caption = Caption::new("Distant share", Unit::Pure, &["air.distant_share"]);
 /// Density of the air.
 pub const AIR_DENSITY: Caption =
     Caption::new("Air density", Unit::Times("kg/m³", 1.0), &["air.density_kg_per_m3"]);
@@ -119,7 +121,7 @@ pub enum Panel {
     Designer,
 }
 
-const PLATE: [&Caption; 33] = [
+const PLATE: [&Caption; 34] = [
     &LENGTH,
     &HALF_WIDTH,
     &TAPER_RATE,
@@ -148,6 +150,7 @@ const PLATE: [&Caption; 33] = [
     &PEAK_TRAVEL,
     &STATIC_TRAVEL,
     &AIR_COEFFICIENT,
+    &DISTANT_SHARE,
     &AIR_DENSITY,
     &SOUND_SPEED,
     &AIR_TEMPERATURE,

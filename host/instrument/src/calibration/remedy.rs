@@ -42,6 +42,7 @@ impl Remedy {
             | CalibrateError::Table(_)
             | CalibrateError::NoFit
             | CalibrateError::Unlike { .. }
+            | CalibrateError::NoAir { .. }
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
             | CalibrateError::CloseMarks { .. }

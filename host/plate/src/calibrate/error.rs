@@ -2,7 +2,7 @@
 
 use crate::definition::PlateError;
 use crate::quantity::number_format::significant;
-use crate::quantity::{OutOfRange, WrongCount, show_frequency, show_place};
+use crate::quantity::{OutOfRange, WrongCount, show_frequency, show_length, show_place};
 use crate::table::TableError;
 use thiserror::Error;
 
@@ -77,6 +77,12 @@ pub enum CalibrateError {
         "no wave of such a plate fits what the sensors show: is anything on the plate, are the places right, and is it the right plate file?"
     )]
     NoFit,
+    /// The plate fits in air, and only there, and the file states none.
+    #[error("what the sensors show does not fit this plate, but it fits the plate in air, which moves its peaks by up to {} and is not in the plate file: add a section [air] with mounting = \"unknown\", or with how the plate stands", show_length(*.shift_m))]
+    NoAir {
+        /// How far the air that fits moves the peaks of the span, the most, metres.
+        shift_m: f64,
+    },
     /// The fit is better with the two places exchanged.
     #[error("the two measurements seem to be exchanged: they fit the sensor at {} and {} the other way round", show_place(*.first_m), show_place(*.second_m))]
     Swapped {

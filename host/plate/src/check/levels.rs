@@ -5,7 +5,7 @@ use super::thresholds::LOSS_TOLERANCE;
 use crate::definition::plate::Plate;
 use crate::frequency::Finger;
 use crate::frequency::driven_end::{drive_rise, with_whole_end};
-use crate::frequency::sweep::LANES;
+use crate::frequency::medium::LANES;
 use crate::progress::Progress;
 use crate::table::TableError;
 use crate::table::level::{DriveToPeak, Level, middles, other_plates};

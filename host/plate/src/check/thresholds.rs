@@ -81,10 +81,6 @@ pub const THIN_PLATE_PERCENT: Limits = Limits { green: 1.0, amber: 5.0 };
 /// at d = 5 per metre.
 pub const AIR_MM: f64 = 2.0;
 
-/// What the coefficient of a mounting leaves open of the shift by the air: the membranes in two dimensions of PHYSICS.md ask
-/// for 0.92 to 1.05 of the coefficients of the two mountings.
-pub const AIR_OPEN: f64 = 0.1;
-
 /// How much larger a film's wavenumber is than that of the membrane that turns where it does, just before the boundary, %: 0.5 %
 /// at W = 8.6 sqrt(D/T), 2 % at 5.5 times. Farther from the boundary it is a fraction of that, and at the boundary nothing.
 pub const FILM_PERCENT: Limits = Limits { green: 0.5, amber: crate::definition::limits::FILM_PERCENT };

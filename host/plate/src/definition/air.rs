@@ -6,7 +6,9 @@
 //! ```text
 //! mu(K) = faces alpha g rho/K,    g = 1/(1 + (V(K)/(0.65 c_s))^3)
 //! ```
-//! with the density rho, the speed of sound c_s and the wave's speed V in vacuum. alpha is 1 for an endless plane wave. A
+//! with the density rho, the speed of sound c_s and the wave's speed V in vacuum. Along a membrane alpha changes
+//! (`air_along.rs`), and a baffle holds the pressure together at a distance (`frequency/far_air.rs`); these are the numbers at the
+//! turning point. alpha is 1 for an endless plane wave. A
 //! plate of finite width moves a net volume and carries more in a baffle ([`BAFFLE`]); without one the air goes round its
 //! edges ([`BARE_FRAME`]). g falls to 0 where the wave is faster than sound: it radiates there and carries no mass. It is
 //! that of the half-wave strip in a baffle at its cut-off, within 0.08.
@@ -15,12 +17,19 @@ use crate::definition::error::PlateError;
 use crate::definition::limits;
 use crate::definition::model::Model;
 
-/// alpha of each face in a rigid baffle: what the peaks of membranes in two dimensions with the air's own matrix ask for,
-/// 1.8 to 2.05 from one plate to another.
-pub const BAFFLE: f64 = 1.95;
-/// alpha of each face of a plate whose air goes round its edges. The half-wave strip without a baffle has 1.342; membranes in
-/// two dimensions ask for 1.17 to 1.27.
-pub const BARE_FRAME: f64 = 1.25;
+/// alpha of each face in a rigid baffle, at the turning point: what the peaks of membranes in two dimensions with the air's own
+/// matrix ask for.
+pub const BAFFLE: f64 = 2.1;
+/// alpha of each face of a plate whose air goes round its edges, at the turning point. The half-wave strip without a baffle has
+/// 1.342; membranes in two dimensions ask for 1.25 to 1.33.
+pub const BARE_FRAME: f64 = 1.29;
+/// alpha of each face of a plate whose mounting nobody knows: the geometric mean of the two, whose ratio is 1.63.
+const UNKNOWN_MOUNTING: f64 = 1.65;
+/// Standard deviation of ln alpha where the mounting or the coefficient is stated: membranes in two dimensions ask for up to 8 %
+/// more or less, and a film's mass per area is known to a few per cent.
+const STATED: f64 = 0.1;
+/// The same of an unknown mounting: about half of ln(2.1/1.29), so that either end is one standard deviation away.
+const UNKNOWN: f64 = 0.22;
 /// Wave speed in vacuum over that of sound at which half of the mass is left.
 const HALF_MASS: f64 = 0.65;
 
@@ -88,12 +97,23 @@ pub enum AirMounting {
     },
     /// In a narrow frame, air on both faces and round the edges.
     BareFrame,
+    /// Nobody knows: between a bare frame and a baffle, air on both faces. A calibration finds the coefficient.
+    Unknown,
     /// As the coefficient says.
     Coefficient {
         /// alpha of each face (0 to 10).
         alpha: f64,
         /// The faces that have air.
         faces: Faces,
+    },
+    /// As a calibration found it.
+    Calibrated {
+        /// alpha of each face (0 to 10).
+        alpha: f64,
+        /// The faces that have air.
+        faces: Faces,
+        /// The share of the pressure at a distance that a baffle holds together (-1 to 2): about 1 in a baffle, 0 without one.
+        distant: f64,
     },
 }
 
@@ -114,7 +134,49 @@ impl AirMounting {
         match self {
             Self::Baffle { faces } => (BAFFLE, faces),
             Self::BareFrame => (BARE_FRAME, Faces::Two),
-            Self::Coefficient { alpha, faces } => (alpha, faces),
+            Self::Unknown => (UNKNOWN_MOUNTING, Faces::Two),
+            Self::Coefficient { alpha, faces } | Self::Calibrated { alpha, faces, .. } => (alpha, faces),
+        }
+    }
+
+    /// The same with the coefficient and the share of the pressure at a distance that were found; one that is stated as a
+    /// coefficient has no such share.
+    pub(crate) const fn found(self, alpha: f64, distant: f64) -> Self {
+        let (_, faces) = self.coefficient();
+        match self {
+            Self::Coefficient { .. } => Self::Coefficient { alpha, faces },
+            Self::Baffle { .. } | Self::BareFrame | Self::Unknown | Self::Calibrated { .. } => {
+                Self::Calibrated { alpha, faces, distant }
+            }
+        }
+    }
+
+    /// How well that coefficient is known before a calibration: the standard deviation of its logarithm.
+    pub(crate) const fn deviation(self) -> f64 {
+        match self {
+            Self::Baffle { .. } | Self::BareFrame | Self::Coefficient { .. } | Self::Calibrated { .. } => {
+                STATED
+            }
+            Self::Unknown => UNKNOWN,
+        }
+    }
+
+    /// The share of the pressure at a distance, see `frequency/far_air.rs`.
+    pub(crate) const fn distant(self) -> f64 {
+        match self {
+            Self::Baffle { .. } => 1.0,
+            Self::BareFrame | Self::Coefficient { .. } => 0.0,
+            Self::Unknown => 0.4,
+            Self::Calibrated { distant, .. } => distant,
+        }
+    }
+
+    /// Its standard deviation before a calibration; 0 where it is none of a calibration's business.
+    pub(crate) const fn distant_deviation(self) -> f64 {
+        match self {
+            Self::Baffle { .. } | Self::BareFrame => 0.2,
+            Self::Unknown | Self::Calibrated { .. } => 0.4,
+            Self::Coefficient { .. } => 0.0,
         }
     }
 }
@@ -183,11 +245,29 @@ impl Air {
         }
     }
 
+    /// The same without the pressure at a distance.
+    pub(crate) fn near_alone(self) -> Self {
+        match self {
+            Self::Vacuum => Self::Vacuum,
+            Self::Around { gas, mounting } => {
+                let (alpha, faces) = mounting.coefficient();
+                Self::Around { gas, mounting: AirMounting::Coefficient { alpha, faces } }
+            }
+        }
+    }
+
     pub(crate) fn validate(&self, model: &Model) -> Result<(), PlateError> {
         let Self::Around { gas, mounting } = self else { return Ok(()) };
         gas.validate()?;
-        if let AirMounting::Coefficient { alpha, .. } = mounting {
-            limits::AIR_COEFFICIENT.check("air.coefficient", *alpha)?;
+        match mounting {
+            AirMounting::Coefficient { alpha, .. } => {
+                limits::AIR_COEFFICIENT.check("air.coefficient", *alpha)?;
+            }
+            AirMounting::Calibrated { alpha, distant, .. } => {
+                limits::AIR_COEFFICIENT.check("air.coefficient", *alpha)?;
+                limits::DISTANT_AIR.check("air.distant_share", *distant)?;
+            }
+            AirMounting::Baffle { .. } | AirMounting::BareFrame | AirMounting::Unknown => {}
         }
         if let Model::ShearHorizontal { .. } = model {
             return Err(PlateError::Unexpected {
@@ -204,6 +284,7 @@ impl Air {
 pub(crate) struct AirLoad {
     /// faces alpha rho, kg/m^3.
     density: f64,
+    alpha: f64,
     sound_speed: f64,
     /// Mass per area of the plate, kg/m^2.
     surface_density: f64,
@@ -216,9 +297,19 @@ impl AirLoad {
         let (alpha, faces) = mounting.coefficient();
         Some(Self {
             density: faces.count() * alpha * gas.density_kg_per_m3(),
+            alpha,
             sound_speed: gas.sound_speed_m_per_s(),
             surface_density: model.surface_density("[air]").ok()?,
         })
+    }
+
+    pub(crate) const fn alpha(&self) -> f64 {
+        self.alpha
+    }
+
+    /// The load of this alpha over `factor`.
+    pub(crate) fn over(self, factor: f64) -> Self {
+        Self { density: self.density / factor, alpha: self.alpha / factor, ..self }
     }
 
     /// mu over the plate's own mass per area, for K = `wavenumber` and the angular frequency `vacuum` that it has in vacuum;

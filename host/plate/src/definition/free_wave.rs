@@ -13,6 +13,7 @@
 //! wave's power. Without air every number here is that of the model, to the last bit.
 
 use super::air::AirLoad;
+use super::air_along::AirAlong;
 use super::model::Model;
 use super::plate::{Plate, PlateSpec};
 use num_complex::Complex64;
@@ -81,6 +82,18 @@ impl FreeWave<'_> {
     pub(crate) fn film_share(&self, omega: f64) -> Option<f64> {
         self.model.film_square()?;
         Some(0.5 / self.slope(self.wavenumber_squared(omega)))
+    }
+
+    /// The wave's course along a membrane at `omega`; `None` where K is the same all along: on plates in bending, and without
+    /// air.
+    pub(crate) fn along(&self, omega: f64) -> Option<AirAlong> {
+        let (Model::Membrane { .. }, Some(load)) = (self.model, self.load) else { return None };
+        let (wide_load, growth) = load.on_wide_plate();
+        let wide_wave = Self { load: Some(wide_load), ..*self };
+        let wide = wide_wave.wavenumber_squared(omega);
+        let turning = self.wavenumber_squared(omega);
+        let (share, stiffness) = (wide_wave.share(wide).0, 0.5 / self.slope(turning));
+        Some(AirAlong { wide, turning, share, growth, stiffness })
     }
 
     /// mu over sigma at K^2, and d ln mu/d ln K.

@@ -80,6 +80,8 @@ pub const AIR_TEMPERATURE: Range = Range::new(-60.0, 100.0, "°C");
 pub const AIR_HEIGHT: Range = Range::new(-500.0, 9000.0, "m");
 /// Coefficient alpha of the air's mass on each face.
 pub const AIR_COEFFICIENT: Range = Range::new(0.0, 10.0, "");
+/// Share of the air's pressure at a distance.
+pub const DISTANT_AIR: Range = Range::new(-1.0, 2.0, "");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 

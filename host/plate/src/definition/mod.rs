@@ -3,6 +3,8 @@
 
 pub(crate) mod actuator;
 pub(crate) mod air;
+pub(crate) mod air_along;
+mod air_shift;
 pub(crate) mod calibration;
 pub(crate) mod clamped_strip;
 pub(crate) mod drive;
@@ -25,6 +27,7 @@ pub(crate) mod thickness;
 pub(crate) mod travel;
 mod turning;
 pub(crate) mod turning_width;
+pub(crate) mod width_mode;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};

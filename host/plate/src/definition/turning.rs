@@ -51,7 +51,9 @@ impl Plate {
 
     /// kappa of the Airy form at the turning point, 1/m; `None` if the wave cannot enter.
     pub fn kappa_per_m(&self, frequency_hz: f64) -> Option<f64> {
-        self.turning_point_m(frequency_hz).map(|x0| self.width_mode(1).fall(x0).cbrt())
+        let mode = self.width_mode(1);
+        let share = || mode.air(frequency_hz).map_or(1.0, |air| air.fall_share());
+        self.turning_point_m(frequency_hz).map(|x0| (mode.fall(x0) * share()).cbrt())
     }
 
     /// Distance from the peak to the position with a tenth of its amplitude, metres: 2.729/kappa. `None` if the wave

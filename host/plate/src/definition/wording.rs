@@ -215,12 +215,14 @@ mod tests {
         let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
         let material = Material::named("aluminium").expect("known");
         let request = Request::new("short", material, 2e-3, wave, (20e3, 40e3), 0.01);
-        let request = Request { air: None, ..request };
-        assert_eq!(
-            design(&request).expect_err("too short").to_string(),
-            "length_m = 0.01: must be longer: the peak of 20000 Hz and the tail of 40000 Hz alone take 0.023 m of it; \
-             or raise the band, or set smaller margins"
-        );
+        // The air of the room does next to nothing to such a plate.
+        for request in [Request { air: None, ..request.clone() }, request.clone()] {
+            assert_eq!(
+                design(&request).expect_err("too short").to_string(),
+                "length_m = 0.01: must be longer: the peak of 20000 Hz and the tail of 40000 Hz alone take 0.0254 m of it; \
+                 or raise the band, or set smaller margins"
+            );
+        }
         let request = Request { length_m: 0.3, band_hz: (20e3, 20.5e3), ..request };
         assert_eq!(
             design(&request).expect_err("too narrow").to_string(),

@@ -298,6 +298,9 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
     let wave = FreeWave { model, load: AirLoad::of(request.air.as_ref(), model) };
     let wavenumber = |frequency_hz: f64| wave.wavenumber_squared(TAU * frequency_hz).sqrt();
     let (near_k, far_k) = (wavenumber(request.band_hz.0), wavenumber(request.band_hz.1));
+    // K of a membrane in air falls before the turning point, too.
+    let fall_share = |hertz: f64| wave.along(TAU * hertz).map_or(1.0, |air| air.fall_share());
+    let (near_share, far_share) = (fall_share(request.band_hz.0), fall_share(request.band_hz.1));
     let (number, slope) = (model.width_number(1), model.width_slope(1));
     let length = request.length_m;
     if let Some(margin_m) = request.start_margin_m {
@@ -310,26 +313,33 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
         Model::BendingClamped(_) => START_ROOM_CLAMPED,
         _ => START_ROOM,
     };
-    // The margins depend on kappa, kappa on the rate and the rate on the margins: iterate, averaging the old rate and
-    // the new one so that it converges.
+    // The margins depend on kappa, kappa on the rate and the rate on the margins: iterate, with a share of the new rate and
+    // the rest of the old one so that it converges. On a plate without room for a span the edges are steep and the rate jumps:
+    // there it takes a smaller share.
     let mut rate = (far_k / near_k).ln() / (0.6 * length);
     let (mut near_m, mut far_m) = (0.0, length);
     let film_edge_m = model.film_square().map(f64::sqrt);
     let turning = |rate: f64, k: f64| Turning::of(rate, number / k, film_edge_m);
     let half_width = |rate: f64, k: f64| turning(rate, k).half_width_m;
+    let span_least_m = SPAN_LEAST * length * (1.0 - 1e-9);
     let rate_over = |rate: f64, span: f64| (half_width(rate, near_k) / half_width(rate, far_k)).ln() / span;
-    for _ in 0..60 {
+    let shares = std::iter::repeat_n(0.5, 60).chain(std::iter::repeat_n(0.05, 600));
+    for (i, share) in shares.enumerate() {
+        if i == 60 && far_m - near_m >= span_least_m {
+            break;
+        }
         // The arc falls more slowly than the half-width: with sin(2 angle)/(2 angle) of its rate.
-        let kappa = |k: f64| {
+        let kappa = |k: f64, share: f64| {
             let Turning { angle, rate_per_m, .. } = turning(rate, k);
             let doubled = 2.0 * angle;
-            (2.0 * rate_per_m * doubled.sin() / doubled * slope * k * k).cbrt()
+            (2.0 * rate_per_m * doubled.sin() / doubled * slope * k * k * share).cbrt()
         };
-        near_m = request.start_margin_m.unwrap_or(start_room / kappa(near_k));
-        far_m = length - request.end_margin_m.unwrap_or(END_ROOM / kappa(far_k));
-        rate = 0.5 * rate + 0.5 * rate_over(rate, (far_m - near_m).max(SPAN_LEAST * length));
+        near_m = request.start_margin_m.unwrap_or(start_room / kappa(near_k, near_share));
+        far_m = length - request.end_margin_m.unwrap_or(END_ROOM / kappa(far_k, far_share));
+        let wanted = rate_over(rate, (far_m - near_m).max(SPAN_LEAST * length));
+        rate = (1.0 - share) * rate + share * wanted;
     }
-    if far_m - near_m < SPAN_LEAST * length * (1.0 - 1e-9) {
+    if far_m - near_m < span_least_m {
         let margins_m = near_m + length - far_m;
         let consequence = Consequence::Margins { band_hz: request.band_hz, margins_m };
         return Err(PlateError::unfit("length_m", length, consequence));

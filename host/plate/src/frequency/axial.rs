@@ -1,6 +1,6 @@
 //! The axial part of the local wavenumber, a K^2, for the amplitude equation and its conditions at the driven end.
 
-use crate::definition::plate::WidthMode;
+use crate::definition::width_mode::WidthMode;
 use num_complex::Complex64;
 
 /// a K^2 (1 + j eta) with eta = [`crate::Plate::wave_loss_at`], 1/m^2.

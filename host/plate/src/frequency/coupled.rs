@@ -44,7 +44,8 @@ impl CoupledResponse {
 /// Solves for the first `modes` (1 to 8) symmetric width modes together, on `points` (8 to 20 001) uniform points from
 /// 0 to the plate's end. The drive has the shape of the first mode.
 ///
-/// The error is of second order in the spacing of the points. Returns `None` for clamped edges, whose modes are not
+/// The error is of second order in the spacing of the points. A membrane in air has the wavenumber of its turning point all
+/// along, without the law of the air along it. Returns `None` for clamped edges, whose modes are not
 /// cosines, and for a thickness that changes.
 ///
 /// # Errors

@@ -5,14 +5,16 @@ mod coupled;
 pub(crate) mod driven_end;
 pub(crate) mod equation;
 pub(crate) mod error;
+mod far_air;
 pub(crate) mod finger;
 mod impedance;
+pub(crate) mod medium;
 pub(crate) mod numerov;
 pub(crate) mod peak;
 mod prediction;
 pub(crate) mod respond;
 mod strip_grid;
-pub(crate) mod sweep;
+mod sweep;
 
 pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
 pub use driven_end::{reflection, resistance_reflection};

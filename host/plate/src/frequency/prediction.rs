@@ -41,7 +41,7 @@ pub struct PredictedEnvelope {
 /// displacement. `sample_rate_hz` may be up to 1e8 and must be at least twice the frequency of every tone.
 ///
 /// # Errors
-/// [`RespondError::OutOfRange`] if `points` or `sample_rate_hz` is out of range, and the error of [`super::respond`]
+/// [`RespondError::OutOfRange`] if `points` or `sample_rate_hz` is out of range, and the error of [`super::respond()`]
 /// for the first tone that has one.
 pub fn predict_envelope(
     plate: &Plate,

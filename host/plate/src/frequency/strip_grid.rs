@@ -1,8 +1,8 @@
 //! The law of the clamped strip on a grid along the plate.
 
 use crate::definition::clamped_strip::CUT_OFF;
-use crate::definition::plate::WidthMode;
 use crate::definition::strip_table::StripTable;
+use crate::definition::width_mode::WidthMode;
 use num_complex::Complex64;
 use std::sync::Arc;
 

@@ -1,101 +1,10 @@
 //! Numerov's recursion for eight frequencies at once, in vector registers.
 //!
 //! 1/(1 + h^2 Q/12) takes one real division per position and frequency; the recursion itself consists of products and
-//! sums. Q comes from a [`Medium`]: a frequency less a barrier where the two separate, one with the local
-//! thickness, the law of the clamped strip where they do not.
+//! sums. Q comes from a [`Medium`].
 
-use crate::definition::strip_table::StripTable;
+use super::medium::{LANES, Lanes, Medium};
 use pulp::{Simd, WithSimd};
-
-/// Frequencies that are computed together.
-pub(crate) const LANES: usize = 8;
-
-type Lanes = [f64; LANES];
-
-/// What the wave of each frequency meets along the plate.
-pub(crate) trait Medium {
-    /// Real and imaginary part of 1 + h^2 Q/12 at a grid point for each frequency.
-    fn factor(&self, point: usize) -> (Lanes, Lanes);
-    /// Number of grid points.
-    fn points(&self) -> usize;
-}
-
-/// Q = a K^2 (1 + j eta) - barrier: the loss does not depend on x, and the barrier not on the frequency.
-pub(crate) struct Separable<'a> {
-    /// h^2/12 times the barrier at each grid point, from point -1 on.
-    pub(crate) barrier: &'a [f64],
-    /// 1 + h^2/12 times a K^2 (1 + j eta) of each frequency.
-    pub(crate) axial_re: Lanes,
-    pub(crate) axial_im: Lanes,
-}
-
-impl Medium for Separable<'_> {
-    #[inline(always)]
-    fn factor(&self, point: usize) -> (Lanes, Lanes) {
-        let barrier = self.barrier[point];
-        let mut re = self.axial_re;
-        for re in &mut re {
-            *re -= barrier;
-        }
-        (re, self.axial_im)
-    }
-
-    fn points(&self) -> usize {
-        self.barrier.len()
-    }
-}
-
-/// Q = a K^2 (1 + j eta) h0/h - barrier: the thickness changes along the plate.
-pub(crate) struct Graded<'a> {
-    /// h^2/12 times the barrier at each grid point, from point -1 on, and times h0/h.
-    pub(crate) barrier: &'a [f64],
-    pub(crate) local: &'a [f64],
-    /// a K^2 (1 + j eta) at the driven end of each frequency.
-    pub(crate) axial_re: Lanes,
-    pub(crate) axial_im: Lanes,
-}
-
-impl Medium for Graded<'_> {
-    #[inline(always)]
-    fn factor(&self, point: usize) -> (Lanes, Lanes) {
-        let (barrier, local) = (self.barrier[point], self.local[point]);
-        (self.axial_re.map(|re| 1.0 + local * re - barrier), self.axial_im.map(|im| local * im))
-    }
-
-    fn points(&self) -> usize {
-        self.barrier.len()
-    }
-}
-
-/// Q = s/W^2 - barrier with s by the law of the clamped strip.
-pub(crate) struct Strip<'a> {
-    pub(crate) law: &'a StripTable,
-    /// ln W^2, h^2/12 over W^2, and 1 less h^2/12 times the barrier, at each grid point from point -1 on.
-    pub(crate) log_square: &'a [f64],
-    pub(crate) inverse_square: &'a [f64],
-    pub(crate) rest: &'a [f64],
-    /// ln K^2 of each frequency, without loss.
-    pub(crate) log_wavenumber: Lanes,
-}
-
-impl Medium for Strip<'_> {
-    #[inline(always)]
-    fn factor(&self, point: usize) -> (Lanes, Lanes) {
-        let (log_square, scale, rest) =
-            (self.log_square[point], self.inverse_square[point], self.rest[point]);
-        let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            let s = self.law.wavenumber_squared(log_square + self.log_wavenumber[lane]);
-            re[lane] = rest + scale * s.re;
-            im[lane] = scale * s.im;
-        }
-        (re, im)
-    }
-
-    fn points(&self) -> usize {
-        self.rest.len()
-    }
-}
 
 /// One sweep from the tail to the driven end.
 pub(crate) struct Sweep<'a, M> {

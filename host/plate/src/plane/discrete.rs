@@ -158,11 +158,25 @@ impl<'a> Discrete<'a> {
         // A loss layer has the usual E (1 - j eta): the two differ by eta^2, which counts only here.
         let in_lead_in =
             self.modulus * Complex64::new(1.0, setup.lead_in.map_or(0.0, |lead_in| -lead_in.loss_factor));
-        // D goes with the third power of the thickness, the mass per area with the first.
-        let stiffness = |x: f64| {
-            if x < 0.0 { in_lead_in } else { in_plate * plate.thickness_ratio(x).powi(3) }
+        // Where only the air's coefficient is stated its mass changes along a membrane, and the power beside the plate stands for
+        // more of the plate. D goes with the third power of the thickness, the mass per area with the first.
+        let mode = plate.width_mode(1);
+        let air = mode.air(self.frequency_hz).filter(|_| Fluid::of(plate.spec().air).is_none());
+        let along = |x: f64| {
+            let across = mode.width_term(x);
+            air.map(|air| (air.at(across), air.weight_from_end(across, x)))
         };
-        let inertia = |x: f64| self.modulus * level * plate.thickness_ratio(x.max(0.0));
+        let stiffness = |x: f64| match along(x) {
+            _ if x < 0.0 => in_lead_in,
+            Some((here, power)) => {
+                self.modulus * power / Complex64::new(1.0, plate.wave_loss() / here.weight)
+            }
+            None => in_plate * plate.thickness_ratio(x).powi(3),
+        };
+        let inertia = |x: f64| match along(x) {
+            Some((here, power)) => self.modulus * power * self.section.energy.level(here.wavenumber_squared),
+            None => self.modulus * level * plate.thickness_ratio(x.max(0.0)),
+        };
         let mut system = System::new(&self.section, &self.mesh, &self.outline, stiffness, inertia);
         if let Some(finger) = setup.finger {
             let per_area = finger.impedance().dynamic_stiffness(omega) / finger.contact_m.powi(2);

@@ -40,7 +40,7 @@ impl Field {
     /// only if [`Setup::of`] has copied it; the actuator has none.
     ///
     /// # Errors
-    /// [`PlaneError::Respond`] for a frequency that [`crate::respond`] refuses, [`PlaneError::TooFine`] for a plate so
+    /// [`PlaneError::Respond`] for a frequency that [`crate::respond()`] refuses, [`PlaneError::TooFine`] for a plate so
     /// many wavelengths wide or long that the system would be too large, and the error of a setup that is not valid.
     pub fn solve(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Self, PlaneError> {
         Self::solve_with(plate, frequency_hz, setup, RESOLUTION)
@@ -92,7 +92,7 @@ impl Field {
     }
 
     /// The field on the centre line at `points` (8 to 200 001) uniform positions from 0 to the plate's end, and its
-    /// peak, in the form of the one-mode [`crate::respond`].
+    /// peak, in the form of the one-mode [`crate::respond()`].
     ///
     /// The peak is searched for on a finer grid near the turning point of the one-mode theory.
     ///

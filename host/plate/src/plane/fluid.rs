@@ -64,7 +64,9 @@ impl Fluid {
         let (kernel, faces) = match mounting {
             AirMounting::Baffle { faces } => (Kernel::Source, faces.count()),
             AirMounting::BareFrame => (Kernel::Jump, 1.0),
-            AirMounting::Coefficient { .. } => return None,
+            AirMounting::Unknown | AirMounting::Coefficient { .. } | AirMounting::Calibrated { .. } => {
+                return None;
+            }
         };
         let density = faces * gas.density_kg_per_m3();
         Some(Self { kernel, density, sound_speed: gas.sound_speed_m_per_s() })

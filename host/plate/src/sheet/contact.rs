@@ -2,7 +2,8 @@
 //!
 //! The finger resists locally with the impedance per area (R - j omega m)/a^2, so under it
 //! (1 + m') v_tt + (r + r') v_t = c^2 (v_xx + v_zz) with m' = m/(sigma a^2), r' = R/(sigma a^2) and the sheet's mass per
-//! area sigma. In air c is slower than the sheet's V in a vacuum, and both are over the inertia of c: m' and r' times c^2/V^2.
+//! area sigma. In air c is slower than the sheet's V in a vacuum, and both are over the inertia of c and the power weight Omega of
+//! the place: m' and r' times c^2/(V^2 Omega).
 //! A cell that the contact covers in part has that share of both. More mass than the sheet's own only makes
 //! the step of the grid safer, and the resistance is taken in the middle of the step, so the scheme stays stable for
 //! every finger.
@@ -58,7 +59,7 @@ impl Contact {
         station: usize,
         row: usize,
         step_s: f64,
-        wave: AirWave,
+        wave: &AirWave,
     ) -> Load {
         let (x, z) = (station as f64 * edge.dx, row as f64 * edge.dz);
         // The driven column has half a cell on the plate.
@@ -66,7 +67,8 @@ impl Contact {
         let across_m = self.half_across_m.min(edge.half_width_m(station));
         let share = covered(&cell_x, &self.along_m)
             * covered(&(z - 0.5 * edge.dz..z + 0.5 * edge.dz), &(-across_m..across_m));
-        let share = share * (wave.speed_m_per_s / self.vacuum_m_per_s).powi(2);
+        let slower = wave.speed_m_per_s / (self.vacuum_m_per_s * wave.root_weight(station));
+        let share = share * slower.powi(2);
         Load { mass: share * self.mass, loss: 0.5 * share * self.damping_per_s * step_s }
     }
 }

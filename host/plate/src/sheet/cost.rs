@@ -1,6 +1,7 @@
 //! The cost of a sheet, computed before the sheet is built.
 
 use super::air_wave::{AirWave, WAVENUMBER_ERROR_MAX};
+use super::distant_air;
 use super::embedded_boundary::EmbeddedBoundary;
 use super::grid::{CELLS_MAX, SheetError, SheetGrid};
 use super::source::{DriveCondition, StepRatio};
@@ -19,8 +20,9 @@ pub struct Cost {
     pub cells: usize,
     /// Steps per second of plate time.
     pub step_rate_hz: f64,
-    /// Largest relative error of the wavenumber in air: at the two frequencies of [`SheetGrid::air_at_hz`], or in the whole
-    /// band of the plate; 0 without air. Air takes no cell and no step more.
+    /// Largest relative error of the wavenumber in air, at any place that a wave reaches: from the lower frequency of
+    /// [`SheetGrid::air_at_hz`] to the higher, or in the whole band of the plate; and what a baffle holds together at a distance, as
+    /// the error that would move a peak as far. 0 without air. Air takes no cell and no step more.
     pub wavenumber_error: f64,
 }
 
@@ -59,18 +61,24 @@ impl Layout {
         let condition = DriveCondition::of(plate)?;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator).copied();
         grid.validate(sample_rate_hz)?;
-        let band_hz = plate.band_hz();
-        let wave = AirWave::of(plate, grid.air_at_hz.unwrap_or_else(|| AirWave::nodes_between(band_hz)));
-        let wavenumber_error = match grid.air_at_hz {
-            Some((low_hz, high_hz)) => wave.error_at(plate, low_hz).max(wave.error_at(plate, high_hz)),
-            None => wave.error_between(plate, band_hz),
-        };
-        if wavenumber_error > WAVENUMBER_ERROR_MAX {
-            return Err(SheetError::Air { plate: plate.name().to_owned(), error: wavenumber_error });
-        }
         let cells = 2 * grid.along * grid.across;
         WrongCount::check("the grid", cells, Count::at_most(CELLS_MAX, Counted::Cells))?;
         let edge = EmbeddedBoundary::new(plate, grid.along, grid.across);
+        let band_hz = grid.air_at_hz.unwrap_or_else(|| plate.band_hz());
+        let wave = AirWave::of(plate, band_hz, edge.along());
+        let wavenumber_error =
+            wave.error_between(plate, band_hz) + distant_air::error_between(plate, band_hz);
+        // Between two tones that are stated there may be none.
+        let error = match grid.air_at_hz {
+            Some((low_hz, high_hz)) => [low_hz, high_hz]
+                .map(|tone_hz| wave.error_at(plate, tone_hz) + distant_air::error_at(plate, tone_hz))
+                .into_iter()
+                .fold(0.0, f64::max),
+            None => wavenumber_error,
+        };
+        if error > WAVENUMBER_ERROR_MAX {
+            return Err(SheetError::Air { plate: plate.name().to_owned(), error });
+        }
         // In air the wave of the sheet is slower.
         let longest = COURANT / (speed_m_per_s * (edge.dx.powi(-2) + edge.dz.powi(-2)).sqrt());
         let ratio = StepRatio::new(sample_rate_hz, longest)?;

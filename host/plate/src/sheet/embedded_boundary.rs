@@ -6,6 +6,7 @@
 //! grid. The scheme is therefore stable up to the Courant number of a uniform grid for every shape of the edge, and
 //! its error is of second order (Gibou et al. 2002, J. Comput. Phys. 176, 205).
 
+use super::air_wave::Stations;
 use crate::definition::plate::Plate;
 use std::ops::RangeInclusive;
 
@@ -43,6 +44,11 @@ impl EmbeddedBoundary {
             .map(|row| if row == 0 { far } else { plate.width.place_of((row as f64 * dz).ln()).min(far) })
             .collect();
         Self { dx, dz, reach, half_width, row_end }
+    }
+
+    /// Its stations along the plate.
+    pub(super) fn along(&self) -> Stations {
+        Stations { step_m: self.dx, count: self.half_width.len() }
     }
 
     /// Rows on one side of the centre line, the centre line included.

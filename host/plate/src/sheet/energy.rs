@@ -11,14 +11,14 @@ use super::fdtd::FdtdGrid;
 use super::row::Row;
 use std::cmp::Ordering;
 
-/// Energy per surface density with v in the grid's own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2 - a v^2) over the
+/// Energy per surface density with v of the grid in its own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2 - a v^2) over the
 /// whole plate, m^2/s^2 times the unit squared; the mass of a finger moves with the plate.
 pub(super) fn energy(
     fdtd: &FdtdGrid,
     edge: &EmbeddedBoundary,
     mirrored: bool,
     step_s: f64,
-    wave: AirWave,
+    wave: &AirWave,
     contact: Option<&Contact>,
 ) -> f64 {
     let middle = if mirrored { 0 } else { edge.rows() - 1 };
@@ -48,7 +48,7 @@ pub(super) fn energy(
             let load =
                 contact.map_or(0.0, |contact| contact.load(edge, station, from_centre, step_s, wave).mass);
             moving += twins * share * (1.0 + load) * (new - old).powi(2);
-            lifted += twins * share * new * old;
+            lifted += twins * share * wave.lift_per_m2(station) * new * old;
             let (next_new, next_old) = at(Some(row), station + 1);
             along += twins * edge.along_link(station, from_centre) * (next_new - new) * (next_old - old);
             let weight = share * edge.across_link(station, from_centre);
@@ -59,7 +59,7 @@ pub(super) fn energy(
         }
     }
     let cell = edge.dx * edge.dz;
-    let bent = along / edge.dx.powi(2) + across / edge.dz.powi(2) - wave.lift_per_m2 * lifted;
+    let bent = along / edge.dx.powi(2) + across / edge.dz.powi(2) - lifted;
     let stiff = wave.speed_m_per_s.powi(2) * bent;
     0.5 * cell * (moving / step_s.powi(2) + stiff)
 }

@@ -1,6 +1,7 @@
 //! The request for a sheet: resolution, drive, recording and loss, with their ranges.
 
-use super::air_wave::{AirWave, WAVENUMBER_ERROR_MAX};
+use super::air_wave::{AirWave, Stations, WAVENUMBER_ERROR_MAX};
+use super::distant_air;
 use crate::definition::plate::Plate;
 use crate::definition::sample_rate::{SAMPLE_RATE_MAX_HZ, SampleRateError};
 use crate::frequency::RespondError;
@@ -71,9 +72,9 @@ pub struct SheetGrid {
     /// The frequency at which the loss factor is the plate's, Hz (0.1 to 1e8); `None` for the geometric mean of the
     /// plate's band. The loss of a sheet is viscous (r v_t), so its loss factor is proportional to 1/f.
     pub loss_at_hz: Option<f64>,
-    /// The two frequencies at which the wavenumber of a plate in air is the plate's, Hz (0.1 to 1e8), the lower first; two
-    /// equal ones for one tone. Between and beside them it is off by a share that rises with their distance. `None`: those that
-    /// make the largest error in the plate's band least. Without air it has no effect.
+    /// The lowest and the highest tone at which the wavenumber of a plate in air is the plate's, Hz (0.1 to 1e8); two equal ones
+    /// for one tone, which is exact. Between two the largest error is about the least that one equation has; beside them it rises
+    /// with the distance. `None`: the plate's band. Without air it has no effect.
     pub air_at_hz: Option<(f64, f64)>,
     /// Threads (1 to 64). The result is the same for every number.
     pub threads: usize,
@@ -94,19 +95,23 @@ impl SheetGrid {
         }
     }
 
-    /// The same grid with the wavenumber in air for these tones, Hz: exact at one tone, with its group speed, and at two; among
-    /// more the largest error is least. Without air, or without tones, it is the same grid.
+    /// The same grid with the wavenumber in air for these tones, Hz: exact at one tone, with its group speed; among more the
+    /// largest error is about least. Without air, or without tones, it is the same grid.
     ///
     /// # Errors
     /// [`SheetError::Air`] if a tone's wavenumber would be off by more than [`WAVENUMBER_ERROR_MAX`].
     pub fn at_tones(self, plate: &Plate, tones_hz: &[f64]) -> Result<Self, SheetError> {
-        let Some(nodes) = AirWave::nodes(tones_hz).filter(|_| plate.carries_air()) else { return Ok(self) };
-        let wave = AirWave::of(plate, nodes);
-        let error = tones_hz.iter().map(|&tone_hz| wave.error_at(plate, tone_hz)).fold(0.0, f64::max);
+        let carries = plate.carries_air() && plate.spec().model.wave_speed_m_per_s().is_some();
+        let Some(band_hz) = AirWave::band_of(tones_hz).filter(|_| carries) else { return Ok(self) };
+        let along = self.along.max(1);
+        let stations = Stations { step_m: plate.length_m() / along as f64, count: along + 1 };
+        let wave = AirWave::of(plate, band_hz, stations);
+        let error_at = |&tone_hz: &f64| wave.error_at(plate, tone_hz) + distant_air::error_at(plate, tone_hz);
+        let error = tones_hz.iter().map(error_at).fold(0.0, f64::max);
         if error > WAVENUMBER_ERROR_MAX {
             return Err(SheetError::Air { plate: plate.name().to_owned(), error });
         }
-        Ok(Self { air_at_hz: Some(nodes), ..self })
+        Ok(Self { air_at_hz: Some(band_hz), ..self })
     }
 
     /// A coarse grid that resolves the whole span: 8 cells on the half-width at the span's end, within the limits of

@@ -6,8 +6,8 @@
 //!
 //! v_tt + r v_t = c^2 (v_xx + v_zz), v = 0 at z = +-W(x), on a uniform grid with an embedded boundary; a finger adds
 //! mass and resistance where it lies. This is the model of a stretched membrane and of the shear-horizontal wave, with
-//! all width modes and their coupling. The air that a membrane carries adds a term a v, which makes the wavenumber that
-//! of the plate at the tones that sound ([`SheetGrid::at_tones`]). Bending has another equation (dispersive, of fourth
+//! all width modes and their coupling. The air that a membrane carries adds a term a(x) v, which makes the wavenumber along the
+//! plate that of the tones that sound ([`SheetGrid::at_tones`]). Bending has another equation (dispersive, of fourth
 //! order), which only [`crate::TimeDomainLine`] solves.
 
 mod air_wave;
@@ -15,6 +15,7 @@ mod band;
 mod block;
 mod contact;
 mod cost;
+mod distant_air;
 mod drive;
 mod embedded_boundary;
 mod energy;
@@ -143,9 +144,16 @@ impl Sheet {
         let Layout { edge, ratio, step_s, wave, mirrored, condition, resonator, .. } =
             Layout::new(plate, sample_rate_hz, &grid)?;
         let curve = CurvedDrive::of(plate, sample_rate_hz)?;
-        let damping = damping_per_s(plate, &grid, wave);
-        let scheme =
-            Scheme { edge: &edge, wave, step_s, damping, mirrored, grid: &grid, contact: contact.as_ref() };
+        let damping = damping_per_s(plate, &grid, &wave);
+        let scheme = Scheme {
+            edge: &edge,
+            wave: &wave,
+            step_s,
+            damping,
+            mirrored,
+            grid: &grid,
+            contact: contact.as_ref(),
+        };
         let (plan, term) = scheme.plan(condition);
         let side = edge.rows() as isize - 1;
         Ok(Self {
@@ -179,11 +187,11 @@ impl Sheet {
     /// the next step is the first with it. Without air, or without tones, it changes nothing.
     pub fn retune(&mut self, tones_hz: &[f64]) {
         let Some(Tuning { plate, grid, condition }) = self.tuning.as_deref() else { return };
-        let Some(nodes) = AirWave::nodes(tones_hz) else { return };
-        self.wave = AirWave::of(plate, nodes);
+        let Some(band_hz) = AirWave::band_of(tones_hz) else { return };
+        self.wave = AirWave::of(plate, band_hz, self.edge.along());
         let (edge, step_s, mirrored) = (&self.edge, self.step_s, self.mirrored);
-        let (damping, contact) = (damping_per_s(plate, grid, self.wave), self.contact.as_ref());
-        let scheme = Scheme { edge, wave: self.wave, step_s, damping, mirrored, grid, contact };
+        let (damping, contact) = (damping_per_s(plate, grid, &self.wave), self.contact.as_ref());
+        let scheme = Scheme { edge, wave: &self.wave, step_s, damping, mirrored, grid, contact };
         let (plan, term) = scheme.plan(*condition);
         self.fdtd.reweigh(plan);
         self.source.set_term(term);
@@ -214,11 +222,16 @@ impl Sheet {
 
     /// Writes line `line` of the field in metres, zero beyond its last cell.
     fn line_m(&self, line: usize, out: &mut [f32]) {
-        let scale = self.full_scale_m as f32;
-        let row = self.fdtd.row(self.fdtd_row(line));
-        for (out, value) in out.iter_mut().zip(row.map(|value| scale * value).chain(repeat(0.0))) {
+        let row = self.fdtd.row(self.fdtd_row(line)).enumerate();
+        let row = row.map(|(station, value)| self.scale_m(station) as f32 * value);
+        for (out, value) in out.iter_mut().zip(row.chain(repeat(0.0))) {
             *out = value;
         }
+    }
+
+    /// The displacement at a station over the number on the grid, metres.
+    fn scale_m(&self, station: usize) -> f64 {
+        self.full_scale_m / self.wave.root_weight(station)
     }
 
     /// The envelope since the last reset.
@@ -236,9 +249,9 @@ impl Sheet {
             let Some(cells) = self.fdtd.envelope(self.fdtd_row(line)) else { continue };
             let to = place * stations;
             for (station, (maximum, squares)) in cells.take(stations).enumerate() {
-                envelope.maximum_m[to + station] = (f64::from(maximum) * self.full_scale_m) as f32;
+                envelope.maximum_m[to + station] = (f64::from(maximum) * self.scale_m(station)) as f32;
                 let mean = squares / steps.max(1) as f64;
-                envelope.rms_m[to + station] = (mean.sqrt() * self.full_scale_m) as f32;
+                envelope.rms_m[to + station] = (mean.sqrt() * self.scale_m(station)) as f32;
             }
         }
         envelope
@@ -251,11 +264,11 @@ impl Sheet {
     }
 
     /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 (|grad v|^2 - a v^2) over the plate, and that of
-    /// the mass of a finger on it; a is 0 without air.
+    /// the mass of a finger on it; without air v is the displacement and a is 0.
     ///
     /// Without loss and with a held or free driven end it is constant except for rounding.
     pub fn energy_j_per_kg_m2(&self) -> f64 {
-        let (mirrored, step_s, wave) = (self.mirrored, self.step_s, self.wave);
+        let (mirrored, step_s, wave) = (self.mirrored, self.step_s, &self.wave);
         let unit = energy::energy(&self.fdtd, &self.edge, mirrored, step_s, wave, self.contact.as_ref());
         unit * self.full_scale_m.powi(2)
     }
@@ -282,14 +295,12 @@ impl Sheet {
 }
 
 /// r of the damping term r v_t, 1/s: the loss is that of the plate at one frequency.
-fn damping_per_s(plate: &Plate, grid: &SheetGrid, wave: AirWave) -> f64 {
+fn damping_per_s(plate: &Plate, grid: &SheetGrid, wave: &AirWave) -> f64 {
     let (low, high) = plate.band_hz();
     let loss_at_hz = grid.loss_at_hz.unwrap_or((low * high).sqrt());
     let omega = TAU * loss_at_hz;
     if plate.carries_air() {
-        // K^2 (1 + j eta) = a + (omega^2 + j r omega)/c^2.
-        let squared = plate.wavenumber_squared(loss_at_hz);
-        return plate.wave_loss_at(loss_at_hz) * squared * wave.speed_m_per_s.powi(2) / omega;
+        return wave.damping_per_s(plate, loss_at_hz);
     }
     // K^2 (1 + j eta) = (omega^2 + j r omega)/c^2 with r = eta omega.
     plate.wave_loss() * omega

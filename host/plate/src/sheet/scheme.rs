@@ -14,7 +14,7 @@ const GRAIN: f64 = 1.0 / (1 << 23) as f64;
 /// The quantities from which the weights of the update are computed.
 pub(super) struct Scheme<'a> {
     pub(super) edge: &'a EmbeddedBoundary,
-    pub(super) wave: AirWave,
+    pub(super) wave: &'a AirWave,
     pub(super) step_s: f64,
     /// r of the damping term r v_t, 1/s.
     pub(super) damping: f64,
@@ -25,14 +25,15 @@ pub(super) struct Scheme<'a> {
 }
 
 impl Scheme<'_> {
-    /// The update: (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/(2 dt) = c^2 (second differences of v + a v), solved for v+.
+    /// The update: (v+ - 2 v + v-)/dt^2 + r (v+ - v-)/(2 dt) = c^2 (second differences of v + a v), solved for v+. In air a
+    /// changes along the plate, and every cell has a weight of its own.
     pub(super) fn plan(&self, condition: DriveCondition) -> (Plan, SourceTerm) {
         let edge = self.edge;
-        let AirWave { speed_m_per_s: speed, lift_per_m2 } = self.wave;
+        let speed = self.wave.speed_m_per_s;
         let along = (speed * self.step_s / edge.dx).powi(2);
         let across = (speed * self.step_s / edge.dz).powi(2);
         // Of the air: it counts in the own weight alone, 0 without it.
-        let lift = (speed * self.step_s).powi(2) * lift_per_m2;
+        let lift = |station: usize| (speed * self.step_s).powi(2) * self.wave.lift_per_m2(station);
         let loss = 0.5 * self.damping * self.step_s;
         let divisor = 1.0 + loss;
         // Where the field is constant, an update must keep it to the last bit: what the rounding of the four weights
@@ -40,11 +41,11 @@ impl Scheme<'_> {
         // times. On whole multiples of GRAIN the own weight, 1 + past - 2 along - 2 across, is not rounded.
         let rounded = |weight: f64| (weight / divisor / GRAIN).round() * GRAIN;
         let weight = (rounded(1.0 - loss), rounded(along), rounded(across));
-        let own_of = |links_along: f64, links_across: f64| {
+        let own_of = |links_along: f64, links_across: f64, lift: f64| {
             (1.0 + weight.0 - weight.1 * links_along - weight.2 * links_across + lift / divisor) as f32
         };
         let weights = Weights {
-            own: own_of(2.0, 2.0),
+            own: own_of(2.0, 2.0, 0.0),
             past: weight.0 as f32,
             along: weight.1 as f32,
             across: weight.2 as f32,
@@ -61,7 +62,7 @@ impl Scheme<'_> {
             if row == 0 { 2.0 * outward } else { 1.0 + outward }
         };
         let own = |station: usize, row: usize| {
-            own_of(1.0 + edge.along_link(station, row), across_links(station, row))
+            own_of(1.0 + edge.along_link(station, row), across_links(station, row), lift(station))
         };
         let own_by_row: Vec<Vec<f32>> = rows
             .iter()
@@ -92,7 +93,7 @@ impl Scheme<'_> {
             let pushed = if moves > 0.0 { (divisor + resisted) / inertia } else { 1.0 };
             let from_centre = if self.mirrored { number as f64 } else { number as f64 - side as f64 };
             ColumnPoint {
-                own: (moves * (2.0 + 2.0 * load.mass - links + lift) / inertia) as f32,
+                own: (moves * (2.0 + 2.0 * load.mass - links + lift(0)) / inertia) as f32,
                 past: (moves * (1.0 + load.mass - loss - load.loss - resisted) / inertia) as f32,
                 inward: (moves * 2.0 * along / inertia) as f32,
                 across: (moves * across / inertia) as f32,
@@ -107,7 +108,8 @@ impl Scheme<'_> {
             EnvelopeScope::CentreLine => side..side + 1,
         };
         let reach: Vec<usize> = rows.iter().map(|&row| edge.reach[row]).collect();
-        let plain: Vec<usize> = rows.iter().map(|&row| edge.plain(row)).collect();
+        let plain = |row: usize| if self.wave.is_lifted() { 0 } else { edge.plain(row) };
+        let plain: Vec<usize> = rows.iter().map(|&row| plain(row)).collect();
         let cells = Cells { reach: &reach, plain: &plain, own: &own_by_row, mirrored: self.mirrored };
         let mut plan = plan_of(cells, weights, Some(column), recorded);
         plan.touched = self

@@ -7,7 +7,8 @@
 //! held end (f(0) = 0) the response to a displacement. A does not depend on loss or frequency, so the functions are
 //! real and are computed once.
 
-use crate::definition::plate::{EdgeBend, WidthMode};
+use crate::definition::plate::EdgeBend;
+use crate::definition::width_mode::WidthMode;
 use crate::special::gauss::gauss;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 

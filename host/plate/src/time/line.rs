@@ -77,7 +77,7 @@ impl TimeDomainLine {
     /// Prepares a line of `points` positions (16 to 4096), uniform from 0 to the plate's end, for width mode `mode` (1
     /// to 9; 1 is the first). The sample rate, Hz, must be one of [`crate::sample_rates`].
     ///
-    /// Between clamped edges the first width mode is a fit to the field of [`crate::respond`]: within 0.1 dB at the
+    /// Between clamped edges the first width mode is a fit to the field of [`crate::respond()`]: within 0.1 dB at the
     /// peak, and within some thousandths of the peak in the tail.
     ///
     /// # Errors

@@ -1,6 +1,7 @@
 //! A plate whose numbers are wrong by some per cent is measured and calibrated; the table of the calibrated plate
 //! file drives the true plate.
 
+mod air;
 mod bar;
 mod drive_check;
 mod levels;

@@ -14,8 +14,8 @@ use std::f64::consts::TAU;
 const RATE_HZ: f64 = 400e3;
 /// Knots of a table; more would not change what is measured here.
 const KNOTS: usize = 129;
-/// Boundaries over the span at which a table is judged.
-const BOUNDARIES: usize = 33;
+/// Boundaries over the span at which a table is judged: of a plate whose fields take no time.
+pub(crate) const BOUNDARIES: usize = 33;
 /// Codes of an input from zero to full scale.
 const CODES: f64 = 2048.0;
 /// Points of a field: an error of 1e-6.
@@ -41,6 +41,8 @@ pub(crate) struct Rig {
     pub(crate) delay_s: f64,
     pub(crate) finger: Option<Finger>,
     pub(crate) snr_db: f64,
+    /// Boundaries over the span at which a table is judged.
+    pub(crate) boundaries: usize,
 }
 
 impl Rig {
@@ -60,6 +62,7 @@ impl Rig {
             nominal,
             finger: None,
             snr_db: 40.0,
+            boundaries: BOUNDARIES,
         }
     }
 
@@ -181,11 +184,11 @@ impl Rig {
             // Of the plate itself: a table of few knots moves them onto resonances.
             let (start, end) = self.nominal.span_m();
             let off = |i: usize| {
-                let place_m = start + (end - start) * i as f64 / (BOUNDARIES - 1) as f64;
+                let place_m = start + (end - start) * i as f64 / (self.boundaries - 1) as f64;
                 let frequency_hz = plate.frequency_for_boundary_hz(place_m);
                 (self.truth.turning_point_m(frequency_hz).expect("enters") - place_m).abs()
             };
-            boundary_m = (0..BOUNDARIES).map(off).fold(0.0, f64::max);
+            boundary_m = (0..self.boundaries).map(off).fold(0.0, f64::max);
         }
         let mean = levels.iter().sum::<f64>() / levels.len() as f64;
         (boundary_m, levels.iter().map(|level| (level - mean).abs()).collect())
@@ -195,8 +198,9 @@ impl Rig {
     fn driven(&self, plate: &Plate) -> (f64, Vec<f64>) {
         let table = self.table(plate);
         let (start, end) = self.nominal.span_m();
-        let places: Vec<f64> =
-            (0..BOUNDARIES).map(|i| start + (end - start) * i as f64 / (BOUNDARIES - 1) as f64).collect();
+        let places: Vec<f64> = (0..self.boundaries)
+            .map(|i| start + (end - start) * i as f64 / (self.boundaries - 1) as f64)
+            .collect();
         let frequencies: Vec<f64> = places.iter().map(|&x| table.frequency_hz(x)).collect();
         let mut levels = Vec::new();
         let mut boundary_m: f64 = 0.0;

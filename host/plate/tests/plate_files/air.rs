@@ -9,6 +9,8 @@ fn air_is_read_written_and_refused_by_field_and_range() {
     let with = |fields: &str| Plate::from_toml(&format!("{good}[air]\n{fields}"));
     for (fields, kilograms, carries) in [
         ("mounting = \"bare-frame\"\n", 1.204, true),
+        ("mounting = \"unknown\"\ntemperature_c = 20.0\n", 1.204, true),
+        ("mounting = \"calibrated\"\ncoefficient = 1.5\ndistant_share = 0.3\nfaces = 2\n", 1.204, true),
         ("mounting = \"baffle\"\nfaces = 1\ntemperature_c = 0\nheight_m = 1500\n", 1.079, true),
         ("mounting = \"coefficient\"\ncoefficient = 1.4\nfaces = 2\n", 1.204, true),
         ("mounting = \"baffle\"\ndensity_kg_per_m3 = 1.1\nsound_speed_m_per_s = 340\n", 1.1, true),
@@ -37,6 +39,10 @@ fn air_is_read_written_and_refused_by_field_and_range() {
             "air.faces does not belong here: \"bare-frame\" has density",
         ),
         ("mounting = \"baffle\"\nfaces = 3\n", "air.faces = 3: must be 1 or 2"),
+        (
+            "mounting = \"calibrated\"\ncoefficient = 1.5\ndistant_share = 3\n",
+            "air.distant_share = 3: must be -1 to 2",
+        ),
         ("mounting = \"coefficient\"\n", "air.coefficient is missing: \"coefficient\" needs it"),
         ("mounting = \"coefficient\"\ncoefficient = 11\n", "air.coefficient = 11: must be 0 to 10"),
         ("mounting = \"baffle\"\ntemperature_c = 200\n", "air.temperature_c = 200: must be -60 to 100 °C"),

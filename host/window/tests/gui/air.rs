@@ -6,7 +6,7 @@ use crate::type_into;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use slipline_plate::{Air, AirMounting, Faces, Gas};
+use slipline_plate::{Air, AirMounting, Faces, Gas, Plate, PlateSpec};
 
 fn air(app: &TestApp) -> Option<Air> {
     app.window.state().setup().plate.spec().air
@@ -59,6 +59,10 @@ fn the_air_of_a_plate_is_chosen_typed_and_undone() {
     type_into(&mut app, "Air coefficient", "1.6");
     let stated = AirMounting::Coefficient { alpha: 1.6, faces: Faces::One };
     assert_eq!(air(&app), Some(Air::Around { gas, mounting: stated }));
+    choose(&mut app, "Mounting: coefficient", "not known");
+    assert_eq!(air(&app), Some(Air::Around { gas, mounting: AirMounting::Unknown }));
+    assert!(app.window.query_by_role_and_label(Role::TextInput, "Air coefficient").is_none());
+    undo(&mut app);
     choose(&mut app, "Mounting: coefficient", "vacuum");
     assert_eq!(air(&app), Some(Air::Vacuum));
     assert_eq!(app.window.state().setup().plate.band_hz(), band_hz);
@@ -69,6 +73,25 @@ fn the_air_of_a_plate_is_chosen_typed_and_undone() {
     }
     assert_eq!(air(&app), None);
     assert_eq!(app.window.state().setup().plate.name(), "membrane");
+}
+
+#[test]
+fn the_air_that_a_calibration_found_is_shown_and_can_be_changed() {
+    let mut app = TestApp::unplugged();
+    open_page(&mut app, "This plate");
+    let found = AirMounting::Calibrated { alpha: 1.7, faces: Faces::Two, distant: 0.3 };
+    let spec = app.window.state().setup().plate.spec().clone();
+    let plate = PlateSpec { air: Some(Air::Around { gas: Gas::ROOM, mounting: found }), ..spec };
+    app.open("found.toml", Ok(Plate::new(plate).unwrap().to_toml()));
+    app.wait(200);
+    type_into(&mut app, "Distant share", "0.4");
+    let changed = AirMounting::Calibrated { alpha: 1.7, faces: Faces::Two, distant: 0.4 };
+    assert_eq!(air(&app), Some(Air::Around { gas: Gas::ROOM, mounting: changed }));
+    choose(&mut app, "Faces with air: both", "one");
+    choose(&mut app, "Mounting: calibrated", "coefficient");
+    let stated = AirMounting::Coefficient { alpha: 1.7, faces: Faces::One };
+    assert_eq!(air(&app), Some(Air::Around { gas: Gas::ROOM, mounting: stated }));
+    assert!(app.window.query_by_role_and_label(Role::TextInput, "Distant share").is_none());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The limits within which a fit is accepted, and the refusals beyond them.
 
 use super::pairs::Pair;
-use super::unknowns::{HALF_WIDTH, OF_PLATE, SPEED, TAPER};
+use super::unknowns::{HALF_WIDTH, SPEED, TAPER};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::definition::Plate;
@@ -41,17 +41,19 @@ pub(crate) fn check_count(count: usize) -> Result<(), CalibrateError> {
     Ok(())
 }
 
-/// Refuses coordinates that no plate of this file has, or that the sensors' places do not have.
+/// Refuses coordinates that no plate of this file has, or that the sensors' places do not have, which follow the `of_plate` of
+/// the plate.
 pub(crate) fn check_coordinates(
     coordinates: &[f64],
     deviations: &[f64],
+    of_plate: usize,
     sensors: &[&Measurement],
 ) -> Result<(), CalibrateError> {
     if coordinates[SPEED].abs() > SPEED_MAX {
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share: coordinates[SPEED].exp() });
     }
     let in_deviations = |at: usize| coordinates[at] / deviations[at];
-    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..sensors.len()).map(|i| OF_PLATE + i));
+    let known = [HALF_WIDTH, TAPER].into_iter().chain((0..sensors.len()).map(|i| of_plate + i));
     let square: f64 = known.clone().map(|at| in_deviations(at).powi(2)).sum();
     if square <= DEVIATIONS_MAX * DEVIATIONS_MAX {
         return Ok(());
@@ -62,8 +64,8 @@ pub(crate) fn check_coordinates(
             what: "half-width at the driven end",
             share: coordinates[HALF_WIDTH].exp(),
         },
-        Some(at) if at >= OF_PLATE => {
-            let place_m = sensors[at - OF_PLATE].place_m;
+        Some(at) if at >= of_plate => {
+            let place_m = sensors[at - of_plate].place_m;
             CalibrateError::Misplaced { place_m, found_m: place_m + coordinates[at] }
         }
         _ => CalibrateError::AnotherPlate { what: "taper", share: 1.0 + coordinates[TAPER] },

@@ -13,10 +13,11 @@ use super::response::wave::{COARSE, FINE, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
-use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
+use super::unknowns::{OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
+use std::iter::repeat_n;
 
 /// Radians that the phase of the wave may change on its way to the turning point and back from one speed to the next.
 const SCAN_RADIANS: f64 = 0.5;
@@ -59,7 +60,8 @@ impl<'a, S: SourceModel> Joint<'a, S> {
     ) -> Self {
         let frequencies_hz: Vec<f64> = points.iter().map(|point| point.frequency_hz).collect();
         let of_place = sensor.iter().map(|sensor| sensor.place_tolerance_m.max(PLACE_STEP_M));
-        let deviations = priors.deviations().into_iter().chain(of_place).chain(source.deviations()).collect();
+        let of_plate = priors.deviations_of(plate.spec());
+        let deviations = of_plate.into_iter().chain(of_place).chain(source.deviations()).collect();
         let highest_hz = frequencies_hz.last().copied().unwrap_or(0.0);
         let turns = 2.0 * plate.width_mode(1).phase_to(plate.length_m(), highest_hz);
         Self { nominal: plate.spec(), source, units, sensor, deviations, frequencies_hz, data, turns }
@@ -67,7 +69,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
 
     /// Where the source's coordinates begin.
     pub(crate) fn of_source(&self) -> usize {
-        OF_PLATE + usize::from(self.sensor.is_some())
+        self.of_plate() + usize::from(self.sensor.is_some())
     }
 
     /// Number of all residuals.
@@ -156,7 +158,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
 
     fn places_at(&self, coordinates: &[f64]) -> Option<Vec<f64>> {
         let Some(sensor) = self.sensor else { return Some(Vec::new()) };
-        let place_m = sensor.place_m + coordinates[OF_PLATE];
+        let place_m = sensor.place_m + coordinates[self.of_plate()];
         (0.0..=self.nominal.length_m).contains(&place_m).then(|| vec![place_m])
     }
 
@@ -177,6 +179,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
         }
         let known = coordinates.iter().zip(&self.deviations).filter(|(_, deviation)| deviation.is_finite());
         residuals.extend(known.map(|(at, deviation)| at / deviation));
+        residuals.extend(of_baffle(self.nominal, coordinates));
         residuals
     }
 }
@@ -187,6 +190,10 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
     const ERRORS: &'static [(f64, f64)] = &[(0.2, 0.25), (0.05, 2.0), (MODEL_ERROR, f64::INFINITY)];
     const STEPS_MAX: usize = 30;
     const ALL: bool = S::ALL;
+
+    fn of_plate(&self) -> usize {
+        of_plate(self.nominal)
+    }
 
     fn count(&self) -> f64 {
         self.residual_count() as f64
@@ -212,9 +219,10 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         });
         let starts = |(_, [speed, loss]): (f64, [f64; 2])| {
             let answers = on_plate([speed, loss, 0.0, 0.0]).unwrap_or_default();
-            let of_place = self.sensor.map(|_| 0.0);
+            let zeros = self.of_plate() - OF_PLATE + usize::from(self.sensor.is_some());
             let whole = move |source: Vec<f64>| {
-                [speed, loss, 0.0, 0.0].into_iter().chain(of_place).chain(source).collect::<Vec<f64>>()
+                let of_plate = [speed, loss, 0.0, 0.0].into_iter().chain(repeat_n(0.0, zeros));
+                of_plate.chain(source).collect::<Vec<f64>>()
             };
             self.source.starts(&some, &answers).into_iter().map(whole).collect::<Vec<_>>()
         };
@@ -234,7 +242,7 @@ impl<S: SourceModel> Searched for Joint<'_, S> {
         }
         let answers = self.answers(at, &places_m, &self.frequencies_hz, radians, false)?;
         let of_place = self.sensor.map(|_| {
-            column(at, OF_PLATE, PLACE_STEP_M, |moved, side| {
+            column(at, self.of_plate(), PLACE_STEP_M, |moved, side| {
                 self.residuals_of(moved, &answers, 1 + side, model_error)
             })
         });

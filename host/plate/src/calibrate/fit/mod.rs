@@ -18,6 +18,7 @@ pub(crate) mod joint_fit;
 pub(crate) mod least_squares;
 pub(crate) mod linear_least_squares;
 pub(crate) mod misfit;
+pub(crate) mod missing_air;
 pub(crate) mod one_sensor;
 pub(crate) mod pairs;
 pub(crate) mod parameter;

@@ -1,7 +1,7 @@
 //! Calibrated numbers by their names in a plate file, with their intervals.
 
-use super::unknowns::{OF_PLATE, spec_at};
-use crate::definition::{Model, PlateSpec, Taper};
+use super::unknowns::{OF_PLATE, of_plate, spec_at};
+use crate::definition::{Air, Model, PlateSpec, Taper};
 
 /// Standard deviations of a 95 % interval.
 pub(crate) const INTERVAL: f64 = 1.96;
@@ -38,9 +38,9 @@ pub(crate) fn parameters_of_plate(
         coordinates[i] += side * half(i);
         numbers(&spec_at(nominal, &coordinates))[i].1
     };
-    (0..OF_PLATE)
-        .map(|i| {
-            let (name, value) = best[i];
+    best.iter()
+        .enumerate()
+        .map(|(i, &(name, value))| {
             let ends = [at_end(i, -1.0), at_end(i, 1.0)];
             Parameter { name, value, low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) }
         })
@@ -48,7 +48,7 @@ pub(crate) fn parameters_of_plate(
 }
 
 /// The number that each coordinate moves, with its name in a plate file.
-pub(crate) fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
+pub(crate) fn numbers(spec: &PlateSpec) -> Vec<(&'static str, f64)> {
     let speed = match &spec.model {
         Model::Membrane { wave_speed_m_per_s, .. } => ("model.wave_speed_m_per_s", *wave_speed_m_per_s),
         Model::ShearHorizontal { shear_modulus_pa, .. } => ("model.shear_modulus_pa", *shear_modulus_pa),
@@ -66,5 +66,11 @@ pub(crate) fn numbers(spec: &PlateSpec) -> [(&'static str, f64); OF_PLATE] {
             (("taper.points[last][1]", width(points.last())), width(points.first()))
         }
     };
-    [speed, ("loss_factor", spec.loss_factor), taper, ("taper.half_width_m", half_width_m)]
+    let air = spec.air.as_ref().and_then(Air::mounting);
+    let of_air = air
+        .into_iter()
+        .flat_map(|it| [("air.coefficient", it.coefficient().0), ("air.distant_share", it.distant())]);
+    let of_all = [speed, ("loss_factor", spec.loss_factor), taper, ("taper.half_width_m", half_width_m)];
+    let count = of_plate(spec) - OF_PLATE;
+    of_all.into_iter().chain(of_air.take(count)).collect()
 }

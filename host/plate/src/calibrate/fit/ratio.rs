@@ -15,7 +15,7 @@ use super::misfit::misfit;
 use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
-use super::unknowns::{OF_PLATE, Priors, spec_at};
+use super::unknowns::{OF_PLATE, Priors, of_baffle, of_plate, spec_at};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
 use crate::frequency::respond_range;
@@ -46,7 +46,7 @@ impl<'a> Ratio<'a> {
             nominal: plate.spec(),
             sensor: sensors[0].sensor,
             places_m: sensors.map(|sensor| sensor.place_m),
-            deviations: priors.deviations().into_iter().chain(places).collect(),
+            deviations: priors.deviations_of(plate.spec()).into_iter().chain(places).collect(),
             frequencies_hz: pairs.iter().map(|pair| pair.frequency_hz).collect(),
             pairs,
         }
@@ -56,7 +56,7 @@ impl<'a> Ratio<'a> {
     pub(crate) fn swapped(&self) -> Self {
         let mut swapped = self.clone();
         swapped.places_m.swap(0, 1);
-        swapped.deviations.swap(OF_PLATE, OF_PLATE + 1);
+        swapped.deviations.swap(self.of_plate(), self.of_plate() + 1);
         swapped
     }
 
@@ -94,12 +94,17 @@ impl<'a> Ratio<'a> {
     fn wave(&self, coordinates: &[f64], radians: f64) -> Option<Wave> {
         let highest_hz = *self.frequencies_hz.last()?;
         let points = points(self.nominal, highest_hz, radians);
-        let wave = Wave::new(spec_at(self.nominal, coordinates), points).ok()?;
+        let mut spec = spec_at(self.nominal, coordinates);
+        if let (OF_PLATE, Some(air)) = (coordinates.len(), &mut spec.air) {
+            // The scan does without the air at a distance.
+            *air = air.near_alone();
+        }
+        let wave = Wave::new(spec, points).ok()?;
         (wave.enters(self.frequencies_hz[0]) && wave.enters(highest_hz)).then_some(wave)
     }
 
     fn places_at(&self, coordinates: &[f64]) -> Option<[f64; 2]> {
-        let places_m = [0, 1].map(|i| self.places_m[i] + coordinates[OF_PLATE + i]);
+        let places_m = [0, 1].map(|i| self.places_m[i] + coordinates[self.of_plate() + i]);
         let is_on_plate = |place_m: &f64| (0.0..=self.nominal.length_m).contains(place_m);
         places_m.iter().all(is_on_plate).then_some(places_m)
     }
@@ -113,7 +118,7 @@ impl<'a> Ratio<'a> {
     ) -> Vec<f64> {
         let of_data = self.pairs.iter().zip(p).map(|(pair, p)| pair.residual(&p.map(|p| *p), model_error));
         let of_priors = coordinates.iter().zip(&self.deviations).map(|(at, deviation)| at / deviation);
-        of_data.chain(of_priors).collect()
+        of_data.chain(of_priors).chain(of_baffle(self.nominal, coordinates)).collect()
     }
 }
 
@@ -122,6 +127,10 @@ impl Searched for Ratio<'_> {
     const ERRORS: &'static [(f64, f64)] = &[(MODEL_ERROR, f64::INFINITY)];
     const STEPS_MAX: usize = least_squares::STEPS_MAX;
     const ALL: bool = false;
+
+    fn of_plate(&self) -> usize {
+        of_plate(self.nominal)
+    }
 
     fn count(&self) -> f64 {
         self.pairs.len() as f64
@@ -158,7 +167,7 @@ impl Searched for Ratio<'_> {
         let places = [a, b, a + h, a - h, b + h, b - h];
         let rows = self.wave(at, radians)?.at(self.sensor, &places, &self.frequencies_hz);
         let of_place = |i: usize, picks: [[usize; 2]; 2]| {
-            column(at, OF_PLATE + i, h, |moved, side| {
+            column(at, self.of_plate() + i, h, |moved, side| {
                 let p = rows.iter().map(|p| picks[side].map(|at| &p[at]));
                 self.residuals_of(moved, p, model_error)
             })

@@ -6,7 +6,7 @@ use super::least_squares::Fit;
 use super::parameter::{INTERVAL, Parameter, parameters_of_plate};
 use super::source::source_file::FittedSource;
 use super::spread::Spread;
-use super::unknowns::{HALF_WIDTH, LOSS, OF_PLATE, TAPER, spec_at};
+use super::unknowns::{HALF_WIDTH, LOSS, TAPER, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::Measurement;
 use crate::definition::{Calibration, Plate, limits};
@@ -102,7 +102,8 @@ impl AcceptedFit<'_> {
     /// The plate file, its intervals and the parameters, if the data carry them.
     pub(crate) fn finish(self) -> Result<Calibrated, CalibrateError> {
         let Self { nominal, fit, sensors, .. } = self;
-        acceptance::check_coordinates(&fit.parameters, self.deviations, sensors)?;
+        let of_plate = of_plate(nominal.spec());
+        acceptance::check_coordinates(&fit.parameters, self.deviations, of_plate, sensors)?;
         // Without the record of the calibration.
         let spec = spec_at(nominal.spec(), &fit.parameters);
         let fitted = match &self.source {
@@ -142,7 +143,7 @@ impl AcceptedFit<'_> {
             correction: Some(correction),
         });
         let mut parameters = parameters_of_plate(nominal.spec(), &fit.parameters, half);
-        for (i, sensor) in (OF_PLATE..).zip(sensors) {
+        for (i, sensor) in (of_plate..).zip(sensors) {
             parameters.push(Parameter::about("place_m", sensor.place_m + fit.parameters[i], half(i)));
         }
         parameters.extend(self.source.iter().flat_map(|source| source.parameters(half)));

@@ -32,6 +32,8 @@ pub(crate) trait Searched: Sized {
     /// Whether every valley is followed, because another plate may fit nearly as well.
     const ALL: bool;
 
+    /// Number of the plate's coordinates.
+    fn of_plate(&self) -> usize;
     /// Number of data, for chi^2 per number.
     fn count(&self) -> f64;
     /// Starts in the lowest valleys of a scan over these speeds.
@@ -102,7 +104,7 @@ impl<S: Searched> Problem for OnGrid<'_, S> {
     }
 
     fn slopes(&self, at: &[f64], r: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let of_plate = STEPS.iter().enumerate().map(|(i, &step)| {
+        let of_plate = STEPS[..self.searched.of_plate()].iter().enumerate().map(|(i, &step)| {
             let above = self.residuals(&beside(at, i, step))?;
             if self.radians > FINE {
                 return Some(slope(&above, r, step));

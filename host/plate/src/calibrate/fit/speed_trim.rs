@@ -21,7 +21,7 @@ use super::result::Calibrated;
 use super::source::data::{entering, of_deflection};
 use super::source::sensor_signal::SensorSignal;
 use super::source::source_model::SourceModel;
-use super::unknowns::{OF_PLATE, Priors, SPEED, spec_at};
+use super::unknowns::{Priors, SPEED, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::measurement::signal;
@@ -34,6 +34,8 @@ const SPEED_KNOWN: f64 = 0.03;
 const LOSS_KNOWN: f64 = 0.3;
 /// What is known of the widths over those of the file: they are those at which it was calibrated.
 const WIDTHS_KNOWN: f64 = 1e-5;
+/// The same of its air, which the calibration found.
+const AIR_KNOWN: f64 = 1e-5;
 /// Share of what a calibration leaves open of the widths that is left of the speed: their errors go together.
 const OF_WIDTHS: f64 = 0.1;
 /// Standard deviations by which a sensor may seem to stand beside its mark. More of it would be taken for another speed.
@@ -104,6 +106,7 @@ impl SpeedTrim {
             loss: LOSS_KNOWN,
             taper: WIDTHS_KNOWN,
             half_width: WIDTHS_KNOWN,
+            air: Some(AIR_KNOWN),
         };
         let (mut found, fit) = fitted(plate, first, &priors)?;
         // Its widths are known as well as before.
@@ -113,7 +116,7 @@ impl SpeedTrim {
             found.taper_tolerance = calibration.taper_tolerance;
         }
         found.plate = Plate::new(spec)?;
-        let aside_m = fit.parameters[OF_PLATE];
+        let aside_m = fit.parameters[of_plate(plate.spec())];
         if aside_m.abs() > ASIDE * first.place_tolerance_m.max(PLACE_MIN_M) {
             let place_m = first.place_m;
             return Err(CalibrateError::Misplaced { place_m, found_m: place_m + aside_m });
@@ -231,11 +234,12 @@ impl SpeedTrim {
         let spec = spec_at(nominal, &coordinates);
         let highest_hz = self.first.points.last()?.frequency_hz;
         let count = points(nominal, highest_hz, FINE);
-        let place_m = self.first.place_m + coordinates[OF_PLATE];
+        let of_plate = of_plate(nominal);
+        let place_m = self.first.place_m + coordinates[of_plate];
         let answers =
             answers(&spec, count, self.units, self.first.sensor, &[place_m], frequencies_hz, false)?;
         let source = SensorSignal::new(self.units, highest_hz);
-        let seen = |answer| source.response(answer, 0, &coordinates[OF_PLATE + 1..]);
+        let seen = |answer| source.response(answer, 0, &coordinates[of_plate + 1..]);
         Some(answers.iter().map(seen).collect())
     }
 }

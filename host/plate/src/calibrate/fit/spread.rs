@@ -2,7 +2,7 @@
 
 use super::gain::Carried;
 use super::least_squares::Fit;
-use super::unknowns::{OF_PLATE, STEPS, TAPER, spec_at};
+use super::unknowns::{OF_PLATE_MAX, STEPS, TAPER, of_plate, spec_at};
 use crate::definition::Plate;
 use nalgebra::DMatrix;
 
@@ -11,8 +11,10 @@ const PLACES: usize = 9;
 
 /// The logarithms of the frequencies that turn at places over the span, as they go with the plate's coordinates.
 pub(crate) struct Turning {
+    /// The plate's coordinates.
+    of_plate: usize,
     /// Derivatives by the coordinates, at each place.
-    rows: Vec<[f64; OF_PLATE]>,
+    rows: Vec<[f64; OF_PLATE_MAX]>,
     /// Derivatives by the place, 1/m.
     per_metre: Vec<f64>,
 }
@@ -24,9 +26,10 @@ impl Turning {
         let places: Vec<f64> =
             (0..PLACES).map(|i| start + (end - start) * i as f64 / (PLACES - 1) as f64).collect();
         let turning = |plate: &Plate, place_m: f64| plate.frequency_for_boundary_hz(place_m).ln();
-        let mut rows = vec![[0.0; OF_PLATE]; PLACES];
-        for (i, step) in STEPS.into_iter().enumerate() {
-            let mut beside = [0.0; OF_PLATE];
+        let of_plate = of_plate(plate.spec());
+        let mut rows = vec![[0.0; OF_PLATE_MAX]; PLACES];
+        for (i, step) in STEPS.into_iter().enumerate().take(of_plate) {
+            let mut beside = vec![0.0; of_plate];
             beside[i] = step;
             let other = Plate::new(spec_at(plate.spec(), &beside)).ok()?;
             for (row, &place_m) in rows.iter_mut().zip(&places) {
@@ -37,7 +40,7 @@ impl Turning {
             (turning(plate, place_m * (1.0 + 1e-6)) - turning(plate, place_m)) / (place_m * 1e-6)
         };
         let per_metre = places.iter().map(per_metre).collect();
-        Some(Self { rows, per_metre })
+        Some(Self { of_plate, rows, per_metre })
     }
 
     /// The largest standard deviation of the boundary at a given frequency, metres, and of the logarithm of the frequency.
@@ -45,7 +48,8 @@ impl Turning {
         let (mut of_boundary, mut of_frequency) = (0.0_f64, 0.0_f64);
         for (row, per_metre) in self.rows.iter().zip(&self.per_metre) {
             let product = |i: usize, j: usize| row[i] * covariance[(i, j)] * row[j];
-            let square: f64 = (0..OF_PLATE).flat_map(|i| (0..OF_PLATE).map(move |j| product(i, j))).sum();
+            let all = 0..self.of_plate;
+            let square: f64 = all.clone().flat_map(|i| all.clone().map(move |j| product(i, j))).sum();
             let deviation = square.max(0.0).sqrt();
             of_boundary = of_boundary.max(deviation / per_metre);
             of_frequency = of_frequency.max(deviation);
@@ -54,8 +58,8 @@ impl Turning {
     }
 
     /// Largest shift of the boundary, metres, where the coordinates move by these ways.
-    fn shift_m(&self, ways: [f64; OF_PLATE]) -> f64 {
-        let shift = |(row, per_metre): (&[f64; OF_PLATE], &f64)| {
+    fn shift_m(&self, ways: &[f64]) -> f64 {
+        let shift = |(row, per_metre): (&[f64; OF_PLATE_MAX], &f64)| {
             (row.iter().zip(ways).map(|(slope, way)| slope * way).sum::<f64>() / per_metre).abs()
         };
         self.rows.iter().zip(&self.per_metre).map(shift).fold(0.0, f64::max)
@@ -91,7 +95,7 @@ impl Spread {
         let (boundary_m, of_frequency) = turning.deviations(&fit.covariance);
         let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
         let slopes = (0..fit.parameters.len()).map(|i| {
-            let step = STEPS.get(i).copied().unwrap_or(1e-6);
+            let step = STEPS[..turning.of_plate].get(i).copied().unwrap_or(1e-6);
             let mut beside = fit.parameters.clone();
             beside[i] += step;
             let there = carried(&beside)?;
@@ -100,8 +104,10 @@ impl Spread {
         let slopes = slopes.collect::<Option<_>>()?;
         // A mistake m of the place's prior moves the coordinates by C e m/s^2, with the prior's standard deviation s.
         let per_place = |i: usize| {
-            let of_prior = deviations[OF_PLATE + i].powi(2);
-            turning.shift_m(std::array::from_fn(|j| fit.covariance[(j, OF_PLATE + i)] / of_prior))
+            let at = turning.of_plate + i;
+            let of_prior = deviations[at].powi(2);
+            let ways = (0..turning.of_plate).map(|j| fit.covariance[(j, at)] / of_prior);
+            turning.shift_m(&ways.collect::<Vec<f64>>())
         };
         let boundary_per_place = (0..places_of_sensors).map(per_place).collect();
         Some(Self { boundary_m, speed: of_frequency / exponent, boundary_per_place, slopes })

@@ -1,6 +1,7 @@
 //! The calibration by the ratio of two places.
 
 use super::acceptance::{self, CHI2_PER_N_MAX};
+use super::missing_air::or_missing_air;
 use super::ratio::Ratio;
 use super::result::{AcceptedFit, Calibrated};
 use super::unknowns::Priors;
@@ -28,6 +29,10 @@ pub fn from_ratio(
     sensors: [&Measurement; 2],
     priors: &Priors,
 ) -> Result<Calibrated, CalibrateError> {
+    or_missing_air(plate, priors, |plate, priors| fitted(plate, sensors, priors))
+}
+
+fn fitted(plate: &Plate, sensors: [&Measurement; 2], priors: &Priors) -> Result<Calibrated, CalibrateError> {
     priors.check()?;
     for sensor in sensors {
         signal::check_sensor(plate, sensor)?;

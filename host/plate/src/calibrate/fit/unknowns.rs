@@ -7,19 +7,28 @@
 //! | 1 | ln of the loss factor over the file's | a factor of e |
 //! | 2 | ln(W0/W(L)) over the file's, less 1 | [`Priors::taper`] |
 //! | 3 | ln of W0 over the file's | [`Priors::half_width`] |
+//! | 4, of a plate in air | ln of the air's coefficient over the file's | [`Priors::air`], or what the mounting leaves open |
+//! | 5, of a membrane in air | share of the pressure at a distance beside the file's | the same |
 
 use crate::definition::limits;
-use crate::definition::{Model, PlateSpec};
+use crate::definition::{Air, AirMounting, BAFFLE, Model, PlateSpec};
 use crate::quantity::{OutOfRange, Range};
 
-/// Coordinates of the plate; those of the sensors follow.
+/// Coordinates of the plate: [`OF_PLATE`] of them, and those of its air where air swings with it ([`of_plate`]). Those of the
+/// sensors follow.
 pub(crate) const SPEED: usize = 0;
 pub(crate) const LOSS: usize = 1;
 pub(crate) const TAPER: usize = 2;
 pub(crate) const HALF_WIDTH: usize = 3;
 pub(crate) const OF_PLATE: usize = 4;
+pub(crate) const AIR: usize = 4;
+pub(crate) const DISTANT_AIR: usize = 5;
+/// The most that a plate has.
+pub(crate) const OF_PLATE_MAX: usize = 6;
+/// Standard deviation of ln alpha in a baffle.
+const OF_BAFFLE: f64 = 0.02;
 /// Ways over which derivatives by the plate's coordinates are taken.
-pub(crate) const STEPS: [f64; OF_PLATE] = [1e-6, 1e-4, 1e-6, 1e-6];
+pub(crate) const STEPS: [f64; OF_PLATE_MAX] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-5, 1e-3];
 
 /// How well the plate's numbers are known before it is measured, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,13 +41,16 @@ pub struct Priors {
     pub taper: f64,
     /// Of W0, relative (1e-5 to 0.1).
     pub half_width: f64,
+    /// Of ln of the air's coefficient, and of the share of the pressure at a distance (1e-5 to 1), on a plate in air; `None` for what
+    /// its mounting leaves open.
+    pub air: Option<f64>,
 }
 
 impl Default for Priors {
     /// A plate that was cut to 0.3 % of its width and 0.4 % of its taper, of a material known to 10 % of wave speed and
     /// a factor of e of loss.
     fn default() -> Self {
-        Self { wave_speed: 0.1, loss: 1.0, taper: 4e-3, half_width: 3e-3 }
+        Self { wave_speed: 0.1, loss: 1.0, taper: 4e-3, half_width: 3e-3, air: None }
     }
 }
 
@@ -49,16 +61,51 @@ impl Priors {
         OutOfRange::check("priors.wave_speed", self.wave_speed, Range::new(1e-3, 0.5, ""))?;
         OutOfRange::check("priors.loss", self.loss, Range::new(0.01, 3.0, ""))?;
         OutOfRange::check("priors.taper", self.taper, widths)?;
-        OutOfRange::check("priors.half_width", self.half_width, widths)
+        OutOfRange::check("priors.half_width", self.half_width, widths)?;
+        self.air.map_or(Ok(()), |air| OutOfRange::check("priors.air", air, Range::new(1e-5, 1.0, "")))
     }
 
-    /// The standard deviations in the order of the coordinates.
+    /// The standard deviations of every plate's coordinates, in their order.
     pub(crate) const fn deviations(&self) -> [f64; OF_PLATE] {
         [self.wave_speed, self.loss, self.taper, self.half_width]
     }
+
+    /// The same of all coordinates of this plate.
+    pub(crate) fn deviations_of(&self, nominal: &PlateSpec) -> Vec<f64> {
+        let of_air = mounting_of(nominal).into_iter().flat_map(|mounting| {
+            [mounting.deviation(), mounting.distant_deviation()].map(|usual| self.air.unwrap_or(usual))
+        });
+        self.deviations().into_iter().chain(of_air.take(of_plate(nominal) - OF_PLATE)).collect()
+    }
 }
 
-/// The specification at these coordinates of the plate.
+/// How many coordinates this plate has.
+pub(crate) fn of_plate(nominal: &PlateSpec) -> usize {
+    match (mounting_of(nominal), &nominal.model) {
+        (None, _) => OF_PLATE,
+        (Some(mounting), Model::Membrane { .. }) if mounting.distant_deviation() > 0.0 => OF_PLATE_MAX,
+        (Some(_), _) => OF_PLATE + 1,
+    }
+}
+
+fn mounting_of(spec: &PlateSpec) -> Option<AirMounting> {
+    spec.air.as_ref().and_then(Air::mounting)
+}
+
+/// What is known beside the coordinates themselves, in standard deviations: a plate that holds the pressure at a distance together
+/// stands in a baffle, where the wave does not depend on alpha and alpha is a convention. `None` where the plate has no such
+/// coordinates.
+pub(crate) fn of_baffle(nominal: &PlateSpec, coordinates: &[f64]) -> Option<f64> {
+    if of_plate(nominal) <= DISTANT_AIR {
+        return None;
+    }
+    let mounting = mounting_of(nominal)?;
+    let distant = mounting.distant() + coordinates.get(DISTANT_AIR)?;
+    let (alpha, _) = mounting.coefficient();
+    Some(distant * ((alpha / BAFFLE).max(f64::MIN_POSITIVE).ln() + coordinates.get(AIR)?) / OF_BAFFLE)
+}
+
+/// The specification at these coordinates of the plate: of every plate's alone, its air stays.
 pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     let mut spec = nominal.clone();
     let speed = coordinates[SPEED].exp();
@@ -67,6 +114,13 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     spec.loss_factor = (loss_of(nominal) * coordinates[LOSS].exp()).min(limits::LOSS_FACTOR.high);
     let (scale, power) = (coordinates[HALF_WIDTH].exp(), 1.0 + coordinates[TAPER]);
     spec.taper = spec.taper.stretched(scale, power);
+    if let (Some(Air::Around { mounting, .. }), Some(air)) = (&mut spec.air, coordinates.get(AIR)) {
+        let alpha = (mounting.coefficient().0 * air.exp()).min(limits::AIR_COEFFICIENT.high);
+        let more = if of_plate(nominal) > DISTANT_AIR { coordinates.get(DISTANT_AIR) } else { None };
+        let range = limits::DISTANT_AIR;
+        let distant = (mounting.distant() + more.unwrap_or(&0.0)).clamp(range.low, range.high);
+        *mounting = mounting.found(alpha, distant);
+    }
     spec
 }
 

@@ -8,7 +8,7 @@ use crate::calibrate::fit::response::prediction::per_metre;
 use crate::calibrate::fit::response::wave::{FINE, Wave, points};
 use crate::calibrate::fit::search::PLACE_STEP_M;
 use crate::calibrate::fit::spread::Turning;
-use crate::calibrate::fit::unknowns::{OF_PLATE, STEPS, spec_at};
+use crate::calibrate::fit::unknowns::{OF_PLATE_MAX, STEPS, spec_at};
 use crate::calibrate::measurement::sensor::{Measurement, PLACE_TOLERANCE_M, SensorKind};
 use crate::definition::Plate;
 use crate::progress::Progress;
@@ -16,8 +16,8 @@ use crate::table::level::DriveToPeak;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
 
-/// Coordinates: the plate's and both places.
-const COUNT: usize = OF_PLATE + 2;
+/// The sensors' places.
+const PLACES: usize = 2;
 /// Standard deviation of the drive over what a plate file says of it, in the logarithm (1.7 dB), and its correlation
 /// length over the ripple's period: a source that does not match leaves a ripple of the resonances.
 const DRIVE: f64 = 0.2;
@@ -31,10 +31,11 @@ pub(crate) struct Information {
     /// At each frequency: the wave at each place, and its derivatives.
     rows: Vec<Vec<Seen>>,
     /// Derivatives of the logarithm of the peak over the wave's own scale.
-    of_peak: Vec<[f64; OF_PLATE]>,
+    of_peak: Vec<[f64; OF_PLATE_MAX]>,
     turning: Turning,
     drive: Process,
-    deviations: [f64; OF_PLATE],
+    /// Of the plate's coordinates.
+    deviations: Vec<f64>,
     band_hz: (f64, f64),
 }
 
@@ -42,7 +43,7 @@ pub(crate) struct Information {
 #[derive(Clone, Copy)]
 struct Seen {
     signal: f64,
-    of_plate: [f64; OF_PLATE],
+    of_plate: [f64; OF_PLATE_MAX],
     per_metre: f64,
 }
 
@@ -57,7 +58,7 @@ impl Information {
     pub(crate) fn new(
         plate: &Plate,
         kind: SensorKind,
-        deviations: [f64; OF_PLATE],
+        deviations: Vec<f64>,
         places_m: &[f64],
         frequencies_hz: &[f64],
     ) -> Result<Self, CalibrateError> {
@@ -72,9 +73,10 @@ impl Information {
             let wave = Wave::new(spec_at(plate.spec(), coordinates), count)?;
             Ok(wave.with_peak(kind, &all, frequencies_hz))
         };
-        let here = wave(&[0.0; OF_PLATE])?;
-        let beside = (0..OF_PLATE).map(|i| {
-            let mut beside = [0.0; OF_PLATE];
+        let of_plate = deviations.len();
+        let here = wave(&vec![0.0; of_plate])?;
+        let beside = (0..of_plate).map(|i| {
+            let mut beside = vec![0.0; of_plate];
             beside[i] = STEPS[i];
             wave(&beside)
         });
@@ -82,19 +84,24 @@ impl Information {
         let levels = DriveToPeak::unchecked(plate, NO_HOLD_HZ)
             .levels(frequencies_hz, &mut Progress::new(&mut |_| true))?;
         let sensor = Measurement::at(0.0, kind, Vec::new());
-        let slope = |there: f64, here: f64, i: usize| (there - here) / STEPS[i];
+        // Of the sensor's signal at a place, or of the peak.
+        let value = |row: &(Vec<f64>, f64), at: Option<usize>| at.map_or(row.1, |at| row.0[3 * at]);
+        let slopes = |at: Option<usize>, i: usize| -> [f64; OF_PLATE_MAX] {
+            let slope = |k: usize| (value(&beside[k][i], at) - value(&here[i], at)) / STEPS[k];
+            std::array::from_fn(|k| if k < of_plate { slope(k) } else { 0.0 })
+        };
         let row = |i: usize| {
             let (p, peak) = &here[i];
             let rise = per_metre(plate, &sensor, frequencies_hz[i]).norm();
             let source = levels[i].amplitude * plate.spec().full_scale_m * rise / peak;
             let seen = |at: usize| Seen {
                 signal: source * p[3 * at],
-                of_plate: std::array::from_fn(|k| source * slope(beside[k][i].0[3 * at], p[3 * at], k)),
+                of_plate: slopes(Some(at), i).map(|slope| source * slope),
                 per_metre: source * (p[3 * at + 1] - p[3 * at + 2]) / (all[3 * at + 1] - all[3 * at + 2]),
             };
             (0..places_m.len()).map(seen).collect()
         };
-        let of_peak = |i: usize| std::array::from_fn(|k| slope(beside[k][i].1, here[i].1, k) / here[i].1);
+        let of_peak = |i: usize| slopes(None, i).map(|slope| slope / here[i].1);
         Ok(Self {
             rows: (0..here.len()).map(row).collect(),
             of_peak: (0..here.len()).map(of_peak).collect(),
@@ -121,9 +128,11 @@ impl Information {
 
     /// What the pair of two places would reach under this noise; `None` where its information is singular.
     pub(crate) fn reached(&self, [a, b]: [usize; 2], noise: f64) -> Option<Reached> {
-        let known = self.deviations.into_iter().chain([PLACE_TOLERANCE_M; 2]).map(|it| it.powi(-2));
-        let mut information = DMatrix::from_diagonal(&DVector::from_iterator(COUNT, known));
-        let mut slopes: Vec<Vec<f64>> = vec![Vec::new(); COUNT];
+        let of_plate = self.deviations.len();
+        let count = of_plate + PLACES;
+        let known = self.deviations.iter().chain(&[PLACE_TOLERANCE_M; PLACES]).map(|it| it.powi(-2));
+        let mut information = DMatrix::from_diagonal(&DVector::from_iterator(count, known));
+        let mut slopes: Vec<Vec<f64>> = vec![Vec::new(); count];
         let mut variances = Vec::with_capacity(self.rows.len());
         for (row, of_peak) in self.rows.iter().zip(&self.of_peak) {
             let (a, b) = (row[a], row[b]);
@@ -137,18 +146,18 @@ impl Information {
                 let source = (a.signal * of_a_by / of_a + b.signal * of_b_by / of_b) / weight;
                 (ratio, source)
             };
-            let mut of_ratio = [0.0; COUNT];
-            for i in 0..COUNT {
-                let (ratio, source) = match i.checked_sub(OF_PLATE) {
+            let mut of_ratio = [0.0; OF_PLATE_MAX + PLACES];
+            for i in 0..count {
+                let (ratio, source) = match i.checked_sub(of_plate) {
                     None => along(a.of_plate[i], b.of_plate[i]),
                     Some(0) => along(a.per_metre, 0.0),
                     Some(_) => along(0.0, b.per_metre),
                 };
                 of_ratio[i] = ratio;
-                slopes[i].push(of_peak.get(i).copied().unwrap_or(0.0) - source);
+                slopes[i].push(of_peak[..of_plate].get(i).copied().unwrap_or(0.0) - source);
             }
-            for i in 0..COUNT {
-                for j in 0..COUNT {
+            for i in 0..count {
+                for j in 0..count {
                     information[(i, j)] += of_ratio[i] * of_ratio[j];
                 }
             }

@@ -2,7 +2,6 @@
 
 use crate::definition::{Model, Plate};
 use crate::special::airy;
-use std::f64::consts::TAU;
 
 /// Decay lengths of bending's near field at the lowest frequency: e^-4.2 = 1.5 % of it are left.
 const NEAR_FIELD: f64 = 4.2;
@@ -32,7 +31,7 @@ impl NearLimit {
             },
             Model::BendingSupported(_) | Model::BendingClamped(_) => {
                 let width_term = model.width_number(1) / plate.half_width_m(0.0);
-                let decay = (model.wavenumber_squared(TAU * low_hz) + width_term.powi(2)).sqrt();
+                let decay = (plate.wavenumber_squared(low_hz) + width_term.powi(2)).sqrt();
                 let by_near_field = (NEAR_FIELD / decay, Self::NearField);
                 if by_near_field.0 > by_mode.0 { by_near_field } else { by_mode }
             }

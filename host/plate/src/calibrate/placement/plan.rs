@@ -3,11 +3,11 @@
 use super::information::{Information, Reached};
 use super::near_limit::NearLimit;
 use crate::calibrate::error::CalibrateError;
-use crate::calibrate::fit::unknowns::Priors;
+use crate::calibrate::fit::unknowns::{DISTANT_AIR, Priors};
 use crate::calibrate::measurement::band::band_hz;
 use crate::calibrate::measurement::sensor::{POINTS, SensorKind};
 use crate::calibrate::measurement::signal;
-use crate::definition::Plate;
+use crate::definition::{Air, Plate, PlateSpec};
 use crate::quantity::{OutOfRange, Range, WrongCount, show_place};
 use std::fmt;
 
@@ -124,6 +124,8 @@ impl fmt::Display for PlaceWarning {
 pub struct SensorPlaces {
     plate: Plate,
     placing: Placing,
+    /// Standard deviations of what is known of the plate's coordinates.
+    deviations: Vec<f64>,
     frequencies_hz: Vec<f64>,
     /// One standard deviation of an answer, in the sensor's unit.
     noise: f64,
@@ -160,37 +162,46 @@ impl SensorPlaces {
             let at = |i: usize| from_m + (to_m - from_m) * i as f64 / (count - 1) as f64;
             (0..count).map(|i| ((at(i) / step_m).round() * step_m).min(farthest_m)).collect()
         };
+        // Without the air's pressure at a distance: a plan for a share that is neither that of a baffle nor that of a bare frame
+        // serves neither.
+        let mut deviations = placing.priors.deviations_of(plate.spec());
+        deviations.truncate(DISTANT_AIR);
+        let air = plate.spec().air.map(Air::near_alone);
+        let near = if air.is_none() {
+            plate.clone()
+        } else {
+            Plate::new(PlateSpec { air, ..plate.spec().clone() })?
+        };
         let information = |places_m: &[f64]| {
-            let deviations = placing.priors.deviations();
-            Information::new(plate, placing.sensor, deviations, places_m, &frequencies_hz)
+            Information::new(&near, placing.sensor, deviations.clone(), places_m, &frequencies_hz)
         };
         let noise = NOISE * information(&over(0.0, farthest_m, USUAL))?.usual();
-        let pairs_of = |sets: [&[f64]; 2]| -> Result<Vec<PairReach>, CalibrateError> {
-            let all = sets.concat();
-            let known = information(&all)?;
+        // Pairs of the first `near` of these places with those from `far` on.
+        let pairs_of = |all: &[f64], near: usize, far: usize| -> Result<Vec<PairReach>, CalibrateError> {
+            let known = information(all)?;
             let mut pairs = Vec::new();
-            for (a, &near_m) in sets[0].iter().enumerate() {
-                for (b, &far_m) in sets[1].iter().enumerate().filter(|(_, far_m)| **far_m > near_m + step_m) {
-                    let reached = known.reached([a, sets[0].len() + b], noise);
+            for (a, &near_m) in all[..near].iter().enumerate() {
+                for (b, &far_m) in (far..).zip(&all[far..]).filter(|(_, far_m)| **far_m > near_m + step_m) {
+                    let reached = known.reached([a, b], noise);
                     pairs.extend(reached.map(|reached| PairReach::new([near_m, far_m], reached)));
                 }
             }
             Ok(pairs)
         };
         let grid = over(first_m, farthest_m, TRIED);
-        let pairs = pairs_of([&grid, &grid])?;
+        let pairs = pairs_of(&grid, grid.len(), 0)?;
         let coarse = best_of(&pairs, &pairs).ok_or(CalibrateError::NoFit)?;
         let apart_m = grid[1] - grid[0];
         let about = |at_m: f64| -> Vec<f64> {
             let (from_m, to_m) = ((at_m - apart_m).max(first_m), (at_m + apart_m).min(farthest_m));
             over(from_m, to_m, BETWEEN)
         };
-        let near = coarse.places_m.map(about);
-        let finer = pairs_of([&near[0], &near[1]])?;
+        let about = coarse.places_m.map(about);
+        let finer = pairs_of(&about.concat(), about[0].len(), about[0].len())?;
         let all = [&pairs[..], &finer].concat();
         let best = best_of(&all, &all).unwrap_or(coarse);
-        let (plate, placing) = (plate.clone(), *placing);
-        Ok(Self { plate, placing, frequencies_hz, noise, nearest_m, limit, best, pairs })
+        let placing = *placing;
+        Ok(Self { plate: near, placing, deviations, frequencies_hz, noise, nearest_m, limit, best, pairs })
     }
 
     /// Of the pairs with the same first place, the best; in rising places.
@@ -220,7 +231,7 @@ impl SensorPlaces {
     }
 
     fn information(&self, places_m: &[f64]) -> Result<Information, CalibrateError> {
-        let deviations = self.placing.priors.deviations();
+        let deviations = self.deviations.clone();
         Information::new(&self.plate, self.placing.sensor, deviations, places_m, &self.frequencies_hz)
     }
 }

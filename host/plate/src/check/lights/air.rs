@@ -3,12 +3,10 @@
 use crate::check::grading::{Finding, Site};
 use crate::check::report::Colour;
 use crate::check::stretch::Stretch;
-use crate::check::thresholds::{AIR_MM, AIR_OPEN};
-use crate::definition::air::{Air, AirLoad, AirMounting, Faces, Gas};
-use crate::definition::free_wave::FreeWave;
+use crate::check::thresholds::AIR_MM;
+use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::model::Model;
 use crate::quantity::number_format::with_decimals;
-use crate::special::airy;
 
 /// Its value is how far the peak may be from where the file puts it, mm. Without `[air]` that is what air on both faces in a
 /// baffle does, the most that a mounting can. With it, it is what the coefficient leaves open.
@@ -28,10 +26,14 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
             light(None, Colour::Green, sentence)
         }
         (_, Some(Air::Vacuum)) => light(None, Colour::Green, "The plate swings in a vacuum.".to_owned()),
-        (_, Some(Air::Around { .. })) => {
+        (_, Some(Air::Around { mounting, .. })) => {
             let moved = shift_mm(site, spec.air.as_ref());
-            let open = AIR_OPEN * moved.abs();
+            let open = mounting.deviation() * moved.abs();
             let moves = format!("The air moves the peak by {} mm, which is counted", with_decimals(moved, 1));
+            if spec.calibration.is_some() {
+                let sentence = format!("{moves}: its coefficient was measured.");
+                return light(None, Colour::Green, sentence);
+            }
             let open_mm = with_decimals(open, 1);
             let (colour, sentence) = graded(
                 open,
@@ -71,18 +73,7 @@ fn graded(mm: f64, green: String, amber: String) -> (Colour, String) {
     if mm.abs() <= AIR_MM { (Colour::Green, green) } else { (Colour::Amber, amber) }
 }
 
-/// How much farther from the drive `air` puts the peak of the frequency that turns at the boundary in a vacuum, mm: the
-/// peaks of the Airy form.
+/// [`crate::Plate::air_shift_m`], mm.
 fn shift_mm(site: &Site<'_>, air: Option<&Air>) -> f64 {
-    let (plate, model) = (site.plate, &site.plate.spec().model);
-    let width_mode = plate.width_mode(1);
-    let still = FreeWave { model, load: None };
-    let loaded = FreeWave { model, load: AirLoad::of(air, model) };
-    let turning = width_mode.number / plate.turning_at(site.boundary_m).0.exp();
-    let omega = still.angular_frequency(turning * turning);
-    let peak_m = |wave: FreeWave<'_>| {
-        let x0 = width_mode.place_of(wave.wavenumber_squared(omega).sqrt());
-        x0 - airy::PEAK_OFFSET / width_mode.fall(x0).cbrt()
-    };
-    1e3 * (peak_m(loaded) - peak_m(still))
+    1e3 * site.plate.air_shift_m(air, site.boundary_m)
 }

@@ -2,8 +2,8 @@
 
 use crate::check::{Checker, Conditions, SPAN_PLACES};
 use crate::frequency::driven_end::with_whole_end;
+use crate::frequency::medium::LANES;
 use crate::frequency::numerov::work;
-use crate::frequency::sweep::LANES;
 use crate::presets;
 
 /// Every light over the span of a preset in 100 ms (`cargo bench -p slipline-plate` prints the time): a sweep of eight

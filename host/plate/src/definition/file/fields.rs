@@ -261,10 +261,23 @@ pub(super) const AIR: Section = Section {
     kinds: &[
         ("baffle", &["faces", "density_kg_per_m3", "sound_speed_m_per_s", "temperature_c", "height_m"]),
         ("bare-frame", &["density_kg_per_m3", "sound_speed_m_per_s", "temperature_c", "height_m"]),
+        ("unknown", &["density_kg_per_m3", "sound_speed_m_per_s", "temperature_c", "height_m"]),
         (
             "coefficient",
             &[
                 "coefficient",
+                "faces",
+                "density_kg_per_m3",
+                "sound_speed_m_per_s",
+                "temperature_c",
+                "height_m",
+            ],
+        ),
+        (
+            "calibrated",
+            &[
+                "coefficient",
+                "distant_share",
                 "faces",
                 "density_kg_per_m3",
                 "sound_speed_m_per_s",
@@ -284,6 +297,11 @@ pub(super) const AIR: Section = Section {
             "coefficient",
             FieldType::Number(limits::AIR_COEFFICIENT),
             "the air's mass on each face over that of an endless plane wave",
+        ),
+        field(
+            "distant_share",
+            FieldType::Number(limits::DISTANT_AIR),
+            "the pressure at a distance over that in a baffle",
         ),
         field("faces", FieldType::NumberThat("1 or 2"), "how many faces have air"),
         field("density_kg_per_m3", FieldType::Number(limits::AIR_DENSITY), "density of the air"),

@@ -276,9 +276,15 @@ fn air_of(given: &Given<'_>) -> Result<Air, PlateError> {
     let mounting = match given.kind {
         "baffle" => AirMounting::Baffle { faces: faces_of(given)? },
         "bare-frame" => AirMounting::BareFrame,
+        "unknown" => AirMounting::Unknown,
         "coefficient" => {
             AirMounting::Coefficient { alpha: given.required("coefficient")?, faces: faces_of(given)? }
         }
+        "calibrated" => AirMounting::Calibrated {
+            alpha: given.required("coefficient")?,
+            faces: faces_of(given)?,
+            distant: given.required("distant_share")?,
+        },
         _ => return Ok(Air::Vacuum),
     };
     let numbers = ["density_kg_per_m3", "sound_speed_m_per_s"].iter().any(|name| given.has(name));

@@ -114,6 +114,8 @@ struct AirText {
     #[serde(skip_serializing_if = "Option::is_none")]
     coefficient: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    distant_share: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     faces: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     density_kg_per_m3: Option<f64>,
@@ -302,9 +304,15 @@ fn air_text(air: Air) -> AirText {
     let (mounting, coefficient, faces) = match mounting {
         AirMounting::Baffle { faces } => ("baffle", None, number(faces)),
         AirMounting::BareFrame => ("bare-frame", None, None),
+        AirMounting::Unknown => ("unknown", None, None),
         AirMounting::Coefficient { alpha, faces } => ("coefficient", Some(alpha), number(faces)),
+        AirMounting::Calibrated { alpha, faces, .. } => ("calibrated", Some(alpha), number(faces)),
     };
-    let text = AirText { mounting, coefficient, faces, ..AirText::default() };
+    let distant_share = match air {
+        Air::Around { mounting: AirMounting::Calibrated { distant, .. }, .. } => Some(distant),
+        Air::Around { .. } | Air::Vacuum => None,
+    };
+    let text = AirText { mounting, coefficient, distant_share, faces, ..AirText::default() };
     match gas {
         Gas::Given { density_kg_per_m3, sound_speed_m_per_s } => AirText {
             density_kg_per_m3: Some(density_kg_per_m3),

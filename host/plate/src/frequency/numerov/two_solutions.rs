@@ -1,6 +1,7 @@
 //! Both solutions of the amplitude equation at one frequency: what the answer to a force anywhere on the plate is made of.
 
-use super::{At, Grid, Swept};
+use super::Swept;
+use super::grid::{At, Grid};
 use crate::definition::plate::Plate;
 use crate::frequency::driven_end::DrivenEnd;
 use num_complex::Complex64;
@@ -22,7 +23,7 @@ pub(crate) struct TwoSolutions {
     pub(crate) stiffness_n: Complex64,
 }
 
-/// As [`solve`], and the two solutions, the left one as far as `to_m`.
+/// As [`super::solve`], and the two solutions, the left one as far as `to_m`.
 pub(crate) fn solve_with_both(
     grid: &Grid,
     plate: &Plate,
@@ -32,10 +33,10 @@ pub(crate) fn solve_with_both(
     let at = grid.at(plate, frequency_hz);
     let swept = Swept::of(grid, at);
     let end = DrivenEnd::of(plate, frequency_hz);
-    let field = swept.field(grid, at, &end);
+    let field = swept.clone().with_far_air(grid, at, frequency_hz).field(grid, at, &end);
 
     let mut weight: Vec<Complex64> = grid.scale.iter().map(|scale| Complex64::from(*scale)).collect();
-    at.weigh(&mut weight, 1);
+    at.weigh(grid, &mut weight, 1);
     let weighed = |g: &[Complex64]| g.iter().zip(&weight).map(|(g, weight)| g * weight).collect();
     let right: Vec<Complex64> = weighed(&swept.g[1..=grid.on_plate]);
 
@@ -50,11 +51,10 @@ pub(crate) fn solve_with_both(
     // S k = omega Z, and S goes with 1/K^2 where there is loss. A force on the plate also moves its air: S holds the air's
     // share of the wave's power.
     let wavenumber = plate.width_mode(grid.mode).wavenumber_squared(0.0, frequency_hz).sqrt();
+    // Along a membrane its weight holds that share, from none at the end on.
+    let dilution = if grid.in_air.is_some() { 1.0 } else { plate.dilution(frequency_hz) };
     let impedance = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);
-    let stiffness_n = TAU * frequency_hz * impedance
-        / wavenumber
-        / plate.dilution(frequency_hz)
-        / plate.lossy(frequency_hz);
+    let stiffness_n = TAU * frequency_hz * impedance / wavenumber / dilution / plate.lossy(frequency_hz);
     let wronskian = value * swept.slope - slope * swept.g[1];
     (field, TwoSolutions { step_m: grid.step_m, left, right, wronskian, weight, stiffness_n })
 }

@@ -25,8 +25,8 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     ui.separator();
     theme::heading(ui, "Air");
     let (shown, _) = stated(air);
-    let entry = |air: Option<Air>| (stated(air), air);
-    offer(ui, numbers, ("Mounting", shown, MOUNTING_HELP), &mountings(air).map(entry), air);
+    let entries: Vec<_> = mountings(air).into_iter().map(|air| (stated(air), air)).collect();
+    offer(ui, numbers, ("Mounting", shown, MOUNTING_HELP), &entries, air);
     let Some(Air::Around { gas, mounting }) = air else {
         let bare = changed(numbers.plate, |spec| spec.air = Some(Air::ROOM));
         if let Err(reason) = bare {
@@ -35,10 +35,19 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         return;
     };
     let around = |gas, mounting| Some(Air::Around { gas, mounting });
-    if let AirMounting::Coefficient { alpha, .. } = mounting {
+    if let AirMounting::Coefficient { alpha, .. } | AirMounting::Calibrated { alpha, .. } = mounting {
         numbers.number(ui, &caption::AIR_COEFFICIENT, alpha, |spec, value| {
-            if let Some(AirMounting::Coefficient { alpha, .. }) = mounting_of(spec) {
+            if let Some(AirMounting::Coefficient { alpha, .. } | AirMounting::Calibrated { alpha, .. }) =
+                mounting_of(spec)
+            {
                 *alpha = value;
+            }
+        });
+    }
+    if let AirMounting::Calibrated { distant, .. } = mounting {
+        numbers.number(ui, &caption::DISTANT_SHARE, distant, |spec, value| {
+            if let Some(AirMounting::Calibrated { distant, .. }) = mounting_of(spec) {
+                *distant = value;
             }
         });
     }
@@ -46,7 +55,10 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     let with = |faces| match mounting {
         AirMounting::Baffle { .. } => Some(AirMounting::Baffle { faces }),
         AirMounting::Coefficient { alpha, .. } => Some(AirMounting::Coefficient { alpha, faces }),
-        AirMounting::BareFrame => None,
+        AirMounting::Calibrated { alpha, distant, .. } => {
+            Some(AirMounting::Calibrated { alpha, faces, distant })
+        }
+        AirMounting::BareFrame | AirMounting::Unknown => None,
     };
     if let Some((one, two)) = with(Faces::One).zip(with(Faces::Two)) {
         let shown = if faces == Faces::One { "one" } else { "both" };
@@ -104,20 +116,25 @@ fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mount
     }
 }
 
-/// The ways to stand in the air, with what else is stated kept.
-fn mountings(air: Option<Air>) -> [Option<Air>; 5] {
+/// The ways to stand in the air, with what else is stated kept. Only a calibration makes one that is calibrated.
+fn mountings(air: Option<Air>) -> Vec<Option<Air>> {
     let (gas, (alpha, faces)) = match air {
         Some(Air::Around { gas, mounting }) => (gas, mounting.coefficient()),
         None | Some(Air::Vacuum) => (Gas::ROOM, AirMounting::BareFrame.coefficient()),
     };
     let around = |mounting| Some(Air::Around { gas, mounting });
-    [
+    let mut all = vec![
         None,
         Some(Air::Vacuum),
         around(AirMounting::Baffle { faces }),
         around(AirMounting::BareFrame),
+        around(AirMounting::Unknown),
         around(AirMounting::Coefficient { alpha, faces }),
-    ]
+    ];
+    if let Some(AirMounting::Calibrated { .. }) = air.and_then(|air| air.mounting()) {
+        all.push(air);
+    }
+    all
 }
 
 /// Name and meaning of a way to stand in the air.
@@ -134,6 +151,13 @@ fn stated(air: Option<Air>) -> (&'static str, &'static str) {
             ("baffle", "In a wide wall, so that no air goes from one face to the other")
         }
         Some(AirMounting::BareFrame) => ("bare frame", "In a narrow frame, with air on both faces"),
+        Some(AirMounting::Unknown) => (
+            "not known",
+            "Between a bare frame and a baffle: a calibration finds how much air swings with it",
+        ),
+        Some(AirMounting::Calibrated { .. }) => {
+            ("calibrated", "The air's mass and its pressure at a distance as a calibration found them")
+        }
         Some(AirMounting::Coefficient { .. }) => {
             ("coefficient", "The air's mass on each face over that of an endless plane wave, as a number")
         }

@@ -1,0 +1,57 @@
+//! A plate in air whose file states none: its calibration is refused, and the refusal says so where the plate fits in air.
+
+use super::result::Calibrated;
+use super::unknowns::Priors;
+use crate::calibrate::error::CalibrateError;
+use crate::definition::{Air, AirMounting, Gas, Plate, PlateSpec};
+
+/// Places over the span at which the air's shift of the peak is computed.
+const PLACES: usize = 5;
+/// Air that moves the peaks by less is not why a plate does not fit, metres.
+const SHIFT_MIN_M: f64 = 1e-3;
+/// More chi^2 per answer no air explains: light membranes in a baffle have up to 60.
+const CHI2_MAX: f64 = 100.0;
+/// Standard deviation of ln alpha where nobody knows the mounting.
+const AS_UNKNOWN: f64 = 0.22;
+
+/// `calibrate` of a plate; where that is refused because no such plate fits, of the same plate in air by the law of
+/// its coefficient alone, which takes no longer.
+pub(crate) fn or_missing_air(
+    plate: &Plate,
+    priors: &Priors,
+    calibrate: impl Fn(&Plate, &Priors) -> Result<Calibrated, CalibrateError>,
+) -> Result<Calibrated, CalibrateError> {
+    let error = match calibrate(plate, priors) {
+        Err(error @ CalibrateError::Unlike { chi2_per_n, .. })
+            if plate.spec().air.is_none() && chi2_per_n < CHI2_MAX =>
+        {
+            error
+        }
+        Err(error @ CalibrateError::AnotherPlate { what: "wave speed", .. })
+            if plate.spec().air.is_none() =>
+        {
+            error
+        }
+        other => return other,
+    };
+    let unknown = Air::Around { gas: Gas::ROOM, mounting: AirMounting::Unknown };
+    if shift_m(plate, &unknown) < SHIFT_MIN_M {
+        return Err(error);
+    }
+    let air = unknown.near_alone();
+    let Ok(in_air) = Plate::new(PlateSpec { air: Some(air), ..plate.spec().clone() }) else {
+        return Err(error);
+    };
+    let found = calibrate(&in_air, &Priors { air: Some(AS_UNKNOWN), ..*priors });
+    match found.ok().and_then(|found| found.plate.spec().air) {
+        Some(air) => Err(CalibrateError::NoAir { shift_m: shift_m(plate, &air) }),
+        None => Err(error),
+    }
+}
+
+/// How far this air moves the peaks of the plate's span, the most.
+fn shift_m(plate: &Plate, air: &Air) -> f64 {
+    let (start, end) = plate.span_m();
+    let place = |i: usize| start + (end - start) * i as f64 / (PLACES - 1) as f64;
+    (0..PLACES).map(|i| plate.air_shift_m(Some(air), place(i)).abs()).fold(0.0, f64::max)
+}

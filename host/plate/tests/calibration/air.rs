@@ -1,0 +1,169 @@
+//! Light membranes in air whose mounting nobody knows: the air's coefficient is one more unknown of the calibration.
+
+use super::calibrated;
+use super::rig::{BOUNDARIES, Random, Rig, Solver};
+use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Placing, SensorPlaces};
+use slipline_plate::{Air, AirMounting, Faces, Gas, Plate, PlateSpec, preset};
+
+/// Frequencies at which a plate is measured.
+const POINTS: usize = 60;
+/// Boundaries at which a plate in two dimensions is judged: each takes a tenth of a second.
+const FEW: usize = 5;
+
+fn with_air(plate: &Plate, air: Option<Air>) -> Plate {
+    Plate::new(PlateSpec { air, ..plate.spec().clone() }).expect("a valid plate")
+}
+
+fn around(mounting: AirMounting) -> Option<Air> {
+    Some(Air::Around { gas: Gas::ROOM, mounting })
+}
+
+/// What a plate is solved with, and the noise below its responses, dB.
+type Case = (Solver, f64);
+const USUAL: Case = (Solver::OneMode, 40.0);
+
+/// A light membrane near the preset in air: in two dimensions in a baffle or in a bare frame, else by the law with some coefficient.
+fn rig(number: u64, (solver, snr_db): Case, random: &mut Random) -> Rig {
+    let nominal = with_air(&preset("membrane").expect("a preset"), around(AirMounting::Unknown));
+    let mut rig = Rig::of(nominal, solver, random);
+    let alpha = random.factor(1.2, 2.2);
+    let mounting = match solver {
+        Solver::OneMode => AirMounting::Coefficient { alpha, faces: Faces::Two },
+        Solver::TwoDimensions | Solver::Bar if number.is_multiple_of(2) => {
+            AirMounting::Baffle { faces: Faces::Two }
+        }
+        Solver::TwoDimensions | Solver::Bar => AirMounting::BareFrame,
+    };
+    rig.truth = with_air(&rig.truth, around(mounting));
+    rig.snr_db = snr_db;
+    rig.boundaries = if solver == Solver::OneMode { BOUNDARIES } else { FEW };
+    rig
+}
+
+fn measured(rig: &Rig, random: &mut Random) -> [Measurement; 2] {
+    let placing = Placing { points: POINTS, ..Placing::default() };
+    let places = SensorPlaces::of(&rig.nominal, &placing).expect("places");
+    rig.measure(places.best.places_m, POINTS, random)
+}
+
+/// What became of one plate: the calibration, the error of the boundary in metres, the evenness of the level in dB.
+fn judged(number: u64, case: Case) -> Result<(Calibrated, f64, f64), CalibrateError> {
+    let mut random = Random::new(3000 + number);
+    let rig = rig(number, case, &mut random);
+    let found = calibrated(&rig, &measured(&rig, &mut random))?;
+    let boundary_m = rig.errors(&found.plate).0;
+    let level_db = rig.judge(&found.plate).level_db;
+    let mounting = |plate: &Plate| plate.spec().air.and_then(|air| air.mounting());
+    println!(
+        "{number:2} boundary {:.2} (stated {:.2}) mm, level {level_db:.2} (stated {:.2}) dB, chi2/n {:.2}, misfit {:.3}: {:?} for {:?}",
+        1e3 * boundary_m,
+        1e3 * found.boundary_tolerance_m,
+        found.level_tolerance_db,
+        found.chi2_per_n,
+        found.misfit,
+        mounting(&found.plate),
+        mounting(&rig.truth),
+    );
+    Ok((found, boundary_m, level_db))
+}
+
+/// Whether the stated intervals hold boundary and level.
+fn holds((found, boundary_m, level_db): &(Calibrated, f64, f64)) -> bool {
+    *boundary_m <= found.boundary_tolerance_m && *level_db <= found.level_tolerance_db
+}
+
+#[test]
+fn a_light_membrane_in_air_of_unknown_mounting_is_calibrated() {
+    let judged = judged(3, USUAL).expect("accepted");
+    let (found, boundary_m, level_db) = &judged;
+    assert!(*boundary_m < 1e-3 && *level_db < 0.5 && holds(&judged), "{boundary_m} m {level_db} dB");
+    // The file has the air that was found, and the interval holds the true one.
+    let plate = Plate::from_toml(&found.plate.to_toml()).expect("an ordinary plate file");
+    assert_eq!(plate, found.plate);
+    let Some(AirMounting::Calibrated { alpha, distant, .. }) =
+        plate.spec().air.and_then(|air| air.mounting())
+    else {
+        panic!("{:?}", plate.spec().air);
+    };
+    let told = |name: &str| found.parameters.iter().find(|it| it.name == name).expect("stated");
+    let coefficient = told("air.coefficient");
+    assert!((coefficient.low..coefficient.high).contains(&alpha) && coefficient.value == alpha);
+    assert!(distant.abs() < 0.1 && told("air.distant_share").value == distant, "{distant}");
+    assert_eq!(found.parameters.len(), 8, "{:?}", found.parameters);
+}
+
+#[test]
+fn a_file_without_the_air_that_the_plate_is_in_is_refused_with_a_sentence_on_it() {
+    let mut random = Random::new(3003);
+    let mut rig = rig(3, USUAL, &mut random);
+    let sensors = measured(&rig, &mut random);
+    rig.nominal = with_air(&rig.nominal, None);
+    let error = calibrated(&rig, &sensors).expect_err("no air");
+    let CalibrateError::NoAir { shift_m } = error else { panic!("{error}") };
+    assert!((0.02..0.04).contains(&shift_m), "{shift_m}");
+    let sentence = error.to_string();
+    assert!(sentence.contains("add a section [air] with mounting = \"unknown\""), "{sentence}");
+}
+
+/// A plate that is faster than sound carries next to no air: its calibration is the same with an `[air]` and without.
+#[test]
+#[ignore = "two calibrations of a plate in bending: .ci/run long_tests"]
+fn a_bending_plate_in_air_is_calibrated_as_without() {
+    let mut random = Random::new(3100);
+    let mut rig = Rig::new("al-bending", Solver::OneMode, &mut random);
+    let sensors = super::measured("al-bending", &rig, &mut random);
+    let without = calibrated(&rig, &sensors).expect("accepted");
+    rig.nominal = with_air(&rig.nominal, Some(Air::ROOM));
+    let with = calibrated(&rig, &sensors).expect("accepted");
+    let (start, end) = rig.nominal.span_m();
+    for i in 0..=8 {
+        let place_m = start + (end - start) * f64::from(i) / 8.0;
+        let frequency_hz = without.plate.frequency_for_boundary_hz(place_m);
+        let there_m = with.plate.turning_point_m(frequency_hz).expect("enters");
+        assert!((there_m - place_m).abs() < 2e-5, "{place_m} {there_m}");
+    }
+    assert!((with.level_tolerance_db - without.level_tolerance_db).abs() < 0.02);
+    let level_db = |found: &Calibrated| rig.judge(&found.plate).level_db;
+    assert!((level_db(&with) - level_db(&without)).abs() < 0.02);
+}
+
+#[test]
+#[ignore = "a plate in two dimensions: .ci/run long_tests"]
+fn a_light_membrane_in_a_baffle_in_two_dimensions_is_calibrated() {
+    let judged = judged(0, (Solver::TwoDimensions, 40.0)).expect("accepted");
+    assert!(judged.1 < 1e-3 && judged.2 < 0.5 && holds(&judged), "{} m {} dB", judged.1, judged.2);
+}
+
+/// Every one of the twenty: statistics that take minutes.
+mod night {
+    use super::*;
+
+    /// How many of eight plates in two dimensions and twelve by the law are even within 0.5 dB.
+    fn even_of_twenty(snr_db: f64, within_db: f64) -> usize {
+        let of = |solver: Solver, count: u64| (0..count).map(move |number| (number, (solver, snr_db)));
+        let all = of(Solver::TwoDimensions, 8).chain(of(Solver::OneMode, 12));
+        let all: Vec<_> = all.map(|(number, case)| judged(number, case).expect("accepted")).collect();
+        let worst = |of: fn(&(Calibrated, f64, f64)) -> f64| all.iter().map(of).fold(0.0, f64::max);
+        let (boundary_m, level_db) = (worst(|it| it.1), worst(|it| it.2));
+        assert!(boundary_m < 1e-3 && level_db < within_db, "{boundary_m} m {level_db} dB");
+        let even = all.iter().filter(|it| it.2 < 0.5).count();
+        let held = all.iter().filter(|it| holds(it)).count();
+        println!("{even} even within 0.5 dB, {held} within the stated");
+        assert!(held >= 19, "{held}");
+        even
+    }
+
+    #[test]
+    #[ignore = "twenty plates, eight in two dimensions: .ci/run statistics"]
+    fn twenty_light_membranes_in_air_of_unknown_mounting_are_calibrated() {
+        let even = even_of_twenty(40.0, 1.2);
+        assert!(even >= 13, "{even}");
+    }
+
+    #[test]
+    #[ignore = "the same with half of the noise: .ci/run statistics"]
+    fn with_half_of_the_noise_the_level_of_eighteen_is_even() {
+        let even = even_of_twenty(46.0, 0.75);
+        assert!(even >= 18, "{even}");
+    }
+}
