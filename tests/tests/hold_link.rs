@@ -156,7 +156,7 @@ fn what_does_not_fit_the_devices_units_is_named_with_its_range() {
         ),
         (
             HoldRequest { tones: tone(0.01), ..hold() },
-            "tone 3: amplitude to hold (codes) is 0.01; allowed are 0.0625 to 2047",
+            "tone 4: amplitude to hold (codes) is 0.01; allowed are 0.063 to 2047",
         ),
         (HoldRequest { tones: tone(1.0), ..hold() }, "no tone sounds in slot 3"),
     ] {

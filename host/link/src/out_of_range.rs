@@ -33,20 +33,25 @@ impl OutOfRange {
 impl fmt::Display for OutOfRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { field, got, min, max } = *self;
-        let beyond = if got > max { got - max } else { min - got };
-        let shown = |value| rounded(value, beyond);
-        write!(f, "{field} is {}; allowed are {} ", shown(got), shown(min))?;
-        if max.is_finite() { write!(f, "to {}", shown(max)) } else { f.write_str("or more") }
+        let decimals = decimals(if got > max { got - max } else { min - got });
+        // A bound is rounded into the range, so that what is shown as allowed is accepted.
+        let shown = |bound: f64, round: fn(f64) -> f64| {
+            let unit = 0.1_f64.powi(decimals);
+            let count = bound / unit;
+            let whole = if (count - count.round()).abs() < 1e-6 + 1e-12 * count.abs() { count.round() } else { round(count) };
+            text(whole * unit, decimals)
+        };
+        write!(f, "{field} is {}; allowed are {} ", text(got, decimals), shown(min, f64::ceil))?;
+        if max.is_finite() { write!(f, "to {}", shown(max, f64::floor)) } else { f.write_str("or more") }
     }
 }
 
-/// Fewest and most decimals of a number that has some.
-const DECIMALS: std::ops::RangeInclusive<i32> = 1..=9;
+/// Decimals by which a number is seen to lie `beyond` another: 1 to 9, and 9 where nothing can be compared.
+fn decimals(beyond: f64) -> i32 {
+    if beyond.is_finite() { (1 - beyond.log10().floor().min(0.0) as i32).min(9) } else { 9 }
+}
 
-/// A number with no more decimals than are needed to see that it lies `beyond` another.
-fn rounded(value: f64, beyond: f64) -> String {
-    let decimals = 1 - (beyond.log10().floor() as i32).clamp(-8, 0);
-    let decimals = decimals.clamp(*DECIMALS.start(), *DECIMALS.end());
+fn text(value: f64, decimals: i32) -> String {
     let text = format!("{value:.*}", decimals as usize);
     let text = if value.is_finite() { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     text.to_owned()
@@ -69,6 +74,8 @@ mod tests {
         let close = OutOfRange::check("boundary (mm)", 264.977_133_470_569, 80.0, 264.971_2);
         let close = close.map_err(|error| error.to_string());
         assert_eq!(close, Err("boundary (mm) is 264.9771; allowed are 80 to 264.9712".to_owned()));
+        let least = OutOfRange::check("amplitude (codes)", 0.01, 0.0625, 2047.0).map_err(|error| error.to_string());
+        assert_eq!(least, Err("amplitude (codes) is 0.01; allowed are 0.063 to 2047".to_owned()));
         for got in [f64::NAN, f64::INFINITY] {
             assert!(said(got, f64::INFINITY).is_err(), "{got}");
         }

@@ -267,8 +267,8 @@ mod tests {
         let designer = |request: &Request| design(request).unwrap_err().worded(&Panel::Designer);
         assert_eq!(
             designer(&request),
-            "Length 10 mm: must be longer: the peak of 20 kHz and the tail of 40 kHz alone take 23 mm of it; or raise the \
-             band, or set smaller margins"
+            "Length 10 mm: must be longer: the peak of 20 kHz and the tail of 40 kHz alone take 25.4 mm of it; or raise \
+             the band, or set smaller margins"
         );
         (request.length_m, request.band_hz) = (0.3, (400.0, 400.0));
         assert_eq!(
