@@ -38,7 +38,11 @@ impl fmt::Display for OutOfRange {
         let shown = |bound: f64, round: fn(f64) -> f64| {
             let unit = 0.1_f64.powi(decimals);
             let count = bound / unit;
-            let whole = if (count - count.round()).abs() < 1e-6 + 1e-12 * count.abs() { count.round() } else { round(count) };
+            let whole = if (count - count.round()).abs() < 1e-6 + 1e-12 * count.abs() {
+                count.round()
+            } else {
+                round(count)
+            };
             text(whole * unit, decimals)
         };
         write!(f, "{field} is {}; allowed are {} ", text(got, decimals), shown(min, f64::ceil))?;
@@ -74,7 +78,8 @@ mod tests {
         let close = OutOfRange::check("boundary (mm)", 264.977_133_470_569, 80.0, 264.971_2);
         let close = close.map_err(|error| error.to_string());
         assert_eq!(close, Err("boundary (mm) is 264.9771; allowed are 80 to 264.9712".to_owned()));
-        let least = OutOfRange::check("amplitude (codes)", 0.01, 0.0625, 2047.0).map_err(|error| error.to_string());
+        let least =
+            OutOfRange::check("amplitude (codes)", 0.01, 0.0625, 2047.0).map_err(|error| error.to_string());
         assert_eq!(least, Err("amplitude (codes) is 0.01; allowed are 0.063 to 2047".to_owned()));
         for got in [f64::NAN, f64::INFINITY] {
             assert!(said(got, f64::INFINITY).is_err(), "{got}");
