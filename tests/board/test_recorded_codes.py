@@ -18,13 +18,13 @@ GUARD = 40 * MILLISECOND
 
 
 def parts(chance, tones):
-    """So many levels, 0.5 in all."""
+    """Random levels of this number of tones, 0.5 in all."""
     shares = [0.1 + chance.random() for _ in range(tones)]
     return [0.5 * share / sum(shares) for share in shares]
 
 
 def spread(chance, count, first, end):
-    """So many different whole numbers, rising."""
+    """At most `count` different whole numbers, rising."""
     return sorted({first + int(chance.random() * (end - first)) for _ in range(count)})
 
 

@@ -26,14 +26,14 @@ pub use standing::Standing;
 pub use words::{ToneWords, progress_words, state_words, words};
 
 use slipline_link::BLOCK;
-use slipline_link::protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_TONES};
+use slipline_link::protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_RISE_CDB, MAX_TONES};
 use slipline_link::{HoldRequest, HoldToneRequest, ListenRequest, Listened, WindowShape};
 use slipline_plate::Plate;
 use slipline_plate::quantity::Range;
 use std::f64::consts::TAU;
 
 /// Allowed limits for the rise of a held tone above its drive level.
-pub const MAX_RISE: Range = Range::new(0.0, 20.0, "dB");
+pub const MAX_RISE: Range = Range::new(0.0, MAX_RISE_CDB as f64 / 100.0, "dB");
 /// Largest rise without a user's choice, dB.
 pub const USUAL_RISE_DB: f64 = 12.0;
 

@@ -62,6 +62,17 @@ pub struct PlateSpec {
     pub calibration: Option<Calibration>,
 }
 
+impl PlateSpec {
+    /// Appends `mark` to the name, of which so much stays that both are within [`limits::NAME`]; a name that ends with it already
+    /// stays as it is.
+    pub fn mark_name(&mut self, mark: &str) {
+        if !self.name.ends_with(mark) {
+            let room = limits::NAME.most.saturating_sub(mark.chars().count());
+            self.name = self.name.chars().take(room).chain(mark.chars()).collect();
+        }
+    }
+}
+
 /// A validated plate.
 ///
 /// ```

@@ -85,10 +85,10 @@ fn a_light_membrane_in_air_of_unknown_mounting_is_calibrated() {
     else {
         panic!("{:?}", plate.spec().air);
     };
-    let told = |name: &str| found.parameters.iter().find(|it| it.name == name).expect("stated");
-    let coefficient = told("air.coefficient");
+    let stated = |name: &str| found.parameters.iter().find(|it| it.name == name).expect("stated");
+    let coefficient = stated("air.coefficient");
     assert!((coefficient.low..coefficient.high).contains(&alpha) && coefficient.value == alpha);
-    assert!(distant.abs() < 0.1 && told("air.distant_share").value == distant, "{distant}");
+    assert!(distant.abs() < 0.1 && stated("air.distant_share").value == distant, "{distant}");
     assert_eq!(found.parameters.len(), 8, "{:?}", found.parameters);
 }
 

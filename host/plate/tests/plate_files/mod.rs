@@ -291,8 +291,8 @@ fn a_loss_tolerance_is_read_written_and_refused_by_its_range() {
     let plate = Plate::from_toml(GOOD).expect("good");
     assert_eq!(plate.spec().loss_tolerance, None);
     assert!(!plate.to_toml().contains("loss_tolerance"));
-    let told = GOOD.replace("loss_factor = 0.01", "loss_factor = 0.01\nloss_tolerance = 1.5");
-    let plate = Plate::from_toml(&told).expect("stated");
+    let text = GOOD.replace("loss_factor = 0.01", "loss_factor = 0.01\nloss_tolerance = 1.5");
+    let plate = Plate::from_toml(&text).expect("stated");
     assert_eq!(plate.spec().loss_tolerance, Some(1.5));
     assert_eq!(Plate::from_toml(&plate.to_toml()).expect("written"), plate);
     assert_refused(&[

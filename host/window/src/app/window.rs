@@ -186,7 +186,7 @@ mod tests {
         assert!(least.is_some_and(|size| size.x <= 640.0 && size.y <= 480.0 - 2.0 * 40.0), "{least:?}");
     }
 
-    /// What the window is told to do after one more frame.
+    /// What the window is asked to do after one more frame.
     fn commands(ctx: &egui::Context) -> Vec<ViewportCommand> {
         let mut output = ctx.run_ui(egui::RawInput::default(), |_| {});
         // There is no renderer to take them.
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn a_window_as_high_as_the_screen_makes_room_for_the_bars_of_the_system() {
-        let told = |screen: [f32; 2], inner: [f32; 2], maximized: bool| {
+        let resized = |screen: [f32; 2], inner: [f32; 2], maximized: bool| {
             let ctx = egui::Context::default();
             let mut input = egui::RawInput::default();
             let window = input.viewports.entry(ViewportId::ROOT).or_default();
@@ -209,10 +209,10 @@ mod tests {
             commands.filter(|command| matches!(command, ViewportCommand::InnerSize(_))).collect::<Vec<_>>()
         };
         let sized = |size: [f32; 2]| vec![ViewportCommand::InnerSize(size.into())];
-        assert_eq!(told([1280.0, 800.0], [1280.0, 800.0], false), sized([1280.0, 720.0]));
-        assert_eq!(told([640.0, 480.0], [640.0, 480.0], false), sized([640.0, 400.0]));
-        assert_eq!(told([1920.0, 1080.0], [1280.0, 800.0], false), []);
-        assert_eq!(told([1280.0, 800.0], [1280.0, 800.0], true), []);
+        assert_eq!(resized([1280.0, 800.0], [1280.0, 800.0], false), sized([1280.0, 720.0]));
+        assert_eq!(resized([640.0, 480.0], [640.0, 480.0], false), sized([640.0, 400.0]));
+        assert_eq!(resized([1920.0, 1080.0], [1280.0, 800.0], false), []);
+        assert_eq!(resized([1280.0, 800.0], [1280.0, 800.0], true), []);
     }
 
     #[test]

@@ -96,7 +96,7 @@ fn a_simulated_drive_is_paused_before_its_limit_and_a_real_one_is_not() {
         later(9.95);
         window.run_steps(5);
         assert_eq!(stops(&link), usize::from(is_simulated));
-        let told = window.state().notice().cloned().map(|notice| notice.text).unwrap_or_default();
-        assert_eq!(told.starts_with("Paused: nothing was changed for 10 minutes."), is_simulated, "{told}");
+        let text = window.state().notice().cloned().map(|notice| notice.text).unwrap_or_default();
+        assert_eq!(text.starts_with("Paused: nothing was changed for 10 minutes."), is_simulated, "{text}");
     }
 }

@@ -21,8 +21,8 @@ fn open_named(app: &mut TestApp, name: &str) {
 
 fn is_told(app: &TestApp, code: &str) -> bool {
     // Not the log's line, which begins with its time.
-    let told = format!("No font of this system has the characters {code}");
-    app.window.state().notice().is_some_and(|notice| notice.text.starts_with(&told))
+    let text = format!("No font of this system has the characters {code}");
+    app.window.state().notice().is_some_and(|notice| notice.text.starts_with(&text))
 }
 
 #[test]

@@ -191,25 +191,36 @@ fn the_calibrations_pages_measure_too() {
     assert!(has(&app, &format!("{place}, run 1 at {place}")));
 }
 
-/// The whole way of somebody new, on a plate that nobody knows.
-#[test]
-fn a_plate_that_is_secretly_off_is_measured_calibrated_and_then_fits() {
+/// The page of measurements, with a simulated plate that nobody knows.
+fn on_a_secret_plate() -> TestApp {
     let bench = Bench::default();
     let mut app = TestApp::sensed(bench.inputs(), bench);
     open_measure(&mut app);
     app.window.get_by_label("A secret plate, a few per cent off").click();
     app.wait(200);
+    app
+}
+
+/// The wizard from its first page to the result, with the simulated device.
+fn calibrate_by_measuring(app: &mut TestApp) {
+    press(app, "Calibrate…");
+    press(app, "Next");
+    press(app, "Next");
+    for _ in 0..2 {
+        press(app, "Measure now");
+        wait_for_the_end(app);
+        press(app, "Next");
+    }
+}
+
+/// The whole way of somebody new, on a plate that nobody knows.
+#[test]
+fn a_plate_that_is_secretly_off_is_measured_calibrated_and_then_fits() {
+    let mut app = on_a_secret_plate();
     press(&mut app, "Measure now");
     wait_for_the_end(&mut app);
     assert!(has(&app, "Measured differs"));
-    press(&mut app, "Calibrate…");
-    press(&mut app, "Next");
-    press(&mut app, "Next");
-    for _ in 0..2 {
-        press(&mut app, "Measure now");
-        wait_for_the_end(&mut app);
-        press(&mut app, "Next");
-    }
+    calibrate_by_measuring(&mut app);
     assert_eq!(crate::calibrate::page(&app), Some(5));
     press(&mut app, "Use this plate");
     app.wait(1500);
@@ -231,11 +242,7 @@ fn off_db(app: &TestApp) -> Option<f64> {
 
 #[test]
 fn a_secret_plate_is_drawn_anew_with_every_other_plate() {
-    let bench = Bench::default();
-    let mut app = TestApp::sensed(bench.inputs(), bench);
-    open_measure(&mut app);
-    app.window.get_by_label("A secret plate, a few per cent off").click();
-    app.wait(200);
+    let mut app = on_a_secret_plate();
     crate::background::open_plate(&mut app, crate::measure::membrane(1.5).to_toml());
     app.wait(1500);
     open_measure(&mut app);
@@ -328,19 +335,8 @@ fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
 /// The whole way of somebody new, and what the simulated plate shows afterwards.
 #[test]
 fn after_a_calibration_the_rings_of_the_simulated_plate_lie_on_the_curve() {
-    let bench = Bench::default();
-    let mut app = TestApp::sensed(bench.inputs(), bench);
-    open_measure(&mut app);
-    app.window.get_by_label("A secret plate, a few per cent off").click();
-    app.wait(200);
-    press(&mut app, "Calibrate…");
-    press(&mut app, "Next");
-    press(&mut app, "Next");
-    for _ in 0..2 {
-        press(&mut app, "Measure now");
-        wait_for_the_end(&mut app);
-        press(&mut app, "Next");
-    }
+    let mut app = on_a_secret_plate();
+    calibrate_by_measuring(&mut app);
     press(&mut app, "Use this plate");
     app.wait(1500);
     app.window.get_by_role_and_label(Role::Button, "Boundary").click();

@@ -10,7 +10,7 @@ use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::{Caption, FIELD_DIGITS};
 use slipline_plate::{
     Actuator, Bending, DriveEnd, EndSlope, Film, LeadIn, Model, Plate, PlateSpec, Resonator, Source, Taper,
-    Travel, limits,
+    Travel,
 };
 use std::sync::Arc;
 
@@ -75,17 +75,9 @@ impl Numbers<'_, '_> {
 pub(super) fn changed(plate: &Plate, set: impl FnOnce(&mut PlateSpec)) -> Result<Plate, String> {
     let mut spec = plate.spec().clone();
     set(&mut spec);
-    Plate::new(renamed(spec, plate)).map_err(|error| error.worded(&Panel::Plate))
-}
-
-/// A changed preset is no longer that preset: its name says so.
-fn renamed(mut spec: PlateSpec, before: &Plate) -> PlateSpec {
-    const MARK: &str = " (changed)";
-    if !before.name().ends_with(MARK) {
-        let room = limits::NAME.most - MARK.len();
-        spec.name = spec.name.chars().take(room).chain(MARK.chars()).collect();
-    }
-    spec
+    // A changed preset is no longer that preset: its name says so.
+    spec.mark_name(" (changed)");
+    Plate::new(spec).map_err(|error| error.worded(&Panel::Plate))
 }
 
 fn shape(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
