@@ -1,5 +1,6 @@
 """Which tests run when, and the states from which they begin: each is reached once, and each test gets a copy."""
 import subprocess
+from pathlib import Path
 
 import pytest
 
@@ -15,12 +16,10 @@ from rig import Kept, Rig, Sounding
 SHARED = {"rig", "armed", "sounding", "cool", "kept"}
 
 
-# These need nothing of what the others share, so the second process runs them on the first one's image, too.
-APART = {"test_documents", "test_hold", "test_latency", "test_speed"}
-
 
 def pytest_addoption(parser):
-    parser.addoption("--share", choices=["1/2", "2/2"], help="of the gate's two processes, one for each core: which one this is")
+    parser.addoption("--from", choices=["begin", "end"], dest="side", default="begin", help="where of the list this process begins")
+    parser.addoption("--claims", metavar="FOLDER", help="shared by processes that run a list together: who runs which test")
     parser.addoption("--piece", metavar="K/N", help="piece K of N of the tests, all about as long, for a night in parts")
 
 
@@ -28,12 +27,6 @@ def pytest_configure(config):
     config.addinivalue_line("markers", "nightly: takes long; `.ci/run nightly` runs it")
     config.addinivalue_line("markers", "fuzz: random hosts by the thousand; `.ci/run fuzz` runs it")
     config.addinivalue_line("markers", "every_image: the gate runs it on every board's image, not on the F407's alone")
-
-
-def share(item):
-    """The first process has the F407's image, the second one the others'."""
-    is_f407 = hasattr(item, "callspec") and item.callspec.params.get("facts") == F407
-    return "1/2" if is_f407 and item.module.__name__ not in APART else "2/2"
 
 
 def mark_nightly(items):
@@ -47,10 +40,34 @@ def mark_nightly(items):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    items[:] = [item for item in items if config.option.share in (None, share(item))]
     mark_nightly(items)
     if config.option.piece:
         items[:] = piece([item for item in items if not item.get_closest_marker("fuzz")], config.option.piece)
+
+
+def claimed(config, items):
+    """Those that no other process runs, each claimed when the one before it begins."""
+    for number, item in enumerate(items) if config.option.side == "begin" else reversed([*enumerate(items)]):
+        try:
+            Path(config.option.claims, str(number)).touch(exist_ok=False)
+        except FileExistsError:
+            continue
+        yield item
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtestloop(session):
+    """Two processes run the list from both its ends until they meet: a board is brought into the states from which tests
+    begin by one of them, or by both for the board where they meet, and both have something to do until the end."""
+    if session.config.option.claims is None or session.config.option.collectonly:
+        return None
+    mine = claimed(session.config, session.items)
+    item = next(mine, None)
+    while item is not None:
+        following = next(mine, None)
+        item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
+        item = following
+    return True
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,5 +1,6 @@
 //! The programs that tests start. Each is built once per test binary, by the cargo that runs the tests.
 
+use crate::source_tree::root;
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::OnceLock;
@@ -12,30 +13,40 @@ pub fn image() -> &'static Path {
     static IMAGE: OnceLock<PathBuf> = OnceLock::new();
     IMAGE.get_or_init(|| {
         let target = ["--release", "--target", "thumbv7em-none-eabihf"];
-        executable(&[&target[..], &["-p", "slipline-qemu", "--bin", "slipline-qemu"]].concat())
+        executable(
+            "slipline-qemu",
+            &[&["build", "-p", "slipline-qemu", "--bin", "slipline-qemu"], &target[..]].concat(),
+        )
     })
 }
 
-/// The host's program, without its window: the command line is the same.
+/// The host's program, of the build that `cargo test` makes: by its package's name alone other features would be
+/// selected, and everything built once more.
 ///
 /// # Panics
 /// If it does not build.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-    PROGRAM.get_or_init(|| executable(&["-p", "slipline", "--no-default-features", "--bin", "slipline"]))
+    PROGRAM.get_or_init(|| executable("slipline", &["test", "--no-run", "--test", "cli"]))
 }
 
-fn executable(arguments: &[&str]) -> PathBuf {
+/// Builds with cargo; returns the program of that name.
+fn executable(name: &str, arguments: &[&str]) -> PathBuf {
     let output = Process::new(env!("CARGO"))
-        .args(["build", "--message-format", "json"])
         .args(arguments)
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["--message-format", "json"])
+        .current_dir(root())
         .stderr(Stdio::inherit())
         .output()
         .expect("cargo runs");
     assert!(output.status.success(), "{arguments:?} does not build");
+    let message = |line: &str| serde_json::from_str::<serde_json::Value>(line).expect("cargo prints JSON");
     let messages = String::from_utf8_lossy(&output.stdout);
-    let path =
-        messages.lines().rev().find_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
-    PathBuf::from(path.expect("cargo names the executable"))
+    let built = messages.lines().map(message).find(|message| {
+        let target = &message["target"];
+        target["kind"] == serde_json::json!(["bin"])
+            && target["name"] == name
+            && message["executable"].is_string()
+    });
+    PathBuf::from(built.expect("cargo names the program")["executable"].as_str().expect("a path"))
 }

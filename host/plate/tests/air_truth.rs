@@ -100,7 +100,7 @@ fn the_law_of_the_air_holds_at_a_place_of_the_membranes() {
 }
 
 #[test]
-#[ignore = "the whole span, the coefficients that it asks for: .ci/run long_tests"]
+#[ignore = "the whole span, the coefficients that it asks for: .ci/run statistics"]
 fn the_law_of_the_air_holds_over_the_span_of_the_membranes() {
     the_law_holds(&[0.08, 0.1, 0.13, 0.16, 0.19, 0.22, 0.25, 0.28]);
 }

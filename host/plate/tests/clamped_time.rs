@@ -220,7 +220,7 @@ fn of_plates(numbers: std::ops::Range<u64>) {
 }
 
 #[test]
-#[ignore = "three plates of every end: .ci/run long_tests"]
+#[ignore = "three plates of every end: .ci/run statistics"]
 fn three_clamped_plates_in_time_are_those_of_the_frequency_domain() {
     of_plates(0..3);
 }

@@ -94,7 +94,7 @@ fn decibels(found: f64, exact: f64) -> f64 {
     20.0 * (found / exact).log10()
 }
 
-/// The preset of `cargo test`; `.ci/run long_tests` has the others.
+/// The preset of `cargo test`; `.ci/run statistics` has the others.
 const FIRST: &str = "membrane";
 
 /// `al-bending` between clamped edges, held at its end; its time domain is a rational fit.
@@ -123,7 +123,7 @@ fn a_settled_tone_on_a_line_has_the_whole_of_the_drive() {
 }
 
 #[test]
-#[ignore = "the other presets: .ci/run long_tests"]
+#[ignore = "the other presets: .ci/run statistics"]
 fn a_settled_tone_on_a_line_has_the_whole_of_the_drive_on_every_preset() {
     lines_have_the_drive(&others());
 }
@@ -203,7 +203,7 @@ fn settled_m(plate: &Plate, rate_hz: f64, period: usize) -> (Vec<f64>, f64) {
 }
 
 #[test]
-#[ignore = "eight seconds of one core: .ci/run long_tests; the model's simulation keeps a case"]
+#[ignore = "eight seconds of one core: .ci/run statistics; the model's simulation keeps a case"]
 fn a_settled_tone_on_a_sheet_has_the_whole_of_the_drive_at_both_ends() {
     sheets_have_the_drive("al-sh", 5);
     sheets_have_the_drive(FIRST, 5);
@@ -244,7 +244,7 @@ fn a_sensors_answer_has_the_whole_of_the_drive() {
 }
 
 #[test]
-#[ignore = "the other presets: .ci/run long_tests"]
+#[ignore = "the other presets: .ci/run statistics"]
 fn a_sensors_answer_has_the_whole_of_the_drive_on_every_preset() {
     answers_have_the_drive(&others());
 }

@@ -107,7 +107,6 @@ fn a_file_without_the_air_that_the_plate_is_in_is_refused_with_a_sentence_on_it(
 
 /// A plate that is faster than sound carries next to no air: its calibration is the same with an `[air]` and without.
 #[test]
-#[ignore = "two calibrations of a plate in bending: .ci/run long_tests"]
 fn a_bending_plate_in_air_is_calibrated_as_without() {
     let mut random = Random::new(3100);
     let mut rig = Rig::new("al-bending", Solver::OneMode, &mut random);
@@ -128,7 +127,7 @@ fn a_bending_plate_in_air_is_calibrated_as_without() {
 }
 
 #[test]
-#[ignore = "a plate in two dimensions: .ci/run long_tests"]
+#[ignore = "a plate in two dimensions: .ci/run statistics"]
 fn a_light_membrane_in_a_baffle_in_two_dimensions_is_calibrated() {
     let judged = judged(0, (Solver::TwoDimensions, 40.0)).expect("accepted");
     assert!(judged.1 < 1e-3 && judged.2 < 0.5 && holds(&judged), "{} m {} dB", judged.1, judged.2);

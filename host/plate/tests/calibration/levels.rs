@@ -171,7 +171,7 @@ fn the_stated_level_and_boundary_hold_on_a_plate_of_each_edge() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn the_stated_level_and_boundary_hold_on_twenty_random_plates() {
     hold_on_random_plates(20);
 }
@@ -204,7 +204,7 @@ mod night {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn the_stated_level_and_boundary_hold_on_plates_in_two_dimensions() {
     hold_in_two_dimensions(6);
 }
@@ -216,7 +216,6 @@ fn hold_in_two_dimensions(count: usize) {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
 fn the_stated_level_holds_the_error_of_the_one_mode_equation_itself() {
     hold_the_equations_own_error(3);
 }
@@ -234,7 +233,7 @@ fn hold_the_equations_own_error(count: usize) {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn linear_tapers_and_membranes_moved_by_a_bar_are_accepted_at_the_proposed_places() {
     let linear = (0..12).map(|i| 6 * (i / 2) + 1 + 2 * (i % 2));
     let found = statistics(linear, Solver::TwoDimensions, Where::Proposed);

@@ -265,7 +265,7 @@ fn twenty_decibels(name: &str) {
 }
 
 #[test]
-#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+#[ignore = "a second pass, on another preset: .ci/run statistics"]
 fn what_goes_wrong_with_two_places_is_refused_or_stated_on_aluminium_too() {
     finger(SECOND);
     another_place(SECOND);

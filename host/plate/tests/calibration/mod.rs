@@ -89,7 +89,7 @@ fn the_ratio_of_two_places_puts_the_first_plates_right() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn the_ratio_of_two_places_puts_boundary_and_level_right() {
     ratio(20);
 }
@@ -100,7 +100,6 @@ fn a_plate_in_two_dimensions_is_calibrated_by_the_one_mode_equation() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
 fn plates_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
     two_dimensions(&[("membrane", 4), ("al-bending", 1)]);
 }
@@ -137,7 +136,7 @@ fn a_film_is_calibrated_with_its_stiffness() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn films_in_two_dimensions_are_calibrated_by_the_one_mode_equation() {
     films(Solver::TwoDimensions, 4);
 }

@@ -31,7 +31,7 @@ fn one_sensor_puts_the_first_plates_right() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn one_sensor_puts_boundary_and_level_right_and_finds_the_source() {
     one_sensor(20);
 }
@@ -79,7 +79,7 @@ fn what_goes_wrong_with_one_sensor_is_refused_or_stated() {
 }
 
 #[test]
-#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+#[ignore = "a second pass, on another preset: .ci/run statistics"]
 fn what_goes_wrong_with_one_sensor_is_refused_or_stated_on_aluminium_too() {
     misuse(&["al-bending"]);
 }

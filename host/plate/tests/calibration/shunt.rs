@@ -65,7 +65,7 @@ fn the_current_alone_puts_a_first_plate_right() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn the_current_alone_puts_boundary_and_level_right_or_says_that_two_plates_fit() {
     by_current([20, 10]);
 }
@@ -107,7 +107,7 @@ fn what_goes_wrong_with_the_current_is_refused_or_stated() {
 }
 
 #[test]
-#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+#[ignore = "a second pass, on another preset: .ci/run statistics"]
 fn what_goes_wrong_with_the_current_is_refused_or_stated_on_aluminium_too() {
     misuse(&["al-bending"]);
 }

@@ -149,7 +149,7 @@ fn two_touches_put_the_felt_edges_of_the_first_plates_right() {
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn touches_on_an_unknown_drive_put_the_felt_edge_nearly_as_right_as_anything_can() {
     // The limit for any method on average is in PHYSICS.md, by the example `felt_edges`.
     for (count, most_mm) in [(2, 4.5), (6, 2.0)] {
@@ -164,7 +164,7 @@ fn touches_on_an_unknown_drive_put_the_felt_edge_nearly_as_right_as_anything_can
 }
 
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "many plates: .ci/run statistics"]
 fn two_touches_put_the_felt_edge_right_where_the_drive_is_known_or_matters_less() {
     for (name, drive, most_mm) in [
         ("membrane", Drive::Stated, 2.0),

@@ -82,7 +82,7 @@ fn what_one_speed_does_not_explain_is_noticed() {
 }
 
 #[test]
-#[ignore = "a second pass, on another preset: .ci/run long_tests"]
+#[ignore = "a second pass, on another preset: .ci/run statistics"]
 fn what_one_speed_does_not_explain_is_noticed_on_aluminium_too() {
     unexplained(&["al-bending"]);
 }

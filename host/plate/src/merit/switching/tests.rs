@@ -99,7 +99,7 @@ fn switching_times_are_those_of_a_fourier_synthesis_on_thirteen_boundaries() {
 /// Where a swing of the amplitude just reaches the limit, a small error of the amplitude moves the last crossing to
 /// another swing.
 #[test]
-#[ignore = "the spans in steps of a twentieth: .ci/run long_tests"]
+#[ignore = "the spans in steps of a twentieth: .ci/run statistics"]
 fn switching_times_are_those_of_a_fourier_synthesis_over_the_spans_but_where_they_graze_the_limit() {
     let shares: Vec<f64> = (1..=19).map(|i| 0.05 * f64::from(i)).collect();
     let all: Vec<f64> = BOUNDARIES.iter().flat_map(|(name, _)| off(name, &shares)).collect();
