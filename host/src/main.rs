@@ -21,7 +21,7 @@ fn main() -> ExitCode {
     }
     let traced = trace::start(cli.trace.as_deref()).and_then(|()| cli.checked());
     let ended = traced.map_err(described).and_then(|cli| match cli.command {
-        None => open_window(cli.file, cli.port),
+        None => open_window(cli.file, cli.port, cli.kiosk),
         Some(command) => command.run(cli.json).map_err(described),
     });
     // If a signal has ended the command, nothing more is printed.
@@ -42,12 +42,12 @@ fn described(failure: Failure) -> (String, u8) {
 }
 
 #[cfg(feature = "gui")]
-fn open_window(file: Option<PathBuf>, port: Option<Port>) -> Result<(), (String, u8)> {
-    let opening = slipline_window::app::Opening { file, port };
+fn open_window(file: Option<PathBuf>, port: Option<Port>, kiosk: bool) -> Result<(), (String, u8)> {
+    let opening = slipline_window::app::Opening { file, port, kiosk };
     slipline_window::app::run(opening, signals::end_window).map_err(|error| (format!("{error:#}"), 1))
 }
 
 #[cfg(not(feature = "gui"))]
-fn open_window(_file: Option<PathBuf>, _port: Option<Port>) -> Result<(), (String, u8)> {
+fn open_window(_file: Option<PathBuf>, _port: Option<Port>, _kiosk: bool) -> Result<(), (String, u8)> {
     Err(("this build has no window; see slipline --help".to_owned(), 2))
 }

@@ -5,7 +5,6 @@ mod thumbnail;
 pub use thumbnail::{Thumbnail, thumbnails};
 
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
-use slipline_plate::Plate;
 use std::sync::Arc;
 
 /// A setup to start from.
@@ -15,18 +14,10 @@ pub struct Scene {
     pub name: &'static str,
     /// Its effect, in one line; and why some of its lights are red, if they are.
     pub description: &'static str,
-    plate: PlateOf,
+    /// The preset of its plate.
+    plate: &'static str,
     /// Turning point and level of each tone.
     tones: &'static [(f64, f64)],
-}
-
-/// Source of a scene's plate.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum PlateOf {
-    /// The preset of this name.
-    Preset(&'static str),
-    /// A plate file of its own.
-    File(&'static str),
 }
 
 /// All scenes; a first start shows the first one. In scenes with one tone the felt edge is as crisp as
@@ -36,51 +27,47 @@ pub const SCENES: [Scene; 6] = [
     Scene {
         name: "Vibrating area",
         description: "Clearly felt up to the line, still beyond it",
-        plate: PlateOf::File(include_str!("scenes/narrow-membrane.toml")),
-        tones: &[(0.21, 0.8)],
+        plate: "tungsten-membrane",
+        tones: &[(0.17, 0.8)],
     },
     Scene {
         name: "Slippery area",
         description: "Ultrasound on aluminium: slippery up to the line. Red light: 120 dB of sound at half a metre",
-        plate: PlateOf::Preset("al-bending"),
+        plate: "al-bending",
         tones: &[(0.223, 0.8)],
     },
     Scene {
         name: "Solid area",
         description: "Four tones on a membrane fill each other's nodes: one even area up to a wide edge",
-        plate: PlateOf::Preset("membrane"),
+        plate: "membrane",
         // `slipline texture --plate membrane --solid 247mm`, 1 dB quieter, so that the four fit the DAC.
         tones: &[(0.08, 0.29), (0.1322, 0.282), (0.162, 0.225), (0.1714, 0.142)],
     },
     Scene {
         name: "Two tones",
         description: "Two peaks, each with its own place and pitch",
-        plate: PlateOf::Preset("membrane-heavy"),
+        plate: "membrane-heavy",
         tones: &[(0.2, 0.05), (0.11, 0.05)],
     },
     Scene {
         name: "A beat that is felt",
         description: "Two ultrasonic tones 180 Hz apart: their beat is felt. Red light: 114 dB of sound at half a metre",
-        plate: PlateOf::Preset("al-bending"),
+        plate: "al-bending",
         tones: &[(0.223, 0.4), (0.2221, 0.4)],
     },
     Scene {
         name: "The paper's rubber",
         description: "The paper's rubber at 50 Hz. Red lights: its end sends every wave back, its loss is not known",
-        plate: PlateOf::Preset("paper-rubber"),
+        plate: "paper-rubber",
         tones: &[(0.15, 0.5)],
     },
 ];
 
 impl Scene {
-    /// Its setup. `None` only if the plate's own file is invalid; a test checks that none is.
+    /// Its setup. `None` only if there is no such preset; a test checks that there is.
     #[must_use]
     pub fn setup(&self) -> Option<Setup> {
-        let plate = match self.plate {
-            PlateOf::Preset(name) => slipline_plate::preset(name),
-            PlateOf::File(text) => Plate::from_toml(text).ok(),
-        };
-        let plate = Arc::new(plate?);
+        let plate = Arc::new(slipline_plate::preset(self.plate)?);
         let tones = (0..).zip(self.tones).map(|(slot, &(position_m, level))| ToneSetup {
             slot,
             position_m,

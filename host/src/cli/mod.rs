@@ -84,6 +84,10 @@ pub struct Cli {
     /// not armed.
     #[arg(long, value_name = "P")]
     pub port: Option<Port>,
+    /// Without a command: a window for visitors, full screen, the scenes in turn, without menus, STOP as everywhere; nothing
+    /// that they change is kept.
+    #[arg(long)]
+    pub kiosk: bool,
     /// Print JSON: SI numbers, field names that end in their unit.
     #[arg(long, global = true, display_order = 998)]
     pub json: bool,
@@ -401,6 +405,9 @@ impl Cli {
         if self.command.is_some() && (self.file.is_some() || self.port.is_some()) {
             let text = "FILE and --port before a command are for the window: give a command's own after it";
             return Err(Failure::Usage(text.to_owned()));
+        }
+        if self.command.is_some() && self.kiosk {
+            return Err(Failure::Usage("--kiosk is for the window: it stands without a command".to_owned()));
         }
         if let Some(file) = self.file.as_deref().filter(|file| !file.is_file()) {
             let file = file.display().to_string();

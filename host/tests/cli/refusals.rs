@@ -300,7 +300,9 @@ fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
     let plate = file("opened-by-the-window.toml");
     std::fs::write(&plate, slipline_plate::preset("membrane").unwrap().to_toml()).unwrap();
     let plate = plate.to_str().unwrap();
-    for opens in [&[plate][..], &["--port", "sim"], &[plate, "--port", "unix:/run/nowhere.sock"], &[]] {
+    for opens in
+        [&[plate][..], &["--port", "sim"], &[plate, "--port", "unix:/run/nowhere.sock"], &["--kiosk"], &[]]
+    {
         let (error, code) = without_a_display(opens);
         assert!(code == Some(1) && error.contains("no display to open a window on"), "{opens:?}: {error}");
     }
@@ -308,6 +310,7 @@ fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
         (&["presetz"][..], "'presetz' is neither a file nor a command; a similar command is 'presets'"),
         (&["no-such.toml"], "'no-such.toml' is neither a file nor a command; see slipline --help"),
         (&["--port", "unix:"], "\"unix:\" is not a port"),
+        (&["--kiosk", "presets"], "--kiosk is for the window: it stands without a command"),
         (&["--port", "sim", "presets"], "FILE and --port before a command are for the window"),
     ] {
         let (error, code) = without_a_display(arguments);

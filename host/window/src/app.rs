@@ -8,10 +8,12 @@
 //! ```
 //! Nothing here blocks: work that takes longer than a frame runs in the link worker, a [`JobQueue`] or [`Files`].
 
+mod demonstration;
 mod eframe_log;
 mod event_loop;
 mod glyphs;
 mod input;
+mod kiosk;
 mod no_display;
 mod outputs;
 mod pace;
@@ -83,6 +85,10 @@ pub struct App {
     input_time_s: Option<f64>,
     ports: Vec<PortInfo>,
     hearing: sound::Hearing,
+    /// The demonstration of the very first start.
+    demonstration: Option<demonstration::Demonstration>,
+    /// Whether visitors see the window, and which scene.
+    kiosk: Option<kiosk::Kiosk>,
     glyphs: glyphs::Glyphs,
     dialog: Option<Dialog>,
     /// The page that comes back when the one for typing a path is closed.
@@ -111,6 +117,8 @@ impl App {
             magnification: 1.0,
             input_time_s: None,
             hearing: sound::Hearing::default(),
+            demonstration: None,
+            kiosk: None,
             glyphs: glyphs::Glyphs::default(),
             dialog: None,
             behind: None,
@@ -120,6 +128,9 @@ impl App {
             screenshots: channel(),
         };
         app.instrument.perform_device(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
+        if first_setup().is_some_and(|first| first.plate.to_toml() == app.setup().plate.to_toml()) {
+            app.rest_finger();
+        }
         let port = app.settings.port.as_deref().and_then(|name| name.parse().ok()).unwrap_or(Port::Simulated);
         app.connect(port);
         app
@@ -164,6 +175,8 @@ impl App {
             self.settings.auto_reconnect = self.instrument.snapshot().auto_reconnect;
         }
         self.take_results();
+        self.advance_demonstration(ctx);
+        self.turn_scenes(ctx);
         if self.has_new_input(ctx) {
             self.keys(ctx);
             self.follow_pointer(ctx);
@@ -215,6 +228,7 @@ impl App {
             sound,
             settings: &self.settings,
             magnification: self.magnification,
+            visitors: self.visitors_scene(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
             thumbnails: &self.thumbnails,

@@ -22,6 +22,8 @@ pub struct Scene<'a> {
     pub grab: Option<Grab>,
     /// How many times larger than to the table's full scale the stage shows displacements: 1, 2, 5, 10 and so on.
     pub magnification: f64,
+    /// The name and the effect of the scene that visitors see, in a window for them.
+    pub visitors: Option<(&'static str, &'static str)>,
     /// What is heard.
     pub sound: SoundScene,
     /// The settings that are kept between runs.

@@ -44,6 +44,11 @@ pub(crate) struct Work {
 }
 
 impl Work {
+    /// The latest drive that the device has accepted.
+    pub(crate) fn driven(&self) -> Option<&TimeDomainJob> {
+        self.driven.as_ref()
+    }
+
     /// Keeps the table that was finished last: it is restored when the computation of another one is cancelled.
     pub(crate) fn keep(&mut self, table: &TableState) {
         if let Some(made) = table.made() {
@@ -148,7 +153,7 @@ impl Instrument {
     pub(crate) fn plane_job(&self) -> Option<PlaneJob> {
         let tone = self.setup.tone(self.selected)?;
         let plate = Arc::clone(&self.setup.plate);
-        Some(PlaneJob { plate, boundary_m: tone.position_m, finger: self.finger() })
+        Some(PlaneJob { plate, boundary_m: tone.position_m, finger: self.load() })
     }
 
     /// Requests the plate on the screen in two dimensions.
@@ -166,7 +171,7 @@ impl Instrument {
         // A finger that moves would make another sheet, which begins at rest.
         if self.background.shown.source == Some(FieldSource::Sheet)
             && Arc::ptr_eq(&drive.plate, &self.setup.plate)
-            && self.finger().is_none()
+            && self.load().is_none()
         {
             self.jobs.sheets.ask(SheetJob { drive, time_s: self.background.plate_time_s });
         }
@@ -202,7 +207,7 @@ impl Instrument {
     /// The sheet, if the wave of the plate on the screen is drawn from it.
     pub fn shown_sheet(&self) -> Option<&Frame> {
         // The sheet runs forward only: at a time of the user's choice the modal lines are shown.
-        if self.finger().is_some() || self.playback.is_scrubbed {
+        if self.load().is_some() || self.playback.is_scrubbed {
             return None;
         }
         let frame = self

@@ -18,24 +18,34 @@ pub(crate) struct OnPlate {
 }
 
 impl Instrument {
-    /// The finger on the plate, if there is one; a plate that cannot be touched has none.
+    /// The finger on the plate, if there is one; a plate that states no mass has none that loads it.
     pub fn finger(&self) -> Option<Finger> {
-        let plate = &self.setup.plate;
-        let finger = self.finger.touch.at(self.finger.place_m.clamp(0.0, plate.length_m()))?;
-        refusal(plate).is_none().then_some(finger)
+        let (plate, touch) = (&self.setup.plate, self.finger.touch);
+        let finger = touch.at(self.finger.place_m.clamp(0.0, plate.length_m()))?;
+        (!touch.loads() || refusal(plate).is_none()).then_some(finger)
+    }
+
+    /// The finger under which the plate moves otherwise, if there is one.
+    pub fn load(&self) -> Option<Finger> {
+        self.finger().filter(|_| self.finger.touch.loads())
     }
 
     /// Puts a finger on the plate, at the peak of the selected tone, or takes it off.
     pub fn touch(&mut self, touch: Touch) {
-        if self.finger.touch == Touch::None {
+        let before = self.finger.touch;
+        if before == Touch::None {
             let wave = self.predicted().field.tone(self.selected);
             let peak_m = wave.map(|wave| wave.peak_position_m.unwrap_or(wave.turning_point_m));
             self.finger.place_m = peak_m.unwrap_or(0.5 * self.setup.plate.length_m());
         }
         self.finger.touch = touch;
-        self.solve_touched();
         if touch == Touch::None {
             self.end_trace();
+        }
+        if before.loads() || touch.loads() {
+            self.solve_touched();
+        }
+        if before.loads() && !touch.loads() {
             self.resume_sheet();
         }
     }
@@ -44,7 +54,9 @@ impl Instrument {
     pub fn move_finger(&mut self, place_m: f64) {
         if place_m.is_finite() {
             self.finger.place_m = place_m.clamp(0.0, self.setup.plate.length_m());
-            self.solve_touched();
+            if self.finger.touch.loads() {
+                self.solve_touched();
+            }
         }
     }
 
@@ -66,7 +78,7 @@ impl Instrument {
     /// Solves the predicted and the sounding field again.
     fn solve_touched(&mut self) {
         self.forget_prediction();
-        let finger = self.finger();
+        let finger = self.load();
         if self.sounding_on_screen().is_some()
             && let Some(sounding) = &mut self.playback.sounding
         {

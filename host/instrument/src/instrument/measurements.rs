@@ -45,6 +45,12 @@ impl Measures {
         self.shelf.add(name, measurement)
     }
 
+    /// The measurements that are drawn.
+    pub(crate) fn shown(&self) -> Vec<Arc<Measurement>> {
+        let shown = self.shelf.entries().iter().filter(|entry| entry.is_shown);
+        shown.map(|entry| Arc::clone(&entry.measurement)).collect()
+    }
+
     pub(crate) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
         let compared = self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref());
         MeasureScene { shelf: &self.shelf, compared, asked: self.foreign.as_ref(), live }

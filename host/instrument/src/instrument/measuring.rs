@@ -62,6 +62,7 @@ impl Live {
             failed: self.failed.as_deref(),
             signal: self.looks.latest,
             is_secret: self.rig.is_secret(),
+            is_secret_measured: self.rig.truth().is_some_and(|(_, is_measured)| is_measured),
         }
     }
 
@@ -209,6 +210,7 @@ impl Instrument {
     fn take_measured(&mut self, name: &str, measured: Measured, answers: Option<usize>, next: &str) {
         let Measured { measurement, warnings, .. } = measured;
         let count = measurement.points.len();
+        self.note_measured();
         match self.measures.add(name, measurement) {
             Ok(number) => {
                 if let Some(sensor) = answers {

@@ -21,6 +21,7 @@ mod measurements;
 mod measuring;
 mod notices;
 mod opened;
+mod plate_there;
 mod playback;
 mod prediction;
 mod reading;
@@ -101,6 +102,7 @@ pub struct Instrument {
     background: background::Work,
     textures: texture::Textures,
     measures: measurements::Measures,
+    measured: plate_there::Measured,
     calibrating: calibrating::Calibrating,
     live: measuring::Live,
     level: level_hold::LevelHold,
@@ -142,6 +144,7 @@ impl Instrument {
             playback: Playback::default(),
             background: background::Work::default(),
             measures: measurements::Measures::default(),
+            measured: plate_there::Measured::default(),
             calibrating: calibrating::Calibrating::default(),
             live: measuring::Live::default(),
             level: level_hold::LevelHold::default(),
@@ -169,6 +172,7 @@ impl Instrument {
         self.update_measuring();
         self.rest_bench();
         self.update_background();
+        self.update_places();
         self.pause_unwatched();
         self.measure(self.attention.now_s);
         if self.playback.sounding.is_none() {
@@ -286,6 +290,7 @@ impl Instrument {
             snapshot: &self.snapshot,
             touch: self.finger.touch,
             finger: self.finger(),
+            load: self.load(),
             trace: &self.finger.trace,
             drive_wanted: self.autopilot.wants_drive(),
             predicted: field,
@@ -298,6 +303,7 @@ impl Instrument {
             table: &self.table,
             waveform: &self.playback.waveform,
             measured: self.shown_measured(),
+            measured_places: self.measured.current().map_or(&[], |found| &found.places),
             background: &self.background.shown,
             texture: self.textures.scene(),
             measure: self.measures.scene(self.live.scene(now, self.is_at_bench())),

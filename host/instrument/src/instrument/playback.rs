@@ -28,7 +28,7 @@ pub(crate) struct Playback {
     /// The latest result of the simulated plate; its drive may have ended.
     pub(crate) measured: Option<SimulatedField>,
     /// The current drive while it has not been passed to the simulated plate.
-    unmeasured: Option<TimeDomainJob>,
+    pub(crate) unmeasured: Option<TimeDomainJob>,
     /// When a drive was last passed to the simulated plate, in seconds of the user's time.
     given_s: f64,
     /// How long the wave has moved, in seconds of the user's time.
@@ -102,7 +102,7 @@ impl Instrument {
         let plate = Arc::clone(&self.setup.plate);
         let alone = SteadyField::solve(&plate, &acknowledged.tones);
         let felt = Felt::of(&plate, &self.setup.feeling, &alone);
-        let steady = match self.finger() {
+        let steady = match self.load() {
             None => alone,
             finger => SteadyField::solve_touched(&plate, &acknowledged.tones, finger.as_ref()),
         };
@@ -116,7 +116,7 @@ impl Instrument {
             played: acknowledged.played,
             dac_bits: identity.dac_bits,
         };
-        self.playback.unmeasured = identity.simulated.then(|| job.clone());
+        self.playback.unmeasured = self.simulated_drive(&job);
         self.run_sheet(job);
     }
 

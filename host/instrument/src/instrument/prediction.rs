@@ -52,7 +52,7 @@ impl Instrument {
             Predicted {
                 lines: line::lines(&self.setup, known),
                 felt: known.map(|known| Felt::of(plate, &self.setup.feeling, known)),
-                field: match self.finger() {
+                field: match self.load() {
                     None => alone,
                     Some(finger) => SteadyField::solve_touched(plate, &tones, Some(&finger)),
                 },

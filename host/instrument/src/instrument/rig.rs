@@ -32,6 +32,8 @@ struct Secret {
     truth: Arc<Plate>,
     /// The plate from which it was drawn, and those that were calibrated on it.
     models: Vec<Arc<Plate>>,
+    /// Whether a measurement of it was made.
+    is_measured: bool,
 }
 
 /// The rig on the bench.
@@ -54,6 +56,11 @@ impl Rig {
     /// Whether its plate is unknown to the user.
     pub(crate) const fn is_secret(&self) -> bool {
         self.secret.is_some()
+    }
+
+    /// The unknown plate, and whether it was measured.
+    pub(crate) fn truth(&self) -> Option<(&Arc<Plate>, bool)> {
+        self.secret.as_ref().map(|secret| (&secret.truth, secret.is_measured))
     }
 
     /// Keeps the unknown plate under a plate that was calibrated on it.
@@ -79,16 +86,25 @@ impl Instrument {
     pub(crate) fn choose_truth(&mut self, is_secret: bool) {
         let rig = &mut self.live.rig;
         rig.secret = None;
-        if !is_secret {
-            return;
-        }
-        rig.draws += 1;
-        let plate = &self.setup.plate;
-        match secret(plate, rig.draws) {
-            Ok(truth) => {
-                rig.secret = Some(Secret { truth: Arc::new(truth), models: vec![Arc::clone(plate)] });
+        if is_secret {
+            rig.draws += 1;
+            let plate = &self.setup.plate;
+            match secret(plate, rig.draws) {
+                Ok(truth) => {
+                    let (truth, models) = (Arc::new(truth), vec![Arc::clone(plate)]);
+                    rig.secret = Some(Secret { truth, models, is_measured: false });
+                }
+                Err(error) => self.fail(format!("No plate like this one was found: {error}")),
             }
-            Err(error) => self.fail(format!("No plate like this one was found: {error}")),
+        }
+        self.simulate_again();
+    }
+
+    /// A measurement of the plate under the simulated device was made.
+    pub(crate) fn note_measured(&mut self) {
+        if let Some(secret) = self.live.rig.secret.as_mut().filter(|secret| !secret.is_measured) {
+            secret.is_measured = true;
+            self.simulate_again();
         }
     }
 
@@ -158,7 +174,7 @@ impl Instrument {
             return false;
         }
         let is_held = matches!(self.level.holding.standing(&self.snapshot), Standing::Holding(_));
-        let wanted = self.finger().filter(|_| is_held);
+        let wanted = self.load().filter(|_| is_held);
         let rig = &self.live.rig;
         let Some(standing) = rig.standing.as_ref().filter(|_| rig.finger() != wanted) else { return true };
         let full_scale = Some(standing.full_scale);

@@ -47,6 +47,14 @@ impl Instrument {
         }
     }
 
+    /// Moves the turning point of a slot to this place, in metres, without a step of undo.
+    pub fn show_line(&mut self, slot: u8, position_m: f64) {
+        match edit::apply(&self.setup, &Edit::Move { slot, position_m }) {
+            Ok(next) if next != self.setup => self.take(next),
+            Ok(_) | Err(_) => {}
+        }
+    }
+
     /// Moves the line of a slot as a drag does, through these places in metres: a recording takes all of
     /// them, the plate the last.
     pub fn drag_line(&mut self, slot: u8, places_m: &[f64]) {

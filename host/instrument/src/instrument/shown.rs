@@ -16,6 +16,7 @@ use slipline_model::field::touch::{Touch, Trace};
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::compare::Compared;
 use slipline_model::jobs::design::{Designed, Draft};
+use slipline_model::jobs::measured_places::MeasuredPlace;
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::TableState;
 use slipline_model::jobs::texture::Textured;
@@ -44,6 +45,8 @@ pub struct Shown<'a> {
     pub touch: Touch,
     /// The finger on the plate, if there is one.
     pub finger: Option<Finger>,
+    /// The finger under which the plate moves otherwise, if there is one.
+    pub load: Option<Finger>,
     /// The amplitudes under the finger in the last seconds.
     pub trace: &'a Trace,
     /// The plate under the setup's tones; with unit height while `full_peak_m` is not known.
@@ -67,6 +70,8 @@ pub struct Shown<'a> {
     /// The response of the simulated plate once it has settled, and whether it belongs to the tones that
     /// sound now.
     pub measured: Option<(&'a SimulatedField, bool)>,
+    /// The places at which a real plate was measured.
+    pub measured_places: &'a [MeasuredPlace],
     /// The lights, the designer and the source of the wave.
     pub background: &'a Background,
     /// The texture page.
@@ -223,6 +228,8 @@ pub struct LiveScene<'a> {
     pub signal: Option<Signal>,
     /// Whether the simulated device uses an unknown plate.
     pub is_secret: bool,
+    /// Whether the unknown plate was measured.
+    pub is_secret_measured: bool,
 }
 
 impl<'a> MeasureScene<'a> {

@@ -9,6 +9,7 @@ use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::check::{self, CheckJob, Checked};
 use slipline_model::jobs::compare::{self, CompareJob, Compared};
 use slipline_model::jobs::design::{self, Designed, Draft};
+use slipline_model::jobs::measured_places::{self, MeasuredPlaces, MeasuredPlacesJob};
 use slipline_model::jobs::plane::{self, PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::{self, TableJob, TableState};
 use slipline_model::jobs::texture::{self, TextureJob, Textured};
@@ -55,6 +56,8 @@ jobs! {
     textures: TextureJob => Textured, "texture", texture::work;
     /// Compares measurements with the plate's model.
     comparisons: CompareJob => Compared, "compare", compare::work;
+    /// Compares a real plate with its model at the places of the sensor.
+    measured_places: MeasuredPlacesJob => MeasuredPlaces, "places", measured_places::work;
     /// Reads recordings of the sweep.
     recordings: RecordedJob => Recorded, "recorded", recorded::work;
     /// Fits plates to measurements.

@@ -83,6 +83,12 @@ impl<'a> DisplacementMap<'a> {
         Column { x_m, half_width_m: plate.half_width_m(x_m), centre_m }
     }
 
+    /// The column at this share (0..=1) of the plate's length.
+    #[must_use]
+    pub fn column_at(&self, share: f64) -> Column {
+        self.column(share * self.wave.plate.length_m())
+    }
+
     /// The displacement where a column and a row cross, in metres; 0 at rest.
     #[must_use]
     pub fn at(&self, column: &Column, row: &Row) -> f64 {

@@ -36,6 +36,14 @@ pub struct ToneWave {
     pub wave: Vec<Complex64>,
 }
 
+impl ToneWave {
+    /// The displacement amplitude at this share (0..=1) of the plate's length, in metres; 0 off the plate.
+    #[must_use]
+    pub(crate) fn at(&self, share: f64) -> Complex64 {
+        between(&self.wave, share)
+    }
+}
+
 /// The plate under all tones.
 #[derive(Clone, Debug, Default)]
 pub struct SteadyField {
@@ -89,7 +97,7 @@ impl SteadyField {
     /// its amplitude, which has a kink at each node.
     #[must_use]
     pub fn bound_at(&self, x_m: f64) -> f64 {
-        self.tones.iter().map(|tone| between(&tone.wave, x_m / self.length_m).norm()).sum()
+        self.tones.iter().map(|tone| tone.at(x_m / self.length_m).norm()).sum()
     }
 
     /// The mean frequency at `x`, weighted by the power of each tone there, in Hz: the pitch felt by a

@@ -15,6 +15,8 @@ pub enum Touch {
     /// No finger.
     #[default]
     None,
+    /// A finger that feels and takes nothing: it has no impedance, so the plate moves as without it.
+    Ideal,
     /// A finger that strokes.
     Light,
     /// A finger that presses.
@@ -27,8 +29,18 @@ impl Touch {
     pub fn at(self, place_m: f64) -> Option<Finger> {
         match self {
             Self::None => None,
+            Self::Ideal => Some(Finger { resistance_n_s_per_m: 0.0, mass_kg: 0.0, ..Finger::light(place_m) }),
             Self::Light => Some(Finger::light(place_m)),
             Self::Firm => Some(Finger::firm(place_m)),
+        }
+    }
+
+    /// Whether the plate moves otherwise under it.
+    #[must_use]
+    pub const fn loads(self) -> bool {
+        match self {
+            Self::None | Self::Ideal => false,
+            Self::Light | Self::Firm => true,
         }
     }
 }
@@ -52,7 +64,8 @@ mod tests {
         let solved = |finger: Option<Finger>| SteadyField::solve_touched(&plate, &[tone], finger.as_ref());
         let peak_m = solved(None).tones[0].peak_position_m.unwrap();
         let height_m = |touch: Touch| solved(touch.at(peak_m)).bound_at(peak_m);
-        let [none, light, firm] = [Touch::None, Touch::Light, Touch::Firm].map(height_m);
+        let [none, ideal, light, firm] = [Touch::None, Touch::Ideal, Touch::Light, Touch::Firm].map(height_m);
+        assert!((ideal / none - 1.0).abs() < 1e-9 && !Touch::Ideal.loads() && Touch::Light.loads());
         assert!((none / 1e-4 - 1.0).abs() < 0.01 && firm < 0.2 * none && firm < light && light < none);
     }
 

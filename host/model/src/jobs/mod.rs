@@ -3,6 +3,7 @@
 pub mod check;
 pub mod compare;
 pub mod design;
+pub mod measured_places;
 pub mod plane;
 pub mod table;
 pub mod texture;

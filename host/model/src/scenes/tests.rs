@@ -1,6 +1,6 @@
 use super::*;
 use crate::field::felt::{Felt, Zone};
-use crate::field::line::{Holds, lines};
+use crate::field::line::{Holds, limits_m, lines};
 use crate::field::steady_field::{SteadyField, steady_tones};
 use crate::jobs::Task;
 use slipline_plate::DriveTable;
@@ -31,6 +31,24 @@ fn every_scene_has_its_edge_on_the_plate_and_the_first_is_the_crispest_of_one_to
     let (first_db, is_clear) = contrasts[0];
     assert!(first_db > 40.0 && is_clear, "{contrasts:?}");
     assert!(contrasts.iter().all(|(contrast_db, _)| *contrast_db <= first_db), "{contrasts:?}");
+}
+
+/// Its line can be put on 27 to 94 % of its length.
+#[test]
+fn the_line_of_the_first_plate_reaches_most_of_its_length_with_every_light_green() {
+    let setup = SCENES[0].setup().unwrap();
+    let (plate, tone) = (&setup.plate, setup.tones[0]);
+    for level in [tone.level, 1.0] {
+        let conditions = Conditions { level, ..Conditions::default() };
+        let report = Checker::new(plate, conditions).unwrap().over_span().unwrap();
+        let failed: Vec<_> = report.lights.iter().filter(|light| light.colour > Colour::Green).collect();
+        assert!(failed.is_empty(), "{failed:#?}");
+    }
+    let table = DriveTable::build(plate, 400e3, 129).unwrap();
+    let (near_m, far_m) = limits_m(&setup, &tone, Some(&table));
+    let reach = (far_m - near_m) / plate.length_m();
+    let ends = [near_m, far_m].map(|place_m| place_m / plate.length_m());
+    assert!(reach >= 0.64 && ends[0] < 0.3 && (0.92..0.96).contains(&ends[1]), "{ends:?}");
 }
 
 #[test]

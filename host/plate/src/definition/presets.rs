@@ -23,7 +23,7 @@ impl Preset {
     }
 }
 
-const PRESETS: [Preset; 8] = [
+const PRESETS: [Preset; 9] = [
     Preset { name: "latex-membrane", toml: include_str!("../../presets/latex-membrane.toml") },
     Preset { name: "membrane", toml: include_str!("../../presets/membrane.toml") },
     Preset { name: "al-bending", toml: include_str!("../../presets/al-bending.toml") },
@@ -35,6 +35,7 @@ const PRESETS: [Preset; 8] = [
     Preset { name: "paper-as-printed", toml: include_str!("../../presets/paper-as-printed.toml") },
     Preset { name: "membrane-heavy", toml: include_str!("../../presets/membrane-heavy.toml") },
     Preset { name: "al-sh", toml: include_str!("../../presets/al-sh.toml") },
+    Preset { name: "tungsten-membrane", toml: include_str!("../../presets/tungsten-membrane.toml") },
 ];
 
 /// All presets; the first is the default.

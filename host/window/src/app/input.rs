@@ -102,6 +102,12 @@ impl App {
             }
             presses
         });
+        if self.kiosk.is_some() {
+            // Visitors have STOP, the line and the finger.
+            asked.retain(|intent| {
+                matches!(intent, Intent::StopKey | Intent::MoveLine { .. } | Intent::MoveFinger(_))
+            });
+        }
         self.instrument.begin_gestures(presses);
         self.perform(ctx, asked);
         if let Some(notice) = notice {
@@ -124,7 +130,10 @@ impl App {
             moves.iter().map(|to| grab.axis.place_from_screen(to.x - grab.offset)).collect();
         match (grab.held, places_m.last()) {
             (_, None) => {}
-            (Dragged::Finger, Some(&place_m)) => self.instrument.move_finger(place_m),
+            (Dragged::Finger, Some(&place_m)) => {
+                self.hearing.has_touched = true;
+                self.instrument.move_finger(place_m);
+            }
             (Dragged::Tone(slot), Some(_)) => {
                 self.settings.has_dragged = true;
                 self.instrument.drag_line(slot, &places_m);
@@ -136,6 +145,9 @@ impl App {
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
+        if self.kiosk.is_some() {
+            return;
+        }
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         if let Some(file) = dropped.first() {
             let path = file.path().to_owned();

@@ -21,7 +21,7 @@ impl App {
         self.instrument.attend(Attention {
             now_s,
             is_pressed,
-            is_dragging: self.grab.is_some(),
+            is_dragging: self.grab.is_some() || self.demonstration.is_some(),
             is_animated: self.settings.animate,
             has_page: self.dialog.is_some(),
             is_calibration_open: self.dialog == Some(Dialog::Calibrate),

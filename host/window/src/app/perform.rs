@@ -1,6 +1,6 @@
 //! Carries out the intents of the views.
 
-use super::{App, first_setup, set_theme};
+use super::{App, set_theme};
 use crate::files::{FileEvent, FileJob, has_extension};
 use crate::intent::{Confirm, DeviceIntent, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
@@ -11,7 +11,6 @@ use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
-use slipline_model::scenes::{SCENES, Scene};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_plate::design::Design;
@@ -47,8 +46,14 @@ impl App {
                 Intent::HoldLevel(is_on) => self.instrument.switch_hold(is_on),
                 Intent::MaxRise(decibels) => self.instrument.choose_max_rise(decibels),
                 Intent::Select(slot) => self.instrument.select(slot),
-                Intent::Touch(touch) => self.instrument.touch(touch),
-                Intent::MoveFinger(place_m) => self.instrument.move_finger(place_m),
+                Intent::Touch(touch) => {
+                    self.hearing.has_touched = true;
+                    self.instrument.touch(touch);
+                }
+                Intent::MoveFinger(place_m) => {
+                    self.hearing.has_touched = true;
+                    self.instrument.move_finger(place_m);
+                }
                 Intent::Sound(choice) => self.choose_sound(choice),
                 Intent::Volume(volume) => self.settings.volume = volume.clamp(0.0, 1.0),
                 Intent::Grab(grab) => {
@@ -70,15 +75,11 @@ impl App {
                 Intent::Undo => self.instrument.undo(),
                 Intent::Redo => self.instrument.redo(),
                 Intent::New => {
-                    if let Some(setup) = first_setup() {
-                        self.instrument.edit(&Edit::New(Box::new(setup)));
-                    }
+                    self.start_scene(0);
                 }
                 Intent::StartScene(number) => {
                     self.dialog = None;
-                    if let Some(setup) = SCENES.get(number).and_then(Scene::setup) {
-                        self.instrument.edit(&Edit::New(Box::new(setup)));
-                    }
+                    self.start_scene(number);
                 }
                 Intent::OpenDialog => self.desk.files.begin(FileJob::Choose),
                 Intent::Open(path) => self.desk.files.begin(FileJob::Open(path)),
@@ -188,7 +189,7 @@ impl App {
     }
 
     fn export(&mut self, ctx: &egui::Context, what: Export) {
-        if matches!(what, Export::Figure(_) | Export::Envelope) && self.instrument.finger().is_some() {
+        if matches!(what, Export::Figure(_) | Export::Envelope) && self.instrument.load().is_some() {
             // The simulated plate beside the prediction has no finger.
             self.instrument.post("The export shows the plate without the finger".to_owned());
             let touch = self.instrument.lift_finger();

@@ -1,6 +1,6 @@
 //! What the user hears: the vibration at the finger, or the drive itself.
 //!
-//! With the simulated device the finger is heard unless the user has switched it off. With a real one nothing is heard until
+//! With the simulated device the finger is heard, from the user's first touch on, unless the user has switched it off. With a real one nothing is heard until
 //! the user switches it on for each connection, because its plate makes a sound of its own. The drive is played only on
 //! request.
 
@@ -14,6 +14,8 @@ use slipline_plate::quantity::show_frequency;
 #[derive(Default)]
 pub(super) struct Hearing {
     chosen: Option<SoundChoice>,
+    /// Whether the user has moved a finger or put one on the plate: only then it is heard.
+    pub(super) has_touched: bool,
 }
 
 impl App {
@@ -68,7 +70,7 @@ impl App {
     }
 
     fn sound_of_finger(&self) -> Option<Sound> {
-        if !self.settings.animate {
+        if !self.settings.animate || !self.hearing.has_touched {
             return None;
         }
         let (finger, full_peak_m) = (self.instrument.finger()?, self.instrument.full_peak_m()?);

@@ -21,6 +21,8 @@ struct Window {
     app: App,
     /// Whether the window was made to fit the screen.
     is_fitted: bool,
+    /// Whether settings and setup are stored.
+    is_kept: bool,
     /// It ends, and stops the device, with the window.
     _worker: Worker,
 }
@@ -42,6 +44,11 @@ impl eframe::App for Window {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if !self.is_kept {
+            return;
+        }
+        // The line of a demonstration is not the user's.
+        self.app.end_demonstration();
         storage.set_string(KEPT_SETTINGS, self.app.settings.write());
         storage.set_string(KEPT_SETUP, setup_file::write(self.app.setup()));
     }
@@ -60,6 +67,8 @@ pub struct Opening {
     pub file: Option<PathBuf>,
     /// The port. The window connects to it; a real device is armed by the user only.
     pub port: Option<Port>,
+    /// Whether the window is for visitors: full screen, scenes in turn, no menus; nothing of it is kept.
+    pub kiosk: bool,
 }
 
 /// Opens the window and returns when it is closed. `opened` receives the link and a handle that closes the window
@@ -71,7 +80,8 @@ pub fn run(
     opening: Opening,
     opened: impl FnOnce(Handle, Box<dyn FnMut() + Send>) + 'static,
 ) -> anyhow::Result<()> {
-    let options = eframe::NativeOptions { viewport: viewport(), ..Default::default() };
+    let options =
+        eframe::NativeOptions { viewport: viewport().with_fullscreen(opening.kiosk), ..Default::default() };
     let open = |context: &eframe::CreationContext<'_>| {
         let (window, link) = open(context, opening, opened)?;
         Ok((Box::new(window) as Box<dyn eframe::App>, link))
@@ -160,7 +170,9 @@ fn open(
     let parts = Parts { bench, ..Parts::threaded(ctx, Box::new(handle.clone()))? };
     let kept = |key: &str| context.storage.and_then(|storage| storage.get_string(key));
     let mut settings = kept(KEPT_SETTINGS).as_deref().map(Settings::read).unwrap_or_default();
-    if let Some(port) = opening.port {
+    let is_first_start = kept(KEPT_SETTINGS).is_none() && opening.port.is_none() && opening.file.is_none();
+    // What visitors see begins on the simulated device.
+    if let Some(port) = opening.port.or(opening.kiosk.then_some(Port::Simulated)) {
         settings.port = Some(port.to_string());
     }
     let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
@@ -168,10 +180,15 @@ fn open(
         _ => first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?,
     };
     let mut app = App::new(ctx, parts, setup, settings);
+    if opening.kiosk {
+        app.open_to_visitors();
+    } else if is_first_start {
+        app.demonstrate();
+    }
     if let Some(file) = opening.file {
         app.open(file);
     }
-    Ok((Window { app, is_fitted: false, _worker: worker }, handle))
+    Ok((Window { app, is_fitted: opening.kiosk, is_kept: !opening.kiosk, _worker: worker }, handle))
 }
 
 #[cfg(test)]

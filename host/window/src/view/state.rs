@@ -7,6 +7,7 @@ use super::fields::field::Fields;
 use super::panels::designer::sketch::Sketched;
 use super::plots::PlotsView;
 use super::plots::response::ResponseView;
+use super::stage::press::Pressing;
 use crate::intent::{Intent, Intents};
 use eframe::egui;
 
@@ -50,8 +51,8 @@ pub(crate) struct ViewState {
     pub(crate) held_breakpoint: Option<usize>,
     pub(crate) focused_handle: Option<egui::Id>,
     pub(crate) focused_finger: Option<egui::Id>,
-    /// Where the selected line was before the plate was clicked, in metres.
-    pub(crate) line_before_click_m: Option<f64>,
+    /// The press on the plate or the envelope.
+    pub(crate) pressing: Pressing,
     /// Whether the Tab key was pressed while nothing had the focus: it begins with the line.
     pub(crate) begins_by_tab: bool,
     /// The line whose knob was pressed and is still under the pointer.
@@ -76,6 +77,11 @@ impl ViewState {
     /// Opens the device panel.
     pub(crate) fn open_device(&mut self) {
         self.tab = Tab::Device;
+    }
+
+    /// Goes back to the page that needs no room beside the stage.
+    pub(crate) fn close_pages(&mut self) {
+        self.tab = Tab::Boundary;
     }
 
     /// Opens the texture page.

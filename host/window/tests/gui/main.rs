@@ -16,10 +16,12 @@ mod finger_trace;
 mod fixed_link;
 mod focus;
 mod foreign;
+mod glow;
 mod glyphs;
 mod hang;
 mod holding;
 mod in_use;
+mod kiosk;
 mod known_tables;
 mod light_marks;
 mod measure;
@@ -28,6 +30,7 @@ mod notices;
 mod painter;
 mod paths;
 mod plane_check;
+mod plate_there;
 mod play;
 mod plots;
 #[path = "../../../instrument/tests/in_use/pluggable_port.rs"]
@@ -55,6 +58,7 @@ mod tab_order;
 mod test_app;
 mod textures;
 mod tooltips;
+mod track;
 mod unknown_values;
 mod upkeep;
 

@@ -192,7 +192,7 @@ fn the_calibrations_pages_measure_too() {
 }
 
 /// The page of measurements, with a simulated plate that nobody knows.
-fn on_a_secret_plate() -> TestApp {
+pub(crate) fn on_a_secret_plate() -> TestApp {
     let bench = Bench::default();
     let mut app = TestApp::sensed(bench.inputs(), bench);
     open_measure(&mut app);
@@ -343,6 +343,15 @@ fn after_a_calibration_the_rings_of_the_simulated_plate_lie_on_the_curve() {
     app.wait(100);
     app.window.get_by_label("Drive").click();
     app.wait(2500);
+    // The plate that nobody knew, by what a calibration leaves open of it.
+    let left = crate::plate_there::rings_off(app.window.output()).unwrap();
+    assert!(left < 0.04, "{left}");
+    // The calibrated plate itself.
+    open_measure(&mut app);
+    app.window.get_by_label("A secret plate, a few per cent off").click();
+    app.wait(200);
+    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
+    app.wait(1500);
     // What the menu exports: the curve and the rings, in metres.
     app.window.get_by_label("File").click();
     app.wait(200);

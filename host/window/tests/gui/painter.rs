@@ -45,13 +45,24 @@ impl Painter {
         output: &egui::FullOutput,
         size: [usize; 2],
     ) -> ColorImage {
+        self.paint_within(ctx, output, size, Rect::EVERYTHING)
+    }
+
+    /// The part of the window in `within`, in points; the rest is black.
+    pub(crate) fn paint_within(
+        &self,
+        ctx: &egui::Context,
+        output: &egui::FullOutput,
+        size: [usize; 2],
+        within: Rect,
+    ) -> ColorImage {
         let mut image = ColorImage::filled(size, Color32::BLACK);
         let textures = self.0.borrow();
         for primitive in ctx.tessellate(output.shapes.clone(), output.pixels_per_point) {
             let epaint::Primitive::Mesh(mesh) = primitive.primitive else { continue };
             let Some(texture) = textures.get(&mesh.texture_id) else { continue };
             let scale = output.pixels_per_point;
-            let clip = primitive.clip_rect * scale;
+            let clip = primitive.clip_rect.intersect(within) * scale;
             for corners in mesh.indices.chunks_exact(3) {
                 let corner = |i: usize| {
                     let vertex = mesh.vertices[corners[i] as usize];

@@ -326,20 +326,27 @@ fn the_switches_of_the_view_keep_their_places_whichever_is_pressed() {
     assert_eq!(egui_kittest::kittest::NodeT::accesskit_node(&relief).role(), Role::CheckBox);
 }
 
+fn click(app: &mut TestApp, at: eframe::egui::Pos2) {
+    app.window.drag_at(at);
+    app.window.step();
+    app.window.drop_at(at);
+    app.window.step();
+}
+
+/// A place this far from the line, at this share of the height from the plate to the strip.
+fn beside_line(app: &TestApp, dx: f32, share: f32) -> eframe::egui::Pos2 {
+    let line = line_rect(app);
+    eframe::egui::pos2(line.center().x + dx, line.top() + share * line.height())
+}
+
 #[test]
 fn a_click_on_the_plate_brings_the_line_and_a_double_click_moves_none() {
     let mut app = TestApp::driving();
-    let line = line_rect(&app);
-    let at = eframe::egui::pos2(line.center().x - 60.0, line.top() + 0.3 * line.height());
-    let click = |app: &mut TestApp, at: eframe::egui::Pos2| {
-        app.window.drag_at(at);
-        app.window.step();
-        app.window.drop_at(at);
-        app.window.step();
-    };
+    let at = beside_line(&app, -60.0, 0.3);
     let before = boundary_mm(&app);
     click(&mut app, at);
-    app.wait(600);
+    // Longer than a double click takes, 0.3 s; the harness counts a 60th of a second a frame.
+    app.wait(1200);
     let moved = boundary_mm(&app);
     assert!((line_rect(&app).center().x - at.x).abs() < 1.0 && moved < before - 10.0, "{before} {moved}");
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -351,6 +358,86 @@ fn a_click_on_the_plate_brings_the_line_and_a_double_click_moves_none() {
     app.wait(300);
     let setup = app.window.state().setup();
     assert_eq!((setup.tones.len(), setup.tones[0].position_m * 1e3), (2, before));
+}
+
+#[test]
+fn nothing_is_sent_before_a_click_is_known_to_be_no_double_click() {
+    let mut app = TestApp::driving();
+    let at = beside_line(&app, -60.0, 0.3);
+    app.take_sent();
+    let (before, line) = (boundary_mm(&app), line_rect(&app));
+    click(&mut app, at);
+    for _ in 0..4 {
+        app.window.step();
+        assert_eq!((boundary_mm(&app), line_rect(&app)), (before, line));
+    }
+    click(&mut app, at);
+    app.wait(1200);
+    assert_eq!(line_rect(&app), line, "the line has not moved");
+    let sent = crate::drives(&app.take_sent());
+    assert!(sent.iter().all(|place_mm| (place_mm - before).abs() < 1e-9), "{sent:?}");
+    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    app.wait(300);
+    assert_eq!(app.window.state().setup().tones.len(), 1, "one step");
+}
+
+#[test]
+fn a_press_that_is_held_or_moves_takes_the_line_at_once_in_one_step_of_undo() {
+    // On the plate and on the envelope.
+    for share in [0.3, 0.75] {
+        let mut app = TestApp::driving();
+        let before = boundary_mm(&app);
+        let at = beside_line(&app, -60.0, share);
+        app.window.drag_at(at);
+        app.wait(1000);
+        assert!((line_rect(&app).center().x - at.x).abs() < 1.0, "held: {share}");
+        app.window.hover_at(at + vec2(-30.0, 0.0));
+        app.wait(100);
+        app.window.hover_at(at + vec2(-40.0, 0.0));
+        app.wait(100);
+        assert!((line_rect(&app).center().x - at.x + 40.0).abs() < 1.0, "it follows: {share}");
+        app.window.drop_at(at + vec2(-40.0, 0.0));
+        app.wait(1200);
+        assert!((line_rect(&app).center().x - at.x + 40.0).abs() < 1.0, "it stays: {share}");
+        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        app.wait(300);
+        assert_eq!(boundary_mm(&app), before, "one step: {share}");
+        app.window.drag_at(at);
+        app.window.step();
+        app.window.hover_at(at + vec2(20.0, 0.0));
+        app.wait(100);
+        assert!((line_rect(&app).center().x - at.x - 20.0).abs() < 1.0, "moved: {share}");
+        app.window.drop_at(at + vec2(20.0, 0.0));
+        app.wait(100);
+    }
+}
+
+#[test]
+fn a_press_brings_the_selected_tones_line_and_none_where_a_handle_takes_it() {
+    let mut app = TestApp::driving();
+    add_tone(&mut app);
+    let places = |app: &TestApp| -> Vec<f64> {
+        app.window.state().setup().tones.iter().map(|tone| tone.position_m).collect()
+    };
+    app.window.get_by_label("Select tone 2").click();
+    app.wait(100);
+    let (before, at) = (places(&app), beside_line(&app, 90.0, 0.7));
+    click(&mut app, at);
+    app.wait(1200);
+    assert!(places(&app)[0] == before[0] && places(&app)[1] != before[1], "{before:?} {:?}", places(&app));
+    // On the line of the other tone: it is selected, and stays.
+    let (before, at) = (places(&app), beside_line(&app, 0.0, 0.7));
+    click(&mut app, at);
+    app.wait(1200);
+    assert_eq!(places(&app), before);
+    // On the finger.
+    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
+    app.wait(100);
+    crate::finger::choose(&mut app, "Light");
+    let finger = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
+    click(&mut app, finger);
+    app.wait(1200);
+    assert_eq!(places(&app), before);
 }
 
 #[test]

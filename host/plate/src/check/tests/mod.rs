@@ -37,6 +37,22 @@ fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
         let names: Vec<&str> = report.lights.iter().map(|light| light.name).collect();
         assert_eq!(names.len(), 18);
         assert_eq!(*order.get_or_insert(names.clone()), names);
+        // Over the span at level 1: who chooses it reads why.
+        let red: Vec<&Light> = report.lights.iter().filter(|light| light.colour == Colour::Red).collect();
+        assert_eq!(
+            !red.is_empty(),
+            preset.description().contains(". Red light"),
+            "{}: {red:#?}",
+            preset.name
+        );
+        let loud = red.iter().find(|light| light.name == "sound level");
+        if let Some(value) = loud.and_then(|light| light.value) {
+            assert!(
+                preset.description().contains(&format!("{value:.0} dB of sound")),
+                "{}: {value}",
+                preset.name
+            );
+        }
         for light in &report.lights {
             assert!(light.sentence.ends_with('.') && light.sentence.len() > 20, "{light:?}");
             assert!(light.value.is_none_or(f64::is_finite), "{light:?}");

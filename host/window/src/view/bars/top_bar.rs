@@ -73,6 +73,8 @@ const ROOM_FOR_FAULT: f32 = 900.0;
 const LONGEST_CAUSE: usize = 32;
 /// Space in and between the buttons of such a narrow bar, in points.
 const NARROW: f32 = 4.0;
+/// Room that state and STOP need beside what visitors see, in points.
+const VISITORS_NEED: f32 = 420.0;
 /// Smallest and largest width of the device menu, in points.
 const DEVICE: (f32, f32) = (70.0, 180.0);
 
@@ -89,14 +91,20 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
             ui.label(RichText::new("Slipline").strong().size(18.0));
             ui.add_space(4.0);
         }
-        menu::show(ui, scene, intents);
+        match scene.visitors {
+            None => menu::show(ui, scene, intents),
+            Some((name, effect)) => visitors(ui, name, effect),
+        }
         ui.separator();
         // The width of the controls after the device menu that must stay visible. The device menu shrinks for them
         // first, then the round trip is left out.
         let (state, right) = (Width::of(ui, "state"), Width::of(ui, "right"));
         let gap = ui.spacing().item_spacing.x;
         let room = ui.available_width() - state.points() - right.points() - 3.0 * gap;
-        let device = port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents);
+        let device = match scene.visitors {
+            None => port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents).rect.width(),
+            Some(_) => 0.0,
+        };
         let shown = ui.horizontal(|ui| {
             let (word, colour, sentence) = state_words(scene, palette);
             let fault =
@@ -105,7 +113,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
             offer_buttons(ui, scene, intents);
         });
         state.note(ui, shown.response.rect.width());
-        let round_trip = round_trip(ui, scene, room - device.rect.width() - gap);
+        let round_trip = round_trip(ui, scene, room - device - gap);
         aligned::at_right(ui, |ui| {
             let badge = ui.horizontal(|ui| table_badge(ui, scene, is_narrow, intents)).response.rect.width();
             if let Some(text) = round_trip {
@@ -115,6 +123,16 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
             stop_button(ui, palette, intents);
             right.note(ui, badge + STOP.x + 6.0 + 2.0 * gap);
         });
+    });
+}
+
+/// What visitors see, in place of the menus.
+fn visitors(ui: &mut egui::Ui, name: &str, effect: &str) {
+    ui.label(RichText::new(name).strong().size(16.0));
+    let room = (ui.available_width() - VISITORS_NEED).max(0.0);
+    ui.scope(|ui| {
+        ui.set_max_width(room);
+        ui.add(egui::Label::new(RichText::new(effect).color(theme::palette(ui).weak)).truncate());
     });
 }
 

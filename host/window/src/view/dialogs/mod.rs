@@ -35,7 +35,7 @@ pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
     ("Ctrl+B", "Switch between the setups A and B"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
-    ("Click, double click", "On the plate: the selected line comes there; add a tone there"),
+    ("Press, double click", "On plate and envelope: the selected line comes there; add a tone there"),
     ("Wheel on a plot", "Zoom about the pointer; with Shift its values"),
     ("Drag, double click on a plot", "Move it, show all of it again"),
     ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),

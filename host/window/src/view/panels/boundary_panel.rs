@@ -85,7 +85,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     if let Some(wave) = scene.predicted.tone(slot) {
         row(ui, "Peak at", wave.peak_position_m.map_or("none".to_owned(), show_place));
         let height_m =
-            if scene.finger.is_some() { wave.peak_height_m } else { steady.map(|steady| steady.peak_m) };
+            if scene.load.is_some() { wave.peak_height_m } else { steady.map(|steady| steady.peak_m) };
         let height_m = height_m.filter(|_| steady.is_some());
         row(ui, "Peak height", height_m.map_or(UNKNOWN.to_owned(), show_length));
         row(ui, "Edge, peak to 10 %", show_place(wave.edge_width_m));

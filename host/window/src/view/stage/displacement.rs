@@ -23,7 +23,9 @@ pub(crate) fn show(
     ends: impl ExactSizeIterator<Item = [Pos2; 2]>,
     columns: usize,
 ) {
-    let picture = picture(scene, columns, theme::palette(ui));
+    let is_largest = scene.settings.show_amplitude;
+    let maps = [map(scene, is_largest), map(scene, true)];
+    let picture = picture(&maps, is_largest, scene.full_colour_m(), columns, theme::palette(ui));
     let id = Id::unique("the wave on the plate");
     let kept = ui.data(|data| data.get_temp::<TextureHandle>(id));
     let texture = match kept {
@@ -83,23 +85,24 @@ pub(crate) fn colour(value: f32, is_largest: bool, palette: &theme::Palette) -> 
     }
 }
 
-/// The colours of the plate, `columns` + 1 by [`ROWS`] texels.
-fn picture(scene: &Scene<'_>, columns: usize, palette: &theme::Palette) -> ColorImage {
-    let show_amplitude = scene.settings.show_amplitude;
-    let plate = &scene.setup.plate;
-    let now = map(scene, show_amplitude);
-    // Under the present displacement lies a glow of the largest, so that no moment of the wave looks like a plate at rest.
-    let reach = map(scene, true);
-    let across = rows(&now);
-    let full_m = scene.full_colour_m();
+/// The colours of the plate, `columns` + 1 by [`ROWS`] texels: of the first map, and under the present displacement a glow of
+/// the second, the largest one, so that no moment of the wave looks like a plate at rest.
+fn picture(
+    [now, reach]: &[DisplacementMap<'_>; 2],
+    is_largest: bool,
+    full_m: f64,
+    columns: usize,
+    palette: &theme::Palette,
+) -> ColorImage {
+    let across = rows(now);
     let mut picture = ColorImage::filled([columns + 1, ROWS], Color32::TRANSPARENT);
     for column in 0..=columns {
-        let x_m = column as f64 / columns as f64 * plate.length_m();
-        let (across_here, reach_here) = (now.column(x_m), reach.column(x_m));
+        let share = column as f64 / columns as f64;
+        let (across_here, reach_here) = (now.column_at(share), reach.column_at(share));
         for (i, row) in across.iter().enumerate() {
             let value = (now.at(&across_here, row) / full_m) as f32;
-            let colour = colour(value, show_amplitude, palette);
-            picture[(column, i)] = if show_amplitude {
+            let colour = colour(value, is_largest, palette);
+            picture[(column, i)] = if is_largest {
                 colour
             } else {
                 let largest = (reach.at(&reach_here, row) / full_m) as f32;
@@ -119,6 +122,11 @@ fn glowing(colour: Color32, value: f32, largest: f32, glow: Color32) -> Color32 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipline_model::field::displacement_map::slow_factor;
+    use slipline_model::field::steady_field::{SteadyField, full_colour_m, magnification, steady_tones};
+    use slipline_model::scenes::SCENES;
+    use slipline_model::setup::Setup;
+    use slipline_plate::{DriveTable, presets};
 
     #[test]
     fn the_ends_of_the_plate_show_the_first_and_the_last_texel() {
@@ -138,6 +146,57 @@ mod tests {
             assert_eq!(at(0.8, 0.8), theme::diverging(0.8, palette.dark), "a crest keeps its colour");
             let off = |colour: Color32| u32::from(colour.g().abs_diff(rest.g()));
             assert!(off(at(0.0, 1.0)) > off(at(0.0, 0.3)) && off(at(0.0, 0.3)) > 8, "{}", palette.dark);
+        }
+    }
+
+    /// The difference of a channel that is seen.
+    const SEEN: u8 = 8;
+
+    #[test]
+    fn no_phase_of_the_wave_on_a_preset_or_scene_looks_like_a_plate_at_rest() {
+        let plates = presets().iter().map(|preset| Setup::new(preset.plate().unwrap().into()));
+        let scenes = SCENES.iter().map(|scene| scene.setup().unwrap());
+        for setup in plates.chain(scenes) {
+            let plate = &setup.plate;
+            let table = DriveTable::build(plate, 400e3, 17).unwrap();
+            let field = SteadyField::solve(plate, &steady_tones(&setup, Some(&table)));
+            let full_peak_m = table.peak_at_full_scale_m;
+            let full_m =
+                full_colour_m(Some(&field), full_peak_m) / magnification(field.highest_m() / full_peak_m);
+            let slowest_hz =
+                field.tones.iter().map(|tone| tone.tone.frequency_hz).fold(f64::INFINITY, f64::min);
+            let period_s = slow_factor(&field) / slowest_hz;
+            for palette in [&theme::LIGHT, &theme::DARK] {
+                let at = |phase: u32| {
+                    let map = |is_largest| {
+                        let time_s = period_s * f64::from(phase) / 20.0;
+                        DisplacementMap::new(Wave {
+                            plate,
+                            sounding: Some(&field),
+                            sheet: None,
+                            is_largest,
+                            time_s,
+                        })
+                    };
+                    picture(&[map(false), map(true)], false, full_m, 80, palette)
+                };
+                let rest = theme::diverging(0.0, palette.dark);
+                for phase in 0..20 {
+                    let seen = at(phase);
+                    // Texels stand for the width of the plate at their column.
+                    let share = |is_counted: &dyn Fn(Color32) -> bool| -> f64 {
+                        let weight = |i: usize| plate.half_width_m(plate.length_m() * (i % 81) as f64 / 80.0);
+                        let texels = seen.pixels.iter().enumerate();
+                        texels.filter(|(_, colour)| is_counted(**colour)).map(|(i, _)| weight(i)).sum()
+                    };
+                    let is_off = |colour: Color32| {
+                        let [a, b] = [colour, rest].map(|colour| colour.to_array());
+                        a.iter().zip(b).any(|(a, b)| a.abs_diff(b) >= SEEN)
+                    };
+                    let off = share(&is_off) / share(&|_| true);
+                    assert!(off >= 0.02, "{}, phase {phase}, dark {}: {off}", plate.name(), palette.dark);
+                }
+            }
         }
     }
 }

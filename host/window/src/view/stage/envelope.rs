@@ -5,7 +5,9 @@ use crate::scene::Scene;
 use crate::view::fields::field::UNKNOWN;
 use crate::view::stage::polyline::thinned;
 use crate::view::theme;
-use eframe::egui::{self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2};
+use eframe::egui::{
+    self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2,
+};
 use slipline_model::field::steady_field::{POINTS, displacement_unit};
 use slipline_model::setup::BoundaryMode;
 use slipline_plate::quantity::show_place;
@@ -27,9 +29,6 @@ impl Height {
     }
 }
 
-const HELP: &str =
-    "How far each place of the plate moves at most: predicted as a line, the simulated plate as rings";
-
 /// Shows the envelope in `rect`.
 pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
@@ -37,8 +36,6 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let is_known = scene.full_peak_m.is_some();
     let top_m = scene.envelope_top_m();
     let height = Height { rect, top_m };
-    let response = ui.interact(axis.over_plate(rect), ui.scope_id().with("envelope"), Sense::hover());
-    theme::describe(&response, "Envelope", HELP);
     scale(ui, axis, &height, is_known);
     factor(ui, scene.magnification, pos2(rect.left(), rect.top() + 13.0));
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
@@ -64,10 +61,20 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let bound = line(&predicted.bound_m);
         painter.extend(Shape::dashed_line(&bound, Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
-    if let Some((measured, is_current)) = scene.measured.filter(|_| is_known && scene.finger.is_none()) {
+    if let Some((measured, is_current)) = scene.measured.filter(|_| is_known && scene.load.is_none()) {
+        // The sensor on a secret plate has no known sensitivity, so its level is not known: it is that of the prediction.
+        let highest_m = measured.points().map(|(_, metres)| metres).fold(0.0, f64::max);
+        let top_m = if is_chord { &mean } else { &predicted.bound_m }.iter().copied().fold(0.0, f64::max);
+        let is_matched = scene.measure.live.is_secret && is_current && highest_m > 0.0;
+        let level = if is_matched { top_m / highest_m } else { 1.0 };
         for (x_m, metres) in measured.points().step_by(2) {
-            let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
+            let centre = pos2(axis.screen_from_place(x_m), height.screen(level * metres));
             point(&painter, centre, measured_ink(palette, is_current), palette.well);
+        }
+    }
+    for place in scene.measured_places.iter().filter(|_| is_known && scene.load.is_none()) {
+        if let Some(metres) = place.amplitude_m(predicted) {
+            mark(&painter, pos2(axis.screen_from_place(place.place_m), height.screen(metres)), palette);
         }
     }
     edge(ui, scene, axis, &height);
@@ -94,6 +101,12 @@ fn measured_ink(palette: &theme::Palette, is_current: bool) -> Color32 {
 fn point(painter: &egui::Painter, centre: Pos2, ink: Color32, inside: Color32) {
     painter.circle_filled(centre, 2.8, ink);
     painter.circle_filled(centre, 1.6, inside);
+}
+
+/// A measured place of a real plate: larger than a ring, because there are few.
+fn mark(painter: &egui::Painter, centre: Pos2, palette: &theme::Palette) {
+    let corners = [vec2(0.0, -5.5), vec2(5.5, 0.0), vec2(0.0, 5.5), vec2(-5.5, 0.0)].map(|to| centre + to);
+    painter.add(Shape::convex_polygon(corners.to_vec(), palette.well, Stroke::new(2.0, palette.text)));
 }
 
 fn area(line: &[Pos2], bottom: f32, fill: Color32) -> Shape {
@@ -152,7 +165,7 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     let font = FontId::proportional(11.5);
     let Some(peak_m) = wave.peak_position_m else {
         let place = pos2(axis.screen_from_place(wave.turning_point_m) - 8.0, height.rect.top() + 6.0);
-        let cause = if scene.finger.is_some() { "finger" } else { "loss" };
+        let cause = if scene.load.is_some() { "finger" } else { "loss" };
         let text = format!("no peak: the {cause} leaves none here");
         painter.text(place, Align2::RIGHT_TOP, text, font, palette.warn);
         return;
@@ -195,13 +208,21 @@ pub(crate) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
         sample(left - 24.0);
         right = left - 38.0;
     };
-    if scene.measured.is_some() && scene.finger.is_some() {
-        entry("simulated plate: without a finger only", &|_| ());
+    let live = &scene.measure.live;
+    let there = if live.is_secret { "secret plate" } else { "simulated plate" };
+    if live.is_secret && !live.is_secret_measured {
+        entry("secret plate: not measured yet", &|_| ());
+    } else if scene.measured.is_some() && scene.load.is_some() {
+        entry(&format!("{there}: without a finger only"), &|_| ());
     } else if let Some((_, is_current)) = scene.measured {
-        entry(if is_current { "simulated plate" } else { "simulated plate, before" }, &|left| {
+        let before = if is_current { "" } else { ", before" };
+        entry(&format!("{there}{before}"), &|left| {
             let ink = measured_ink(palette, is_current);
             point(painter, pos2(left + 9.0, y), ink, palette.well);
         });
+    }
+    if !scene.measured_places.is_empty() {
+        entry("measured", &|left| mark(painter, pos2(left + 9.0, y), palette));
     }
     if scene.predicted.tones.len() > 1 {
         entry("bound of the largest", &|left| {
@@ -210,7 +231,7 @@ pub(crate) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
         });
     }
     let what = if scene.predicted.tones.len() > 1 { "mean of all tones, predicted" } else { "predicted" };
-    let touched = if scene.finger.is_some() { " with the finger" } else { "" };
+    let touched = if scene.load.is_some() { " with the finger" } else { "" };
     entry(&format!("{what}{touched}"), &|left| {
         painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));
     });

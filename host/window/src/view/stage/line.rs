@@ -10,7 +10,6 @@ use crate::view::theme::{self, HANDLE};
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, FontId, Pos2, Rangef, Rect, Sense, Stroke, pos2, vec2,
 };
-use slipline_model::setup::edit::Edit;
 
 /// The accessible name of a tone's handle.
 pub(crate) fn handle_name(scene: &Scene<'_>, slot: u8) -> String {
@@ -54,17 +53,6 @@ pub(super) fn show(
             offset: pointer.x - x,
         }));
     }
-    // A click on the plate has brought the line under the pointer; the second of a double click sends it back and adds
-    // a tone there.
-    if response.clicked()
-        && let Some(before_m) = view.line_before_click_m.take()
-        && response.double_clicked()
-    {
-        if before_m != line.place_m {
-            intents.push(Intent::Undo);
-        }
-        intents.push(Intent::Edit(Edit::Add { position_m: line.place_m }));
-    }
     if is_selected && std::mem::take(&mut view.begins_by_tab) {
         response.request_focus();
     }
@@ -107,7 +95,8 @@ fn knob_help(ui: &egui::Ui, line: egui::Id, at: Pos2, is_pressed: bool, view: &m
     } else if view.pressed_knob == Some(line) && !knob.contains_pointer() {
         view.pressed_knob = None;
     }
-    if view.pressed_knob.is_none() {
+    let pointer = ui.input(|input| input.pointer.latest_pos());
+    if view.pressed_knob.is_none() && !view.pressing.has_brought(pointer) {
         knob.on_hover_text(LINE_HELP);
     }
 }

@@ -5,6 +5,7 @@ mod displacement;
 mod envelope;
 pub(crate) mod felt_strip;
 pub(crate) mod finger;
+mod fingertip;
 mod flag;
 pub(crate) mod handle;
 mod hint;
@@ -13,20 +14,21 @@ mod light_marks;
 mod line;
 mod plate;
 mod polyline;
+pub(crate) mod press;
 mod read_out;
 mod relief;
+mod track;
 
 use crate::axis::Axis;
-use crate::intent::{Intent, Intents};
+use crate::intent::Intents;
 use crate::scene::Scene;
 use crate::view::panels::designer::sketch;
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{self, Align2, CornerRadius, FontId, Key, Rangef, Rect, Sense, Stroke, pos2};
+use eframe::egui::{self, Align2, CornerRadius, FontId, Key, Rangef, Rect, Stroke, pos2};
 use hint::Hint;
 use layout::{LABEL, Layout, MARGIN};
 use light_marks::LightMarks;
-use slipline_model::setup::edit::Edit;
 
 pub(crate) use line::handle_name;
 
@@ -51,11 +53,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     if view.is_designing() && scene.settings.show_panel {
         sketch::show(ui, scene, &mut view.sketched, &layout.axis, layout.plate);
     }
+    // Below what explains itself under the pointer.
+    press::show(ui, scene, &layout, &mut view.pressing, intents);
+    track::show(ui, scene, &layout, intents);
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     felt_strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);
     let drawn = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.envelope.bottom());
-    press_plate(ui, scene, &layout, view, intents);
     let marks =
         LightMarks::show(ui, scene, view, &layout.axis, area.x_range(), (drawn, layout.envelope.top()));
     // The selected tone comes last, so that it is drawn on top and gets the pointer first.
@@ -64,7 +68,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     for slot in order {
         line::show(ui, scene, &layout, slot, view, intents);
     }
-    finger::handle(ui, scene, &layout.axis, layout.plate, view, intents);
+    finger::handle(ui, scene, &layout, view, intents);
     if let Some(hint) = hint {
         hint.show(ui, &layout);
     }
@@ -111,36 +115,6 @@ fn place_scale(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let unit = pos2(layout.axis.screen().min - 10.0, top + 6.0);
     painter.text(unit, Align2::RIGHT_TOP, "x, mm", font, palette.weak);
     felt_strip::legend(ui, scene, &layout.axis, layout.scale.bottom() + 2.0);
-}
-
-/// The read-out of the place is there for the pointer, so this is for those who do not see it.
-const PLATE_HELP: &str = "The plate and its wave, the driven end at the left. A click brings the selected tone's line to that \
-    place, a double click adds a tone there";
-
-/// A click brings the selected line; the second of a double click then meets the line, or the plate where the line cannot
-/// be, and adds a tone. Lines, the finger and lights lie over the plate and keep their presses.
-fn press_plate(
-    ui: &egui::Ui,
-    scene: &Scene<'_>,
-    layout: &Layout,
-    view: &mut ViewState,
-    intents: &mut Intents,
-) {
-    // Not by the keyboard, which moves the line itself.
-    let response = ui.interact(layout.plate, ui.scope_id().with("plate"), Sense::CLICK);
-    theme::describe(&response, "Plate from above", PLATE_HELP);
-    let Some(pointer) = response.interact_pointer_pos().filter(|_| response.clicked()) else { return };
-    let place_m = layout.axis.place_from_screen(pointer.x);
-    let line_m = scene.line(scene.selected).map(|line| line.place_m);
-    if response.double_clicked() {
-        if view.line_before_click_m.take().is_some_and(|before_m| line_m != Some(before_m)) {
-            intents.push(Intent::Undo);
-        }
-        intents.push(Intent::Edit(Edit::Add { position_m: place_m }));
-    } else {
-        view.line_before_click_m = line_m;
-        intents.push(Intent::MoveLine { slot: scene.selected, place_m });
-    }
 }
 
 /// The step of a key press: 1 mm, or 0.1 mm with Shift.

@@ -72,7 +72,7 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
                 return;
             }
             let shown = ui.add(egui::Label::new(text).truncate());
-            if scene.finger.is_some() {
+            if scene.load.is_some() {
                 shown.on_hover_text(
                     "Modal lines: a finger that moves would make another 2-D sheet, which begins at rest",
                 );
@@ -139,7 +139,7 @@ fn drawn(scene: &Scene<'_>) -> String {
         let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
         return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
     };
-    let source = match (scene.sheet, scene.finger) {
+    let source = match (scene.sheet, scene.load) {
         (Some(_), _) => "2-D sheet",
         (None, Some(_)) => "modal lines, touched",
         (None, None) => "modal lines",

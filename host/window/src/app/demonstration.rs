@@ -1,0 +1,133 @@
+//! The first seconds of the very first start: a finger strokes the simulated plate, the line moves, the finger follows.
+//!
+//! It moves nothing on a real device, makes no sound and no step of undo. Any input ends it, and then everything is where it
+//! was.
+
+use super::App;
+use eframe::egui;
+use slipline_model::field::touch::Touch;
+
+/// Duration, in seconds.
+const LASTS_S: f64 = 10.0;
+
+/// A pointer that moves farther in a frame is moved by the user, in points.
+const MOVED: f32 = 2.0;
+
+/// The place of finger and line at these times, in seconds, as shares of the way: the finger's from the driven end to the
+/// line (1 is the line), the line's from where it stands to the start of its span.
+const COURSE: [(f64, f64, f64); 7] = [
+    (0.0, 0.5, 0.0),
+    (1.5, 0.2, 0.0),
+    (4.0, 1.2, 0.0),
+    (6.0, 1.2, 0.8),
+    (8.0, 0.4, 0.8),
+    (9.0, 0.8, 0.4),
+    (10.0, 0.5, 0.0),
+];
+
+/// A demonstration under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Demonstration {
+    /// When it began; `None` until the plate moves.
+    began_s: Option<f64>,
+    /// The line's slot and turning point before it, in metres.
+    line: (u8, f64),
+}
+
+/// The shares of the [`COURSE`] at a time, smooth between its points.
+fn shares_at(time_s: f64) -> (f64, f64) {
+    let after = COURSE.iter().position(|(at_s, ..)| *at_s > time_s).unwrap_or(COURSE.len() - 1);
+    let ((from_s, finger, line), (to_s, next_finger, next_line)) =
+        (COURSE[after.max(1) - 1], COURSE[after.max(1)]);
+    let share = ((time_s - from_s) / (to_s - from_s)).clamp(0.0, 1.0);
+    let eased = share * share * (3.0 - 2.0 * share);
+    (finger + (next_finger - finger) * eased, line + (next_line - line) * eased)
+}
+
+impl App {
+    /// Shows what the window is for, until the first input.
+    pub fn demonstrate(&mut self) {
+        let setup = self.instrument.setup();
+        self.demonstration = setup.tones.first().map(|tone| {
+            let line = (tone.slot, tone.position_m);
+            Demonstration { began_s: None, line }
+        });
+    }
+
+    /// Goes on with the demonstration, or ends it.
+    pub(super) fn advance_demonstration(&mut self, ctx: &egui::Context) {
+        let Some(under_way) = self.demonstration else { return };
+        let snapshot = self.instrument.snapshot();
+        let is_elsewhere = snapshot.is_connected() && !snapshot.is_simulated();
+        if is_elsewhere || self.dialog.is_some() || ctx.input(has_input) {
+            return self.end_demonstration();
+        }
+        let now_s = ctx.input(|input| input.time);
+        if self.instrument.sounding_on_screen().is_none() {
+            if under_way.began_s.is_some() {
+                self.end_demonstration();
+            }
+            return;
+        }
+        let began_s = under_way.began_s.unwrap_or(now_s);
+        if now_s - began_s >= LASTS_S {
+            return self.end_demonstration();
+        }
+        self.demonstration = Some(Demonstration { began_s: Some(began_s), ..under_way });
+        let (finger, line) = shares_at(now_s - began_s);
+        let (slot, turns_m) = under_way.line;
+        let (start_m, _) = self.instrument.setup().plate.span_m();
+        self.instrument.show_line(slot, turns_m + line * (start_m - turns_m));
+        let line_m = self.instrument.line(slot).map_or(turns_m, |line| line.place_m);
+        if self.instrument.finger().is_none() {
+            self.instrument.touch(Touch::Ideal);
+        }
+        self.instrument.move_finger(finger * line_m);
+        ctx.request_repaint();
+    }
+
+    /// Puts the line back, and the finger half-way to it.
+    pub(super) fn end_demonstration(&mut self) {
+        let Some(Demonstration { line: (slot, turns_m), began_s }) = self.demonstration.take() else {
+            return;
+        };
+        if began_s.is_some() {
+            self.instrument.show_line(slot, turns_m);
+            self.rest_finger();
+        }
+    }
+
+    /// Lays a finger that takes nothing half-way to the line.
+    pub(super) fn rest_finger(&mut self) {
+        self.instrument.touch(Touch::Ideal);
+        if let Some(line) = self.instrument.line(self.instrument.selected()) {
+            let half_m = 0.5 * line.place_m;
+            self.instrument.move_finger(half_m);
+        }
+    }
+}
+
+/// Whether the user has done anything. A window that opens under the pointer gets its place, which is no input.
+fn has_input(input: &egui::InputState) -> bool {
+    let is_made = |event: &egui::Event| {
+        !matches!(
+            event,
+            egui::Event::WindowFocused(_) | egui::Event::PointerMoved(_) | egui::Event::PointerGone
+        )
+    };
+    input.pointer.delta().length() > MOVED || input.events.iter().any(is_made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_course_begins_and_ends_at_rest_and_crosses_the_line() {
+        assert_eq!(shares_at(0.0), shares_at(LASTS_S));
+        let finger = |i: i32| shares_at(LASTS_S * f64::from(i) / 200.0).0;
+        let crosses = (0..200).filter(|&i| (finger(i) < 1.0) != (finger(i + 1) < 1.0)).count();
+        assert!(crosses >= 2, "{crosses}");
+        assert!((0..=200).all(|i| (0.0..=1.3).contains(&finger(i))));
+    }
+}

@@ -1,0 +1,70 @@
+//! The window for visitors: scenes in turn, neither menus nor pages, STOP as everywhere.
+//!
+//! A real plate is one plate, so with a real device the setup stays.
+
+use super::App;
+use eframe::egui;
+use slipline_link::protocol::event::State;
+use slipline_model::scenes::SCENES;
+use slipline_model::setup::edit::Edit;
+
+/// Time without input after which the next scene comes, in seconds.
+const REST_S: f64 = 45.0;
+
+/// The turn of the scenes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Kiosk {
+    scene: usize,
+    /// The time of the latest input, or of the scene's beginning.
+    since_s: Option<f64>,
+}
+
+impl App {
+    /// Shows the window to visitors.
+    pub fn open_to_visitors(&mut self) {
+        self.kiosk = Some(Kiosk::default());
+        self.demonstration = None;
+        self.start_scene(0);
+    }
+
+    /// The name and the effect of the scene that visitors see.
+    pub(super) fn visitors_scene(&self) -> Option<(&'static str, &'static str)> {
+        let scene = SCENES.get(self.kiosk?.scene)?;
+        Some((scene.name, scene.description))
+    }
+
+    /// Keeps to the stage, and begins the next scene when nobody has touched anything for a while.
+    pub(super) fn turn_scenes(&mut self, ctx: &egui::Context) {
+        let Some(kiosk) = self.kiosk else { return };
+        self.dialog = None;
+        (self.settings.show_panel, self.settings.show_plots) = (false, false);
+        self.view.close_pages();
+        let (now_s, has_input) = ctx.input(|input| (input.time, !input.events.is_empty()));
+        let since_s = kiosk.since_s.filter(|_| !has_input).unwrap_or(now_s);
+        self.kiosk = Some(Kiosk { since_s: Some(since_s), ..kiosk });
+        let left_s = since_s + REST_S - now_s;
+        if left_s > 0.0 {
+            return ctx.request_repaint_after(std::time::Duration::from_secs_f64(left_s));
+        }
+        let next = (kiosk.scene + 1) % SCENES.len();
+        self.kiosk = Some(Kiosk { scene: next, since_s: Some(now_s) });
+        if self.instrument.snapshot().is_simulated() {
+            self.start_scene(next);
+            // Whoever has stopped the simulated plate has gone.
+            let state = self.instrument.snapshot().status.map(|status| status.state);
+            if matches!(state, Some(State::Armed | State::Idle)) {
+                self.instrument.start();
+            }
+        }
+    }
+
+    /// Begins the scene of this number; in the first one, and for visitors in each, a finger lies on the plate.
+    pub(super) fn start_scene(&mut self, number: usize) {
+        if let Some(setup) = SCENES.get(number).and_then(slipline_model::scenes::Scene::setup) {
+            self.instrument.edit(&Edit::New(Box::new(setup)));
+            if number == 0 || self.kiosk.is_some() {
+                self.rest_finger();
+            }
+        }
+    }
+}

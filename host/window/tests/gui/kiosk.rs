@@ -1,0 +1,87 @@
+//! The window for visitors: scenes in turn, no menus, STOP as everywhere.
+
+use crate::test_app::TestApp;
+use crate::{boundary_mm, line_rect};
+use eframe::egui::{Key, Modifiers, Theme, accesskit::Role, vec2};
+use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::Queryable as _;
+use slipline_link::protocol::event::State;
+use slipline_model::scenes::SCENES;
+use slipline_window::settings::ThemeChoice;
+
+fn opened(size: [f32; 2]) -> TestApp {
+    let builder = HarnessBuilder::default().with_size(size).with_theme(Theme::Dark);
+    let mut app = TestApp::first_start(ThemeChoice::Dark, builder);
+    app.window.state_mut().open_to_visitors();
+    app.wait(1500);
+    app
+}
+
+/// Lets this many seconds pass in one frame of the window.
+fn pass(app: &mut TestApp, seconds: f64) {
+    let now_s = app.window.ctx.input(|input| input.time);
+    app.window.input_mut().time = Some(now_s + seconds);
+    app.wait(50);
+    app.window.input_mut().time = None;
+    app.wait(1500);
+}
+
+fn plate_name(app: &TestApp) -> String {
+    app.window.state().setup().plate.name().to_owned()
+}
+
+#[test]
+fn visitors_have_the_stage_and_stop_and_neither_menus_nor_pages() {
+    for size in [[1280.0, 800.0], [800.0, 480.0]] {
+        let mut app = opened(size);
+        for name in ["File", "Edit", "View", "Help", "Boundary position", "Log", "Play"] {
+            assert!(app.window.query_by_label(name).is_none(), "{name}");
+        }
+        assert!(app.window.query_by_label(SCENES[0].name).is_some() && app.is_driving());
+        let (before, line) = (boundary_mm(&app), line_rect(&app).center());
+        app.window.drag_at(line);
+        app.window.step();
+        app.window.hover_at(line - vec2(40.0, 0.0));
+        app.wait(100);
+        app.window.drop_at(line - vec2(40.0, 0.0));
+        app.wait(100);
+        assert!(boundary_mm(&app) < before, "the line is dragged");
+        // Neither a key nor what else opens a page does so.
+        for (modifiers, key) in [
+            (Modifiers::NONE, Key::F1),
+            (Modifiers::COMMAND, Key::Num0),
+            (Modifiers::COMMAND, Key::Num4),
+            (Modifiers::COMMAND, Key::O),
+        ] {
+            app.window.key_press_modifiers(modifiers, key);
+            app.wait(100);
+            assert!(
+                app.window.query_by_label("Tones").is_none()
+                    && app.window.query_by_label("Shortcuts").is_none()
+            );
+        }
+        app.window.get_by_label("STOP").click();
+        app.wait(600);
+        assert!(!app.is_driving());
+    }
+}
+
+#[test]
+fn the_next_scene_comes_when_nobody_has_touched_anything_and_drives_again_after_a_stop() {
+    let mut app = opened([1280.0, 800.0]);
+    let first = plate_name(&app);
+    pass(&mut app, 30.0);
+    assert_eq!(plate_name(&app), first);
+    app.window.key_press(Key::Space);
+    app.wait(600);
+    assert!(!app.is_driving());
+    pass(&mut app, 30.0);
+    assert_eq!(plate_name(&app), first, "counted from the latest input");
+    pass(&mut app, 20.0);
+    let scene = SCENES[1].setup().unwrap();
+    assert_eq!(plate_name(&app), scene.plate.name());
+    app.until("driving", TestApp::is_driving);
+    assert!(app.window.query_by_role_and_label(Role::Slider, "Finger").is_some());
+    assert!(app.speaker.played.borrow().0.is_silent());
+    assert_eq!(app.snapshot().status.unwrap().state, State::Driving);
+}

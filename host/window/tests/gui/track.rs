@@ -1,0 +1,213 @@
+//! The finger of a first start: it is there, the strip is its track, and it is heard from the user's first move on.
+
+use crate::finger::{choose, finger_mm};
+use crate::test_app::TestApp;
+use crate::{boundary_mm, line_rect};
+use eframe::egui::{Key, Modifiers, Pos2, Rect, Theme, accesskit::Role, pos2, vec2};
+use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_model::scenes::SCENES;
+use slipline_window::settings::ThemeChoice;
+
+fn first_start() -> TestApp {
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(Theme::Dark);
+    TestApp::first_start(ThemeChoice::Dark, builder)
+}
+
+fn has_finger(app: &TestApp) -> bool {
+    app.window.query_by_role_and_label(Role::Slider, "Finger").is_some()
+}
+
+/// A place on the strip, this share of the way from the driven end to the line.
+fn on_track(app: &TestApp, share: f32) -> Pos2 {
+    let line = line_rect(app);
+    let left = app.window.get_by_label("Plate from above").rect().left();
+    pos2(left + share * (line.center().x - left), line.bottom() - 12.0)
+}
+
+fn says(app: &TestApp, text: &str) -> bool {
+    crate::plots::words(app.window.output()).iter().any(|(word, _)| word == text)
+}
+
+#[test]
+fn the_first_scene_begins_with_a_finger_that_takes_nothing_and_makes_no_sound() {
+    let mut app = first_start();
+    assert!(has_finger(&app) && finger_mm(&app) < line_mm(&app));
+    assert!(says(&app, "simulated plate") && says(&app, "predicted"), "the plate moves as without it");
+    assert!(app.window.query_by_label_contains("2-D sheet").is_some());
+    app.wait(500);
+    assert!(app.speaker.played.borrow().0.is_silent());
+    // Another plate begins without one.
+    assert!(!has_finger(&TestApp::driving()));
+}
+
+fn line_mm(app: &TestApp) -> f64 {
+    let line = app.window.get_by_role_and_label(Role::Slider, "Boundary");
+    line.accesskit_node().numeric_value().unwrap()
+}
+
+#[test]
+fn a_press_on_the_strip_brings_the_finger_which_follows_and_is_heard() {
+    let mut app = first_start();
+    let (line, at) = (line_mm(&app), on_track(&app, 0.3));
+    app.window.drag_at(at);
+    app.wait(100);
+    assert!((finger_mm(&app) / line - 0.3).abs() < 0.01, "{} {line}", finger_mm(&app));
+    let to = on_track(&app, 0.6);
+    app.window.hover_at(to);
+    app.wait(100);
+    assert!((finger_mm(&app) / line - 0.6).abs() < 0.01);
+    assert!(app.speaker.loudness() > 0.0, "the user has moved it");
+    app.window.drop_at(to);
+    app.wait(100);
+    assert_eq!(line_mm(&app), line, "the line stays");
+    // Where there is no finger, one comes.
+    choose(&mut app, "None");
+    assert!(!has_finger(&app));
+    app.window.drag_at(at);
+    app.wait(50);
+    app.window.drop_at(at);
+    app.wait(100);
+    assert!(has_finger(&app) && (finger_mm(&app) / line - 0.3).abs() < 0.01);
+}
+
+#[test]
+fn the_fingers_print_is_dragged_along_its_track_also_where_it_lies_on_the_line() {
+    let mut app = first_start();
+    let line = line_mm(&app);
+    for share in [0.5, 1.0] {
+        let at = on_track(&app, share);
+        app.window.drag_at(at);
+        app.wait(50);
+        app.window.hover_at(at - vec2(60.0, 0.0));
+        app.wait(100);
+        app.window.drop_at(at - vec2(60.0, 0.0));
+        app.wait(100);
+        // On the line the line is taken, but not under the print.
+        if share == 1.0 {
+            assert!(line_mm(&app) < line, "{line}");
+        } else {
+            assert!(line_mm(&app) == line && finger_mm(&app) < 0.5 * line);
+        }
+    }
+}
+
+#[test]
+fn the_sound_is_switched_beside_the_track_and_the_choice_is_kept() {
+    let mut app = first_start();
+    let strip = |app: &TestApp| -> Rect { app.window.get_by_label("Plate from above").rect() };
+    let switch = app.window.get_by_role_and_label(Role::CheckBox, "Sound of the finger").rect();
+    assert!(switch.left() >= strip(&app).right() && switch.width() >= 24.0 && switch.height() >= 24.0);
+    app.window.drag_at(on_track(&app, 0.5));
+    app.wait(100);
+    let at = on_track(&app, 0.55);
+    app.window.hover_at(at);
+    app.wait(100);
+    app.window.drop_at(at);
+    app.wait(100);
+    assert!(app.speaker.loudness() > 0.0);
+    let press = |app: &mut TestApp| {
+        app.window.get_by_role_and_label(Role::CheckBox, "Sound of the finger").click();
+        app.wait(100);
+    };
+    press(&mut app);
+    assert!(app.speaker.played.borrow().0.is_silent() && !app.window.state().settings().hear_finger);
+    press(&mut app);
+    assert!(app.speaker.loudness() > 0.0 && app.window.state().settings().hear_finger);
+}
+
+#[test]
+fn the_first_scene_lays_the_finger_down_again_and_the_others_do_not() {
+    let mut app = TestApp::driving();
+    let open = |app: &mut TestApp, name: &str| {
+        app.window.get_by_label("File").click();
+        app.wait(200);
+        app.window.get_by_label_contains("Scenes…").click();
+        app.wait(200);
+        app.window.get_by_label_contains(name).click();
+        app.wait(1500);
+    };
+    open(&mut app, SCENES[3].name);
+    assert!(!has_finger(&app));
+    open(&mut app, SCENES[0].name);
+    assert!(has_finger(&app) && app.speaker.played.borrow().0.is_silent());
+}
+
+/// The very first start, as the window begins it.
+fn demonstrated() -> TestApp {
+    let mut app = first_start();
+    app.window.state_mut().demonstrate();
+    app
+}
+
+#[test]
+fn the_demonstration_moves_line_and_finger_for_ten_seconds_in_silence_and_leaves_no_trace() {
+    let mut app = demonstrated();
+    let (before, text) = (boundary_mm(&app), app.setup_text());
+    let (mut lines, mut fingers, mut crossed) = (0, 0, false);
+    let mut latest = (before, finger_mm(&app));
+    // 10 s in the harness's frames.
+    for _ in 0..610 {
+        app.wait(50);
+        let now = (boundary_mm(&app), finger_mm(&app));
+        lines += usize::from(now.0 != latest.0);
+        fingers += usize::from(now.1 != latest.1);
+        crossed |= now.1 > line_mm(&app);
+        assert!(app.speaker.played.borrow().0.is_silent());
+        latest = now;
+    }
+    assert!(lines > 60 && fingers > 200 && crossed, "{lines} {fingers} {crossed}");
+    assert_eq!(app.setup_text(), text, "everything is where it was");
+    app.wait(1000);
+    assert_eq!((boundary_mm(&app), finger_mm(&app)), latest, "it is over");
+    app.window.get_by_label("Edit").click();
+    app.wait(200);
+    assert!(
+        app.window.query_by_label_contains("Undo ").is_none_or(|undo| undo.accesskit_node().is_disabled())
+    );
+}
+
+#[test]
+fn any_input_ends_the_demonstration_at_once_and_counts() {
+    let inputs: [fn(&mut TestApp); 3] = [
+        |app| app.window.key_press_modifiers(Modifiers::NONE, Key::P),
+        |app| app.window.drag_at(pos2(300.0, 36.0)),
+        |app| {
+            app.window.hover_at(pos2(300.0, 300.0));
+            app.window.step();
+            app.window.hover_at(pos2(340.0, 300.0));
+        },
+    ];
+    for input in inputs {
+        let mut app = demonstrated();
+        let text = app.setup_text();
+        // In the middle of its move of the line.
+        for _ in 0..330 {
+            app.wait(50);
+        }
+        assert_ne!(app.setup_text(), text);
+        input(&mut app);
+        app.wait(100);
+        assert_eq!(app.setup_text(), text);
+        let finger = finger_mm(&app);
+        app.wait(500);
+        assert_eq!(finger_mm(&app), finger);
+    }
+}
+
+#[test]
+fn a_start_that_is_not_the_first_and_a_real_device_get_no_demonstration() {
+    let mut app = first_start();
+    let (text, finger) = (app.setup_text(), finger_mm(&app));
+    app.wait(3000);
+    assert_eq!((app.setup_text(), finger_mm(&app)), (text, finger));
+    let link = crate::real_device(slipline_link::protocol::event::State::Driving);
+    let files = crate::fake_files::FakeFiles::default();
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = crate::test_app::open_window(Box::new(link), &files, ThemeChoice::Light, builder);
+    window.state_mut().demonstrate();
+    let before = window.state().setup().clone();
+    window.run_steps(300);
+    assert_eq!(window.state().setup(), &before);
+    assert!(window.query_by_role_and_label(Role::Slider, "Finger").is_none());
+}
