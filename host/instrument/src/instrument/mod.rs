@@ -59,6 +59,7 @@ use slipline_model::setup::compare::Compare;
 use slipline_model::setup::undo::History;
 use slipline_model::texture::WishDraft;
 use slipline_plate::Plate;
+use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Duration;
 use stop_presses::StopPresses;
@@ -95,6 +96,7 @@ pub struct Instrument {
     /// The plate and rate of the latest table request.
     table_asked: Option<(Arc<Plate>, u32)>,
     prediction: prediction::Prediction,
+    limits: RefCell<Option<prediction::Limits>>,
     /// Felt edges by slot, in metres, that the lines keep since the latest change that moved one.
     edges_m: Vec<(u8, f64)>,
     finger: finger::OnPlate,
@@ -139,6 +141,7 @@ impl Instrument {
             table: TableState::Waiting,
             table_asked: None,
             prediction: prediction::Prediction::default(),
+            limits: RefCell::default(),
             edges_m: Vec::new(),
             finger: finger::OnPlate::default(),
             playback: Playback::default(),

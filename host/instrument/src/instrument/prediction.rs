@@ -8,17 +8,42 @@ use slipline_link::ChordRequest;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::{self, Holds, Line};
 use slipline_model::field::steady_field::{SteadyField, steady_tones};
+use slipline_model::jobs::table::TableMade;
+use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_model::texture::chord_of;
-use slipline_plate::DriveTable;
-use std::cell::{Cell, OnceCell};
+use slipline_plate::feeling::Feeling;
+use slipline_plate::{DriveTable, Plate};
+use std::cell::OnceCell;
+use std::sync::Arc;
 
 /// Predicted quantities of the setup's tones. The default: nothing is computed yet.
 #[derive(Default)]
 pub(crate) struct Prediction {
     field: OnceCell<Predicted>,
     chord: OnceCell<Option<ChordRequest>>,
-    /// Range of the selected tone's line, by slot, in metres.
-    limits_m: Cell<Option<(u8, (f64, f64))>>,
+}
+
+/// The range of a line, in metres, and all that it follows from. The place of the line is not among that, so a drag finds the
+/// range once.
+pub(crate) struct Limits {
+    plate: Arc<Plate>,
+    made: Option<Arc<TableMade>>,
+    level: f64,
+    master_db: f64,
+    boundary: BoundaryMode,
+    feeling: Feeling,
+    range_m: (f64, f64),
+}
+
+impl Limits {
+    fn is_of(&self, setup: &Setup, level: f64, made: Option<&Arc<TableMade>>) -> bool {
+        Arc::ptr_eq(&self.plate, &setup.plate)
+            && self.made.as_ref().map(Arc::as_ptr) == made.map(Arc::as_ptr)
+            && self.level == level
+            && self.master_db == setup.master_db
+            && self.boundary == setup.boundary
+            && self.feeling == setup.feeling
+    }
 }
 
 /// The field and what is read from it.
@@ -85,15 +110,22 @@ impl Instrument {
 
     /// Range of the line of the selected tone, in metres.
     pub(crate) fn limits_m(&self) -> (f64, f64) {
-        if let Some((slot, limits_m)) = self.prediction.limits_m.get()
-            && slot == self.selected
-        {
-            return limits_m;
+        let setup = &self.setup;
+        let Some(tone) = setup.tone(self.selected) else { return setup.plate.span_m() };
+        let made = self.screen_table();
+        let known = self.limits.borrow();
+        if let Some(limits) = known.as_ref().filter(|limits| limits.is_of(setup, tone.level, made)) {
+            return limits.range_m;
         }
-        let Some(tone) = self.setup.tone(self.selected) else { return self.setup.plate.span_m() };
-        let limits_m = line::limits_m(&self.setup, tone, self.drive_table());
-        self.prediction.limits_m.set(Some((self.selected, limits_m)));
-        limits_m
+        drop(known);
+        #[cfg(test)]
+        tests::count(&tests::LIMITS);
+        let range_m = line::limits_m(setup, tone, self.drive_table());
+        let (plate, made) = (Arc::clone(&setup.plate), made.cloned());
+        let Setup { master_db, boundary, feeling, .. } = *setup;
+        let limits = Limits { plate, made, level: tone.level, master_db, boundary, feeling, range_m };
+        self.limits.replace(Some(limits));
+        range_m
     }
 
     /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.

@@ -14,6 +14,8 @@ thread_local! {
     pub(super) static CHORDS: Cell<u32> = const { Cell::new(0) };
     /// Number of fields solved.
     pub(super) static FIELDS: Cell<u32> = const { Cell::new(0) };
+    /// Number of ranges of a line that were found.
+    pub(super) static LIMITS: Cell<u32> = const { Cell::new(0) };
 }
 
 pub(super) fn count(counter: &'static LocalKey<Cell<u32>>) {
@@ -97,6 +99,30 @@ fn moves_of_one_frame_are_recorded_predicted_once_and_looked_at_once_for_a_chord
     let places_m: Vec<f64> = moves.map(|step| step.place_m).collect();
     let is_at = |(place_m, share): (&f64, f64)| (place_m - at(share)).abs() < 1e-5;
     assert!(places_m.len() == 3 && places_m.iter().zip([0.3, 1.0, 0.5]).all(is_at), "{places_m:?}");
+}
+
+#[test]
+fn the_range_of_a_line_is_found_once_until_something_changes_that_it_follows_from() {
+    let (mut instrument, wire) = driven();
+    let range_m = instrument.limits_m();
+    LIMITS.set(0);
+    for number in 0..20 {
+        let share = 0.3 + 0.02 * f64::from(number);
+        instrument.drag_line(0, &[range_m.0 + share * (range_m.1 - range_m.0)]);
+        wire.turn(&mut instrument);
+        assert_eq!(instrument.shown().limits_m, range_m);
+    }
+    assert_eq!(LIMITS.get(), 0, "a drag changes nothing that it follows from");
+    let found = |instrument: &Instrument| {
+        let tone = &instrument.setup.tones[0];
+        slipline_model::field::line::limits_m(&instrument.setup, tone, instrument.drive_table())
+    };
+    for edit in [Edit::Level { slot: 0, level: 0.3 }, Edit::Master(-6.0)] {
+        instrument.edit(&edit);
+        assert_eq!(instrument.limits_m(), found(&instrument), "{edit:?}");
+        assert_ne!(instrument.limits_m(), range_m, "{edit:?}");
+    }
+    assert_eq!(LIMITS.get(), 2);
 }
 
 #[test]

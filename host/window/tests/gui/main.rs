@@ -1,5 +1,6 @@
 //! The window, used by accessible names on a simulated device in virtual time.
 
+mod actions;
 mod air;
 mod background;
 mod calibrate;
@@ -16,6 +17,7 @@ mod finger_trace;
 mod fixed_link;
 mod focus;
 mod foreign;
+mod frames;
 mod glow;
 mod glyphs;
 mod hang;
@@ -27,8 +29,10 @@ mod light_marks;
 mod measure;
 mod measuring;
 mod notices;
+mod openings;
 mod painter;
 mod paths;
+mod places;
 mod plane_check;
 mod plate_there;
 mod play;

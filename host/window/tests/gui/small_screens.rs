@@ -1,13 +1,14 @@
 //! Small screens: STOP, the boundary line and the controls stay usable, whatever page is open.
 
 use crate::fake_files::FakeFiles;
+use crate::fixed_link::FixedLink;
 use crate::test_app::{TestApp, open_window};
 use crate::{boundary_mm, line_rect, real_device};
 use eframe::egui::{Key, Modifiers, Rect, Vec2, accesskit::Role, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use slipline_link::Request;
 use slipline_link::protocol::event::State;
+use slipline_link::{LinkError, LinkState, Port, Request, Snapshot};
 use slipline_window::settings::ThemeChoice;
 
 /// Sizes in points: the smallest supported, a small panel display, and 1600 x 1000 pixels at 2 pixels per point.
@@ -271,4 +272,41 @@ fn no_scroll_bar_lies_over_letters() {
     app.wait(300);
     let close = app.window.get_by_label("Close").rect();
     clear(&mut app, pos2(640.0 - close.left() - 4.0, 200.0), "Shortcuts");
+}
+
+#[test]
+fn a_long_name_of_a_port_moves_nothing_out_of_the_smallest_window() {
+    let name = format!("/run/user/1000/{}/device.sock", "a-folder-with-a-long-name/".repeat(3));
+    let port = Port::Unix(name.into());
+    let mut driven = (*real_device(State::Driving).snapshot).clone();
+    driven.port = Some(port.clone());
+    let missing = Snapshot {
+        link: LinkState::Reconnecting(LinkError::NoSuchPort(port.clone())),
+        port: Some(port.clone()),
+        revision: 1,
+        ..Snapshot::default()
+    };
+    for snapshot in [driven, missing] {
+        let link = FixedLink::of(snapshot);
+        let builder = HarnessBuilder::default().with_size(SIZES[0]);
+        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+        window.run_steps(5);
+        window.get_by_role_and_label(Role::Button, "Device").click();
+        window.run_steps(5);
+        let named: Vec<Rect> =
+            window.get_all_by_label_contains(&port.to_string()).map(|node| node.rect()).collect();
+        assert!(named.len() >= 2, "in the menu and in the list: {named:?}");
+        let [bar, page] = ["STOP", "Another port"].map(|name| window.get_by_label(name).rect());
+        for rect in named.into_iter().chain([bar, page]) {
+            assert!(screen(SIZES[0]).contains_rect(rect), "{rect}");
+        }
+        let words = crate::plots::words(window.output());
+        // What is typed scrolls in its field.
+        let is_typed = |rect: &Rect| page.contains(rect.left_center());
+        let is_cut = |(words, rect): &(String, Rect)| {
+            !words.is_empty() && rect.right() > SIZES[0][0] && !is_typed(rect)
+        };
+        let beyond: Vec<_> = words.into_iter().filter(is_cut).collect();
+        assert!(beyond.is_empty(), "{beyond:?}");
+    }
 }

@@ -16,7 +16,7 @@ use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
 /// A device in this state.
-fn in_state(driving: &Snapshot, state: State, is_simulated: bool) -> Snapshot {
+pub(crate) fn in_state(driving: &Snapshot, state: State, is_simulated: bool) -> Snapshot {
     let mut snapshot = driving.clone();
     let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
     identity.simulated = is_simulated;
@@ -38,7 +38,7 @@ fn no_device(link: LinkState) -> Snapshot {
     Snapshot { link, port: Some(Port::Simulated), revision: 1, ..Snapshot::default() }
 }
 
-fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink) {
+pub(crate) fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink) {
     let link = FixedLink::of(snapshot);
     let builder = HarnessBuilder::default().with_size(size);
     let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);

@@ -8,7 +8,7 @@ use slipline_link::protocol::event::State;
 use slipline_link::{LinkError, LinkState, Port};
 use slipline_model::jobs::table::TableState;
 
-/// One action: the text of its button, its explanation and its intent.
+/// One action: the text of its button, its explanation and its intents; none while it cannot be pressed.
 pub(crate) struct Offer {
     pub(crate) name: &'static str,
     pub(crate) help: String,
@@ -17,6 +17,12 @@ pub(crate) struct Offer {
 
 fn offer(name: &'static str, help: impl Into<String>, asks: Intent) -> Offer {
     Offer { name, help: help.into(), asks: vec![asks] }
+}
+
+/// The place of a button that has nothing to do at present, so that its neighbour does not come there: a second press of
+/// Drive would disarm.
+fn idle(name: &'static str, help: &str) -> Offer {
+    Offer { name, help: help.to_owned(), asks: Vec::new() }
 }
 
 /// The actions of the present state, the most likely first.
@@ -57,7 +63,7 @@ fn connected(scene: &Scene<'_>) -> Vec<Offer> {
     let mut offers = of_state(scene, status.state, snapshot.is_simulated());
     if matches!(scene.table, TableState::Cancelled) && status.state != State::SafeMode {
         let help = "Make the table of this plate: without it the plate cannot be driven";
-        offers.insert(0, offer("Make the table", help, Intent::MakeTable));
+        offers.push(offer("Make the table", help, Intent::MakeTable));
     }
     offers
 }
@@ -79,7 +85,8 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
         }
         (State::Armed | State::Waiting | State::Stopping, true) => vec![drive()],
         (State::Armed | State::Waiting, false) => vec![drive(), disarm()],
-        (State::Driving | State::Stopping, false) => vec![disarm()],
+        (State::Driving, false) => vec![idle("Drive", "The plate is driven"), disarm()],
+        (State::Stopping, false) => vec![idle("Drive", "Wait until it is silent"), disarm()],
         (State::Driving, true) => Vec::new(),
         (State::Fault, _) => {
             let clear = Intent::Device(DeviceIntent::ClearFaults);

@@ -36,11 +36,14 @@ const WHOLE: [f32; 2] = [560.0, 240.0];
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, seen: &mut Seen, intents: &mut Intents) {
     let shown = current(ui, scene, seen, intents);
     let area = ui.available_rect_before_wrap();
-    ui.allocate_rect(area, Sense::hover());
+    let room = ui.allocate_rect(area, Sense::hover());
     if shown.is_empty() {
         let palette = theme::palette(ui);
         let (_, _, sentence) = top_bar::state_words(scene, palette);
-        let galley = line(ui, sentence, FontId::proportional(12.5), palette.weak, area.width());
+        let galley = line(ui, sentence.clone(), FontId::proportional(12.5), palette.weak, area.width());
+        if galley.elided {
+            room.on_hover_text(sentence);
+        }
         let place = Align2::LEFT_CENTER.anchor_size(area.left_center(), galley.size());
         ui.painter().galley(place.min, galley, palette.weak);
         return;

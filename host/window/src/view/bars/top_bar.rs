@@ -8,7 +8,7 @@ use crate::view::theme;
 use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
 use slipline_instrument::SAFE_MODE;
 use slipline_link::protocol::event::{Fault, State, Status};
-use slipline_link::{LinkError, LinkState};
+use slipline_link::{LinkError, LinkState, Port};
 use theme::Palette;
 
 /// What looking for ports again does.
@@ -75,6 +75,12 @@ const LONGEST_CAUSE: usize = 32;
 const NARROW: f32 = 4.0;
 /// Room that state and STOP need beside what visitors see, in points.
 const VISITORS_NEED: f32 = 420.0;
+/// Widths of the work in progress with its button, as usual and in a narrow bar, and of the round trip, in points.
+const WIDE_BADGE: f32 = 206.0;
+const SMALL_BADGE: f32 = 58.0;
+const ROUND_TRIP: f32 = 118.0;
+/// The widest of the words of a device that is in use: the chip is no narrower for another.
+const USUAL_STATE: &str = "stopping";
 /// Smallest and largest width of the device menu, in points.
 const DEVICE: (f32, f32) = (70.0, 180.0);
 
@@ -96,13 +102,16 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
             Some((name, effect)) => visitors(ui, name, effect),
         }
         ui.separator();
-        // The width of the controls after the device menu that must stay visible. The device menu shrinks for them
-        // first, then the round trip is left out.
-        let (state, right) = (Width::of(ui, "state"), Width::of(ui, "right"));
+        // The device menu is as wide as this window allows beside what usually follows it, and stays so whatever does: what is
+        // at work or the round trip get the rest.
+        let badge = Width::of(ui, "badge");
         let gap = ui.spacing().item_spacing.x;
-        let room = ui.available_width() - state.points() - right.points() - 3.0 * gap;
+        let after_state = STOP.x + 6.0 + 3.0 * gap;
+        let usual = usual_state(ui, scene) + after_state + if is_narrow { SMALL_BADGE } else { ROUND_TRIP };
+        let room = ui.available_width() - after_state;
+        let device_width = (ui.available_width() - usual).clamp(DEVICE.0, DEVICE.1);
         let device = match scene.visitors {
-            None => port_menu(ui, scene, room.clamp(DEVICE.0, DEVICE.1), intents).rect.width(),
+            None => port_menu(ui, scene, device_width, intents).rect.width(),
             Some(_) => 0.0,
         };
         let shown = ui.horizontal(|ui| {
@@ -112,16 +121,17 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
             chip(ui, (word, fault), is_wide, colour).on_hover_text(sentence);
             offer_buttons(ui, scene, intents);
         });
-        state.note(ui, shown.response.rect.width());
-        let round_trip = round_trip(ui, scene, room - device - gap);
+        let room = room - device - shown.response.rect.width() - gap;
+        let round_trip = round_trip(ui, scene, room - badge.points() - gap);
         aligned::at_right(ui, |ui| {
-            let badge = ui.horizontal(|ui| table_badge(ui, scene, is_narrow, intents)).response.rect.width();
+            let is_small = room < WIDE_BADGE;
+            let shown = ui.horizontal(|ui| table_badge(ui, scene, is_small, intents)).response.rect.width();
+            badge.note(ui, shown);
             if let Some(text) = round_trip {
                 ui.label(text).on_hover_text("From a command to its answer, running average");
             }
             ui.add_space(6.0);
             stop_button(ui, palette, intents);
-            right.note(ui, badge + STOP.x + 6.0 + 2.0 * gap);
         });
     });
 }
@@ -134,6 +144,18 @@ fn visitors(ui: &mut egui::Ui, name: &str, effect: &str) {
         ui.set_max_width(room);
         ui.add(egui::Label::new(RichText::new(effect).color(theme::palette(ui).weak)).truncate());
     });
+}
+
+/// The usual width of the state and of what is offered beside it, in points.
+fn usual_state(ui: &egui::Ui, scene: &Scene<'_>) -> f32 {
+    let width = |text: &str| {
+        let font = egui::TextStyle::Button.resolve(ui.style());
+        let galley = ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER);
+        galley.size().x + 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x
+    };
+    let is_real = scene.snapshot.port.as_ref().is_some_and(|port| *port != Port::Simulated);
+    let disarm = if is_real { width("Disarm") } else { 0.0 };
+    chip_width(ui, USUAL_STATE) + width("Drive") + disarm
 }
 
 /// The round-trip time of the device, if its text fits this width in points.
@@ -154,6 +176,13 @@ fn fault(status: Status) -> Option<&'static str> {
     first.map(Fault::text).filter(|text| text.len() <= LONGEST_CAUSE)
 }
 
+const CHIP_FONT: FontId = FontId::proportional(13.0);
+
+/// Width of the chip with this text, in points.
+fn chip_width(ui: &egui::Ui, text: &str) -> f32 {
+    ui.painter().layout_no_wrap(text.to_owned(), CHIP_FONT, Color32::PLACEHOLDER).size().x + 34.0
+}
+
 /// A rounded box with a coloured dot, a word, and the cause of a fault where there is room for it.
 fn chip(
     ui: &mut egui::Ui,
@@ -162,9 +191,9 @@ fn chip(
     colour: Color32,
 ) -> egui::Response {
     let said = fault.map_or_else(|| word.to_owned(), |cause| format!("{word}: {cause}"));
-    let shown = if is_wide { said.clone() } else { word.to_owned() };
-    let galley = ui.painter().layout_no_wrap(shown, FontId::proportional(13.0), colour);
-    let size = vec2(galley.size().x + 34.0, 24.0);
+    let shown = if is_wide { said.as_str() } else { word };
+    let size = vec2(chip_width(ui, shown).max(chip_width(ui, USUAL_STATE)), 24.0);
+    let galley = ui.painter().layout_no_wrap(shown.to_owned(), CHIP_FONT, colour);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let painter = ui.painter();
     painter.rect(
@@ -208,7 +237,8 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
 
 fn offer_buttons(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     for offer in offers::offers(scene) {
-        if ui.button(offer.name).on_hover_text(offer.help).clicked() {
+        let button = ui.add_enabled(!offer.asks.is_empty(), egui::Button::new(offer.name));
+        if button.on_hover_text(&offer.help).on_disabled_hover_text(offer.help).clicked() {
             intents.extend(offer.asks);
         }
     }

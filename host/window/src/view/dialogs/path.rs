@@ -1,6 +1,7 @@
 //! The page for typing a path, on a system without a file dialog.
 
 use crate::intent::{Intent, Intents, PathQuestion};
+use crate::view::fields::lines::lines;
 use crate::view::theme;
 use eframe::egui::{self, Key, RichText};
 
@@ -41,17 +42,17 @@ pub(super) fn show(
     }
     // The warning applies only to the path whose file was found, not to a text that was edited since.
     let is_replacing = question.existing.as_deref() == Some(typed.text.trim());
-    if is_replacing {
-        let text = "There is a file of that name. Replace it, or type another name.";
-        ui.label(RichText::new(text).color(palette.warn));
-    }
-    ui.add_space(10.0);
+    let warning =
+        if is_replacing { "There is a file of that name. Replace it, or type another name." } else { "" };
+    lines(ui, warning, palette.warn, 1);
+    ui.add_space(6.0);
     let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     ui.horizontal(|ui| {
         let verb = if is_replacing { "Replace" } else { question.verb };
-        let button = egui::Button::new(RichText::new(verb).strong());
-        let button =
-            ui.add_enabled(!typed.text.trim().is_empty(), button).on_hover_text("Use the typed path");
+        let is_typed = !typed.text.trim().is_empty();
+        // As wide whatever it does, so that Cancel stays.
+        let button = theme::primary(ui, verb, is_typed).min_size(egui::vec2(80.0, 0.0));
+        let button = ui.add_enabled(is_typed, button).on_hover_text("Use the typed path");
         let is_pressed = button.on_disabled_hover_text("Type a path first").clicked();
         // To replace a file, the user must press the button that says so; Enter is not enough.
         if is_pressed || (is_entered && !is_replacing && !typed.text.trim().is_empty()) {

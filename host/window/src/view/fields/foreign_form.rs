@@ -67,7 +67,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         }
         ui.horizontal(|ui| {
             let missing = missing(asked);
-            let add = ui.add_enabled(missing.is_none(), egui::Button::new(RichText::new("Take it").strong()));
+            let add = ui.add_enabled(missing.is_none(), theme::primary(ui, "Take it", missing.is_none()));
             let add = add.on_hover_text("Add it to the list with these values");
             if add.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
                 ask(MeasureIntent::TakeAsked);

@@ -5,10 +5,11 @@ use crate::scene::Scene;
 use crate::view::fields::field::Fields;
 use crate::view::fields::{
     drive_fields,
+    lines::lines,
     sensor_fields::{kind, number, place, refusal},
 };
 use crate::view::theme;
-use eframe::egui::{self, RichText};
+use eframe::egui;
 use slipline_instrument::measure::LEVEL;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity;
@@ -24,6 +25,7 @@ pub(crate) fn show(
     answers: Option<usize>,
     intents: &mut Intents,
 ) {
+    let palette = theme::palette(ui);
     let live = &scene.measure.live;
     let mut ask = |intent: MeasureIntent| intents.push(Intent::Measure(intent));
     let is_measuring = live.progress.is_some();
@@ -34,26 +36,32 @@ pub(crate) fn show(
     });
     let help = "Play tones over the plate's band and measure the sensor's answer to each; never louder than the level";
     ui.horizontal(|ui| {
-        let button = theme::primary(ui, "Measure now", !is_answered && !is_measuring);
+        let is_due = !is_answered && !is_measuring && scene.measure.asked.is_none();
+        let button = theme::primary(ui, "Measure now", is_due);
         let button = ui.add_enabled(!is_measuring, button).on_hover_text(help);
         if button.on_disabled_hover_text("It is being measured").clicked() {
             ask(MeasureIntent::Begin(answers));
         }
-        let Some(share) = live.progress else { return };
-        let percent = format!("{:.0} %", 100.0 * share);
+        // Beside the button, so that nothing under it moves. A message would lie behind the calibration's pages.
+        let Some(share) = live.progress else {
+            return lines(ui, live.failed.unwrap_or_default(), palette.wrong, 2);
+        };
         let room = (ui.available_width() - CANCEL).max(20.0);
-        let bar = ui.add(egui::ProgressBar::new(share).desired_height(8.0).desired_width(room));
-        let name = format!("Measured: {percent}");
-        bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
+        if live.is_checking {
+            ui.scope(|ui| {
+                ui.set_max_width(room);
+                lines(ui, "Quiet tones first: is the drive on?", palette.text, 2);
+            });
+        } else {
+            let percent = format!("{:.0} %", 100.0 * share);
+            let bar = ui.add(egui::ProgressBar::new(share).desired_height(8.0).desired_width(room));
+            let name = format!("Measured: {percent}");
+            bar.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
+        }
         if ui.button("Cancel measuring").on_hover_text("Stop the tones; nothing is kept").clicked() {
             ask(MeasureIntent::Cancel);
         }
     });
-    if live.is_checking {
-        ui.label(RichText::new("Quiet tones first: is the drive on?").small());
-    }
-    // A message would lie behind the calibration's pages.
-    refusal(ui, live.failed);
 }
 
 /// What is measured, and how.

@@ -8,6 +8,7 @@ pub(crate) mod feeling_fields;
 pub(crate) mod field;
 pub(crate) mod foreign_form;
 pub(crate) mod hold_fields;
+pub(crate) mod lines;
 pub(crate) mod measure_form;
 pub(crate) mod place_field;
 pub(crate) mod refusal;

@@ -1,12 +1,13 @@
-//! The choice of what is heard.
+//! The choice of what is heard, and how loud.
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use crate::sound::{SoundChoice, SpeakerState};
 use crate::view::fields::field::Fields;
+use crate::view::fields::lines::lines;
 use crate::view::fields::slider::{FreeSlider, LEVELS};
 use crate::view::theme;
-use eframe::egui::{self, RichText};
+use eframe::egui;
 use slipline_plate::quantity;
 
 const CHOICES: [(SoundChoice, &str, &str); 3] = [
@@ -24,9 +25,8 @@ const CHOICES: [(SoundChoice, &str, &str); 3] = [
     ),
 ];
 
-/// The choice, the volume, and why nothing is heard.
-pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) {
-    let palette = theme::palette(ui);
+/// The choice.
+pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.horizontal(|ui| {
         theme::heading(ui, "Sound");
         for (choice, name, help) in CHOICES {
@@ -40,15 +40,17 @@ pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, i
             }
         }
     });
+}
+
+/// The volume, and why nothing is heard: as high whatever is chosen.
+pub(crate) fn volume(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) {
+    let palette = theme::palette(ui);
     // Without a finger nothing of it is heard.
     let is_heard = match scene.sound.choice {
         SoundChoice::Off => false,
         SoundChoice::Finger => scene.finger.is_some(),
         SoundChoice::Drive => true,
     };
-    if !is_heard {
-        return;
-    }
     let volume = f64::from(scene.settings.volume);
     let slider = FreeSlider {
         name: "Volume",
@@ -60,21 +62,26 @@ pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, i
         allowed: LEVELS.to_owned(),
         read: quantity::level,
     };
-    if let Some(volume) = slider.show(ui, typed) {
+    if !is_heard {
+        // Its room stays, so that what is under it keeps its place.
+        ui.allocate_space(egui::vec2(ui.available_width(), ui.spacing().interact_size.y));
+    } else if let Some(volume) = slider.show(ui, typed) {
         intents.push(Intent::Volume(volume as f32));
     }
     let (text, colour) = match (&scene.sound.speaker, &scene.sound.unplayed) {
+        _ if !is_heard => (String::new(), palette.weak),
         (SpeakerState::Failed(reason), _) => (format!("No sound: {reason}."), palette.wrong),
         (_, Some(reason)) => (reason.clone(), palette.warn),
-        (_, None) => return,
+        (_, None) => (String::new(), palette.weak),
     };
-    ui.horizontal_wrapped(|ui| {
-        ui.label(RichText::new(text).small().color(colour));
+    ui.horizontal_top(|ui| {
         let help = "Open the sound output of this computer once more";
-        if matches!(scene.sound.speaker, SpeakerState::Failed(_))
+        if is_heard
+            && matches!(scene.sound.speaker, SpeakerState::Failed(_))
             && ui.small_button("Try again").on_hover_text(help).clicked()
         {
             intents.push(Intent::Sound(scene.sound.choice));
         }
+        lines(ui, text, colour, 2);
     });
 }

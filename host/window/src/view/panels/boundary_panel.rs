@@ -6,6 +6,7 @@ use crate::view::fields::{
     feeling_fields,
     field::{InputField, UNKNOWN, row},
     hold_fields,
+    lines::lines,
     place_field::{allowed, typed_position},
     slider::Quantity,
     sound,
@@ -13,11 +14,10 @@ use crate::view::fields::{
 use crate::view::stage::{self, finger};
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{self, RichText, text::LayoutJob};
-use slipline_model::field::line::Holds;
+use eframe::egui::{self, RichText};
 use slipline_model::field::steady_field::SteadyTone;
-use slipline_model::setup::BoundaryMode;
 use slipline_model::setup::edit::Edit;
+use slipline_model::setup::{BoundaryMode, ToneSetup};
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
@@ -73,9 +73,32 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         }
     });
     range(ui, scene, reason);
-    if let Some(Holds::FeltEdge | Holds::PlateEnd) = scene.line(slot).map(|line| line.holds) {
-        row(ui, "Turning point", show_place(tone.position_m));
-    }
+    rows(ui, scene, &tone, steady);
+    ui.separator();
+    mode(ui, scene, intents);
+    finger::choice(ui, scene, intents);
+    sound::choice(ui, scene, intents);
+    let level = |level| Edit::Level { slot, level };
+    Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, &mut view.fields, intents);
+    Quantity::master(setup.master_db).show(ui, setup, &mut view.fields, intents);
+    Quantity::glide(setup.glide_s).show(ui, setup, &mut view.fields, intents);
+    let stretched = scene.snapshot.stretched_glide_s().map_or_else(String::new, |seconds| {
+        format!("The last change takes {:.0} ms: frequencies change no faster.", 1e3 * seconds)
+    });
+    lines(ui, stretched, palette.weak, 1);
+    sound::volume(ui, scene, &mut view.fields, intents);
+
+    ui.separator();
+    feeling_fields::show(ui, scene, &mut view.fields, intents);
+    // Last, because its state comes under it.
+    hold_fields::show(ui, scene, &mut view.fields, intents);
+}
+
+/// What follows from the place: as many rows whatever the line is at, close to each other so that the sliders are in sight.
+fn rows(ui: &mut egui::Ui, scene: &Scene<'_>, tone: &ToneSetup, steady: Option<SteadyTone>) {
+    let (plate, slot) = (&scene.setup.plate, tone.slot);
+    let usual = std::mem::replace(&mut ui.spacing_mut().item_spacing.y, 2.0);
+    row(ui, "Turning point", show_place(tone.position_m));
     if let Some(half_m) = plate.boundary_tolerance_m(tone.position_m) {
         row(ui, "Turning point known to", format!("± {}", show_length(half_m))).on_hover_text(
             "Here, in 95 of 100 calibrations. The felt edge has an interval of its own, beside the strip; the calibration \
@@ -90,27 +113,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         row(ui, "Peak height", height_m.map_or(UNKNOWN.to_owned(), show_length));
         row(ui, "Edge, peak to 10 %", show_place(wave.edge_width_m));
     }
-    ui.add_space(6.0);
-    ui.separator();
-    mode(ui, scene, intents);
-    finger::choice(ui, scene, intents);
-    sound::choice(ui, scene, &mut view.fields, intents);
-
-    ui.add_space(6.0);
-    ui.separator();
-    hold_fields::show(ui, scene, &mut view.fields, intents);
-    let level = |level| Edit::Level { slot, level };
-    Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, &mut view.fields, intents);
-    Quantity::master(setup.master_db).show(ui, setup, &mut view.fields, intents);
-    Quantity::glide(setup.glide_s).show(ui, setup, &mut view.fields, intents);
-    if let Some(seconds) = scene.snapshot.stretched_glide_s() {
-        let text = format!("The last change takes {:.0} ms: frequencies change no faster.", 1e3 * seconds);
-        ui.label(RichText::new(text).small().color(theme::palette(ui).weak));
-    }
-
-    ui.add_space(6.0);
-    ui.separator();
-    feeling_fields::show(ui, scene, &mut view.fields, intents);
+    ui.spacing_mut().item_spacing.y = usual;
 }
 
 /// The allowed range, or the reason why a typed text is refused. Its space is always reserved, so that a reason
@@ -121,14 +124,7 @@ fn range(ui: &mut egui::Ui, scene: &Scene<'_>, reason: Option<String>) {
         Some(reason) => (reason, palette.wrong),
         None => (allowed(scene, scene.limits_m), palette.weak),
     };
-    let size = egui::vec2(ui.available_width(), 2.0 * ui.text_style_height(&egui::TextStyle::Small));
-    ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
-        ui.set_min_size(size);
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let mut lines = LayoutJob::simple(text, font, colour, size.x);
-        lines.wrap.max_rows = 2;
-        ui.label(lines);
-    });
+    lines(ui, text, colour, 2);
 }
 
 /// What the line holds, and how a finger feels.

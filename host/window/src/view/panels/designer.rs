@@ -47,11 +47,18 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         }
         DesignState::Ready(designed) => match &designed.result {
             Ok(design) => {
-                button(ui, USE, intents);
+                let wide = egui::vec2(ui.available_width(), 28.0);
+                let take = ui.add_sized(wide, theme::primary(ui, "Use this plate", true));
+                if take.on_hover_text("Put it on the screen; Undo takes it back").clicked() {
+                    intents.push(Intent::UseDesign);
+                }
+                for (name, help, intent) in SAVE {
+                    if ui.add_sized(wide, egui::Button::new(name)).on_hover_text(help).clicked() {
+                        intents.push(intent());
+                    }
+                }
                 ui.add_space(2.0);
                 figures(ui, design);
-                ui.add_space(4.0);
-                SAVE.into_iter().for_each(|save| button(ui, save, intents));
             }
             Err(refusal) => {
                 let text = if is_told {
@@ -65,23 +72,15 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
 }
 
-/// The actions on the plate: the button's text, its explanation and its intent.
+/// An action on the plate: the button's text, its explanation and its intent.
 type Offer = (&'static str, &'static str, fn() -> Intent);
 
-const USE: Offer = ("Use this plate", "Put it on the screen; Undo takes it back", || Intent::UseDesign);
 const SAVE: [Offer; 2] = [
     ("Save plate (TOML)…", "A plate file, as the app and the command line read it", || Intent::SaveDesign),
     ("Save cut files (SVG, DXF)…", "Plate and frame with dimensions, into a folder", || {
         Intent::SaveCutFiles
     }),
 ];
-
-fn button(ui: &mut egui::Ui, (name, help, intent): Offer, intents: &mut Intents) {
-    let wide = egui::vec2(ui.available_width(), 28.0);
-    if ui.add_sized(wide, egui::Button::new(name)).on_hover_text(help).clicked() {
-        intents.push(intent());
-    }
-}
 
 fn figures(ui: &mut egui::Ui, design: &Design) {
     let plate = &design.plate;

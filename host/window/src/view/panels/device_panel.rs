@@ -4,6 +4,7 @@ use crate::intent::{Confirm, DeviceIntent, Dialog, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::top_bar;
 use crate::view::fields::field::{InputField, labelled, row};
+use crate::view::fields::lines::lines;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -77,27 +78,37 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
     }
 }
 
+/// Width of the buttons of a connection, in points.
+const BUTTON: f32 = 90.0;
+
 fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let snapshot = scene.snapshot;
     let (word, colour, sentence) = top_bar::state_words(scene, palette);
     row(ui, "State", RichText::new(word).color(colour));
-    ui.label(RichText::new(sentence).small().color(palette.weak));
+    lines(ui, sentence, palette.weak, 2);
     ui.horizontal(|ui| {
+        ui.spacing_mut().button_padding.x = 6.0;
+        // The first button is as wide whatever it does, so that its neighbours stay.
+        let button = |ui: &mut egui::Ui, name: &str, is_due: bool| {
+            ui.add(theme::primary(ui, name, is_due).min_size(egui::vec2(BUTTON, 0.0)))
+        };
         let is_open = !matches!(snapshot.link, LinkState::Disconnected);
         let again = "Open the same port again; the device comes back disarmed";
         if matches!(snapshot.link, LinkState::Lost(_))
-            && ui.button("Reconnect").on_hover_text(again).clicked()
+            && button(ui, "Reconnect", true).on_hover_text(again).clicked()
         {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
         }
         if is_open {
-            if ui.button("Disconnect").on_hover_text("Stop, disarm and close the port").clicked() {
+            if button(ui, "Disconnect", false).on_hover_text("Stop, disarm and close the port").clicked() {
                 intents.push(Intent::Device(DeviceIntent::Disconnect));
             }
-        } else if ui.button("Connect").on_hover_text("Open the port that was chosen last").clicked() {
+        } else if button(ui, "Connect", true).on_hover_text("Open the port that was chosen last").clicked() {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
         }
+    });
+    ui.horizontal(|ui| {
         let mut looks = snapshot.auto_reconnect;
         let switch = ui.checkbox(&mut looks, "Reconnect by itself");
         if switch
@@ -149,9 +160,10 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let text = format!("It crashed before: {}", identity.crash);
         ui.label(RichText::new(text).small().color(palette.warn));
     }
-    if snapshot.status.is_some_and(|status| !status.faults.is_empty())
-        && ui.button("Clear faults").on_hover_text("Clear the latched faults whose cause is gone").clicked()
-    {
+    let has_faults = snapshot.status.is_some_and(|status| !status.faults.is_empty());
+    let clear = ui.add_enabled(has_faults, egui::Button::new("Clear faults"));
+    let clear = clear.on_hover_text("Clear the latched faults whose cause is gone");
+    if clear.on_disabled_hover_text("There is no fault").clicked() {
         intents.push(Intent::Device(DeviceIntent::ClearFaults));
     }
 }
@@ -190,7 +202,8 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                 intents.push(Intent::Device(DeviceIntent::CancelUpload));
             }
         } else {
-            let upload = ui.add_enabled(scene.table_crc().is_some(), egui::Button::new("Upload"));
+            let upload = theme::primary(ui, "Upload", scene.is_table_dirty());
+            let upload = ui.add_enabled(scene.table_crc().is_some(), upload);
             let upload =
                 upload.on_hover_text("Send the table of the plate on the screen, and compare its digest");
             if upload.on_disabled_hover_text("The table is being made").clicked() {

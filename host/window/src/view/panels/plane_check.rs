@@ -27,7 +27,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
         _ if scene.plane_job.is_none() => Some("There is no tone whose boundary could be computed"),
         _ => None,
     };
-    let button = ui.add_enabled(refusal.is_none(), egui::Button::new(NAME));
+    let button = ui.add_enabled(refusal.is_none(), theme::primary(ui, NAME, refusal.is_none()));
     let button = button.on_disabled_hover_text(refusal.unwrap_or_default()).on_hover_text(HELP);
     if button.clicked() {
         intents.push(Intent::CheckPlane);

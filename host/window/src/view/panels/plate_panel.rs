@@ -74,6 +74,7 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
     let name = plate.name();
     let response = egui::ComboBox::from_id_salt("preset")
         .selected_text(name)
+        .truncate()
         .width(ui.available_width() - 8.0)
         .height(340.0)
         .show_ui(ui, |ui| {

@@ -55,6 +55,10 @@ fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     }
 }
 
+/// Widths of the two buttons of a recording, whatever they do at present, in points.
+const RECORD: f32 = 112.0;
+const PLAY: f32 = 86.0;
+
 fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Recorded drag");
     let recorder = scene.recorder;
@@ -67,11 +71,14 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         } else {
             ("Record", "Record where and when lines are moved; the recording before is replaced")
         };
-        if ui.button(word).on_hover_text(help).clicked() {
+        let record = theme::primary(ui, word, is_recording || moves == 0);
+        let record = ui.add(record.min_size(egui::vec2(RECORD, 0.0)));
+        if record.on_hover_text(help).clicked() {
             intents.push(Intent::Record(!is_recording));
         }
         let word = if is_playing { "End replay" } else { "Play" };
-        let play = ui.add_enabled(moves > 0, egui::Button::new(word));
+        let play = theme::primary(ui, word, moves > 0 && !is_recording);
+        let play = ui.add_enabled(moves > 0, play.min_size(egui::vec2(PLAY, 0.0)));
         play.widget_info(|| {
             let name = if is_playing { "End replay" } else { "Play the recording" };
             egui::WidgetInfo::labeled(egui::Role::Button, moves > 0, name)

@@ -3,16 +3,21 @@
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::field::{InputField, row};
+use crate::view::fields::lines::lines;
 use crate::view::fields::refusal::Refusal;
 use crate::view::panels::texture_plot;
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{self, RichText};
+use eframe::egui::{self, RichText, vec2};
 use slipline_model::field::felt::by_person_words;
 use slipline_model::jobs::texture::Textured;
 use slipline_model::texture::{BREAKPOINTS_DRAWN_MAX, Fitted, Made, WishDraft, WishKind};
 use slipline_plate::quantity::{self, show_frequency, show_length, show_place};
 use slipline_plate::texture::{Figures, TONES_MAX};
+
+/// Width of a field, and what its margins add to it, in points.
+const FIELD: f32 = 96.0;
+const EDGES: f32 = 8.0;
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let texture = scene.texture;
@@ -29,7 +34,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             }
         }
     });
-    ui.label(RichText::new(draft.kind.sentence()).small().color(palette.weak));
+    lines(ui, draft.kind.sentence(), palette.weak, 2);
     ui.add_space(2.0);
     changed = fields(ui, draft, view, intents).or(changed);
     actions(ui, scene, intents);
@@ -55,7 +60,7 @@ fn fields(
     let mut field = |ui: &mut egui::Ui,
                      (name, value, hint): (&str, &str, &str),
                      take: &dyn Fn(&str) -> anyhow::Result<WishDraft>| {
-        let field = InputField { name, value, hint, width: 92.0, caption: Some(name), is_live: false };
+        let field = InputField { name, value, hint, width: FIELD, caption: Some(name), is_live: false };
         let taken = field.show_apart(ui, &mut view.fields, &mut reason, take);
         changed = taken.or(changed.take());
     };
@@ -81,8 +86,10 @@ fn fields(
             }
             WishKind::Profile => {
                 ui.vertical(|ui| {
-                    ui.label(RichText::new("Drawn, or from a file").small().color(theme::palette(ui).weak));
-                    let open = ui.button("Open profile…");
+                    ui.label(RichText::new("Or of a file").small().color(theme::palette(ui).weak));
+                    // As wide as the field that another kind has in its place.
+                    let open = egui::Button::new("Open profile…").min_size(vec2(FIELD + EDGES, 0.0));
+                    let open = ui.add(open);
                     let help =
                         "CSV: lines of place in metres, comma, amplitude. PNG: the brightness of its middle row";
                     if open.on_hover_text(help).clicked() {
@@ -117,7 +124,7 @@ fn actions(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         |textured: &&Textured| texture.is_current && textured.is_finished && textured.result.is_ok();
     let is_ready = texture.latest.filter(is_finished).is_some();
     ui.horizontal(|ui| {
-        let play = ui.add_enabled(is_ready, egui::Button::new(RichText::new("Play this").strong()));
+        let play = ui.add_enabled(is_ready, theme::primary(ui, "Play this", is_ready));
         if play.on_hover_text("Put these tones in the setup; Undo takes them back").clicked() {
             intents.push(Intent::PlayTexture);
         }
@@ -152,8 +159,9 @@ fn result(ui: &mut egui::Ui, scene: &Scene<'_>) {
             ui.add(egui::Label::new(RichText::new(reason.to_string()).small().color(palette.wrong)).wrap());
         }
         Ok(made) => {
-            numbers(ui, scene, textured, made);
+            // First, because the numbers are more for one kind than for another.
             tones(ui, made);
+            numbers(ui, scene, textured, made);
         }
     }
 }

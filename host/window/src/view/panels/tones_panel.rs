@@ -18,10 +18,12 @@ use slipline_plate::quantity::{show_frequency, show_place};
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;
     let palette = theme::palette(ui);
+    let sum = scene.headroom_sum();
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("{} of {MAX_TONES} tones", setup.tones.len())).strong().size(15.0));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let add = ui.add_enabled(setup.free_slot().is_some(), egui::Button::new("Add tone"));
+            let is_free = setup.free_slot().is_some();
+            let add = ui.add_enabled(is_free, theme::primary(ui, "Add tone", is_free && sum <= 1.0));
             if add
                 .on_hover_text("Add a peak in the widest gap. Double-click the plate to add one there")
                 .clicked()
@@ -90,14 +92,14 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         });
     }
     ui.add_space(4.0);
-    let sum = scene.headroom_sum();
     let colour = if sum > 1.0 { palette.wrong } else { palette.text };
     row(ui, "Sum, of full scale", RichText::new(format!("{:.0} %", sum * 100.0)).color(colour));
     if sum > 1.0 {
         ui.horizontal_wrapped(|ui| {
             let text = "More than the DAC can send: the device refuses it. Lower levels or the master.";
             ui.label(RichText::new(text).small().color(palette.wrong));
-            if ui.button("Make it fit").on_hover_text("Lower the master so that the sum fits").clicked() {
+            let fit = ui.add(theme::primary(ui, "Make it fit", true));
+            if fit.on_hover_text("Lower the master so that the sum fits").clicked() {
                 intents.push(Intent::Edit(Edit::Master(setup.fitting_master_db(sum))));
             }
         });

@@ -59,9 +59,13 @@ fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
 
 const CHIP_FONT: FontId = FontId::proportional(12.5);
 
+/// A long summary: the box is no narrower for a shorter one, so that it does not move with what is pressed.
+const USUAL: &str = "8 red, 8 amber";
+
 /// Width of the summary's box, in points.
 pub(crate) fn chip_width(ui: &egui::Ui, scene: &Scene<'_>) -> f32 {
-    ui.painter().layout_no_wrap(summary(scene).1, CHIP_FONT, Color32::PLACEHOLDER).size().x + 32.0
+    let width = |text: String| ui.painter().layout_no_wrap(text, CHIP_FONT, Color32::PLACEHOLDER).size().x;
+    width(summary(scene).1).max(width(USUAL.to_owned())) + 32.0
 }
 
 /// The summary in a small box; returns whether it was pressed.

@@ -3,9 +3,10 @@
 
 use super::scale::{GRID, decade_label, decades, marks};
 use super::steer::Ends;
+use crate::view::stage::polyline::kept;
 use crate::view::theme;
 use eframe::egui::{self, FontId, Id, Rangef};
-use egui_plot::{AxisHints, GridMark, HoverPosition, Plot, PlotPoint};
+use egui_plot::{AxisHints, GridMark, HoverPosition, Plot, PlotPoint, PlotUi};
 use slipline_plate::quantity::ticks;
 use std::ops::RangeInclusive;
 
@@ -91,6 +92,12 @@ pub(in crate::view) fn plot<'a>(
         .allow_axis_zoom_drag(false)
         .allow_boxed_zoom(false)
         .show_grid(true)
+}
+
+/// The points of a curve that can be seen apart in this plot, as it is zoomed at present.
+pub(in crate::view) fn seen_apart(plot: &PlotUi<'_>, points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let at = points.iter().map(|[x, y]| plot.screen_from_plot(PlotPoint::new(*x, *y)));
+    kept(&at.collect::<Vec<_>>()).into_iter().map(|number| points[number]).collect()
 }
 
 /// A label of the x axis; the first one has the unit.

@@ -12,7 +12,7 @@ use crate::view::stage::aligned;
 use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, pos2};
 use egui_plot::{Line, PlotPoint, PlotPoints, PlotResponse, VLine};
-use frame::{Frame, fit, plot};
+use frame::{Frame, fit, plot, seen_apart};
 use slipline_model::field::steady_field::magnification;
 use slipline_model::waveform::level_at;
 use slipline_plate::quantity::show_frequency;
@@ -234,6 +234,7 @@ pub(crate) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
     let shown = plot.show(ui, |plot| {
         steer(plot, [x, y]);
         held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
+        let points = seen_apart(plot, &points);
         let line = Line::new("code, of full scale", PlotPoints::from(points));
         plot.line(line.color(palette.accent).width(1.4));
     });
@@ -285,6 +286,7 @@ pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
             plot.vline(line.color(weak.gamma_multiply(0.5)).width(1.0).allow_hover(false));
         }
         held.into_iter().for_each(|held| plot.line(held_line(held, palette)));
+        let points = seen_apart(plot, &points);
         plot.line(Line::new("dB of full scale", PlotPoints::from(points)).color(accent).width(1.2));
     });
     theme::describe(&shown.response, "Plot of the spectrum", SPECTRUM_HELP);

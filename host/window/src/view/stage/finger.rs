@@ -3,12 +3,13 @@
 use crate::caption::Panel;
 use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
+use crate::view::fields::lines::lines;
 use crate::view::stage::fingertip::{self, Look};
 use crate::view::stage::layout::Layout;
 use crate::view::stage::{felt_strip, handle, track};
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{self, Color32, CursorIcon, Rect, RichText, Sense, pos2, vec2};
+use eframe::egui::{self, Color32, CursorIcon, Rect, Sense, pos2, vec2};
 use slipline_model::field::felt::Zone;
 use slipline_model::field::touch::{Touch, refusal};
 use slipline_plate::RespondError;
@@ -50,18 +51,16 @@ pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
         (_, Some(finger)) => {
             let meets = scene.felt.map_or("not known yet", |felt| Zone::of(felt.at(finger.place_m)).name());
             let other = if scene.load.is_some() {
-                " Wave and envelope are those with it; drive, boundary line and strip stay those of the plate without it."
+                "Wave and envelope are those with it; drive, boundary line and strip stay those of the plate without it."
             } else {
-                ""
+                "Drag it along the plate."
             };
-            format!(
-                "At {}: {meets}. Drag it along the plate or the strip.{other}",
-                show_place(finger.place_m)
-            )
+            format!("At {}: {meets}. {other}", show_place(finger.place_m))
         }
-        (None, None) => return,
+        (None, None) => String::new(),
     };
-    ui.add(egui::Label::new(RichText::new(text).small().color(palette.weak)).wrap());
+    // As high with a finger as without one, so that what is under it keeps its place.
+    lines(ui, text, palette.weak, 1);
 }
 
 /// The finger on the plate, with a handle for pointer and keys, and its print on the track.

@@ -13,7 +13,7 @@ mod layout;
 mod light_marks;
 mod line;
 mod plate;
-mod polyline;
+pub(crate) mod polyline;
 pub(crate) mod press;
 mod read_out;
 mod relief;

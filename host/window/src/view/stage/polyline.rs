@@ -10,14 +10,19 @@ const LONGEST: usize = 64;
 /// Leaves out points that lie within [`TOLERANCE`] of the segment between their neighbours that stay. Each segment of
 /// a line costs the graphics several triangles, and without a graphics card a triangle costs more than its area.
 pub(crate) fn thinned(line: &[Pos2]) -> Vec<Pos2> {
-    let mut kept: Vec<Pos2> = line.first().copied().into_iter().collect();
+    kept(line).into_iter().map(|number| line[number]).collect()
+}
+
+/// The numbers of the points that [`thinned`] keeps.
+pub(crate) fn kept(line: &[Pos2]) -> Vec<usize> {
+    let mut kept: Vec<usize> = (!line.is_empty()).then_some(0).into_iter().collect();
     let mut start = 0;
     while start + 1 < line.len() {
         let mut end = start + 1;
         while end + 1 < line.len() && end + 1 - start <= LONGEST && is_straight(&line[start..=end + 1]) {
             end += 1;
         }
-        kept.push(line[end]);
+        kept.push(end);
         start = end;
     }
     kept

@@ -37,7 +37,8 @@ fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
         Remedy::Exchange => ("Exchange them".to_owned(), CalibrateIntent::Exchange),
         Remedy::Page(step) => (format!("Back to page {}", step.number()), CalibrateIntent::Page(step)),
     };
-    if ui.button(name).on_hover_text("What may help, as said above; nothing is lost").clicked() {
+    let help = ui.add(theme::primary(ui, &name, true));
+    if help.on_hover_text("What may help, as said above; nothing is lost").clicked() {
         intents.push(Intent::Calibrate(intent));
     }
 }

@@ -2,16 +2,17 @@
 
 use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
+use crate::view::fields::lines::lines;
 use crate::view::panels::validity;
 use crate::view::theme;
-use eframe::egui::{self, Label, Rect, RichText, Sense, TextStyle, pos2, vec2};
+use eframe::egui::{self, Rect, Sense, pos2, vec2};
 
 /// The quietest signal that the bar shows, dB of full scale: below a step of the converter.
 const FLOOR_DB: f64 = -72.0;
 /// Height of the bar, in points.
 const HEIGHT: f32 = 8.0;
 /// Lines of the longest sentence in a narrow window.
-const LINES: f32 = 2.0;
+const LINES: usize = 2;
 
 /// The bar and its sentence; nothing if the device has no inputs. Their space does not change with what is shown, so that no
 /// button moves under the pointer.
@@ -32,12 +33,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     let name = format!("Sensor's signal: {sentence}");
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
     response.on_hover_text("How much of its input the sensor fills now, from -72 to 0 dB");
-    let size = vec2(ui.available_width(), LINES * ui.text_style_height(&TextStyle::Small));
-    ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
-        ui.set_min_size(size);
-        let text = RichText::new(format!("The sensor now: {sentence}")).small().color(ink);
-        ui.add(Label::new(text).wrap());
-    });
+    lines(ui, format!("The sensor now: {sentence}"), ink, LINES);
     if scene.hold.has_rig {
         let tap = ui.button("Tap on the simulated plate");
         if tap

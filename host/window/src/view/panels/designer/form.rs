@@ -155,13 +155,14 @@ impl<'a> Form<'a> {
         match draft.kind {
             Kind::Supported | Kind::Clamped => {
                 let mut thin = draft.thin;
-                let check = ui.checkbox(&mut thin, "Thin plate");
+                let check = labelled(ui, "", |ui| ui.checkbox(&mut thin, "Thin plate"));
                 if check.on_hover_text("Leave out shear and rotary inertia").changed() {
                     self.shown.change = Some(Draft { thin, ..draft.clone() });
                 }
             }
             Kind::Membrane => self.stretch(ui),
-            Kind::Shear => {}
+            // As high as the row of another kind.
+            Kind::Shear => ui.add_space(ui.spacing().interact_size.y + ui.spacing().item_spacing.y),
         }
     }
 

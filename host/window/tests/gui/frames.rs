@@ -1,0 +1,53 @@
+//! What a picture costs while the line is dragged, counted: passes of the layout, and triangles for the graphics. Without a
+//! graphics card the processor draws each.
+
+use crate::line_rect;
+use crate::test_app::TestApp;
+use eframe::egui::epaint::Primitive;
+use eframe::egui::{Rect, vec2};
+use egui_kittest::HarnessBuilder;
+use slipline_window::settings::ThemeChoice;
+
+/// Most triangles of a picture of the first scene in a window of 1280 x 800 points.
+const MOST: usize = 20_000;
+
+/// The triangles of the latest picture whose middle lies in a part of the window.
+fn triangles(app: &TestApp, part: Rect) -> usize {
+    let output = app.window.output();
+    let primitives = app.window.ctx.tessellate(output.shapes.clone(), output.pixels_per_point);
+    let meshes = primitives.iter().filter_map(|primitive| match &primitive.primitive {
+        Primitive::Mesh(mesh) => Some(mesh),
+        Primitive::Callback(_) => None,
+    });
+    let is_in =
+        |mesh: &eframe::egui::Mesh, corners: &[u32]| part.contains(mesh.vertices[corners[0] as usize].pos);
+    meshes.map(|mesh| mesh.indices.chunks_exact(3).filter(|corners| is_in(mesh, corners)).count()).sum()
+}
+
+#[test]
+fn a_picture_of_a_drag_is_laid_out_once_and_has_few_triangles() {
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut app = TestApp::first_start(ThemeChoice::Light, builder);
+    let line = line_rect(&app).center();
+    app.window.drag_at(line);
+    app.wait(100);
+    for step in 1..=10 {
+        app.window.hover_at(line - vec2(6.0 * step as f32, 0.0));
+        app.wait(50);
+        let passes = app.window.output().platform_output.num_completed_passes;
+        assert_eq!(passes, 1, "step {step}");
+    }
+    let parts = [
+        ("top bar", Rect::from_x_y_ranges(0.0..=1280.0, 0.0..=54.0)),
+        ("stage", Rect::from_x_y_ranges(0.0..=932.0, 54.0..=578.0)),
+        ("panel", Rect::from_x_y_ranges(932.0..=1280.0, 54.0..=578.0)),
+        ("waveform", Rect::from_x_y_ranges(0.0..=420.0, 578.0..=772.0)),
+        ("spectrum", Rect::from_x_y_ranges(420.0..=830.0, 578.0..=772.0)),
+        ("meters, log", Rect::from_x_y_ranges(830.0..=1280.0, 578.0..=772.0)),
+        ("status", Rect::from_x_y_ranges(0.0..=1280.0, 772.0..=800.0)),
+    ];
+    let counts: Vec<(&str, usize)> = parts.map(|(name, part)| (name, triangles(&app, part))).into();
+    let sum: usize = counts.iter().map(|(_, count)| count).sum();
+    println!("{counts:?} {sum}");
+    assert!(sum < MOST, "{counts:?}");
+}

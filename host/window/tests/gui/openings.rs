@@ -1,0 +1,127 @@
+//! Every scene and preset opens on every page, and with every kind of texture, without red and without a refusal of a value
+//! that nobody has typed. A scene that is red by nature says so in its description, a preset on its page of lights.
+
+use crate::test_app::TestApp;
+use eframe::egui::{Color32, Shape, accesskit::Role, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use slipline_model::scenes::SCENES;
+use slipline_model::setup::file as setup_file;
+use slipline_model::texture::WishKind;
+
+/// The colour of errors in the light theme.
+const RED: Color32 = Color32::from_rgb(0xb5, 0x17, 0x2a);
+
+/// The presets that are red by nature, and words of the sentences that their page of lights shows about it.
+const RED_BY_NATURE: [(&str, &[&str]); 5] = [
+    ("al-bending", &["of sound at half a metre"]),
+    ("al-bending-displacement", &["sends every wave back", "of sound at half a metre"]),
+    ("paper-rubber", &["sends every wave back"]),
+    ("paper-as-printed", &["the edges bend too much", "wider than a hand", "sends every wave back"]),
+    ("al-sh", &["the edges bend too much", "of sound at half a metre"]),
+];
+
+/// The words that are painted in red.
+fn red_words(app: &TestApp) -> Vec<String> {
+    fn collect(shape: &Shape, found: &mut Vec<String>) {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, found)),
+            Shape::Text(text) => {
+                let of_section =
+                    |colour| if colour == Color32::PLACEHOLDER { text.fallback_color } else { colour };
+                let mut colours = text.galley.job.sections.iter().map(|section| section.format.color);
+                let is_red = match text.override_text_color {
+                    Some(colour) => colour == RED,
+                    None => colours.any(|colour| of_section(colour) == RED),
+                };
+                if is_red && !text.galley.text().is_empty() {
+                    found.push(text.galley.text().to_owned());
+                }
+            }
+            _ => {}
+        }
+    }
+    let mut found = Vec::new();
+    for clipped in &app.window.output().shapes {
+        collect(&clipped.shape, &mut found);
+    }
+    found
+}
+
+fn press(app: &mut TestApp, name: &str) {
+    app.window.get_by_role_and_label(Role::Button, name).click_accesskit();
+    app.wait(100);
+}
+
+/// Whether a red word is that of a light: the summary's, or one of the list.
+fn is_of_a_light(words: &str) -> bool {
+    words == "red" || words.contains(" red")
+}
+
+/// Looks at every page; returns what is red but is not a light that may be.
+fn look(app: &mut TestApp, name: &str, may_be_red: bool) -> Vec<String> {
+    let mut wrong = Vec::new();
+    if let Some(notice) = app.window.state().notice().filter(|notice| notice.is_error) {
+        wrong.push(format!("{name}: {}", notice.text));
+    }
+    let look = |app: &TestApp, page: &str, wrong: &mut Vec<String>| {
+        let red = red_words(app).into_iter().filter(|words| !(may_be_red && is_of_a_light(words)));
+        wrong.extend(red.map(|words| format!("{name}, {page}: {words}")));
+    };
+    for page in ["Boundary", "Tones", "Plate", "Validity", "Designer", "Measure", "Device", "Play"] {
+        press(app, page);
+        look(app, page, &mut wrong);
+    }
+    press(app, "Texture");
+    for kind in WishKind::ALL {
+        press(app, kind.name());
+        // Where a default does not suit the plate, another one follows.
+        app.wait(400);
+        look(app, kind.name(), &mut wrong);
+        let play = app.window.get_by_role_and_label(Role::Button, "Play this");
+        if play.accesskit_node().is_disabled() {
+            wrong.push(format!("{name}, {}: its default cannot be played", kind.name()));
+        }
+    }
+    press(app, "Profile");
+    press(app, "Boundary");
+    wrong
+}
+
+fn app() -> TestApp {
+    let mut app = TestApp::driving();
+    app.window.set_size(vec2(1280.0, 1500.0));
+    app.wait(100);
+    app
+}
+
+#[test]
+fn every_scene_opens_on_every_page_without_red() {
+    let mut app = app();
+    let mut wrong = Vec::new();
+    for scene in &SCENES {
+        let text = setup_file::write(&scene.setup().unwrap());
+        app.open("scene.toml", Ok(text));
+        app.wait(400);
+        wrong.extend(look(&mut app, scene.name, scene.description.contains("Red light")));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_preset_opens_on_every_page_without_red() {
+    let mut app = app();
+    let mut wrong = Vec::new();
+    for preset in slipline_plate::presets() {
+        crate::background::open_plate(&mut app, preset.plate().unwrap().to_toml());
+        app.wait(400);
+        let red = RED_BY_NATURE.iter().find(|(name, _)| *name == preset.name);
+        wrong.extend(look(&mut app, preset.name, red.is_some()));
+        crate::background::open_page(&mut app, "Validity");
+        for sentence in red.into_iter().flat_map(|(_, sentences)| *sentences) {
+            if app.window.query_all_by_label_contains(sentence).next().is_none() {
+                wrong.push(format!("{}: its lights do not say \"{sentence}\"", preset.name));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
