@@ -19,6 +19,7 @@ mod film;
 mod finger;
 mod lights_truth;
 mod merit;
+mod ode;
 mod paper;
 mod physics_page;
 mod plate_files;

@@ -16,10 +16,10 @@ fn main() {
     let (count, first) = (number(20), number(0));
     let mut is_held = true;
     for (name, noise, limits) in [
-        ("membrane", Noise::Input, [0.125, 0.75, 0.3, 1.95]),
-        ("al-bending", Noise::Input, [0.085, 0.36, 0.07, 0.7]),
-        ("membrane", Noise::Responses, [0.265, 0.85, 0.375, 1.65]),
-        ("al-bending", Noise::Responses, [0.19, 0.41, 0.34, 0.94]),
+        ("membrane", Noise::Input, [0.125, 0.75, 0.26, 0.6]),
+        ("al-bending", Noise::Input, [0.07, 0.36, 0.075, 0.1]),
+        ("membrane", Noise::Responses, [0.155, 0.9, 0.28, 0.61]),
+        ("al-bending", Noise::Responses, [0.075, 0.36, 0.115, 0.21]),
     ] {
         println!("{name}, noise 40 dB below the signal: {noise:?}");
         let judged = all(name, first, count, noise);

@@ -8,13 +8,15 @@
 //! The noise is measured in a window without tones, at the frequencies of the first comb: the RMS of the five
 //! frequencies nearest to a point. It falls with the square root of the window's length. Rounding to codes
 //! contributes at least 1/sqrt(12) code.
+//!
+//! Answers that are not clear are averaged over further windows ([`windows`]).
 
 use super::error::MeasureError;
 use super::loudness::Tone;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_model::response::{LIGHT_DB, light};
 use slipline_plate::Complex64;
-use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind};
+use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, windows};
 use slipline_plate::check::Colour;
 use slipline_plate::number_format::with_decimals;
 use std::f64::consts::TAU;
@@ -77,6 +79,30 @@ impl Window {
         }
         let away = (CODES - f64::from(lowest)).max(f64::from(highest) - CODES).max(0.5);
         20.0 * (CODES / away).log10()
+    }
+
+    /// Deviation of each part of an answer at this frequency, codes: it is a mean of that number of samples
+    /// times a sine.
+    fn deviation(&self, quiet: &Self, frequency_hz: f64) -> f64 {
+        noise_codes(quiet, frequency_hz).max(12_f64.sqrt().recip()) * (2.0 / self.samples as f64).sqrt()
+    }
+
+    /// Number of windows like this one that make its answers clear.
+    pub(super) fn wanted(&self, quiet: &Self) -> u16 {
+        let of =
+            |(tone, answer): (&Tone, &Complex64)| answer.norm() / self.deviation(quiet, tone.frequency_hz);
+        windows(self.tones.iter().zip(&self.answers).map(of))
+    }
+
+    /// Continues this window by another one of the same tones.
+    pub(super) fn extend(&mut self, other: &Self) {
+        let all = self.samples + other.samples;
+        let [own, added] = [self.samples, other.samples].map(|samples| samples as f64 / all as f64);
+        for (answer, other) in self.answers.iter_mut().zip(&other.answers) {
+            *answer = *answer * own + other * added;
+        }
+        self.samples = all;
+        self.span = (self.span.0.min(other.span.0), self.span.1.max(other.span.1));
     }
 }
 
@@ -173,9 +199,7 @@ impl Measured {
         for window in windows {
             let headroom_db = window.headroom_db();
             for (tone, answer) in window.tones.iter().zip(&window.answers) {
-                let codes = noise_codes(quiet, tone.frequency_hz).max(12_f64.sqrt().recip());
-                // The noise of each part of b, which is a mean of that number of samples times a sine.
-                let noise = codes * (2.0 / window.samples as f64).sqrt();
+                let noise = window.deviation(quiet, tone.frequency_hz);
                 let scale = (CODES * tone.amplitude).recip();
                 points.push(MeasuredPoint {
                     frequency_hz: tone.frequency_hz,

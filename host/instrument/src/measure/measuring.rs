@@ -3,8 +3,9 @@
 //! ```text
 //! stop -> comb, silent (-96 dB) -> window: the noise
 //!      -> stop -> comb -> settle -> window -> stop -> next comb ... -> stop
+//!                                     \-> answers not clear? a longer window after it -> stop
 //! ```
-//! A window that lost samples is measured again.
+//! A comb whose window lost samples is measured again.
 
 use super::answers::{Measured, Sensor, Window};
 use super::dialogue::Dialogue;
@@ -74,22 +75,27 @@ impl Measuring {
             };
             let running = (at, until_window + comb.window_samples());
             dialogue.mark(done, self.plan.samples(), Some(running));
-            let mut heard = dialogue.ask(self.listen(comb, Some(at + until_window))).await;
+            let mut heard = dialogue.ask(self.listen(comb, Some(at + until_window), 1)).await;
             if is_late(&heard) {
                 // All tones had settled at the missed sample, so they have now.
-                heard = dialogue.ask(self.listen(comb, None)).await;
+                heard = dialogue.ask(self.listen(comb, None, 1)).await;
             }
-            let Outcome::Listened(listened) = &heard else {
+            let Some(mut window) = windowed(comb, 1, &tones, &heard)? else {
                 tries.lost(&heard)?;
                 continue;
             };
-            let answers = listened.answers.iter().take(tones.len()).flatten();
-            let answers: Vec<Complex64> = answers.map(|&(re, im)| Complex64::new(re, im)).collect();
-            if answers.len() < tones.len() {
-                return Err(MeasureError::Stopped);
+            let wanted = self.quiet.as_ref().map_or(1, |quiet| window.wanted(quiet));
+            let further = wanted.min(self.plan.windows_of(comb)) - 1;
+            if further > 0 {
+                // Its time is not in the plan: the progress waits.
+                heard = dialogue.ask(self.listen(comb, None, further)).await;
+                let Some(second) = windowed(comb, further, &tones, &heard)? else {
+                    tries.lost(&heard)?;
+                    continue;
+                };
+                window.extend(&second);
             }
-            let span = (listened.lowest, listened.highest);
-            return Ok(Window { tones, answers, samples: comb.window_samples(), span });
+            return Ok(window);
         }
     }
 
@@ -106,17 +112,34 @@ impl Measuring {
         }))
     }
 
-    /// Requests a window from a sample on; with `None`, from now on.
-    fn listen(&self, comb: &Comb, from: Option<u64>) -> Request {
+    /// Requests this number of windows as one, from a sample on; with `None`, from now on.
+    fn listen(&self, comb: &Comb, from: Option<u64>, windows: u16) -> Request {
         Request::Listen(ListenRequest {
             from,
-            blocks: comb.period_blocks,
+            blocks: windows * comb.period_blocks,
             shape: WindowShape::Rectangular,
             // One bit per tone, 16 at most.
             slots: u16::MAX >> (16 - comb.harmonics.len().clamp(1, 16)),
             input: self.sensor.input,
         })
     }
+}
+
+/// This number of windows as one, from an outcome; `None` if it has none.
+fn windowed(
+    comb: &Comb,
+    windows: u16,
+    tones: &[Tone],
+    outcome: &Outcome,
+) -> Result<Option<Window>, MeasureError> {
+    let Outcome::Listened(listened) = outcome else { return Ok(None) };
+    let answers = listened.answers.iter().take(tones.len()).flatten();
+    let answers: Vec<Complex64> = answers.map(|&(re, im)| Complex64::new(re, im)).collect();
+    if answers.len() < tones.len() {
+        return Err(MeasureError::Stopped);
+    }
+    let (samples, span) = (u64::from(windows) * comb.window_samples(), (listened.lowest, listened.highest));
+    Ok(Some(Window { tones: tones.to_vec(), answers, samples, span }))
 }
 
 impl Procedure for Measuring {

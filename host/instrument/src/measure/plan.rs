@@ -12,10 +12,13 @@
 //! even if the loss is half of the stated one and is the plate's only damping; a driven end that absorbs
 //! waves, as every matched one does, shortens the ringing. Measurements of many combs settle for [`SETTLED`]
 //! tau alone.
+//!
+//! A comb with answers that are not clear is measured for longer, up to [`Plan::windows`] times T: it has settled
+//! by then, which takes most of its time.
 
 use super::error::MeasureError;
 use slipline_link::BLOCK;
-use slipline_plate::calibrate::{DriveLoad, band_hz, drive_check_hz};
+use slipline_plate::calibrate::{DriveLoad, WINDOWS_MAX, band_hz, drive_check_hz};
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{Plate, limits};
 use std::f64::consts::TAU;
@@ -137,6 +140,9 @@ pub struct Plan {
     pub level: f64,
     /// The combs in the order in which they are played.
     pub combs: Vec<Comb>,
+    /// Largest number of windows over which a comb's answers are averaged, where one is not enough to make
+    /// them clear.
+    pub windows: u16,
 }
 
 impl Plan {
@@ -161,7 +167,7 @@ impl Plan {
             taken.extend(comb.frequencies_hz(rate_hz));
             combs.push(comb);
         }
-        Ok(Self { rate_hz, level: wanted.level, combs })
+        Ok(Self { rate_hz, level: wanted.level, combs, windows: WINDOWS_MAX })
     }
 
     /// The plan for [`drive_check_hz`]: tones far below the plate's cut-off, whose amplitudes add up
@@ -195,21 +201,34 @@ impl Plan {
             settle_samples: (settle_s * rate_hz).ceil() as u64,
             rise_s: (RISE * settle_s).clamp(RISE_S.0, RISE_S.1),
         };
-        Ok(Self { rate_hz, level, combs: tones.chunks(lock_ins).map(comb).collect() })
+        Ok(Self { rate_hz, level, combs: tones.chunks(lock_ins).map(comb).collect(), windows: 1 })
     }
 
-    /// The comb with the most tones alone: frequencies over the plan's whole band, in a fraction of its time.
+    /// The comb with the most tones alone and one window: frequencies over the plan's whole band, in a fraction
+    /// of its time.
     #[must_use]
     pub fn of_one_comb(&self) -> Self {
         let most = self.combs.iter().max_by_key(|comb| comb.harmonics.len());
-        Self { combs: most.into_iter().cloned().collect(), ..*self }
+        Self { combs: most.into_iter().cloned().collect(), windows: 1, ..*self }
     }
 
-    /// Samples that the device needs: silence for the noise, and the rises, settling times and windows.
-    /// Delays of the link and the fades between combs are not included.
+    /// Samples that the device needs: silence for the noise, and the rises, settling times and windows, one
+    /// window per comb. Delays of the link and the fades between combs are not included.
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.quiet_samples() + self.combs.iter().map(|comb| self.samples_of(comb)).sum::<u64>()
+    }
+
+    /// As [`Plan::samples`], if each comb has the largest number of windows.
+    #[must_use]
+    pub fn most_samples(&self) -> u64 {
+        let further = |comb: &Comb| u64::from(self.windows_of(comb) - 1) * comb.window_samples();
+        self.samples() + self.combs.iter().map(further).sum::<u64>()
+    }
+
+    /// Largest number of windows of a comb, whose blocks the device counts in 16 bits.
+    pub(super) fn windows_of(&self, comb: &Comb) -> u16 {
+        self.windows.clamp(1, (u16::MAX / comb.period_blocks.max(1)).saturating_add(1))
     }
 
     /// Samples of the silent first comb, before and during the noise window.
@@ -362,6 +381,23 @@ mod tests {
                 assert!((constants / wanted - 1.0).abs() < 0.03, "{points} points: {constants}");
             }
         }
+    }
+
+    #[test]
+    fn the_most_windows_take_39_seconds_of_a_membrane_and_six_of_aluminium() {
+        for (name, points, once_s, longest_s) in [("membrane", 60, 7.4, 39.0), ("al-bending", 150, 1.2, 6.0)]
+        {
+            let plan = plan(name, points, 16);
+            let seconds = [plan.samples(), plan.most_samples()].map(|samples| samples as f64 / RATE_HZ);
+            println!("{name}: {seconds:?} s");
+            assert!(seconds[0] < once_s && seconds[1] < longest_s && seconds[1] > 3.0 * seconds[0], "{name}");
+            assert!(plan.combs.iter().all(|comb| plan.windows_of(comb) == 32), "{name}");
+        }
+        // The device counts a window's blocks in 16 bits.
+        let plan = plan("membrane", 60, 16);
+        let long = Comb { period_blocks: 20_000, ..plan.combs[0].clone() };
+        assert_eq!(plan.windows_of(&long), 4);
+        assert_eq!(plan.windows_of(&Comb { period_blocks: 1, ..long }), 32);
     }
 
     #[test]

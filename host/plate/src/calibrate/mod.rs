@@ -38,6 +38,7 @@ pub use fit::source::drive_current::Transducer;
 pub use fit::speed_trim::{SpeedTrim, Trimmed};
 pub use fit::two_places::from_ratio;
 pub use fit::unknowns::Priors;
+pub use measurement::averaging::{WINDOWS_MAX, windows};
 pub use measurement::band::band_hz;
 pub use measurement::csv::CsvError;
 pub use measurement::drive_check::{DriveCheck, DriveCircuit, DriveLoad, check_drive, drive_check_hz};

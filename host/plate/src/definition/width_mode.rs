@@ -49,17 +49,21 @@ impl WidthMode<'_> {
         self.slope * (self.number * self.plate.turning.reciprocal_at(x)).powi(2)
     }
 
+    /// The mode at a frequency, for evaluation at many places.
+    pub(crate) fn at_frequency(&self, frequency_hz: f64) -> ModeWave<'_> {
+        let law = if self.strip.is_some() {
+            Law::Strip { log_wavenumber: self.plate.wavenumber_squared(frequency_hz).ln() }
+        } else if let Some(air) = self.air(frequency_hz) {
+            Law::Air(air)
+        } else {
+            Law::Uniform { axial: self.axial_squared(frequency_hz) }
+        };
+        ModeWave { mode: *self, law }
+    }
+
     /// Local k^2 without loss, 1/m^2; negative beyond the turning point.
     pub(crate) fn wavenumber_squared(&self, x: f64, frequency_hz: f64) -> f64 {
-        if self.strip.is_some() {
-            let (log_t, log_square) = self.strip_place(x, frequency_hz);
-            return strip_table::lossless().wavenumber_squared(log_t).re * (-log_square).exp();
-        }
-        let across = self.width_term(x);
-        match self.air(frequency_hz) {
-            Some(air) => air.at(across).wavenumber_squared - across,
-            None => self.axial_squared(frequency_hz) * self.local(x) - across,
-        }
+        self.at_frequency(frequency_hz).wavenumber_squared(x)
     }
 
     /// The air along a membrane, at a frequency; `None` where K is the same all along.
@@ -98,15 +102,6 @@ impl WidthMode<'_> {
         let (log_t, _) = self.strip_place(x, frequency_hz);
         let law = strip_table::lossless();
         law.rise(log_t).re * (-log_t).exp() / law.spread(log_t).re.powi(2)
-    }
-
-    /// d(k^2)/d ln(K^2) at `x` without loss, 1/m^2: a K^2 there except between clamped edges.
-    pub(crate) fn wavenumber_rise(&self, x: f64, frequency_hz: f64) -> f64 {
-        if self.strip.is_some() {
-            let (log_t, log_square) = self.strip_place(x, frequency_hz);
-            return strip_table::lossless().rise(log_t).re * (-log_square).exp();
-        }
-        self.axial_squared(frequency_hz) * self.local(x)
     }
 
     /// ln (s K)^2 and ln s^2, in metres, at `x`.
@@ -153,15 +148,63 @@ impl WidthMode<'_> {
         }
         // k falls to zero as a square root at the turning point, which makes the midpoint rule inaccurate. The
         // substitution x = end (1 - u^2) makes the integrand smooth.
-        let steps = 400;
+        let (wave, steps) = (self.at_frequency(frequency_hz), 400);
         let total: f64 = (0..steps)
             .map(|i| {
                 let u = (f64::from(i) + 0.5) / f64::from(steps);
                 let place = end * (1.0 - u * u);
-                2.0 * u * self.wavenumber_squared(place, frequency_hz).max(0.0).sqrt()
+                2.0 * u * wave.wavenumber_squared(place).max(0.0).sqrt()
             })
             .sum();
         total * end / f64::from(steps)
+    }
+}
+
+/// A width mode at one frequency: everything about it that does not depend on the place is computed once.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ModeWave<'a> {
+    mode: WidthMode<'a>,
+    law: Law,
+}
+
+/// K along the plate.
+#[derive(Debug, Clone, Copy)]
+enum Law {
+    /// That of the clamped strip, with ln K^2.
+    Strip { log_wavenumber: f64 },
+    /// That of a membrane in air.
+    Air(AirAlong),
+    /// a K^2 at the driven end, over which the thickness alone decides.
+    Uniform { axial: f64 },
+}
+
+impl ModeWave<'_> {
+    /// Local k^2 without loss, 1/m^2; negative beyond the turning point.
+    pub(crate) fn wavenumber_squared(&self, x: f64) -> f64 {
+        match self.law {
+            Law::Strip { log_wavenumber } => {
+                let log_square = self.mode.log_square(x);
+                let s = strip_table::lossless().wavenumber_squared(log_square + log_wavenumber);
+                s.re * (-log_square).exp()
+            }
+            Law::Air(air) => {
+                let across = self.mode.width_term(x);
+                air.at(across).wavenumber_squared - across
+            }
+            Law::Uniform { axial } => axial * self.mode.local(x) - self.mode.width_term(x),
+        }
+    }
+
+    /// d(k^2)/d ln(K^2) at `x` without loss, 1/m^2: a K^2 there except between clamped edges.
+    pub(crate) fn wavenumber_rise(&self, x: f64) -> f64 {
+        match self.law {
+            Law::Strip { log_wavenumber } => {
+                let log_square = self.mode.log_square(x);
+                strip_table::lossless().rise(log_square + log_wavenumber).re * (-log_square).exp()
+            }
+            Law::Air(air) => self.mode.slope * air.turning * self.mode.local(x),
+            Law::Uniform { axial } => axial * self.mode.local(x),
+        }
     }
 }
 
@@ -194,7 +237,10 @@ mod tests {
             let step = 1e-5;
             let at = |factor: f64| width_mode.wavenumber_squared(x, frequency_hz * factor);
             let rise = (at(1.0 + step) - at(1.0 - step)) / (2.0 * step);
-            assert!((width_mode.wavenumber_rise(x, frequency_hz) / rise - 1.0).abs() < 1e-6, "{ratio}");
+            assert!(
+                (width_mode.at_frequency(frequency_hz).wavenumber_rise(x) / rise - 1.0).abs() < 1e-6,
+                "{ratio}"
+            );
             let lossy = width_mode.lossy_wavenumber_squared(x, frequency_hz);
             assert!((lossy.im / (rise * plate.wave_loss()) - 1.0).abs() < 1e-5, "{ratio}: {lossy}");
         }

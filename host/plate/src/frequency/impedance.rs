@@ -18,7 +18,8 @@ impl Plate {
         let width_mode = self.width_mode(1);
         let k0 = width_mode.wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
         // d(k^2)/d omega: the factor of K, and that of the strip's law.
-        let law = width_mode.wavenumber_rise(0.0, frequency_hz) / width_mode.axial_squared(frequency_hz);
+        let law = width_mode.at_frequency(frequency_hz).wavenumber_rise(0.0)
+            / width_mode.axial_squared(frequency_hz);
         // At the same wavenumber and amplitude the forces in the plate are the same in air as in vacuum, at another
         // frequency.
         let surface_density = surface_density * (self.vacuum_frequency_hz(frequency_hz) / frequency_hz);

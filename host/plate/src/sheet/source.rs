@@ -128,16 +128,28 @@ impl Source {
     /// Appends the source's term for each step that `codes` complete. Codes are clamped to -1..1; NaN and infinity
     /// count as zero.
     pub(super) fn take(&mut self, codes: &[f32], steps: &mut Vec<f32>) {
+        // On a coarse grid many codes make one step, and the loop over the codes takes most of the time.
+        if self.curve.is_some() {
+            self.take_each::<true>(codes, steps);
+        } else {
+            self.take_each::<false>(codes, steps);
+        }
+    }
+
+    /// As [`Source::take`]. `CURVED`: whether there is a curve.
+    fn take_each<const CURVED: bool>(&mut self, codes: &[f32], steps: &mut Vec<f32>) {
         for &code in codes {
             let code = if code.is_finite() { f64::from(code.clamp(-1.0, 1.0)) } else { 0.0 };
-            if let Some(curve) = &mut self.curve {
+            if CURVED && let Some(curve) = &mut self.curve {
                 curve.push(code);
             }
             match self.ratio {
                 StepRatio::StepsPerCode(count) => {
                     for step in 0..count {
-                        let share = f64::from(step) / f64::from(count);
-                        let drive = self.curve.as_ref().map_or(code, |curve| curve.at(share));
+                        let drive = match &self.curve {
+                            Some(curve) if CURVED => curve.at(f64::from(step) / f64::from(count)),
+                            _ => code,
+                        };
                         self.step(drive, steps);
                     }
                 }
@@ -147,7 +159,10 @@ impl Source {
                     if self.taken == count {
                         let mean = self.sum / f64::from(count);
                         (self.sum, self.taken) = (0.0, 0);
-                        let drive = self.curve.as_ref().map_or(mean, |curve| curve.at(0.0));
+                        let drive = match &self.curve {
+                            Some(curve) if CURVED => curve.at(0.0),
+                            _ => mean,
+                        };
                         self.step(drive, steps);
                     }
                 }

@@ -2,7 +2,7 @@
 //! equation or in two dimensions, with noise and 12 bits.
 
 use super::bar;
-use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};
+use slipline_plate::calibrate::{self, MeasuredPoint, Measurement, SensorKind, band_hz};
 pub(crate) use slipline_plate::truth::Random;
 use slipline_plate::truth::near;
 use slipline_plate::{
@@ -18,6 +18,8 @@ const KNOTS: usize = 129;
 pub(crate) const BOUNDARIES: usize = 33;
 /// Codes of an input from zero to full scale.
 const CODES: f64 = 2048.0;
+/// Tones that are played together.
+const TONES: usize = 16;
 /// Points of a field: an error of 1e-6.
 const POINTS: usize = 1601;
 
@@ -41,6 +43,8 @@ pub(crate) struct Rig {
     pub(crate) delay_s: f64,
     pub(crate) finger: Option<Finger>,
     pub(crate) snr_db: f64,
+    /// Whether tones whose answers are not clear are measured for longer, as a device's are.
+    pub(crate) averages: bool,
     /// Boundaries over the span at which a table is judged.
     pub(crate) boundaries: usize,
 }
@@ -62,6 +66,7 @@ impl Rig {
             nominal,
             finger: None,
             snr_db: 40.0,
+            averages: false,
             boundaries: BOUNDARIES,
         }
     }
@@ -142,12 +147,28 @@ impl Rig {
         let code = 2.0 * largest / CODES;
         let noise = mean.sqrt() * 10_f64.powf(-self.snr_db / 20.0);
         let coded = |value: f64| (value / code).round() * code;
-        let points = frequencies_hz.iter().zip(clean).map(|(&frequency_hz, answer)| {
+        let mut window = |answer: &Complex64| {
             let noisy = answer + Complex64::new(random.normal(), random.normal()) * noise;
+            Complex64::new(coded(noisy.re), coded(noisy.im))
+        };
+        let mut sums: Vec<Complex64> = clean.iter().map(&mut window).collect();
+        let deviation = noise.hypot(code / 12_f64.sqrt());
+        let combs = clean.len().div_ceil(TONES);
+        let mut windows = vec![1_u16; combs];
+        for comb in (0..combs).filter(|_| self.averages) {
+            let tones = || (comb..clean.len()).step_by(combs);
+            windows[comb] = calibrate::windows(tones().map(|tone| sums[tone].norm() / deviation));
+            for tone in (1..windows[comb]).flat_map(|_| tones()) {
+                sums[tone] += window(&clean[tone]);
+            }
+        }
+        let points = frequencies_hz.iter().zip(clean).zip(&sums).enumerate();
+        let points = points.map(|(tone, ((&frequency_hz, answer), sum))| {
+            let windows = f64::from(windows[tone % combs]);
             MeasuredPoint {
                 frequency_hz,
-                response: Complex64::new(coded(noisy.re), coded(noisy.im)),
-                noise: noise.hypot(code / 12_f64.sqrt()),
+                response: sum / windows,
+                noise: deviation / windows.sqrt(),
                 headroom_db: Some((20.0 * (2.0 * largest / answer.norm()).log10()).min(300.0)),
             }
         });

@@ -6,7 +6,7 @@ use slipline_link::protocol::event::{Fault, Faults, Status};
 use slipline_link::protocol::refusal::{Field, Refusal as DeviceRefusal};
 use slipline_link::{LinkState, Listened, Refusal, Snapshot};
 use slipline_model::field::simulation;
-use slipline_plate::calibrate::SensorKind;
+use slipline_plate::calibrate::{DriveLoad, SensorKind};
 use slipline_plate::check::Colour;
 use slipline_plate::preset;
 use std::f64::consts::TAU;
@@ -32,6 +32,8 @@ struct Ideal {
     gain: f64,
     /// Sum of amplitudes that the actuator's travel allows.
     travel: f64,
+    /// Periods of each window.
+    windows: Vec<u16>,
     /// Samples of settling before each window with tones.
     settled: Vec<u64>,
     stops: usize,
@@ -49,6 +51,7 @@ impl Ideal {
             noise: 0.0,
             gain: 1.0,
             travel: 1.0,
+            windows: Vec::new(),
             settled: Vec::new(),
             stops: 0,
             sums: Vec::new(),
@@ -96,7 +99,10 @@ impl Ideal {
         let (at, comb) = self.sounds.clone().unwrap();
         let from = window.from.unwrap_or(self.now + u64::from(RATE_HZ));
         assert!(from >= at + (comb.glide_s * f64::from(RATE_HZ)) as u64);
-        assert_eq!((window.input, window.blocks), (0, comb.period_blocks));
+        let windows = window.blocks / comb.period_blocks;
+        assert_eq!((window.input, window.blocks), (0, windows * comb.period_blocks));
+        assert!(windows == 1 || window.from.is_none(), "a longer window follows the first");
+        self.windows.push(windows);
         assert_eq!(window.slots.count_ones() as usize, comb.tones.len());
         let mut answers = [None; 16];
         let (mut sum, mut swing) = (0.0, 0.0);
@@ -218,6 +224,49 @@ fn the_noise_is_that_of_silence_and_of_the_windows_length() {
         let wanted = (2.0 / *samples as f64).sqrt() / (2048.0 * tone.amplitude);
         assert!((point.noise / wanted - 1.0).abs() < 0.05, "{} {wanted}", point.noise);
     }
+}
+
+#[test]
+fn answers_that_are_not_clear_are_averaged_over_as_many_windows_as_they_need() {
+    let (measuring, table) = planned(16);
+    let tones = loudness::tones(&measuring.plan.combs[0], &table, f64::from(RATE_HZ), measuring.plan.level);
+    let codes = |tone: &Tone| 2048.0 * tone.amplitude * response(tone.frequency_hz).norm();
+    let weakest = tones.iter().map(codes).fold(f64::INFINITY, f64::min);
+    // The second window hears three times as much.
+    let heard_at = |over_noise: f64| {
+        let (mut measuring, table) = self::measuring(16);
+        let mut device = Ideal::new(&table);
+        device.noise = weakest / over_noise;
+        run(&mut measuring, &mut device, |outcome, request| {
+            let is_second = matches!(request, Request::Listen(ListenRequest { from: None, .. }));
+            if let Some(listened) = heard(outcome).filter(|_| is_second) {
+                for (re, im) in listened.answers.iter_mut().flatten() {
+                    (*re, *im) = (3.0 * *re, 3.0 * *im);
+                }
+            }
+        });
+        assert!(device.shares.windows(2).all(|two| two[0] <= two[1]), "{:?}", device.shares);
+        (device.windows, measuring.finish().unwrap().measurement.points)
+    };
+    let (windows, clear) = heard_at(100.0);
+    assert_eq!(windows, [1, 1]);
+    let (windows, _) = heard_at(1e-3);
+    assert_eq!(windows, [1, 1], "what no number of windows makes clear");
+    let (windows, points) = heard_at(20.0);
+    let further = f64::from(windows[2]);
+    assert!(windows.len() == 3 && (2.0..=5.0).contains(&further), "{windows:?}");
+    for (point, clear) in points.iter().zip(&clear) {
+        // Five times the noise of the clear one, over the root of the number of windows.
+        let noise = 5.0 * clear.noise / (1.0 + further).sqrt();
+        assert!((point.noise / noise - 1.0).abs() < 0.01, "{} {noise}", point.noise);
+        let mean = (1.0 + 3.0 * further) / (1.0 + further);
+        let error = (point.response / mean - response(point.frequency_hz)).norm();
+        assert!(error < 2.0 * 5.0 * clear.noise, "{error}");
+    }
+    // A drive check raises its level and its window by itself.
+    let plate = preset("membrane").unwrap();
+    let load = DriveLoad::Coil { resistance_ohm: 8.0 };
+    assert_eq!(Plan::of_drive(&plate, &load, 400e3, 16, 0.01, 0.1).unwrap().windows, 1);
 }
 
 #[test]

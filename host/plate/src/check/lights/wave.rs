@@ -15,16 +15,17 @@ use crate::quantity::number_format::with_decimals;
 /// With small eta, I is the integral of eta d(k^2)/d ln(K^2)/(2 k); the derivative is a K^2 except between clamped edges.
 /// For the exponential taper with a = 1 it is (eta/2) nu acosh(nu/s0), where nu = K/d and s0 = q/(W0 d).
 pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
-    let width_mode = plate.width_mode(1);
     let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+    let width_mode = plate.width_mode(1);
+    let wave = width_mode.at_frequency(frequency_hz);
     // 1/k has an inverse-square-root singularity at the turning point, which x = boundary (1 - u^2) removes.
     let steps = 400;
     let total: f64 = (0..steps)
         .map(|i| {
             let u = (f64::from(i) + 0.5) / f64::from(steps);
             let place = boundary_m * (1.0 - u * u);
-            let wavenumber = width_mode.wavenumber_squared(place, frequency_hz).max(f64::MIN_POSITIVE).sqrt();
-            2.0 * u * width_mode.wavenumber_rise(place, frequency_hz) / wavenumber
+            let wavenumber = wave.wavenumber_squared(place).max(f64::MIN_POSITIVE).sqrt();
+            2.0 * u * wave.wavenumber_rise(place) / wavenumber
         })
         .sum();
     0.5 * plate.wave_loss_at(frequency_hz) * total * boundary_m / f64::from(steps)
