@@ -73,22 +73,28 @@ pub struct Desk {
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
 }
 
+/// Who decides what is on the stage.
+#[derive(Clone, Copy, Debug)]
+enum Lead {
+    /// The user alone.
+    User,
+    /// The demonstration of the very first start.
+    Demonstration(demonstration::Demonstration),
+    /// The turn of the scenes that visitors see.
+    Scenes(kiosk::Kiosk),
+}
+
 /// The app.
 pub struct App {
     instrument: Instrument,
     desk: Desk,
     settings: Settings,
     grab: Option<Grab>,
-    /// How many times larger than to the table's full scale the stage shows displacements.
-    magnification: f64,
     /// When egui took the latest input that was processed.
     input_time_s: Option<f64>,
     ports: Vec<PortInfo>,
     hearing: sound::Hearing,
-    /// The demonstration of the very first start.
-    demonstration: Option<demonstration::Demonstration>,
-    /// Whether visitors see the window, and which scene.
-    kiosk: Option<kiosk::Kiosk>,
+    lead: Lead,
     glyphs: glyphs::Glyphs,
     dialog: Option<Dialog>,
     /// The page that comes back when the one for typing a path is closed.
@@ -114,11 +120,9 @@ impl App {
             desk,
             settings,
             grab: None,
-            magnification: 1.0,
             input_time_s: None,
             hearing: sound::Hearing::default(),
-            demonstration: None,
-            kiosk: None,
+            lead: Lead::User,
             glyphs: glyphs::Glyphs::default(),
             dialog: None,
             behind: None,
@@ -227,7 +231,7 @@ impl App {
             grab: self.grab,
             sound,
             settings: &self.settings,
-            magnification: self.magnification,
+            magnification: self.view.magnification.unwrap_or(1.0),
             visitors: self.visitors_scene(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
@@ -257,7 +261,8 @@ impl App {
         let share = shown.full_peak_m.map_or(1.0, |full_peak_m| highest_m / full_peak_m);
         let fitting = if share > 0.0 { magnification(share) } else { 1.0 };
         let is_held = self.grab.is_some() || ctx.input(|input| input.pointer.any_down());
-        self.magnification = if is_held { self.magnification.min(fitting) } else { fitting };
+        let present = self.view.magnification.filter(|_| is_held);
+        self.view.magnification = Some(present.unwrap_or(f64::INFINITY).min(fitting));
     }
 }
 

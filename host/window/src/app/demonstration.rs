@@ -3,7 +3,7 @@
 //! It moves nothing on a real device, makes no sound and no step of undo. Any input ends it, and then everything is where it
 //! was.
 
-use super::App;
+use super::{App, Lead};
 use eframe::egui;
 use slipline_model::field::touch::Touch;
 
@@ -48,15 +48,15 @@ impl App {
     /// Shows what the window is for, until the first input.
     pub fn demonstrate(&mut self) {
         let setup = self.instrument.setup();
-        self.demonstration = setup.tones.first().map(|tone| {
+        if let Some(tone) = setup.tones.first() {
             let line = (tone.slot, tone.position_m);
-            Demonstration { began_s: None, line }
-        });
+            self.lead = Lead::Demonstration(Demonstration { began_s: None, line });
+        }
     }
 
     /// Goes on with the demonstration, or ends it.
     pub(super) fn advance_demonstration(&mut self, ctx: &egui::Context) {
-        let Some(under_way) = self.demonstration else { return };
+        let Lead::Demonstration(under_way) = self.lead else { return };
         let snapshot = self.instrument.snapshot();
         let is_elsewhere = snapshot.is_connected() && !snapshot.is_simulated();
         if is_elsewhere || self.dialog.is_some() || ctx.input(has_input) {
@@ -73,7 +73,7 @@ impl App {
         if now_s - began_s >= LASTS_S {
             return self.end_demonstration();
         }
-        self.demonstration = Some(Demonstration { began_s: Some(began_s), ..under_way });
+        self.lead = Lead::Demonstration(Demonstration { began_s: Some(began_s), ..under_way });
         let (finger, line) = shares_at(now_s - began_s);
         let (slot, turns_m) = under_way.line;
         let (start_m, _) = self.instrument.setup().plate.span_m();
@@ -88,9 +88,8 @@ impl App {
 
     /// Puts the line back, and the finger half-way to it.
     pub(super) fn end_demonstration(&mut self) {
-        let Some(Demonstration { line: (slot, turns_m), began_s }) = self.demonstration.take() else {
-            return;
-        };
+        let Lead::Demonstration(Demonstration { line: (slot, turns_m), began_s }) = self.lead else { return };
+        self.lead = Lead::User;
         if began_s.is_some() {
             self.instrument.show_line(slot, turns_m);
             self.rest_finger();

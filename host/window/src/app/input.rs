@@ -102,7 +102,7 @@ impl App {
             }
             presses
         });
-        if self.kiosk.is_some() {
+        if self.kiosk().is_some() {
             // Visitors have STOP, the line and the finger.
             asked.retain(|intent| {
                 matches!(intent, Intent::StopKey | Intent::MoveLine { .. } | Intent::MoveFinger(_))
@@ -145,7 +145,7 @@ impl App {
     }
 
     pub(super) fn dropped_files(&mut self, ctx: &egui::Context) {
-        if self.kiosk.is_some() {
+        if self.kiosk().is_some() {
             return;
         }
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());

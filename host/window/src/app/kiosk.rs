@@ -2,7 +2,7 @@
 //!
 //! A real plate is one plate, so with a real device the setup stays.
 
-use super::App;
+use super::{App, Lead};
 use eframe::egui;
 use slipline_link::protocol::event::State;
 use slipline_model::scenes::SCENES;
@@ -22,32 +22,39 @@ pub(super) struct Kiosk {
 impl App {
     /// Shows the window to visitors.
     pub fn open_to_visitors(&mut self) {
-        self.kiosk = Some(Kiosk::default());
-        self.demonstration = None;
+        self.lead = Lead::Scenes(Kiosk::default());
         self.start_scene(0);
+    }
+
+    /// The turn of the scenes, while visitors see the window.
+    pub(super) fn kiosk(&self) -> Option<Kiosk> {
+        match self.lead {
+            Lead::Scenes(kiosk) => Some(kiosk),
+            Lead::User | Lead::Demonstration(_) => None,
+        }
     }
 
     /// The name and the effect of the scene that visitors see.
     pub(super) fn visitors_scene(&self) -> Option<(&'static str, &'static str)> {
-        let scene = SCENES.get(self.kiosk?.scene)?;
+        let scene = SCENES.get(self.kiosk()?.scene)?;
         Some((scene.name, scene.description))
     }
 
     /// Keeps to the stage, and begins the next scene when nobody has touched anything for a while.
     pub(super) fn turn_scenes(&mut self, ctx: &egui::Context) {
-        let Some(kiosk) = self.kiosk else { return };
+        let Some(kiosk) = self.kiosk() else { return };
         self.dialog = None;
         (self.settings.show_panel, self.settings.show_plots) = (false, false);
         self.view.close_pages();
         let (now_s, has_input) = ctx.input(|input| (input.time, !input.events.is_empty()));
         let since_s = kiosk.since_s.filter(|_| !has_input).unwrap_or(now_s);
-        self.kiosk = Some(Kiosk { since_s: Some(since_s), ..kiosk });
+        self.lead = Lead::Scenes(Kiosk { since_s: Some(since_s), ..kiosk });
         let left_s = since_s + REST_S - now_s;
         if left_s > 0.0 {
             return ctx.request_repaint_after(std::time::Duration::from_secs_f64(left_s));
         }
         let next = (kiosk.scene + 1) % SCENES.len();
-        self.kiosk = Some(Kiosk { scene: next, since_s: Some(now_s) });
+        self.lead = Lead::Scenes(Kiosk { scene: next, since_s: Some(now_s) });
         if self.instrument.snapshot().is_simulated() {
             self.start_scene(next);
             // Whoever has stopped the simulated plate has gone.
@@ -62,7 +69,7 @@ impl App {
     pub(super) fn start_scene(&mut self, number: usize) {
         if let Some(setup) = SCENES.get(number).and_then(slipline_model::scenes::Scene::setup) {
             self.instrument.edit(&Edit::New(Box::new(setup)));
-            if number == 0 || self.kiosk.is_some() {
+            if number == 0 || self.kiosk().is_some() {
                 self.rest_finger();
             }
         }

@@ -1,6 +1,6 @@
 //! What passes between window and instrument: what the instrument must know of the window, and what it has the window do.
 
-use super::App;
+use super::{App, Lead};
 use crate::files::{FileJob, Save};
 use crate::intent::{Confirm, Dialog};
 use crate::sound::SoundChoice;
@@ -21,7 +21,7 @@ impl App {
         self.instrument.attend(Attention {
             now_s,
             is_pressed,
-            is_dragging: self.grab.is_some() || self.demonstration.is_some(),
+            is_dragging: self.grab.is_some() || matches!(self.lead, Lead::Demonstration(_)),
             is_animated: self.settings.animate,
             has_page: self.dialog.is_some(),
             is_calibration_open: self.dialog == Some(Dialog::Calibrate),

@@ -9,7 +9,7 @@ use egui_kittest::HarnessBuilder;
 use slipline_window::settings::ThemeChoice;
 
 /// Most triangles of a picture of the first scene in a window of 1280 x 800 points.
-const MOST: usize = 20_000;
+const MOST: usize = 22_000;
 
 /// The triangles of the latest picture whose middle lies in a part of the window.
 fn triangles(app: &TestApp, part: Rect) -> usize {

@@ -394,6 +394,8 @@ fn real_device(state: State) -> FixedLink {
     let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
     identity.simulated = false;
     snapshot.identity = Some(Arc::new(identity));
+    // Nothing is known of a profile, so nothing is asked about it.
+    snapshot.profile = None;
     snapshot.status.as_mut().unwrap().state = state;
     snapshot.revision += 1;
     FixedLink::of(snapshot)

@@ -36,6 +36,8 @@ pub(crate) fn show(
     });
     let help = "Play tones over the plate's band and measure the sensor's answer to each; never louder than the level";
     ui.horizontal(|ui| {
+        // As high as the two lines beside the button, whatever stands there.
+        ui.set_min_height(2.0 * ui.text_style_height(&egui::TextStyle::Small));
         let is_due = !is_answered && !is_measuring && scene.measure.asked.is_none();
         let button = theme::primary(ui, "Measure now", is_due);
         let button = ui.add_enabled(!is_measuring, button).on_hover_text(help);
