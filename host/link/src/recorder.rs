@@ -233,11 +233,15 @@ impl Recorder {
 
     /// Stores the device's report on its actuator's profile.
     pub(crate) fn profile(&mut self, reported: ProfileReport) {
-        let line = match &reported.profile {
-            Some(profile) => format!("The device keeps the limits of its actuator, \"{}\".", profile.name),
-            None => "The device keeps no profile of its actuator.".to_owned(),
-        };
-        self.log(Severity::Info, line);
+        match &reported.profile {
+            Some(profile) => {
+                let line = format!("The device keeps the limits of its actuator, \"{}\".", profile.name);
+                self.log(Severity::Info, line);
+            }
+            // It needs none.
+            None if self.view.is_simulated() => {}
+            None => self.log(Severity::Info, "The device keeps no profile of its actuator."),
+        }
         self.view.profile = Some(Arc::new(reported));
         self.touch();
     }

@@ -90,8 +90,8 @@ pub struct App {
     desk: Desk,
     settings: Settings,
     grab: Option<Grab>,
-    /// When egui took the latest input that was processed.
-    input_time_s: Option<f64>,
+    /// How many times larger than to the table's full scale the stage shows displacements.
+    magnification: f64,
     ports: Vec<PortInfo>,
     hearing: sound::Hearing,
     lead: Lead,
@@ -120,7 +120,7 @@ impl App {
             desk,
             settings,
             grab: None,
-            input_time_s: None,
+            magnification: 1.0,
             hearing: sound::Hearing::default(),
             lead: Lead::User,
             glyphs: glyphs::Glyphs::default(),
@@ -231,7 +231,7 @@ impl App {
             grab: self.grab,
             sound,
             settings: &self.settings,
-            magnification: self.view.magnification.unwrap_or(1.0),
+            magnification: self.magnification,
             visitors: self.visitors_scene(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
@@ -261,8 +261,7 @@ impl App {
         let share = shown.full_peak_m.map_or(1.0, |full_peak_m| highest_m / full_peak_m);
         let fitting = if share > 0.0 { magnification(share) } else { 1.0 };
         let is_held = self.grab.is_some() || ctx.input(|input| input.pointer.any_down());
-        let present = self.view.magnification.filter(|_| is_held);
-        self.view.magnification = Some(present.unwrap_or(f64::INFINITY).min(fitting));
+        self.magnification = if is_held { self.magnification.min(fitting) } else { fitting };
     }
 }
 

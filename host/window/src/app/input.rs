@@ -16,7 +16,7 @@ impl App {
     /// frame would be seen again each time: a press of Escape would become many, and they an emergency stop.
     pub(super) fn has_new_input(&mut self, ctx: &egui::Context) -> bool {
         let time_s = ctx.input(|input| input.time);
-        self.input_time_s.replace(time_s) != Some(time_s)
+        self.view.input_time_s.replace(time_s) != Some(time_s)
     }
 
     pub(super) fn keys(&mut self, ctx: &egui::Context) {

@@ -51,8 +51,8 @@ pub(crate) struct ViewState {
     pub(crate) held_breakpoint: Option<usize>,
     pub(crate) focused_handle: Option<egui::Id>,
     pub(crate) focused_finger: Option<egui::Id>,
-    /// How many times larger than to the table's full scale the stage shows displacements; `None` before the first picture.
-    pub(crate) magnification: Option<f64>,
+    /// When egui took the latest input that was processed.
+    pub(crate) input_time_s: Option<f64>,
     /// The press on the plate or the envelope.
     pub(crate) pressing: Pressing,
     /// Whether the Tab key was pressed while nothing had the focus: it begins with the line.

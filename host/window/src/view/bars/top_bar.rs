@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::view::bars::{menu, offers};
 use crate::view::stage::aligned::{self, Width};
 use crate::view::theme;
-use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, vec2};
+use eframe::egui::{self, Color32, CornerRadius, FontId, RichText, Sense, Stroke, Vec2, pos2, vec2};
 use slipline_instrument::SAFE_MODE;
 use slipline_link::protocol::event::{Fault, State, Status};
 use slipline_link::{LinkError, LinkState, Port};
@@ -92,6 +92,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     let palette = theme::palette(ui);
     ui.horizontal(|ui| {
         ui.set_min_height(34.0);
+        let end = ui.max_rect().right();
         let is_narrow = ui.available_width() < ROOM_FOR_NAME;
         let is_wide = ui.available_width() >= ROOM_FOR_FAULT;
         if is_narrow {
@@ -135,7 +136,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
                 ui.label(text).on_hover_text("From a command to its answer, running average");
             }
             ui.add_space(6.0);
-            stop_button(ui, palette, intents);
+            stop_button(ui, palette, end, intents);
         });
     });
 }
@@ -214,13 +215,13 @@ fn chip(
 }
 
 /// STOP is above every page and menu, never dimmed, always inside the window, and works with one click in every
-/// state.
-fn stop_button(ui: &mut egui::Ui, palette: &Palette, intents: &mut Intents) {
+/// state. It is at the `end` of the bar, whatever stands before it.
+fn stop_button(ui: &mut egui::Ui, palette: &Palette, end: f32, intents: &mut Intents) {
     let (place, _) = ui.allocate_exact_size(STOP, Sense::hover());
     // A page blocks clicks on all layers below it; a separate floating layer keeps STOP above it.
     let area = egui::Area::new(egui::Id::unique("stop"))
         .order(egui::Order::Tooltip)
-        .fixed_pos(place.min)
+        .fixed_pos(pos2(end - STOP.x, place.top()))
         .constrain_to(ui.ctx().content_rect())
         .default_size(STOP)
         .layout(egui::Layout::top_down(egui::Align::Center))
