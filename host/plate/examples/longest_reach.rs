@@ -82,7 +82,8 @@ fn plate(law: Law, wide_m: f64, narrow_m: f64, span_m: (f64, f64)) -> Result<Pla
 fn green_run(plate: &Plate, names: &mut Vec<&'static str>) -> Result<Option<(f64, f64)>, Box<dyn Error>> {
     let checker = Checker::new(plate, Conditions::default())?;
     let (start_m, end_m) = plate.span_m();
-    let (mut run, mut best): (Option<(f64, f64)>, Option<(f64, f64)>) = (None, None);
+    let mut run: Option<(f64, f64)> = None;
+    let mut best: Option<(f64, f64)> = None;
     for i in 0..PLACES {
         let x_m = start_m + (end_m - start_m) * i as f64 / (PLACES - 1) as f64;
         let report = checker.at(x_m)?;
