@@ -15,7 +15,6 @@ mod drive;
 mod excursion;
 mod hold;
 mod listening;
-mod profile;
 mod status;
 mod tables;
 
@@ -40,7 +39,6 @@ use crate::planning::ramp::RampShape;
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
 use crate::safety::boot::Boot;
-use crate::safety::bounds::Bounds;
 use crate::safety::excursion::Excursion;
 use crate::safety::thermal::Thermal;
 use crate::slots::TableRef;
@@ -81,7 +79,6 @@ pub struct Controller<'a, F, S> {
     active: TableRef,
     upload: Option<Upload>,
     excursion: Excursion,
-    bounds: Bounds,
     candidate: &'a mut Candidate,
     captured: &'a Values,
     holding: hold::Holding,
@@ -118,7 +115,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             active: TableRef::default(),
             upload: None,
             excursion: Excursion::unlimited(device.sample_rate_hz),
-            bounds: Bounds::none(device.sample_rate_hz),
             candidate,
             captured,
             holding: hold::Holding::NONE,
@@ -147,7 +143,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             return;
         }
         self.load(mailbox);
-        self.load_profile(mailbox);
     }
 
     /// Begins a session: ramps to silence, disarms, and drops what the last session had begun.
@@ -183,7 +178,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
     ) -> Result<Event, Refusal> {
         match command {
             Command::Arm => self.arm(mailbox).map(accepted),
-            Command::ArmFor(lease) => self.arm_for(*lease, mailbox).map(accepted),
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
             Command::Drive(drive) => {
                 let waited = self.hold_back_levels(mailbox);
@@ -194,16 +188,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {
-                let mut standing = Faults::NONE;
-                if self.thermal.is_warm() {
-                    standing = standing.with(Fault::Overheat);
-                }
-                if self.bounds.is_lost() {
-                    standing = standing.with(Fault::StoreDamaged);
-                }
-                if self.is_stopped_on_the_desk() {
-                    standing = standing.with(Fault::DeskStop);
-                }
+                let standing =
+                    if self.thermal.is_warm() { Faults::NONE.with(Fault::Overheat) } else { Faults::NONE };
                 mailbox.clear_faults(standing);
                 Ok(accepted(mailbox.now()))
             }
@@ -221,7 +207,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let now = mailbox.now();
                 self.upload = Some(Upload::begin(header, slot, self.timing.sample_rate_hz, now)?);
                 self.excursion.begin(slot);
-                self.bounds.travel.begin(slot);
                 Ok(accepted(now))
             }
             Command::TableChunk(chunk) => {
@@ -229,7 +214,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let upload = self.upload.as_mut().ok_or(Refusal::NoUpload)?;
                 upload.take(chunk, mailbox, now, |written, first| {
                     self.excursion.written(written, first, mailbox.slots());
-                    self.bounds.travel.written(written, first, mailbox.slots());
                     is_stopped();
                 })?;
                 Ok(accepted(now))
@@ -263,9 +247,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Store => self.store(mailbox),
             Command::Forget => self.forget(mailbox),
             Command::Maintenance => Ok(Event::Maintenance(self.maintenance())),
-            Command::Board => Ok(Event::Board(self.system.board())),
-            Command::Profile => Ok(Event::Profile(self.bounds.report())),
-            Command::WriteProfile(setting) => self.write_profile(setting, mailbox),
             Command::BootloaderToken => {
                 self.refuse_unless_leavable(mailbox)?;
                 Ok(Event::BootloaderToken(self.bootloader.give_token(&self.device.unit, mailbox.now())))
@@ -321,7 +302,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         self.user_acted_at = self.user_acted_at.max(mailbox.trigger().1.unwrap_or(0));
         // A table swap that is pending is no drive.
         let sounds = view.armed && !view.report.silent;
-        if sounds && now.saturating_sub(self.user_acted_at) >= self.bounds.max_drive(&self.timing) {
+        if sounds && now.saturating_sub(self.user_acted_at) >= self.timing.max_drive {
             mailbox.fault(Fault::DriveTime, Stop::Normal);
         }
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {

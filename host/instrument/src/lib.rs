@@ -31,7 +31,6 @@ pub mod measured_file;
 #[cfg(feature = "native")]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "this computer's threads"))]
 pub mod native;
-pub mod profile_file;
 pub mod recording;
 pub mod rig;
 

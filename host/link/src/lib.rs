@@ -33,7 +33,6 @@ pub mod foldback;
 mod harmonic;
 mod hold;
 mod journal;
-mod lease;
 mod listen;
 mod log;
 pub mod mirror;

@@ -8,7 +8,6 @@ use crate::signals;
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
-use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{DriveRequest, LinkState, Snapshot, Sounding};
 use slipline_model::atomic_file::{read_text, said};
 use slipline_model::setup::file::{self, Opened};
@@ -52,7 +51,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         table.check_sum(&tones).map_err(Failure::usage)?;
     }
     let mut holder = arguments.hold.holder(&device, &plate, &table, &request)?;
-    device.arm_for(lease(arguments))?;
+    device.arm()?;
     let apply = match arguments.at {
         Begin::Now => Apply::Next,
         Begin::Trigger => Apply::AtTrigger,
@@ -88,7 +87,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             match duration_s {
                 Some(seconds) => writeln!(out, "Driving for {seconds} s."),
                 None => {
-                    let most = device.snapshot().fault_text(Fault::DriveTime);
+                    let most = Fault::DriveTime.text();
                     writeln!(out, "Driving until Ctrl-C; the device stops by itself after {most}.")
                 }
             }
@@ -135,13 +134,6 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "clipped_samples": device.snapshot().status.map(|status| status.counters.clips),
     });
     output::print(as_json, &value, |out| writeln!(out, "Stopped."))
-}
-
-/// The lease of the drive: as long as it lasts and ten seconds more. What waits for the trigger may wait for any time.
-fn lease(arguments: &DriveArguments) -> Option<Duration> {
-    let longest_s = f64::from(LEASE_MS.1) / 1e3;
-    let lease_s = arguments.duration.map_or(longest_s, |duration_s| (duration_s + 10.0).min(longest_s));
-    (arguments.at == Begin::Now).then(|| Duration::from_secs_f64(lease_s))
 }
 
 /// The plate, the drive, and the setup that defines both, if any.
@@ -240,10 +232,7 @@ fn check(device: &Device) -> Result<(), Failure> {
         return Err(Failure::Failed(trouble.to_string()));
     }
     match snapshot.status.filter(|status| !status.faults.is_empty()) {
-        Some(status) => {
-            let faults = snapshot.faults_text(status.faults);
-            Err(Failure::Failed(format!("the device stopped: {faults}")))
-        }
+        Some(status) => Err(Failure::Failed(format!("the device stopped: {}", status.faults))),
         None => Ok(()),
     }
 }

@@ -26,7 +26,6 @@ mod measuring;
 mod merit;
 mod output;
 mod presets;
-mod profile;
 mod progress;
 mod record;
 mod respond;
@@ -47,7 +46,6 @@ pub use failure::Failure;
 pub use figures::FiguresArguments;
 pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
-pub use profile::ProfileArguments;
 pub use sweep::SweepArguments;
 pub use texture::TextureArguments;
 pub use trim::TrimArguments;
@@ -111,8 +109,6 @@ pub enum Command {
         #[command(flatten)]
         port: PortArgument,
     },
-    /// Show or write the profile of a board's actuator: the limits that the device itself keeps, for every program.
-    Profile(ProfileArguments),
     /// Put a table on a device and drive it.
     Drive(DriveArguments),
     /// Solve the plate at one frequency: complex amplitude over x, turning point, peak.
@@ -168,9 +164,6 @@ pub struct ArmingArgument {
     /// Arm a board although it reports that its brown-out level is not set.
     #[arg(long)]
     despite_brown_out_level: bool,
-    /// Arm a board although it keeps no profile of its actuator.
-    #[arg(long)]
-    despite_no_profile: bool,
 }
 
 /// The plate.
@@ -440,7 +433,6 @@ impl Command {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
             Self::Info { port } => info::run(&port, json),
-            Self::Profile(arguments) => profile::run(&arguments, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
             Self::Respond(arguments) => respond::run(&arguments, json),
             Self::Table(arguments) => table::run(&arguments, json),

@@ -91,9 +91,8 @@ class Outputs:
     # --- break
 
     def is_break_input_active(self):
-        """Whether the break input has its active level, and the break is enabled."""
-        level = self.timer.board.pins.break_level(self.timer.number)
-        return bool(self.main & BREAK_ENABLED) and bool(level) == bool(self.main & BREAK_ACTIVE_HIGH)
+        """Nothing is wired to the break inputs: an input that no pin is mapped to reads 0."""
+        return bool(self.main & BREAK_ENABLED) and not self.main & BREAK_ACTIVE_HIGH
 
     def break_in(self, by_program):
         """Switches the main output off if the timer has a break and it is enabled; the program's own break (EGR.BG)

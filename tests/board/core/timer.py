@@ -212,11 +212,6 @@ class Timer:
             self.outputs.show()
             self.raise_interrupt()
 
-    def look_at_break(self):
-        """The level at the break input has changed."""
-        if self.outputs.has_main() and self.outputs.is_break_input_active():
-            self.break_in()
-
     def raise_interrupt(self):
         if self.status & self.enabled:
             for irq, flags in self.interrupts.items():

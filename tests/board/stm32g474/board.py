@@ -27,7 +27,7 @@ REQUESTS = {"ADC1": 5, "DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "T
 # DS12288 table 13.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PA6", 2): (3, "IN1"), ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB7", 5): (8, "BKIN"), ("PB5", 10): (17, "1"),
+    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PA6", 2): (3, "IN1"), ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB5", 10): (17, "1"),
 }  # fmt: skip
 # RM0440 9.4.1 to 9.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFG"}
@@ -44,9 +44,6 @@ REVISION_X = 0x20036469
 def dac_speed(bus_hz):
     """DAC_MCR.HFSEL by the AHB's clock (RM0440 22.7.16)."""
     return 0b10 if bus_hz > 160e6 else 0b01 if bus_hz > 80e6 else 0b00
-
-# What pulls pins on the board: the mute pin's resistor (BOARDS.md).
-RESISTORS = {"PB5": 0}
 
 
 class Power(registers.Registers):
@@ -99,7 +96,7 @@ class Board(board.Board):
         others = (0x04, 0x10, 0x20, 0x24, 0x28, 0x2C, 0x30, 0x34)
         self.exti = registers.Exti(mask=0x00, rising=0x08, falling=0x0C, waiting=0x14, others=others)
         self.system = registers.Registers("SYSCFG", dict.fromkeys(range(0x00, 0x2C, 4), 0))
-        self.pins = pins.Pins(self, ALTERNATES, PORTS, RESISTORS)
+        self.pins = pins.Pins(self, ALTERNATES, PORTS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
         self.dac = dac.DacWithMode(self, 54, DAC_TRIGGERS, lambda: self.clocks.frequencies.ahb, dac_speed)
         reaches = ((SRAM, 96 << 10), (0x10000000, 1 << 15), (flash.START, flash.SIZE))

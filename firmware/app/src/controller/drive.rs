@@ -3,9 +3,8 @@
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::command::{Apply, ArmLease, Chord, Comb, Drive};
-use slipline_protocol::event::{Accepted, AcceptedUntil, Event, Fault};
-use slipline_protocol::limits;
+use slipline_protocol::command::{Apply, Chord, Comb, Drive};
+use slipline_protocol::event::{Accepted, AcceptedUntil, Event};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
@@ -14,7 +13,7 @@ use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
 use crate::planning::plan::Planner;
-use crate::ports::{FlashPages, StopInput, System, UserButton};
+use crate::ports::{FlashPages, System};
 use crate::range::in_range;
 use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
@@ -25,9 +24,6 @@ const LONGEST_LEAD: u64 = 64;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
-        if self.is_stopped_on_the_desk() {
-            mailbox.latch(Fault::DeskStop);
-        }
         let view = mailbox.view();
         self.refuse_if_unfit(view.faults)?;
         if view.armed {
@@ -45,31 +41,6 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         self.user_acted_at = view.next;
         Ok(mailbox.arm())
-    }
-
-    pub(super) fn arm_for<M: RawMutex>(
-        &mut self,
-        ArmLease { lease_ms }: ArmLease,
-        mailbox: &Mailbox<M>,
-    ) -> Result<SampleIndex, Refusal> {
-        let (least, most) = limits::LEASE_MS;
-        in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
-        let ready = self.arm(mailbox)?;
-        self.user_acts(mailbox.now(), mailbox);
-        mailbox.lease(self.timing.samples(lease_ms), self.user_acted_at);
-        Ok(ready)
-    }
-
-    /// The user has acted, or will at this index: the drive's time and the lease begin anew.
-    fn user_acts<M: RawMutex>(&mut self, at: SampleIndex, mailbox: &Mailbox<M>) {
-        self.user_acted_at = self.user_acted_at.max(at);
-        mailbox.begin_lease(at);
-    }
-
-    /// Whether the user holds the button, or the stop input is open.
-    pub(super) fn is_stopped_on_the_desk(&self) -> bool {
-        let board = self.system.board();
-        board.user_button == UserButton::Pressed || board.stop_input == StopInput::Open
     }
 
     pub(super) fn refuse_unless_armed(&self, armed: bool, faults: FaultLatch) -> Result<(), Refusal> {
@@ -107,11 +78,11 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let at = self.begin(drive.apply, view.next.max(view.ready_at), view, lead)?;
             let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
-            self.check_motion(&motion, false, mailbox)?;
+            self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acts(published.at, mailbox);
+        self.user_acted_at = self.user_acted_at.max(published.at);
         Ok(published)
     }
 
@@ -128,8 +99,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
         planner.place_chord(chord, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
-        self.candidate.check(self.bounds.ceiling(), is_stopped)?;
-        self.rise(chord.glide, chord.apply, true, is_stopped, mailbox)
+        self.candidate.check(is_stopped)?;
+        self.rise(chord.glide, chord.apply, is_stopped, mailbox)
     }
 
     /// Never inlined, as [`Controller::chord`].
@@ -145,15 +116,14 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
         planner.place_comb(comb, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
-        self.rise(comb.glide, comb.apply, false, is_stopped, mailbox)
+        self.rise(comb.glide, comb.apply, is_stopped, mailbox)
     }
 
-    /// Lets the candidate's tones rise from silence; `is_proven`: their peak is known to be within the bounds.
+    /// Lets the candidate's tones rise from silence.
     fn rise<M: RawMutex>(
         &mut self,
         glide: u32,
         apply: Apply,
-        is_proven: bool,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
@@ -167,11 +137,11 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             let at = self.begin(apply, earliest, view, lead)?;
             let mut planner = self.planner(mailbox, is_stopped);
             let motion = planner.chord(&self.candidate.tones, at, glide, self.active, &view.motion)?;
-            self.check_motion(&motion, is_proven, mailbox)?;
+            self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acts(at, mailbox);
+        self.user_acted_at = self.user_acted_at.max(at);
         Ok(at)
     }
 
@@ -185,7 +155,6 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let (armed, faults) = mailbox.standing();
         self.refuse_unless_armed(armed, faults)?;
         self.excursion.check_glide(glide, &self.timing)?;
-        self.bounds.travel.check_glide(glide, &self.timing)?;
         if apply == Apply::AtTrigger && !self.system.has_trigger_input() {
             return Err(Refusal::NotSupported);
         }

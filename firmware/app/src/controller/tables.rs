@@ -36,7 +36,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             let at = view.next.saturating_add(lead);
             let motion = self.planner(mailbox, is_stopped).swap(at, table, &view.motion)?;
-            self.check_motion(&motion, false, mailbox)?;
+            self.excursion.check(&motion, mailbox.slots())?;
             Ok(motion)
         })?;
         self.end_hold(mailbox);
@@ -117,7 +117,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
 
 /// Erasing flash stalls the processor for seconds, in which no stop is served: only with the amplifier off, where a
 /// repeated mid-scale is not felt.
-pub(super) fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal> {
     let view = mailbox.view();
     if view.armed {
         Err(Refusal::DisarmFirst)
@@ -129,6 +129,6 @@ pub(super) fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(
     }
 }
 
-pub(super) const fn unchanged(at: SampleIndex) -> Event {
+const fn unchanged(at: SampleIndex) -> Event {
     Event::Unchanged(Accepted { at })
 }

@@ -281,8 +281,7 @@ fn the_cost_that_is_told_is_that_of_the_dearest_block() {
         .flatten()
         .collect();
     let counter = Readings(readings.into_iter());
-    let ports =
-        RendererPorts { dac: Takes(4), mute: NoPin, trigger: (), button: (), cycles: counter, sense: () };
+    let ports = RendererPorts { dac: Takes(4), mute: NoPin, trigger: (), cycles: counter, sense: () };
     let values = Values::new();
     let mut listener = Listener::starting_at(renderer.index(), &values);
     let mut running = core::pin::pin!(renderer.run(&mailbox, ports, &mut listener));

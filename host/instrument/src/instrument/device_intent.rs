@@ -3,11 +3,6 @@
 use super::Instrument;
 use slipline_link::Request;
 use slipline_link::protocol::event::State;
-use slipline_link::protocol::limits::LEASE_MS;
-use std::time::Duration;
-
-/// How long a device that its user has armed stays armed without a drive: as long as a drive may last.
-const LEASE: Duration = Duration::from_millis(LEASE_MS.1 as u64);
 
 /// A request of the user to the device itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,7 +38,7 @@ impl Instrument {
         let ticket = self.link.send(match intent {
             DeviceIntent::Disconnect => Request::Disconnect,
             DeviceIntent::AutoReconnect(looks) => Request::AutoReconnect(looks),
-            DeviceIntent::Arm => Request::ArmFor(LEASE),
+            DeviceIntent::Arm => Request::Arm,
             DeviceIntent::ClearFaults => Request::ClearFaults,
             DeviceIntent::CancelUpload => Request::CancelUpload,
             DeviceIntent::ReadBack => Request::ReadBack,

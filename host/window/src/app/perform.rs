@@ -170,14 +170,10 @@ impl App {
             Confirm::Bootloader => DeviceIntent::Bootloader,
         };
         if confirm == Confirm::Arm
+            && snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded)
             && let Some(unit) = snapshot.unit()
         {
-            if snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded) {
-                self.settings.arms_unguarded(unit.clone());
-            }
-            if snapshot.lacks_profile() {
-                self.settings.arms_without_profile(unit);
-            }
+            self.settings.arms_unguarded(unit);
         }
         self.instrument.perform_device(asked);
     }

@@ -4,13 +4,11 @@ use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::real_device;
 use crate::test_app::{TestApp, open_window};
+use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
-use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::Request;
-use slipline_link::protocol::board::{BoardReport, MuteResistor};
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Maintenance, State};
-use slipline_window::app::App;
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
@@ -25,7 +23,7 @@ const UNGUARDED: Maintenance =
     Maintenance { erasures: 3, erasures_promised: 20_000, brown_out_guarded: false };
 
 fn arms(link: &FixedLink) -> usize {
-    link.sent.borrow().iter().filter(|request| matches!(request, Request::Arm | Request::ArmFor(_))).count()
+    link.sent.borrow().iter().filter(|request| matches!(request, Request::Arm)).count()
 }
 
 #[test]
@@ -73,43 +71,6 @@ fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more(
         window.run_steps(5);
         assert_eq!((arms(&link), window.state().settings().unguarded_boards.len()), (1, 0));
     }
-}
-
-#[test]
-fn a_board_without_a_profile_of_its_actuator_asks_once_before_it_is_armed() {
-    let mut link = telling(State::Idle, None);
-    Arc::make_mut(&mut link.snapshot).profile = Some(Arc::default());
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
-    let asks = |window: &Harness<'static, App>| {
-        window.query_by_label_contains("keeps no profile of its actuator").is_some()
-    };
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
-    assert!(asks(&window) && window.query_by_label("Arm").is_none());
-    window.get_by_label("Arm anyway").click();
-    window.run_steps(5);
-    assert_eq!(window.state().settings().boards_without_profile, [link.snapshot.unit().unwrap()]);
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
-    assert!(!asks(&window));
-    window.get_by_label("Arm").click();
-    window.run_steps(5);
-    assert_eq!(arms(&link), 2);
-}
-
-#[test]
-fn the_device_panel_says_that_a_board_without_its_mute_resistor_stays_muted() {
-    let mut link = telling(State::Idle, None);
-    let missing = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
-    Arc::make_mut(&mut link.snapshot).board = Some(missing);
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
-    window.get_by_label("Device").click();
-    window.run_steps(5);
-    assert!(window.query_by_label_contains("Muted: no resistor at the mute pin.").is_some());
 }
 
 #[test]

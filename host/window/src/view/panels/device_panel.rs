@@ -152,9 +152,6 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ui.label(RichText::new(warning).small().color(palette.warn));
         }
     }
-    if let Some(warning) = snapshot.board.as_ref().and_then(upkeep::muted_for_good) {
-        ui.label(RichText::new(warning).small().color(palette.warn));
-    }
     if let Some(compatibility) = snapshot.compatibility {
         let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
