@@ -140,7 +140,7 @@ fn merit_has_the_figures_of_the_readmes_table() {
     let readme = include_str!("../../../README.md");
     let rows = readme.lines().skip_while(|line| !line.starts_with("| preset | contrast"));
     let rows: Vec<&str> = rows.skip(2).take_while(|line| line.starts_with("| `")).collect();
-    assert_eq!(rows.len(), 7);
+    assert_eq!(rows.len(), 8);
     for row in rows {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
         let name = cells[1].trim_matches('`');
