@@ -132,7 +132,7 @@ impl App {
             screenshots: channel(),
         };
         app.instrument.perform_device(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
-        if first_setup().is_some_and(|first| first.plate.to_toml() == app.setup().plate.to_toml()) {
+        if first_setup().is_some_and(|first| first.plate == app.setup().plate) {
             app.rest_finger();
         }
         let port = app.settings.port.as_deref().and_then(|name| name.parse().ok()).unwrap_or(Port::Simulated);

@@ -1,8 +1,8 @@
 //! What the user hears: the vibration at the finger, or the drive itself.
 //!
-//! With the simulated device the finger is heard, from the user's first touch on, unless the user has switched it off. With a real one nothing is heard until
-//! the user switches it on for each connection, because its plate makes a sound of its own. The drive is played only on
-//! request.
+//! With the simulated device the finger is heard, from the user's first touch on, unless the user has switched it off. With
+//! a real one nothing is heard until the user switches it on for each connection, because its plate makes a sound of its
+//! own. The drive is played only on request.
 
 use super::App;
 use crate::sound::{SoundChoice, SpeakerState};

@@ -14,29 +14,30 @@ fn shapes(output: &FullOutput) -> impl Iterator<Item = &Shape> {
     output.shapes.iter().map(|clipped| &clipped.shape)
 }
 
-/// The middles of the envelope's rings, without that of the legend.
-fn rings(output: &FullOutput) -> Vec<Pos2> {
-    let ring = |shape: &Shape| match shape {
-        Shape::Circle(circle) if circle.radius == 2.8 => Some(circle.center),
-        _ => None,
-    };
-    let mut rings: Vec<Pos2> = shapes(output).filter_map(ring).collect();
-    rings.pop();
-    rings
+/// The middles of these shapes, without that of the legend, which is drawn last.
+fn middles(output: &FullOutput, of: impl Fn(&Shape) -> Option<Pos2>) -> Vec<Pos2> {
+    let mut middles: Vec<Pos2> = shapes(output).filter_map(of).collect();
+    middles.pop();
+    middles
 }
 
-/// The middles of the marks of measured places, without that of the legend.
+/// The envelope's rings.
+fn rings(output: &FullOutput) -> Vec<Pos2> {
+    middles(output, |shape| match shape {
+        Shape::Circle(circle) if circle.radius == 2.8 => Some(circle.center),
+        _ => None,
+    })
+}
+
+/// The marks of measured places.
 fn marks(output: &FullOutput) -> Vec<Pos2> {
-    let mark = |shape: &Shape| match shape {
+    middles(output, |shape| match shape {
         Shape::Path(path) if path.closed && path.points.len() == 4 => {
             let around = shape.visual_bounding_rect();
             (around.width() < 16.0 && around.height() < 16.0).then(|| around.center())
         }
         _ => None,
-    };
-    let mut marks: Vec<Pos2> = shapes(output).filter_map(mark).collect();
-    marks.pop();
-    marks
+    })
 }
 
 /// The predicted curve of a drive that sounds.
