@@ -1,8 +1,9 @@
 //! `respond` against an integration of the amplitude equation, on random plates with exponential, linear and sampled
 //! tapers.
 //!
-//! W'' of a sampled taper jumps at its points, where the solver's scheme is of first order: with 12 to 38 points the
-//! largest difference is 4e-4 of the largest amplitude, 0.003 dB. Over all tapers the median is 2e-10.
+//! W'' of a sampled taper jumps at its points. With the solver's correction of its scheme there (`numerov/breaks.rs`) the largest
+//! difference on tapers of 12 to 38 points is 1.2e-7 of the largest amplitude (4e-4 without it). Over all tapers the median
+//! is 2e-10.
 
 use slipline_plate::truth::Random;
 use slipline_plate::{Complex64, DriveEnd, Equation, Plate, PlateSpec, Taper, TurningWidth, preset, respond};
@@ -100,5 +101,5 @@ fn differences(numbers: impl Iterator<Item = u64>) -> Vec<f64> {
 fn the_response_is_that_of_the_integrated_equation_on_sixty_plates() {
     let all = differences(0..60);
     // Two thirds have no points.
-    assert!(all[all.len() / 2] < 1e-9 && all[all.len() - 1] < 5e-4, "{all:?}");
+    assert!(all[all.len() / 2] < 1e-9 && all[all.len() - 1] < 1e-6, "{all:?}");
 }

@@ -241,9 +241,9 @@ fn monotone_slopes(position: &[f64], value: &[f64]) -> Vec<f64> {
 
 fn curve_at(position: &[f64], value: &[f64], slope: &[f64], x: f64) -> LogWidth {
     let last = position.len() - 1;
-    if x <= position[0] || x >= position[last] {
+    if x < position[0] || x >= position[last] {
         // Continued as an exponential taper with the end's slope.
-        let end = if x <= position[0] { 0 } else { last };
+        let end = if x < position[0] { 0 } else { last };
         return LogWidth {
             value: value[end] + slope[end] * (x - position[end]),
             slope: slope[end],

@@ -15,6 +15,7 @@
 //! driven end. In that direction the wanted solution grows, so the recursion is stable and needs no matrix. The
 //! condition at the driven end then gives the scale; its derivative is of fourth order, too.
 
+mod breaks;
 mod grid;
 mod together;
 mod two_solutions;

@@ -1,5 +1,6 @@
 //! The amplitude equation of one plate on a grid, and what it is at one frequency.
 
+use super::breaks;
 use crate::definition::air_along::AirAlong;
 use crate::definition::plate::Plate;
 use crate::definition::strip_table::StripTable;
@@ -85,13 +86,16 @@ impl Grid {
         let is_in_air = equation == Equation::Corrected && width_mode.air(plate.band_hz().1).is_some();
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
-        let barrier_at = |x: f64| match equation {
-            Equation::Corrected => {
-                let across = if law.is_some() || is_in_air { 0.0 } else { width_mode.width_term(x) };
-                across + plate.weight_at(x).root_curvature() - plate.edge_bend(x).term
+        let with_width = |has_width: bool| {
+            move |x: f64| match equation {
+                Equation::Corrected => {
+                    let across = if has_width { width_mode.width_term(x) } else { 0.0 };
+                    across + plate.weight_at(x).root_curvature() - plate.edge_bend(x).term
+                }
+                Equation::Paper => width_mode.width_term(x),
             }
-            Equation::Paper => width_mode.width_term(x),
         };
+        let barrier_at = with_width(law.is_none() && !is_in_air);
         let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);
         barrier.push(barrier_at(-step_m));
         barrier.extend((0..on_plate).map(|i| barrier_at(i as f64 * step_m)));
@@ -124,6 +128,7 @@ impl Grid {
             Equation::Paper => (vec![1.0; on_plate], 0.0),
         };
         let is_rising = barrier.is_sorted();
+        breaks::mend(&mut barrier, step_m, plate, with_width(law.is_none()));
         let local = if plate.is_graded() {
             (0..barrier.len()).map(|index| width_mode.local((index as f64 - 1.0) * step_m)).collect()
         } else {
