@@ -42,8 +42,9 @@ pub use definition::{
 };
 pub use frequency::{
     CONTACT_M, COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, Finger, POINTS_MAX,
-    POINTS_MIN, Peak, PredictedEnvelope, RespondError, Response, ToneDrive, predict_envelope, reflection,
-    resistance_reflection, respond, respond_batch, respond_coupled, respond_range, respond_touched,
+    POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder, Response, ToneDrive, predict_envelope,
+    reflection, resistance_reflection, respond, respond_batch, respond_coupled, respond_range,
+    respond_touched,
 };
 pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};

@@ -4,15 +4,23 @@
 //! many as a number after ` -- ` says: over an hour the memory that it prints must not grow.
 //! A thread moves the pointer 125 times a second, as a mouse does. For each move it is measured how long it takes until
 //! the first picture that knows of it has been handed to the graphics (software graphics have drawn it by then; a graphics
-//! card may need some milliseconds more), and how much processor time the whole program takes, all its threads together.
+//! card may need some milliseconds more), and how much processor time the whole program takes, all its threads together; how
+//! long a picture itself takes, in the program and in the graphics; and how late the latest of the link's keep-alives and of
+//! the window's signs of life was.
 
 use eframe::egui::{self, CursorIcon, Event, Pos2, pos2};
-use slipline_link::native::Worker;
+use slipline_link::native::{Handle, Worker};
+use slipline_link::protocol::Command;
+use slipline_link::protocol::limits::KEEP_ALIVE_PERIOD_MS;
+use slipline_link::{SIGN_PERIOD, TracedMessage};
 use slipline_window::app::{App, Parts, first_setup, run_in_event_loop};
 use slipline_window::settings::Settings;
+use slipline_window::view::theme;
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time between two moves of the pointer.
@@ -28,6 +36,7 @@ const PERIOD: Duration = Duration::from_secs(2);
 const GOAL_MS: f64 = 40.0;
 const GOAL_PICTURES: f64 = 25.0;
 const GOAL_CORE_PERCENT: f64 = 100.0;
+const GOAL_LATE_MS: f64 = 200.0;
 
 /// What the pointer does at present.
 enum Stage {
@@ -43,7 +52,7 @@ struct Drag {
     is_pressed: bool,
     since: Instant,
     lasts: Duration,
-    processor_s: f64,
+    processor_s: BTreeMap<String, f64>,
     /// Memory in use when the drag began, in MB.
     memory_mb: f64,
     moves: Receiver<Instant>,
@@ -51,10 +60,43 @@ struct Drag {
     on_the_way: Vec<Instant>,
     delays: Vec<Duration>,
     pictures: u32,
+    /// How long the program worked on each picture, and then the graphics.
+    own: Vec<[Duration; 2]>,
+    late: Arc<Mutex<Late>>,
+}
+
+/// How late the latest of the link's keep-alives and of the window's signs of life came.
+#[derive(Default)]
+struct Late {
+    beat: Option<Duration>,
+    sign: Option<Duration>,
+    keep_alive_late: Duration,
+    sign_late: Duration,
+}
+
+impl Late {
+    /// Looks at what the link has sent since the last call, and at the latest sign.
+    fn look(&mut self, link: &Handle) {
+        let period = Duration::from_millis(KEEP_ALIVE_PERIOD_MS.into());
+        let snapshot = link.snapshot();
+        for frame in snapshot.frames.iter() {
+            let is_beat = matches!(frame.message, TracedMessage::Command(Command::KeepAlive(_)));
+            if is_beat && self.beat.is_none_or(|beat| frame.time > beat) {
+                let since = self.beat.replace(frame.time).map_or(period, |beat| frame.time - beat);
+                self.keep_alive_late = self.keep_alive_late.max(since.saturating_sub(period));
+            }
+        }
+        let sign = link.latest_sign();
+        let since = self.sign.replace(sign).map_or(SIGN_PERIOD, |before| sign.saturating_sub(before));
+        self.sign_late = self.sign_late.max(since.saturating_sub(SIGN_PERIOD));
+    }
 }
 
 struct Bench {
     app: App,
+    link: Handle,
+    /// When the program began with the present picture, and when the graphics began.
+    began: [Instant; 2],
     stage: Stage,
     /// When the last picture had been handed to the graphics.
     drawn: Rc<Cell<Instant>>,
@@ -62,17 +104,24 @@ struct Bench {
 }
 
 impl eframe::App for Bench {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        theme::ground(visuals)
+    }
+
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        self.began[0] = Instant::now();
         self.app.logic(ctx);
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.app.show(ui);
+        self.began[1] = Instant::now();
         let Stage::Seeking(at) = &mut self.stage else { return };
         if ui.output(|output| output.cursor_icon) == CursorIcon::ResizeHorizontal {
-            self.stage = Stage::Dragging(Drag::begin(*at, ui.ctx()));
+            self.stage = Stage::Dragging(Drag::begin(*at, ui.ctx(), self.link.clone()));
         } else {
-            at.x += 3.0;
+            // Half the handle's width.
+            at.x += 12.0;
             assert!(at.x < ui.ctx().content_rect().right(), "the boundary's handle was not found");
             ui.ctx().request_repaint();
         }
@@ -90,6 +139,8 @@ impl eframe::App for Bench {
             }
             Stage::Seeking(at) => input.events.push(Event::PointerMoved(*at)),
             Stage::Dragging(drag) => {
+                let [began, shown] = self.began;
+                drag.own.push([shown - began, self.drawn.get().saturating_duration_since(shown)]);
                 drag.advance(input, self.drawn.get());
                 if drag.since.elapsed() > drag.lasts {
                     drag.report();
@@ -103,18 +154,22 @@ impl eframe::App for Bench {
 }
 
 impl Drag {
-    fn begin(grip: Pos2, ctx: &egui::Context) -> Self {
+    fn begin(grip: Pos2, ctx: &egui::Context, link: Handle) -> Self {
         let (sender, moves) = channel();
         let ctx = ctx.clone();
+        let late: Arc<Mutex<Late>> = Arc::default();
+        let looked = Arc::clone(&late);
         std::thread::spawn(move || {
             // Until the window is closed.
             while sender.send(Instant::now()).is_ok() {
                 ctx.request_repaint();
+                looked.lock().unwrap_or_else(PoisonError::into_inner).look(&link);
                 std::thread::sleep(MOVE);
             }
         });
+        println!("the boundary of the first scene is dragged");
         let (since, processor_s) = (Instant::now(), processor_s());
-        let (on_the_way, delays) = (Vec::new(), Vec::new());
+        let (on_the_way, delays, own) = (Vec::new(), Vec::new(), Vec::new());
         let asked_s = std::env::args().find_map(|argument| argument.parse().ok());
         let lasts = Duration::from_secs(asked_s.unwrap_or(DRAG_S));
         let (memory_mb, pictures) = (memory_mb(), 0);
@@ -129,6 +184,8 @@ impl Drag {
             on_the_way,
             delays,
             pictures,
+            own,
+            late,
         }
     }
 
@@ -155,17 +212,39 @@ impl Drag {
 
     fn report(&mut self) {
         let took_s = self.since.elapsed().as_secs_f64();
-        let core = 100.0 * (processor_s() - self.processor_s) / took_s;
-        self.delays.sort();
-        let at = |share: f64| {
-            let delay = self.delays.get(((self.delays.len() as f64 - 1.0) * share) as usize);
-            delay.map_or(f64::NAN, |delay| delay.as_secs_f64() * 1e3)
+        let now_s = processor_s();
+        let core = |name: &str| {
+            let at = |times: &BTreeMap<String, f64>| times.get(name).copied().unwrap_or(0.0);
+            100.0 * (at(&now_s) - at(&self.processor_s)) / took_s
         };
-        println!("pointer to picture, median    {:6.1} ms   goal {GOAL_MS} ms", at(0.5));
-        println!("pointer to picture, 95 %      {:6.1} ms", at(0.95));
+        let ms = |time: Duration| time.as_secs_f64() * 1e3;
+        let at = |times: &mut dyn Iterator<Item = Duration>, share: f64| {
+            let mut sorted: Vec<Duration> = times.collect();
+            sorted.sort();
+            sorted.get(((sorted.len() as f64 - 1.0) * share) as usize).map_or(f64::NAN, |&time| ms(time))
+        };
+        let delay = |share| at(&mut self.delays.iter().copied(), share);
+        println!("pointer to picture, median    {:6.1} ms   goal {GOAL_MS} ms", delay(0.5));
+        println!("pointer to picture, 95 %      {:6.1} ms", delay(0.95));
         let pictures = f64::from(self.pictures) / took_s;
         println!("pictures a second             {pictures:6.1}      goal {GOAL_PICTURES}");
-        println!("processor, of one core        {core:6.0} %    goal {GOAL_CORE_PERCENT} %");
+        let own = |part: usize| at(&mut self.own.iter().map(|own| own[part]), 0.5);
+        println!(
+            "a picture itself, median      {:6.1} ms in the program, {:.1} ms in the graphics",
+            own(0),
+            own(1)
+        );
+        let whole: f64 = now_s.keys().map(|name| core(name)).sum();
+        println!("processor, of one core        {whole:6.0} %    goal {GOAL_CORE_PERCENT} %");
+        for name in now_s.keys().filter(|name| core(name) >= 1.0) {
+            println!("  {name:28}{:6.0} %", core(name));
+        }
+        let late = self.late.lock().unwrap_or_else(PoisonError::into_inner);
+        println!(
+            "latest keep-alive, late by    {:6.1} ms   goal {GOAL_LATE_MS} ms; latest sign of life {:.1} ms",
+            ms(late.keep_alive_late),
+            ms(late.sign_late)
+        );
         println!("memory, before and after      {:6.0} MB and {:.0} MB", self.memory_mb, memory_mb());
     }
 }
@@ -178,14 +257,18 @@ fn memory_mb() -> f64 {
     kilobytes.map_or(f64::NAN, |kilobytes| kilobytes / 1024.0)
 }
 
-/// Processor time that all threads of this program have taken, in seconds; not known on every system.
-fn processor_s() -> f64 {
-    // The 14th and 15th value, in ticks; the name before them may hold spaces, but ends with a bracket.
-    let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let ticks = text.rsplit(')').next().map(|rest| {
-        rest.split_whitespace().skip(11).take(2).filter_map(|value| value.parse::<f64>().ok()).sum::<f64>()
-    });
-    ticks.filter(|&ticks| ticks > 0.0).map_or(f64::NAN, |ticks| ticks / 100.0)
+/// Processor time that the threads of this program have taken, by their names, in seconds; not known on every system.
+fn processor_s() -> BTreeMap<String, f64> {
+    let mut times = BTreeMap::new();
+    for thread in std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten() {
+        let text = std::fs::read_to_string(thread.path().join("stat")).unwrap_or_default();
+        // The name may hold spaces, but ends with a bracket; the 14th and 15th value are in ticks.
+        let Some((start, rest)) = text.rsplit_once(')') else { continue };
+        let ticks = rest.split_whitespace().skip(11).take(2).filter_map(|value| value.parse::<f64>().ok());
+        let name = start.split_once('(').map_or("", |(_, name)| name);
+        *times.entry(name.to_owned()).or_default() += ticks.sum::<f64>() / 100.0;
+    }
+    times
 }
 
 fn main() -> eframe::Result {
@@ -205,7 +288,8 @@ fn main() -> eframe::Result {
         let parts = Parts::threaded(ctx, Box::new(handle.clone()))?;
         let setup = first_setup().ok_or_else(|| anyhow::anyhow!("the first preset is damaged"))?;
         let app = App::new(ctx, parts, setup, Settings::default());
-        let bench = Bench { app, stage: Stage::Settling(Instant::now()), drawn, _worker: worker };
+        let (link, began) = (handle.clone(), [Instant::now(); 2]);
+        let bench = Bench { app, link, began, stage: Stage::Settling(began[0]), drawn, _worker: worker };
         Ok((Box::new(bench) as Box<dyn eframe::App>, handle))
     };
     run_in_event_loop("Slipline drag", options, open, move || at.set(Instant::now()))

@@ -34,6 +34,8 @@ pub(crate) struct Work {
     decided: Option<(Arc<Plate>, f64, SourceChoice)>,
     frame: Option<Frame>,
     driven: Option<TimeDomainJob>,
+    /// Whether a drag has kept that drive from the sheet.
+    is_sheet_owed: bool,
     /// Plate time that has passed in slow motion, in seconds.
     plate_time_s: f64,
     /// The table that was finished last.
@@ -88,6 +90,12 @@ impl Instrument {
     /// Starts the work that the screen needs, and tracks how long it takes.
     pub(crate) fn update_background(&mut self) {
         self.decide_source();
+        if self.background.is_sheet_owed && !self.attention.is_dragging {
+            self.background.is_sheet_owed = false;
+            if self.is_sounding() {
+                self.resume_sheet();
+            }
+        }
         // While the pointer is down, boundary and levels still change.
         if !self.attention.is_dragging && !self.attention.is_pressed {
             self.check();
@@ -168,6 +176,13 @@ impl Instrument {
     pub(crate) fn run_sheet(&mut self, drive: TimeDomainJob) {
         self.background.driven = Some(drive.clone());
         self.decide_source();
+        if self.attention.is_dragging {
+            // A drag makes dozens of drives a second, and the sheet would settle all the time, on a core of its own: until the
+            // end of the drag the modal lines are drawn.
+            self.background.is_sheet_owed = true;
+            self.jobs.sheets.cancel();
+            return self.drop_sheet();
+        }
         // A finger that moves would make another sheet, which begins at rest.
         if self.background.shown.source == Some(FieldSource::Sheet)
             && Arc::ptr_eq(&drive.plate, &self.setup.plate)
@@ -197,7 +212,7 @@ impl Instrument {
         self.background.frame = None;
     }
 
-    /// Runs the sheet on, after the finger was taken off.
+    /// Runs the sheet on, after the finger was taken off or a drag has ended.
     pub(crate) fn resume_sheet(&mut self) {
         if let Some(job) = self.background.driven.clone() {
             self.run_sheet(job);

@@ -3,6 +3,8 @@
 use super::*;
 use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
+use slipline_model::field::sheet::{self, SheetJob};
+use slipline_model::jobs::JobQueue;
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::undo::{EditSource, Gesture};
 use std::cell::{Cell, RefCell};
@@ -62,11 +64,16 @@ impl Wire {
 
 /// An instrument that drives a membrane.
 fn driven() -> (Instrument, Rc<Wire>) {
+    driven_with(Jobs::inline())
+}
+
+/// As [`driven`], with these jobs.
+fn driven_with(jobs: Jobs) -> (Instrument, Rc<Wire>) {
     let loopback = RefCell::new(Loopback::connect(400_000).unwrap());
     let wire = Rc::new(Wire { loopback, sent: RefCell::default() });
     let setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
     let link = Box::new(Wired(Rc::clone(&wire)));
-    let mut instrument = Instrument::new(link, Jobs::inline(), Bench::default(), setup);
+    let mut instrument = Instrument::new(link, jobs, Bench::default(), setup);
     for _ in 0..1000 {
         wire.turn(&mut instrument);
         if instrument.is_sounding() {
@@ -123,6 +130,40 @@ fn the_range_of_a_line_is_found_once_until_something_changes_that_it_follows_fro
         assert_ne!(instrument.limits_m(), range_m, "{edit:?}");
     }
     assert_eq!(LIMITS.get(), 2);
+}
+
+#[test]
+fn a_drag_gives_the_sheet_its_last_drive_alone_and_draws_the_modal_lines_meanwhile() {
+    let drives: Rc<RefCell<Vec<u64>>> = Rc::default();
+    let (given, mut work) = (Rc::clone(&drives), sheet::work());
+    let sheets = JobQueue::inline(move |job: SheetJob, task: &_| {
+        given.borrow_mut().push(job.drive.number);
+        work(job, task)
+    });
+    let (mut instrument, wire) = driven_with(Jobs { sheets, ..Jobs::inline() });
+    wire.turn(&mut instrument);
+    assert!(instrument.shown_sheet().is_some());
+    let (start_m, end_m) = instrument.limits_m();
+    drives.take();
+    instrument.attend(Attention { is_dragging: true, ..Attention::default() });
+    let mut sounded = Vec::new();
+    for step in 0..20 {
+        instrument.drag_line(0, &[start_m + (0.3 + 0.02 * f64::from(step)) * (end_m - start_m)]);
+        for _ in 0..3 {
+            wire.turn(&mut instrument);
+            instrument.move_on(0.01);
+        }
+        sounded.extend(instrument.playback.sounding.as_ref().map(|sounding| sounding.number));
+        assert!(step == 0 || instrument.shown_sheet().is_none(), "{step}");
+    }
+    sounded.dedup();
+    assert!(sounded.len() > 10, "{sounded:?}");
+    assert!(drives.borrow().iter().all(|number| !sounded[1..].contains(number)), "{drives:?}");
+    instrument.attend(Attention::default());
+    wire.turn(&mut instrument);
+    wire.turn(&mut instrument);
+    assert_eq!(drives.borrow().last(), sounded.last());
+    assert!(instrument.shown_sheet().is_some());
 }
 
 #[test]

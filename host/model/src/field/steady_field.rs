@@ -3,7 +3,8 @@
 //! One solution costs tens of microseconds, so the field is solved again for every step of a drag.
 
 use crate::setup::{Setup, ToneSetup};
-use slipline_plate::{Complex64, DriveTable, Equation, Finger, Plate, respond, respond_touched};
+use slipline_plate::{Complex64, DriveTable, Finger, Plate, Responder};
+use std::cell::RefCell;
 
 /// Number of points along the plate.
 pub const POINTS: usize = 401;
@@ -146,15 +147,32 @@ pub fn interpolate(samples: &[f64], share: f64) -> f64 {
     samples[i] + (next - samples[i]) * (t - t.floor())
 }
 
+thread_local! {
+    /// The plate that was solved last, with its grids: a step of a drag solves one plate some ten times.
+    static LATEST: RefCell<Option<Responder>> = const { RefCell::new(None) };
+}
+
+/// The responses of a plate at [`POINTS`] places.
+fn responding<R>(plate: &Plate, solve: impl FnOnce(&mut Responder) -> R) -> R {
+    LATEST.with_borrow_mut(|latest| match latest {
+        Some(responder) if responder.plate() == plate => solve(responder),
+        other => solve(other.insert(Responder::new(plate, POINTS))),
+    })
+}
+
 fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Option<ToneWave> {
-    let response = respond(plate, tone.frequency_hz, POINTS, Equation::Corrected).ok()?;
+    responding(plate, |responder| solve_by(responder, tone, finger))
+}
+
+fn solve_by(responder: &mut Responder, tone: &SteadyTone, finger: Option<&Finger>) -> Option<ToneWave> {
+    let response = responder.respond(None, tone.frequency_hz).ok()?;
     // Without a peak the table defines the amplitude at the turning point, which is 66.28 % of an Airy peak.
     let reference =
         response.peak.as_ref().map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
     let scale = if reference > 0.0 { tone.peak_m / reference } else { 0.0 };
     let response = match finger {
         None => response,
-        Some(_) => respond_touched(plate, finger, tone.frequency_hz, POINTS, Equation::Corrected).ok()?,
+        Some(_) => responder.respond(finger, tone.frequency_hz).ok()?,
     };
     Some(ToneWave {
         tone: *tone,
@@ -228,6 +246,7 @@ pub fn magnification(largest: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipline_plate::{Equation, respond};
 
     #[test]
     fn a_curve_is_magnified_as_far_as_it_fits() {
@@ -248,6 +267,21 @@ mod tests {
             assert!((wave.turning_point_m - x).abs() < 1e-6);
             let at_peak = steady.bound_at(wave.peak_position_m.unwrap());
             assert!((at_peak / 1e-4 - 1.0).abs() < 1e-4, "{at_peak}");
+        }
+    }
+
+    #[test]
+    fn plates_in_turn_have_each_its_own_waves() {
+        let plates = [1.0, 1.02]
+            .map(|speed| slipline_plate::preset("membrane").unwrap().with_wave_speed(speed).unwrap());
+        let tone = SteadyTone { slot: 0, frequency_hz: 150.0, peak_m: 1e-4 };
+        for plate in plates.iter().chain(&plates) {
+            let steady = SteadyField::solve(plate, &[tone]);
+            let wave = steady.tone(0).unwrap();
+            let response = respond(plate, 150.0, POINTS, Equation::Corrected).unwrap();
+            assert_eq!(wave.turning_point_m, response.turning_point_m);
+            let scale = wave.wave[100] / response.amplitude[100];
+            assert!((wave.wave[200] / response.amplitude[200] / scale - 1.0).norm() < 1e-12);
         }
     }
 

@@ -23,4 +23,6 @@ pub use error::RespondError;
 pub use finger::{CONTACT_M, Finger};
 pub use peak::Peak;
 pub use prediction::{PredictedEnvelope, ToneDrive, predict_envelope};
-pub use respond::{POINTS_MAX, POINTS_MIN, Response, respond, respond_batch, respond_range, respond_touched};
+pub use respond::{
+    POINTS_MAX, POINTS_MIN, Responder, Response, respond, respond_batch, respond_range, respond_touched,
+};

@@ -75,18 +75,80 @@ pub fn respond_touched(
     equation: Equation,
 ) -> Result<Response, RespondError> {
     let plate = &*equation.plate(plate);
+    let refinement = checked_refinement(plate, finger, frequency_hz, points)?;
+    let grid = Grid::new(plate, 1, equation, points, refinement);
+    Ok(Response::solved(&grid, plate, finger, frequency_hz, (points, refinement)))
+}
+
+/// The factor by which the grid of a response must be finer than its points.
+fn checked_refinement(
+    plate: &Plate,
+    finger: Option<&Finger>,
+    frequency_hz: f64,
+    points: usize,
+) -> Result<usize, RespondError> {
     check(plate, frequency_hz, points)?;
     if let Some(finger) = finger {
         finger.check(plate)?;
     }
-    let step = plate.length_m() / (points - 1) as f64;
-    let refinement = numerov::refinement(plate, frequency_hz, step);
-    let grid = Grid::new(plate, 1, equation, points, refinement);
-    let fine = match finger {
-        None => numerov::solve(&grid, plate, frequency_hz),
-        Some(finger) => finger::touched(&grid, plate, finger, frequency_hz),
-    };
-    Ok(Response::of(plate, frequency_hz, points, refinement, &fine))
+    Ok(numerov::refinement(plate, frequency_hz, plate.length_m() / (points - 1) as f64))
+}
+
+/// Most grids that a [`Responder`] keeps: those of a plate differ by how fine they are.
+const GRIDS_MAX: usize = 16;
+
+/// Solves one plate at one frequency after the other, with the results of [`respond_touched`] with [`Equation::Corrected`], on
+/// grids that it keeps: a grid depends on the plate and on how fine it must be, not on the frequency.
+///
+/// ```
+/// use slipline_plate::{Equation, Responder, preset, respond};
+///
+/// let plate = preset("membrane").unwrap();
+/// let mut responder = Responder::new(&plate, 257);
+/// for hertz in [140.0, 150.0] {
+///     assert_eq!(responder.respond(None, hertz), respond(&plate, hertz, 257, Equation::Corrected));
+/// }
+/// ```
+#[derive(Debug, Clone)]
+pub struct Responder {
+    plate: Plate,
+    points: usize,
+    /// Each with its refinement, the latest last.
+    grids: Vec<(usize, Grid)>,
+}
+
+impl Responder {
+    /// A responder of this plate on `points` (8 to 200 001) uniform points from 0 to its end.
+    #[must_use]
+    pub fn new(plate: &Plate, points: usize) -> Self {
+        Self { plate: plate.clone(), points, grids: Vec::new() }
+    }
+
+    /// The plate.
+    #[must_use]
+    pub fn plate(&self) -> &Plate {
+        &self.plate
+    }
+
+    /// The response at `frequency_hz`, with a finger on the plate or without.
+    ///
+    /// # Errors
+    /// As [`respond_touched`].
+    pub fn respond(&mut self, finger: Option<&Finger>, frequency_hz: f64) -> Result<Response, RespondError> {
+        let Self { plate, points, grids } = self;
+        let refinement = checked_refinement(plate, finger, frequency_hz, *points)?;
+        let known = grids.iter().position(|(fine, _)| *fine == refinement);
+        let kept = match known {
+            Some(known) => grids.remove(known),
+            None => (refinement, Grid::new(plate, 1, Equation::Corrected, *points, refinement)),
+        };
+        if grids.len() == GRIDS_MAX {
+            grids.remove(0);
+        }
+        let response = Response::solved(&kept.1, plate, finger, frequency_hz, (*points, refinement));
+        grids.push(kept);
+        Ok(response)
+    }
 }
 
 /// Solves the equation at many frequencies on a grid of `points` (8 to 200 001), without refinement.
@@ -168,6 +230,21 @@ pub(crate) fn check_frequency(plate: &Plate, frequency_hz: f64) -> Result<(), Re
 }
 
 impl Response {
+    /// The response of a plate on its grid, `refinement` times as fine as `points` uniform points.
+    fn solved(
+        grid: &Grid,
+        plate: &Plate,
+        finger: Option<&Finger>,
+        frequency_hz: f64,
+        (points, refinement): (usize, usize),
+    ) -> Self {
+        let fine = match finger {
+            None => numerov::solve(grid, plate, frequency_hz),
+            Some(finger) => finger::touched(grid, plate, finger, frequency_hz),
+        };
+        Self::of(plate, frequency_hz, points, refinement, &fine)
+    }
+
     /// Describes a field on a grid `refinement` times as fine as `points` uniform points from 0 to the plate's end.
     pub(crate) fn of(
         plate: &Plate,
@@ -187,6 +264,35 @@ impl Response {
             edge_width_m: crate::special::airy::EDGE_WIDTH / kappa,
             peak: peak::find(fine, step, turning_point_m, kappa),
             amplitude_at_turning_point: peak::amplitude_at(fine, step, turning_point_m),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets;
+
+    #[test]
+    fn a_responder_sets_up_one_grid_for_many_frequencies_and_answers_as_without_it() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let (start_m, end_m) = plate.span_m();
+            let hertz =
+                |i: u32| plate.frequency_for_boundary_hz(start_m + (end_m - start_m) * f64::from(i) / 40.0);
+            let mut responder = Responder::new(&plate, 401);
+            let step_m = plate.length_m() / 400.0;
+            let mut kinds: Vec<usize> =
+                (0..=40).map(|i| numerov::refinement(&plate, hertz(i), step_m)).collect();
+            kinds.sort_unstable();
+            kinds.dedup();
+            let before = numerov::work::done().grids;
+            let answers: Vec<_> = (0..=40).map(|i| responder.respond(None, hertz(i))).collect();
+            let grids = numerov::work::done().grids - before;
+            assert!(kinds.len() <= GRIDS_MAX && grids == kinds.len(), "{}: {grids}", preset.name);
+            for (i, answer) in (0..).zip(answers).step_by(8) {
+                assert_eq!(answer, respond(&plate, hertz(i), 401, Equation::Corrected), "{}", preset.name);
+            }
         }
     }
 }

@@ -51,6 +51,7 @@ pub fn run<'app>(
         let _ = opened.set(handle);
         Ok(app)
     });
+    keep_memory();
     eframe_log::listen();
     let app = eframe::create_native(name, options, creator, &event_loop);
     // Dropped before the loop, which owns the connection to the display.
@@ -59,6 +60,16 @@ pub fn run<'app>(
     let ended_by = eframe_log::take_error();
     let never_opened = answering.link.get().is_none().then(|| "the window system gave no window".to_owned());
     ended_by.or(never_opened).map_or(Ok(()), |reason| Err(eframe::Error::AppCreation(reason.into())))
+}
+
+/// Size of a block that is taken and given back once, in bytes: twice of it is more than a picture needs.
+const KEPT: usize = 8 << 20;
+
+/// Has the allocator keep what one picture gives back for the next. That of glibc keeps up to twice the largest block that was
+/// given back (its M_TRIM_THRESHOLD) and returns the rest to the system, which clears each page when it is taken anew; software
+/// graphics take some megabytes for each picture. Other allocators do nothing about it.
+fn keep_memory() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
 }
 
 /// The viewport that a question names. No window has it, so eframe would do nothing about it.

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 /// Least time from the beginning of a picture to the beginning of the next: as often as a mouse moves.
 const LEAST: Duration = Duration::from_millis(8);
 /// The time from the beginning of a picture to the beginning of the next, over the time that it took.
-const STRETCH: f64 = 2.4;
+const STRETCH: f64 = 1.9;
 /// Most time from the beginning of a picture to the beginning of the next, if it did not take longer itself.
-const MOST: Duration = Duration::from_millis(60);
+const MOST: Duration = Duration::from_millis(38);
 
 /// Holds back the requests for a picture of windows that are named by `W`.
 #[derive(Debug)]
@@ -69,13 +69,13 @@ mod tests {
         let mut pace = Pace::default();
         assert!(pace.may_draw('a', start), "the first at once");
         pace.drawn(start, after(start, 20));
-        assert!(!pace.may_draw('a', after(start, 47)));
-        assert_eq!((pace.due(after(start, 47)), pace.waits_until()), (None, Some(after(start, 48))));
-        assert_eq!(pace.due(after(start, 48)), Some('a'));
-        pace.drawn(after(start, 48), after(start, 49));
-        assert_eq!((pace.due(after(start, 90)), pace.waits_until()), (None, None), "it was drawn");
-        assert!(!pace.may_draw('a', after(start, 55)), "no more often than a mouse moves");
-        assert!(pace.may_draw('a', after(start, 56)));
+        assert!(!pace.may_draw('a', after(start, 37)));
+        assert_eq!((pace.due(after(start, 37)), pace.waits_until()), (None, Some(after(start, 38))));
+        assert_eq!(pace.due(after(start, 38)), Some('a'));
+        pace.drawn(after(start, 38), after(start, 39));
+        assert_eq!((pace.due(after(start, 80)), pace.waits_until()), (None, None), "it was drawn");
+        assert!(!pace.may_draw('a', after(start, 45)), "no more often than a mouse moves");
+        assert!(pace.may_draw('a', after(start, 46)));
     }
 
     #[test]
@@ -84,8 +84,8 @@ mod tests {
         let mut pace = Pace::default();
         pace.drawn(start, after(start, 200));
         assert!(pace.may_draw('a', after(start, 200)));
-        pace.drawn(start, after(start, 40));
-        assert!(!pace.may_draw('a', after(start, 59)), "up to the longest pause");
-        assert!(pace.may_draw('a', after(start, 60)));
+        pace.drawn(start, after(start, 30));
+        assert!(!pace.may_draw('a', after(start, 37)), "up to the longest pause");
+        assert!(pace.may_draw('a', after(start, 38)));
     }
 }

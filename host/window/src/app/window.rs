@@ -4,6 +4,7 @@ use super::{App, Desk, Jobs, Link, Parts, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
+use crate::view::theme;
 use eframe::egui;
 use slipline_instrument::bench::Bench;
 use slipline_link::Port;
@@ -41,6 +42,10 @@ impl eframe::App for Window {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.app.show(ui);
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        theme::ground(visuals)
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

@@ -35,8 +35,7 @@ use plots::response;
 /// Shows the whole window.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -> Intents {
     let mut intents = Intents::new();
-    let palette = theme::palette(ui);
-    let frame = theme::panel_frame(palette);
+    let frame = egui::Frame::new().inner_margin(theme::MARGIN);
     egui::Panel::top("top")
         .frame(frame)
         .resizable(false)
@@ -67,9 +66,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             .resizable(false)
             .show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
     }
-    let page = egui::Frame::new().fill(palette.page).inner_margin(egui::Margin::symmetric(14, 10));
-    egui::CentralPanel::no_frame().frame(page).show(ui, |ui| {
+    egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
         if view.is_measuring() {
+            let page = ui.max_rect() + theme::MARGIN;
+            theme::fill_page_around(ui, page, egui::Rect::from_pos(page.center()));
             response::show(ui, scene, &mut view.response);
         } else {
             stage::show(ui, scene, view, &mut intents);

@@ -1,6 +1,6 @@
 //! Colours, type and spacing of the window, in light and dark.
 
-use eframe::egui::{self, Color32, CornerRadius, FontId, Margin, Stroke, TextStyle, Theme, vec2};
+use eframe::egui::{self, Color32, CornerRadius, FontId, Margin, Rect, Stroke, TextStyle, Theme, vec2};
 use slipline_model::colour_map::{self, Rgb};
 use std::sync::LazyLock;
 
@@ -176,9 +176,31 @@ fn dress(style: &mut egui::Style, palette: &Palette) {
     widgets.noninteractive.corner_radius = CornerRadius::same(6);
 }
 
-/// The frame of a panel.
-pub fn panel_frame(palette: &Palette) -> egui::Frame {
-    egui::Frame::new().fill(palette.panel).inner_margin(Margin::symmetric(14, 10))
+/// Space between the edge of a panel or of the page and its content, in points.
+pub(super) const MARGIN: Margin = Margin::symmetric(14, 10);
+
+/// The colour that the graphics fill the window with before anything is drawn: that of the panels, which therefore draw none.
+/// Without a graphics card the processor shades and blends each pixel that is drawn, but not those that are cleared.
+#[must_use]
+pub fn ground(visuals: &egui::Visuals) -> [f32; 4] {
+    visuals.panel_fill.to_normalized_gamma_f32()
+}
+
+/// Fills the page around a part of it that has a colour of its own, which would be drawn twice.
+pub(super) fn fill_page_around(ui: &egui::Ui, page: Rect, part: Rect) {
+    let fill = palette(ui).page;
+    let mut mesh = egui::Mesh::default();
+    for rect in [page, part] {
+        for corner in [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom()] {
+            mesh.colored_vertex(corner, fill);
+        }
+    }
+    for side in 0..4_u32 {
+        let next = (side + 1) % 4;
+        mesh.add_triangle(side, next, side + 4);
+        mesh.add_triangle(next, next + 4, side + 4);
+    }
+    ui.painter().add(egui::Shape::mesh(mesh));
 }
 
 /// Text size of a small heading, in points.

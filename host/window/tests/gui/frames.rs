@@ -6,10 +6,13 @@ use crate::test_app::TestApp;
 use eframe::egui::epaint::Primitive;
 use eframe::egui::{Rect, vec2};
 use egui_kittest::HarnessBuilder;
+use egui_kittest::kittest::Queryable as _;
 use slipline_window::settings::ThemeChoice;
 
 /// Most triangles of a picture of the first scene in a window of 1280 x 800 points.
-const MOST: usize = 22_000;
+const MOST: usize = 20_000;
+/// Most that is drawn of it, over the window's area: nearly each point once.
+const MOST_DRAWN: f32 = 1.1;
 
 /// The triangles of the latest picture whose middle lies in a part of the window.
 fn triangles(app: &TestApp, part: Rect) -> usize {
@@ -24,13 +27,61 @@ fn triangles(app: &TestApp, part: Rect) -> usize {
     meshes.map(|mesh| mesh.indices.chunks_exact(3).filter(|corners| is_in(mesh, corners)).count()).sum()
 }
 
-#[test]
-fn a_picture_of_a_drag_is_laid_out_once_and_has_few_triangles() {
+/// The area of all triangles of the latest picture, but for the two with which the tests' window fills itself.
+fn drawn(app: &TestApp) -> f32 {
+    let output = app.window.output();
+    let primitives = app.window.ctx.tessellate(output.shapes.clone(), output.pixels_per_point);
+    let meshes = primitives.iter().skip(1).filter_map(|primitive| match &primitive.primitive {
+        Primitive::Mesh(mesh) => Some(mesh),
+        Primitive::Callback(_) => None,
+    });
+    let area = |mesh: &eframe::egui::Mesh, corners: &[u32]| {
+        let [a, b, c] = [0, 1, 2].map(|corner| mesh.vertices[corners[corner] as usize].pos);
+        0.5 * ((b - a).x * (c - a).y - (b - a).y * (c - a).x).abs()
+    };
+    meshes.flat_map(|mesh| mesh.indices.chunks_exact(3).map(move |corners| area(mesh, corners))).sum()
+}
+
+/// The first scene while its line is dragged.
+fn dragged() -> TestApp {
     let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
     let mut app = TestApp::first_start(ThemeChoice::Light, builder);
     let line = line_rect(&app).center();
     app.window.drag_at(line);
     app.wait(100);
+    app.window.hover_at(line - vec2(6.0, 0.0));
+    app.wait(100);
+    app
+}
+
+#[test]
+fn a_picture_of_a_drag_draws_nearly_each_point_of_the_window_once() {
+    let app = dragged();
+    let share = drawn(&app) / (1280.0 * 800.0);
+    assert!((0.5..MOST_DRAWN).contains(&share), "{share}");
+}
+
+#[test]
+fn a_drag_draws_the_modal_lines_and_its_end_the_sheet() {
+    let mut app = dragged();
+    let shows = |app: &TestApp, source: &str| app.window.query_by_label_contains(source).is_some();
+    assert!(shows(&app, "modal lines, 1/") && !shows(&app, "2-D sheet, 1/"));
+    let jobs = app.sheet_jobs.get();
+    let at = line_rect(&app).center();
+    for step in 1..=10 {
+        app.window.hover_at(at - vec2(4.0 * step as f32, 0.0));
+        app.wait(50);
+    }
+    assert_eq!(app.sheet_jobs.get(), jobs, "none while it is dragged");
+    app.window.drop_at(at - vec2(40.0, 0.0));
+    app.wait(200);
+    assert!(shows(&app, "2-D sheet, 1/") && app.sheet_jobs.get() > jobs);
+}
+
+#[test]
+fn a_picture_of_a_drag_is_laid_out_once_and_has_few_triangles() {
+    let mut app = dragged();
+    let line = line_rect(&app).center();
     for step in 1..=10 {
         app.window.hover_at(line - vec2(6.0 * step as f32, 0.0));
         app.wait(50);

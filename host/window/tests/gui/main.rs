@@ -24,6 +24,7 @@ mod hang;
 mod holding;
 mod in_use;
 mod kiosk;
+mod known_results;
 mod known_tables;
 mod light_marks;
 mod measure;

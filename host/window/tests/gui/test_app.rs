@@ -2,6 +2,7 @@
 
 use crate::fake_files::FakeFiles;
 use crate::fake_speaker::FakeSpeaker;
+use crate::known_results::{calibrations, checks};
 use crate::known_tables::tables;
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
@@ -45,6 +46,21 @@ pub(crate) struct TestApp {
     worker: Rc<RefCell<SteppedWorker>>,
 }
 
+/// The simulated device of a test.
+struct Device {
+    is_plugged: bool,
+    /// What its inputs see.
+    inputs: Option<(Box<dyn SimulatedInputs>, Bench)>,
+    /// Whether its drive is computed for the picture: codes, sheet and plate in time.
+    is_seen: bool,
+}
+
+impl Device {
+    fn plugged(inputs: Option<(Box<dyn SimulatedInputs>, Bench)>) -> Self {
+        Self { is_plugged: true, inputs, is_seen: true }
+    }
+}
+
 impl TestApp {
     /// The app on a membrane, connected and driving.
     pub(crate) fn driving() -> Self {
@@ -70,7 +86,7 @@ impl TestApp {
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
     ) -> Self {
-        Self::starting_with(setup, theme, builder, tables(), true, None).once_driving()
+        Self::starting_with(setup, theme, builder, tables(), Device::plugged(None)).once_driving()
     }
 
     /// The app on a membrane, driving a device with these inputs.
@@ -78,8 +94,22 @@ impl TestApp {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         let tables = tables();
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, Some((inputs, bench)))
-            .once_driving()
+        Self::starting_with(
+            membrane(),
+            ThemeChoice::Light,
+            builder,
+            tables,
+            Device::plugged(Some((inputs, bench))),
+        )
+        .once_driving()
+    }
+
+    /// As [`Self::sensed`], without what is computed for the picture of a drive alone: its codes, and the plate in time.
+    pub(crate) fn unseen(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        let device = Device { is_seen: false, ..Device::plugged(Some((inputs, bench))) };
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), device).once_driving()
     }
 
     /// As [`Self::sensed`], before any time has passed.
@@ -87,7 +117,7 @@ impl TestApp {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         let inputs = Some((inputs, bench));
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), true, inputs)
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), Device::plugged(inputs))
     }
 
     fn once_driving(mut self) -> Self {
@@ -106,14 +136,20 @@ impl TestApp {
     pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, true, None)
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, Device::plugged(None))
     }
 
     /// The app at its first start, with the device's cable pulled.
     pub(crate) fn unplugged() -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), false, None)
+        Self::starting_with(
+            membrane(),
+            ThemeChoice::Light,
+            builder,
+            tables(),
+            Device { is_plugged: false, ..Device::plugged(None) },
+        )
     }
 
     fn starting_with(
@@ -121,8 +157,7 @@ impl TestApp {
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
         tables: JobQueue<TableJob, TableState>,
-        is_plugged: bool,
-        inputs: Option<(Box<dyn SimulatedInputs>, Bench)>,
+        Device { is_plugged, inputs, is_seen }: Device,
     ) -> Self {
         let (inputs, bench) = inputs.map_or_else(Default::default, |(inputs, bench)| (Some(inputs), bench));
         let worker = Rc::new(RefCell::new(SteppedWorker::new(is_plugged, inputs)));
@@ -146,6 +181,11 @@ impl TestApp {
             jobs.set(jobs.get() + 1);
             if is_held.get() { None } else { time_domain::run(&job, task) }
         });
+        if !is_seen {
+            time_domain_is_held.set(true);
+            parts.jobs.waveforms = JobQueue::inline(|_, _: &_| None);
+            parts.jobs.sheets = JobQueue::inline(|_, _: &_| None);
+        }
         let window = open_window_with(parts, setup, theme, builder);
         Self {
             window,
@@ -292,6 +332,8 @@ fn parts(
     let (count, mut run_sheet) = (Rc::clone(sheet_jobs), sheet::work());
     let jobs = Jobs {
         tables,
+        checks: checks(),
+        calibrations: calibrations(),
         sheets: JobQueue::inline(move |job, task: &_| {
             count.set(count.get() + 1);
             run_sheet(job, task)

@@ -32,6 +32,9 @@ use light_marks::LightMarks;
 
 pub(crate) use line::handle_name;
 
+/// Corner of the envelope's well, in points.
+const WELL_CORNER: u8 = 3;
+
 /// Shows the stage in the whole of `ui`.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let area = ui.available_rect_before_wrap();
@@ -43,6 +46,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let needs_row = hint.as_ref().is_some_and(|hint| hint.is_apart);
     let hint_height = if needs_row { LABEL + 2.0 } else { 0.0 };
     let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height);
+    // The well's round corners show the page.
+    let well = layout.axis.over_plate(layout.envelope);
+    theme::fill_page_around(ui, area + theme::MARGIN, well.shrink(f32::from(WELL_CORNER)));
     if layout.title.height() > 0.0 {
         ui.scope_builder(egui::UiBuilder::new().max_rect(layout.title), |ui| {
             plate::title(ui, scene, view, intents);
@@ -85,7 +91,7 @@ fn grid(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     let over = layout.axis.over_plate(layout.envelope);
-    painter.rect_filled(over, CornerRadius::same(3), palette.well);
+    painter.rect_filled(over, CornerRadius::same(WELL_CORNER), palette.well);
     for beyond in layout.axis.beyond(scene.limits_m) {
         painter.rect_filled(Rect::from_x_y_ranges(beyond, over.y_range()), 0.0, palette.beyond());
     }

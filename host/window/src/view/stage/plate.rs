@@ -9,7 +9,9 @@ use crate::view::panels::validity;
 use crate::view::stage::{displacement, polyline::thinned, relief};
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{self, Align2, Color32, FontId, Galley, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+use eframe::egui::{
+    self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
+};
 use slipline_link::protocol::event::State;
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::sheet::FieldSource;
@@ -157,6 +159,9 @@ fn drawn(scene: &Scene<'_>) -> String {
 /// The longest labels at the ends of a wide and of a narrow colour scale.
 const FULLEST: [&str; 2] = ["−888.8 µm", "±888.8 µm"];
 
+/// Steps of the colour scale, between which its colours are mixed.
+const STEPS: u32 = 32;
+
 /// The colour scale, with the displacements at both ends, or only at the right end if there is little space.
 #[derive(Clone, Copy)]
 struct Scale {
@@ -206,15 +211,21 @@ impl Scale {
         let bar = self.bar();
         let centre = pos2(rect.left() + left.size().x + 6.0 + 0.5 * bar.x, rect.center().y);
         let bar_rect = Rect::from_center_size(centre, bar);
-        let steps = 45;
-        for i in 0..steps {
-            let share = (i as f32 + 0.5) / steps as f32;
+        // One mesh: rectangles would each have an edge to be smoothed.
+        let mut mesh = Mesh::default();
+        for step in 0..=STEPS {
+            let share = step as f32 / STEPS as f32;
             let value = if self.show_amplitude { share } else { 2.0 * share - 1.0 };
             let colour = displacement::colour(value, self.show_amplitude, palette);
-            let x = bar_rect.left() + bar.x * i as f32 / steps as f32;
-            let cell = Rect::from_min_size(pos2(x, bar_rect.top()), vec2(bar.x / steps as f32 + 0.5, bar.y));
-            painter.rect_filled(cell, 0.0, colour);
+            let x = bar_rect.left() + bar.x * share;
+            mesh.colored_vertex(pos2(x, bar_rect.top()), colour);
+            mesh.colored_vertex(pos2(x, bar_rect.bottom()), colour);
         }
+        for first in (0..2 * STEPS).step_by(2) {
+            mesh.add_triangle(first, first + 1, first + 2);
+            mesh.add_triangle(first + 1, first + 2, first + 3);
+        }
+        painter.add(Shape::mesh(mesh));
         painter.galley(pos2(rect.left(), rect.center().y - 0.5 * left.size().y), left, palette.weak);
         let place = pos2(bar_rect.right() + 6.0, rect.center().y - 0.5 * right.size().y);
         painter.galley(place, right, palette.weak);
