@@ -61,6 +61,7 @@ fn main() {
     frequency_domain(&report);
     lights(&report);
     textures(&report);
+    drawn_textures(&report);
     time_lines(&report);
     sensed(&report);
     sheets(&report);
@@ -152,6 +153,27 @@ fn textures(report: &Report) {
         });
         let milliseconds = time.as_secs_f64() * 1e3;
         report.row(&format!("texture {}", preset.name), "slipline 1", milliseconds, "ms", check, "");
+    }
+}
+
+/// A profile that is drawn by hand, with eight tones: all that a stroke waits for, from the table on.
+fn drawn_textures(report: &Report) {
+    for preset in presets() {
+        let Some(plate) = preset.plate() else { continue };
+        let Ok(table) = DriveTable::build(&plate, 400e3, 257) else { continue };
+        let profile = [0.05, 0.3, 0.5, 0.8].map(|share| share * plate.length_m());
+        let profile: Vec<(f64, f64)> = profile.into_iter().zip([1.0, 0.7, 0.9, 0.1]).collect();
+        let mut check = 0.0;
+        let time = report.fastest(|| {
+            let palette = Palette::new(&plate, &table);
+            let made = Target::profile(&palette, &profile).and_then(|target| {
+                let texture = Texture::fit(&palette, &target, 8)?;
+                texture.worst(&palette, &target)
+            });
+            check = made.map_or(f64::NAN, |worst| worst.rms_error);
+        });
+        let milliseconds = time.as_secs_f64() * 1e3;
+        report.row(&format!("drawn {}", preset.name), "slipline 1", milliseconds, "ms", check, "");
     }
 }
 

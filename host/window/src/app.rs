@@ -43,9 +43,10 @@ use slipline_model::field::steady_field::{SteadyField, magnification};
 use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::{SCENES, Thumbnail};
 use slipline_model::setup::Setup;
+use std::f64::consts::SQRT_2;
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, LazyLock};
 
 /// The parts that the app works with; tests pass their own.
 pub struct Parts {
@@ -255,10 +256,18 @@ impl App {
     }
 
     /// Chooses the scale of the stage by its content. While something is pressed it stays, unless the content outgrows it.
+    /// With the brush there is room to draw twice as high.
     fn magnify(&mut self, ctx: &egui::Context) {
         let shown = self.instrument.shown();
-        let highest_m = shown.sounding.map_or(0.0, SteadyField::highest_m).max(shown.predicted.highest_m());
-        let share = shown.full_peak_m.map_or(1.0, |full_peak_m| highest_m / full_peak_m);
+        let needed_m = if self.view.brush.is_taken {
+            // By the mean, which is drawn: what all tones could reach together is a bound far over it.
+            let mean_m = shown.predicted.rms_m.iter().copied().fold(0.0, f64::max);
+            let drawn_m = shown.texture.draft.level_m.filter(|_| shown.texture.is_drawn).unwrap_or(0.0);
+            2.0 * SQRT_2 * mean_m.max(drawn_m)
+        } else {
+            shown.sounding.map_or(0.0, SteadyField::highest_m).max(shown.predicted.highest_m())
+        };
+        let share = shown.full_peak_m.map_or(1.0, |full_peak_m| needed_m / full_peak_m);
         let fitting = if share > 0.0 { magnification(share) } else { 1.0 };
         let is_held = self.grab.is_some() || ctx.input(|input| input.pointer.any_down());
         self.magnification = if is_held { self.magnification.min(fitting) } else { fitting };
@@ -282,5 +291,6 @@ fn set_theme(ctx: &egui::Context, choice: ThemeChoice) {
 /// The setup of a first start: the first scene. `None` when its preset is damaged.
 #[must_use]
 pub fn first_setup() -> Option<Setup> {
-    SCENES.first()?.setup()
+    static FIRST: LazyLock<Option<Setup>> = LazyLock::new(|| SCENES.first()?.setup());
+    FIRST.clone()
 }

@@ -146,6 +146,8 @@ pub enum Intent {
     Record(bool),
     /// Play the recording, or end that.
     Play(bool),
+    /// Move the lines to where the recording has them at this time, in seconds.
+    Seek(f64),
     /// Play the recording again and again.
     Loop(bool),
     /// Show the wave at this multiple of its usual speed.
@@ -178,6 +180,10 @@ pub enum Intent {
     SaveCutFiles,
     /// Make the texture of this draft.
     Texture(Box<WishDraft>),
+    /// Draw the texture along these places and RMS displacements, in metres.
+    Draw(Vec<(f64, f64)>),
+    /// The next stroke begins another drawing.
+    EndDrawing,
     /// Play the texture that was made.
     PlayTexture,
     /// Save the texture that was made as a setup.

@@ -250,8 +250,9 @@ impl Instrument {
             self.take_recorded(recorded);
         }
         if let Some(textured) = self.jobs.textures.take() {
-            self.textures.latest = Some(textured);
-            self.textures.suit();
+            // While a profile is drawn, each fit is waited for anew.
+            self.background.since = self.background.since.filter(|(what, _)| *what != Awaited::Texture);
+            self.take_texture(textured);
         }
         if let Some(designed) = self.jobs.designs.take()
             && designed.draft == self.background.shown.draft

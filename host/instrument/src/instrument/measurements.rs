@@ -46,9 +46,8 @@ impl Measures {
     }
 
     /// The measurements that are drawn.
-    pub(crate) fn shown(&self) -> Vec<Arc<Measurement>> {
-        let shown = self.shelf.entries().iter().filter(|entry| entry.is_shown);
-        shown.map(|entry| Arc::clone(&entry.measurement)).collect()
+    pub(crate) fn shown(&self) -> impl Iterator<Item = &Arc<Measurement>> {
+        self.shelf.entries().iter().filter(|entry| entry.is_shown).map(|entry| &entry.measurement)
     }
 
     pub(crate) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {

@@ -10,6 +10,7 @@
 //! on, carries out the [`Output`]s and draws what is [`Shown`].
 
 mod background;
+mod brush;
 mod calibrate_intent;
 mod calibrating;
 mod device;
@@ -57,7 +58,6 @@ use slipline_model::jobs::table::{TableJob, TableMade, TableState};
 use slipline_model::setup::Setup;
 use slipline_model::setup::compare::Compare;
 use slipline_model::setup::undo::History;
-use slipline_model::texture::WishDraft;
 use slipline_plate::Plate;
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -103,6 +103,7 @@ pub struct Instrument {
     playback: Playback,
     background: background::Work,
     textures: texture::Textures,
+    brush: brush::Brush,
     measures: measurements::Measures,
     measured: plate_there::Measured,
     calibrating: calibrating::Calibrating,
@@ -126,6 +127,7 @@ impl Instrument {
             wake: None,
             setup,
             textures,
+            brush: brush::Brush::default(),
             history: History::default(),
             compare: Compare::default(),
             recorder: DragRecorder::default(),
@@ -175,6 +177,7 @@ impl Instrument {
         self.update_measuring();
         self.rest_bench();
         self.update_background();
+        self.send_drawing();
         self.update_places();
         self.pause_unwatched();
         self.measure(self.attention.now_s);
@@ -254,11 +257,6 @@ impl Instrument {
         self.recorder.is_looped = is_looped;
     }
 
-    /// Sets the draft of the texture page.
-    pub fn draft_texture(&mut self, draft: WishDraft) {
-        self.textures.draft(draft);
-    }
-
     /// Shows a failure.
     pub fn fail(&mut self, text: String) {
         self.notices.fail(text);
@@ -308,7 +306,7 @@ impl Instrument {
             measured: self.shown_measured(),
             measured_places: self.measured.current().map_or(&[], |found| &found.places),
             background: &self.background.shown,
-            texture: self.textures.scene(),
+            texture: self.textures.scene(self.brush.is_drawn()),
             measure: self.measures.scene(self.live.scene(now, self.is_at_bench())),
             hold: self.hold_scene(),
             calibration: self.calibrating.scene(self.jobs.calibrations.progress()),

@@ -1,5 +1,6 @@
 //! The messages on the screen. A message about a state stays as long as the state; a message about an event
-//! disappears after a time. Each can be dismissed. What is not the device's own word, which the link logs, goes to the log.
+//! disappears after a time. Each can be dismissed. The log has each of them whole: a refusal in the link's own line, which the
+//! message only introduces, the others in a line of their own.
 
 use super::shown::Notice;
 use slipline_link::Severity;
@@ -91,11 +92,13 @@ impl Notices {
 
     /// Reports why the device has stopped by itself.
     pub(crate) fn stopped(&mut self, text: String) {
+        self.unlogged.push((Severity::Warning, line(&text)));
         self.put(About::Stop, text, true, None);
     }
 
     /// Reports that the window did not respond, and the drive was ended.
     pub(crate) fn hung(&mut self, text: String) {
+        self.unlogged.push((Severity::Warning, line(&text)));
         self.put(About::Hang, text, true, None);
     }
 

@@ -50,11 +50,12 @@ impl Instrument {
             self.measured.latest = Some(found);
         }
         let is_real = self.snapshot.is_connected() && !self.snapshot.is_simulated();
-        let job = MeasuredPlacesJob {
-            plate: Arc::clone(&self.setup.plate),
-            measurements: if is_real { self.measures.shown() } else { Vec::new() },
-        };
-        if self.measured.asked.as_ref() != Some(&job) {
+        let (plate, measurements) = (&self.setup.plate, || self.measures.shown().filter(|_| is_real));
+        if self.measured.asked.as_ref().is_none_or(|asked| !asked.is_of(plate, measurements())) {
+            let job = MeasuredPlacesJob {
+                plate: Arc::clone(plate),
+                measurements: measurements().cloned().collect(),
+            };
             self.measured.asked = Some(job.clone());
             self.jobs.measured_places.ask(job);
         }

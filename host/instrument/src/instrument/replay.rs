@@ -3,7 +3,7 @@
 //! drive ends it.
 
 use super::Instrument;
-use crate::recording::Recording;
+use crate::recording::{Move, Recording};
 use slipline_model::setup::undo::{EditSource, Gesture};
 use std::time::Duration;
 
@@ -20,7 +20,11 @@ pub struct DragRecorder {
     /// While it records: the time of the first move, if there was one.
     begun: Option<Option<f64>>,
     playing: Option<Playing>,
-    /// Number of replays so far: each is a gesture.
+    /// The time that the lines were moved to, in seconds: the next replay begins there.
+    rests_at_s: Option<f64>,
+    /// The gesture by which a time was chosen last.
+    sought: Option<u64>,
+    /// Number of replays and choices of a time so far: each is a gesture.
     plays: u64,
     /// Whether the replay repeats from its start.
     pub is_looped: bool,
@@ -55,6 +59,12 @@ impl DragRecorder {
     pub fn played_s(&self) -> Option<f64> {
         self.playing.as_ref().map(|playing| playing.done_s.max(0.0))
     }
+
+    /// The time at which the recording stands, in seconds: the time played, or the one that was chosen.
+    #[must_use]
+    pub fn head_s(&self) -> Option<f64> {
+        self.played_s().or(self.rests_at_s)
+    }
 }
 
 impl Instrument {
@@ -62,6 +72,7 @@ impl Instrument {
     pub fn record(&mut self, records: bool) {
         self.end_replay();
         if records {
+            self.recorder.rests_at_s = None;
             self.recorder.recording = Recording::default();
             self.notices.post("Recording begins with the first move of a line.".to_owned());
         }
@@ -72,9 +83,40 @@ impl Instrument {
     pub fn play(&mut self, plays: bool) {
         self.recorder.begun = None;
         self.recorder.plays += 1;
-        let has_moves = !self.recorder.recording.moves().is_empty();
-        self.recorder.playing =
-            (plays && has_moves).then_some(Playing { done_s: -1.0, last_s: None, has_driven: false });
+        let DragRecorder { recording, playing, rests_at_s, .. } = &mut self.recorder;
+        let begin_s = rests_at_s.take().filter(|begin_s| *begin_s < recording.duration_s());
+        *playing = (plays && !recording.moves().is_empty()).then_some(Playing {
+            done_s: begin_s.unwrap_or(-1.0),
+            last_s: None,
+            has_driven: false,
+        });
+    }
+
+    /// Moves the lines to where the recording has them at this time, in seconds; a replay goes on from there.
+    pub fn seek(&mut self, time_s: f64) {
+        if self.recorder.is_recording() || !time_s.is_finite() {
+            return;
+        }
+        let time_s = time_s.clamp(0.0, self.recorder.recording.duration_s());
+        if self.recorder.sought.replace(self.gesture) != Some(self.gesture) {
+            self.recorder.plays += 1;
+        }
+        match &mut self.recorder.playing {
+            Some(playing) => (playing.done_s, playing.last_s) = (time_s, None),
+            None => self.recorder.rests_at_s = Some(time_s),
+        }
+        let moves = self.recorder.recording.between(-1.0, time_s);
+        self.make_moves(moves);
+    }
+
+    /// Makes these moves, as a part of the present replay.
+    fn make_moves(&mut self, moves: impl Iterator<Item = Move>) {
+        let gesture = Gesture { source: EditSource::Recording, number: self.recorder.plays };
+        for step in moves {
+            if let Some(edit) = self.line_move(step.slot, step.place_m) {
+                self.edit_by(gesture, &edit);
+            }
+        }
     }
 
     /// Ends the replay, because the drive was stopped or the user takes a line.
@@ -85,6 +127,7 @@ impl Instrument {
     /// Replaces the recording by one from a file.
     pub(crate) fn take_recording(&mut self, recording: Recording) {
         self.record(false);
+        self.recorder.rests_at_s = None;
         self.recorder.recording = recording;
     }
 
@@ -101,7 +144,6 @@ impl Instrument {
     pub(crate) fn replay(&mut self) {
         let now_s = self.attention.now_s;
         let is_driven = self.autopilot.wants_drive();
-        let gesture = Gesture { source: EditSource::Recording, number: self.recorder.plays };
         let DragRecorder { recording, playing, is_looped, .. } = &mut self.recorder;
         let Some(play) = playing else { return };
         if play.has_driven && !is_driven {
@@ -114,7 +156,7 @@ impl Instrument {
         let from_s = play.done_s;
         let to_s = from_s.max(0.0) + step_s;
         play.done_s = to_s;
-        let due: Vec<_> = recording.between(from_s, to_s).collect();
+        let due = recording.between(from_s, to_s);
         if to_s >= recording.duration_s() {
             if *is_looped {
                 play.done_s = -1.0;
@@ -122,11 +164,7 @@ impl Instrument {
                 *playing = None;
             }
         }
-        for step in due {
-            if let Some(edit) = self.line_move(step.slot, step.place_m) {
-                self.edit_by(gesture, &edit);
-            }
-        }
+        self.make_moves(due);
         self.wake_after(STEP);
     }
 }

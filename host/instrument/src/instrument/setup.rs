@@ -93,6 +93,7 @@ impl Instrument {
 
     /// Replaces the setup, after an edit, undo or redo.
     pub(crate) fn take(&mut self, next: Setup) {
+        let is_drawn = self.brush.takes_change();
         let is_new_plate = !Arc::ptr_eq(&self.setup.plate, &next.plate);
         let is_felt_anew = self.setup.feeling != next.feeling;
         let added = next.tones.iter().find(|tone| self.setup.tone(tone.slot).is_none()).map(|tone| tone.slot);
@@ -111,6 +112,8 @@ impl Instrument {
             self.table_asked = None;
             self.autopilot.setup_replaced();
             self.ask_for_table();
+        } else if is_drawn {
+            self.send_drawing();
         } else if self.autopilot.may_drive(&self.snapshot) {
             self.send_drive();
         }

@@ -165,6 +165,8 @@ pub struct TextureScene<'a> {
     pub is_current: bool,
     /// Whether the user has cancelled the draft.
     pub is_given_up: bool,
+    /// Whether the draft is drawn over the envelope, and the setup's tones are those of the drawing.
+    pub is_drawn: bool,
 }
 
 /// The page of measurements.

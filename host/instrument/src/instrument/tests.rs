@@ -208,3 +208,36 @@ fn the_newest_change_counts_a_stop_ends_every_source_and_the_user_alone_drives_a
     assert!(matches!(sent[..], [Request::Arm, Request::Play(_)]), "{sent:?}");
     assert_eq!(share(&sent[1]), 70.0);
 }
+
+#[test]
+fn a_fit_that_comes_after_another_change_belongs_to_no_drawing_any_more() {
+    let (mut instrument, wire) = driven();
+    let stroke = [(0.05, 2e-6), (0.2, 1e-6)];
+    let settle = |instrument: &mut Instrument| {
+        for _ in 0..5 {
+            wire.turn(instrument);
+        }
+    };
+    // A fit is asked for in a turn and taken in the next one.
+    instrument.begin_gestures(1);
+    instrument.draw_texture(&stroke);
+    wire.turn(&mut instrument);
+    assert!(instrument.shown().texture.is_drawn);
+    instrument.edit(&Edit::Level { slot: 0, level: 0.3 });
+    settle(&mut instrument);
+    assert_eq!(instrument.setup().tones.len(), 1, "{:?}", instrument.setup().tones);
+    assert!(!instrument.shown().texture.is_drawn);
+    // One that comes after the stroke has ended does belong to it, and undo takes back the whole of it.
+    let before = instrument.setup().clone();
+    instrument.begin_gestures(1);
+    instrument.draw_texture(&stroke);
+    settle(&mut instrument);
+    instrument.draw_texture(&[(0.2, 1e-6), (0.25, 1e-6)]);
+    instrument.begin_gestures(1);
+    settle(&mut instrument);
+    assert!(instrument.setup().tones.len() > 1 && instrument.shown().texture.is_drawn);
+    instrument.undo();
+    assert_eq!(instrument.setup(), &before);
+    settle(&mut instrument);
+    assert_eq!(instrument.setup(), &before, "nothing comes later");
+}

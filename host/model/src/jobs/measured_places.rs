@@ -15,11 +15,21 @@ pub struct MeasuredPlacesJob {
     pub measurements: Vec<Arc<Measurement>>,
 }
 
+impl MeasuredPlacesJob {
+    /// Whether it is that of this plate with these measurements.
+    pub fn is_of<'a>(
+        &self,
+        plate: &Arc<Plate>,
+        measurements: impl Iterator<Item = &'a Arc<Measurement>>,
+    ) -> bool {
+        Arc::ptr_eq(&self.plate, plate)
+            && self.measurements.iter().map(Arc::as_ptr).eq(measurements.map(Arc::as_ptr))
+    }
+}
+
 impl PartialEq for MeasuredPlacesJob {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.plate, &other.plate)
-            && self.measurements.len() == other.measurements.len()
-            && self.measurements.iter().zip(&other.measurements).all(|(a, b)| Arc::ptr_eq(a, b))
+        self.is_of(&other.plate, other.measurements.iter())
     }
 }
 

@@ -15,6 +15,8 @@ pub struct TextureWish {
     pub table: Arc<TableMade>,
     /// The wanted texture.
     pub wish: Wish,
+    /// RMS displacement of the largest amplitude of a profile, in metres; `None`: as large as the tones allow.
+    pub level_m: Option<f64>,
     /// Largest number of tones.
     pub most: usize,
     /// How a finger feels.
@@ -25,6 +27,7 @@ impl PartialEq for TextureWish {
     fn eq(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.table, &other.table)
             && self.wish == other.wish
+            && self.level_m == other.level_m
             && self.most == other.most
             && self.feeling == other.feeling
     }
@@ -79,7 +82,12 @@ pub fn work(job: TextureJob, task: &Task) -> Option<Textured> {
     let progress = &mut Progress::new(&mut go_on);
     let made = match begun {
         Some(made) => Made::clone(&made).finished(&palette, &wish.feeling, progress),
-        None => make(&palette, &wish.wish, wish.most, &wish.feeling, progress),
+        None => {
+            make(&palette, &wish.wish, wish.most, &wish.feeling, progress).map(|made| match wish.level_m {
+                Some(level_m) => made.at_level(level_m, &palette),
+                None => made,
+            })
+        }
     };
     let drawn = made.and_then(|made| Ok((rms_m(&palette, &made)?, Arc::new(made))));
     let (rms_m, result) = match drawn {

@@ -57,6 +57,8 @@ pub struct WishDraft {
     pub felt_edge_m: f64,
     /// The drawn amplitude: rising places in metres, each with its amplitude, 0..=1.
     pub profile: Vec<(f64, f64)>,
+    /// RMS displacement of the profile's amplitude 1, in metres; `None`: as large as the tones allow.
+    pub level_m: Option<f64>,
     /// Distance of stripes, in metres.
     pub stripes_m: f64,
     /// Place of a beat, in metres.
@@ -109,6 +111,7 @@ impl WishDraft {
             kind: WishKind::default(),
             felt_edge_m: late_m,
             profile: vec![(0.0, 1.0), (middle_m, 1.0), (late_m, 0.0), (length_m, 0.0)],
+            level_m: None,
             stripes_m: stripes_m.unwrap_or(0.1 * length_m),
             beat_place_m: plate.airy_peak_m(0.5 * (low_hz + high_hz)).unwrap_or(middle_m),
             beat_hz: rounded(BEAT_HZ.min(BEAT_SHARE * (high_hz - low_hz))),
@@ -177,7 +180,7 @@ impl WishDraft {
     pub fn take_profile(&mut self, breakpoints: &[(f64, f64)]) {
         let largest = breakpoints.iter().map(|&(_, amplitude)| amplitude).fold(0.0, f64::max);
         let scale = if largest > 0.0 { largest.recip() } else { 1.0 };
-        self.kind = WishKind::Profile;
+        (self.kind, self.level_m) = (WishKind::Profile, None);
         self.profile = breakpoints.iter().map(|&(x_m, amplitude)| (x_m, amplitude * scale)).collect();
     }
 }

@@ -58,6 +58,8 @@ pub struct Fitted {
     pub texture: Texture,
     /// The worst of its figures within the plate's tolerances of speed and loss.
     pub worst: Figures,
+    /// Whether the wish states the level: then it is not played louder as a chord.
+    has_level: bool,
     /// The results of the slower steps; `None` until [`Made::finished`].
     pub rest: Option<Rest>,
 }
@@ -149,7 +151,7 @@ pub fn make(
 fn fitted(palette: &Palette<'_>, target: Target, texture: Texture) -> Result<Made, TextureError> {
     let worst = texture.worst(palette, &target)?;
     let tones = texture.tones.clone();
-    let fitted = Some(Fitted { target, texture, worst, rest: None });
+    let fitted = Some(Fitted { target, texture, worst, has_level: false, rest: None });
     Ok(Made { tones, fitted, stripes_m: None, stripes_felt_db: None })
 }
 
@@ -168,6 +170,18 @@ impl Fitted {
 }
 
 impl Made {
+    /// The same texture with `rms_m` metres at its largest wanted amplitude, or as loud as its tones can be; unchanged
+    /// where nothing was fitted.
+    #[must_use]
+    pub fn at_level(mut self, rms_m: f64, palette: &Palette<'_>) -> Self {
+        if let Some(fitted) = &mut self.fitted {
+            fitted.texture = fitted.texture.at_level(rms_m, palette);
+            fitted.has_level = true;
+            self.tones = fitted.texture.tones.clone();
+        }
+        self
+    }
+
     /// The texture after the slower steps: its tones on the multiples of a chord, where the fit is nearly as good, and the
     /// error that any number of tones would leave.
     ///
@@ -179,7 +193,7 @@ impl Made {
         feeling: &Feeling,
         progress: &mut Progress<'_>,
     ) -> Result<Self, TextureError> {
-        let Some(Fitted { target, texture, .. }) = self.fitted else { return Ok(self) };
+        let Some(Fitted { target, texture, has_level, .. }) = self.fitted else { return Ok(self) };
         progress.at(0.0)?;
         let chord = texture.on_grid(palette, &target)?.map(|chord| {
             let is_used = chord.is_as_good_as(&texture);
@@ -196,7 +210,7 @@ impl Made {
         let by_person = flutter.map(|_| texture.edges_by_person(palette, feeling)).transpose()?;
         let made = fitted(palette, target, texture)?;
         let rest = Some(Rest { chord, flutter, by_person, largest_square_error });
-        Ok(Self { fitted: made.fitted.map(|fitted| Fitted { rest, ..fitted }), ..made })
+        Ok(Self { fitted: made.fitted.map(|fitted| Fitted { rest, has_level, ..fitted }), ..made })
     }
 
     /// Gain of the chord over separate tones, in dB; `None` if the texture is no chord.
@@ -205,7 +219,8 @@ impl Made {
         let fitted = self.fitted.as_ref()?;
         let (chord, is_used) = fitted.rest.as_ref()?.chord.as_ref()?;
         // A louder solid area would be felt beyond its wanted end.
-        is_used.then_some(if fitted.is_solid() { 0.0 } else { chord.gain_db })
+        let keeps_level = fitted.is_solid() || fitted.has_level;
+        is_used.then_some(if keeps_level { 0.0 } else { chord.gain_db })
     }
 
     /// The change of a setup that plays it.

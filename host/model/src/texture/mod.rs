@@ -6,6 +6,7 @@
 
 mod chord;
 mod draft;
+mod drawing;
 mod making;
 mod profile_file;
 

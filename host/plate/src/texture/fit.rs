@@ -130,6 +130,12 @@ impl Texture {
         self.scaled((other.scale / self.scale).min(1.0))
     }
 
+    /// The same tones with `rms_m` metres at the target's largest amplitude; unchanged if they cannot be as loud.
+    #[must_use]
+    pub fn at_level(&self, rms_m: f64, palette: &Palette<'_>) -> Self {
+        self.scaled((rms_m / (self.scale * palette.table().peak_at_full_scale_m)).min(1.0))
+    }
+
     /// The same tones, `factor` (0 to 1) times as loud.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
@@ -224,4 +230,42 @@ fn loudest_that_fits(palette: &Palette<'_>, positions_m: &[f64], powers: &[f64])
         phase_turns,
     };
     (positions_m.iter().zip(powers).zip(low_crest_turns(&dac)).map(tone).collect(), scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frequency::numerov::work;
+    use crate::{DriveTable, presets};
+
+    /// A profile that is drawn is fitted within 20 ms while the pointer moves (`cargo bench -p slipline-plate` prints the
+    /// time): a sweep of eight frequencies takes about 0.2 ms on `al-bending`. These profiles take up to 49.
+    #[test]
+    fn a_drawn_profile_of_eight_tones_takes_a_bounded_number_of_sweeps() {
+        for preset in presets() {
+            let plate = preset.plate().expect("a preset");
+            let table = DriveTable::build(&plate, 400e3, 65).expect("has a table");
+            let length_m = plate.length_m();
+            // One that falls, one that rises, a bump, and a scribble.
+            let scribble = (0..30).map(|i| (0.03 * f64::from(i), 1.0 + (1.7 * f64::from(i)).sin())).collect();
+            for shares in [
+                vec![(0.05, 1.0), (0.9, 0.0)],
+                vec![(0.05, 0.1), (0.9, 1.0)],
+                vec![(0.4, 0.1), (0.5, 1.0), (0.6, 0.1)],
+                scribble,
+            ] {
+                let profile: Vec<(f64, f64)> = shares
+                    .into_iter()
+                    .map(|(share, amplitude): (f64, f64)| (share * length_m, amplitude))
+                    .collect();
+                let before = work::done();
+                let palette = Palette::new(&plate, &table);
+                let target = Target::profile(&palette, &profile).expect("a profile");
+                Texture::fit(&palette, &target, 8).and_then(|it| it.worst(&palette, &target)).expect("fits");
+                let after = work::done();
+                let (grids, sweeps) = (after.grids - before.grids, after.sweeps - before.sweeps);
+                assert!(grids <= 9 && sweeps <= 60, "{}: {grids} grids, {sweeps} sweeps", preset.name);
+            }
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::App;
 use crate::files::{FileJob, PROFILE_EXTENSIONS, has_extension, is_measurement};
 use crate::intent::{Dialog, Dragged, Intent, Intents};
-use crate::view::arrow_step_m;
+use crate::view::{Brush, arrow_step_m};
 use eframe::egui::{self, Key, Modifiers};
 use slipline_link::Snapshot;
 use slipline_link::protocol::event::State;
@@ -28,8 +28,16 @@ impl App {
         self.view.begins_by_tab = focused.is_none()
             && self.dialog.is_none()
             && ctx.input(|input| input.modifiers.is_none() && input.key_pressed(Key::Tab));
-        let closes_page = self.dialog.is_some() && ctx.input(|input| input.key_pressed(Key::Escape));
-        let notice = closes_page.then(|| closed_by_escape(self.instrument.snapshot()));
+        let closed = match self.dialog {
+            Some(_) => Some("closed the page"),
+            None if self.view.brush.is_taken => Some("ended the drawing"),
+            None => None,
+        };
+        let closed = closed.filter(|_| ctx.input(|input| input.key_pressed(Key::Escape)));
+        let notice = closed.map(|closed| by_escape(closed, self.instrument.snapshot()));
+        if closed.is_some() && self.dialog.is_none() {
+            self.view.brush = Brush::default();
+        }
         let presses = ctx.input_mut(|input| {
             let is_press = |event: &&egui::Event| {
                 matches!(
@@ -111,7 +119,7 @@ impl App {
         self.instrument.begin_gestures(presses);
         self.perform(ctx, asked);
         if let Some(notice) = notice {
-            self.instrument.post(notice.to_owned());
+            self.instrument.post(notice);
         }
     }
 
@@ -130,10 +138,7 @@ impl App {
             moves.iter().map(|to| grab.axis.place_from_screen(to.x - grab.offset)).collect();
         match (grab.held, places_m.last()) {
             (_, None) => {}
-            (Dragged::Finger, Some(&place_m)) => {
-                self.hearing.has_touched = true;
-                self.instrument.move_finger(place_m);
-            }
+            (Dragged::Finger, Some(&place_m)) => self.perform(ctx, vec![Intent::MoveFinger(place_m)]),
             (Dragged::Tone(slot), Some(_)) => {
                 self.settings.has_dragged = true;
                 self.instrument.drag_line(slot, &places_m);
@@ -177,22 +182,19 @@ fn stop_presses(input: &egui::InputState, is_typing: bool) -> usize {
     input.events.iter().filter(is_press).count()
 }
 
-/// What Escape does in this state while a page is open, for the user who only wanted to close the page.
-fn closed_by_escape(snapshot: &Snapshot) -> &'static str {
+/// What Escape does in this state beside what it has closed, for the user who only wanted that.
+fn by_escape(closed: &str, snapshot: &Snapshot) -> String {
     let state = snapshot.status.map(|status| status.state).filter(|_| snapshot.is_connected());
-    match (state, snapshot.is_simulated()) {
-        (None, _) => "Esc closed the page. No device answers; the stop was sent all the same.",
-        (Some(State::Driving | State::Waiting), true) => {
-            "Esc closed the page and stopped the drive. Press Drive to go on."
-        }
-        (Some(State::Driving | State::Waiting), false) => {
-            "Esc closed the page, stopped the drive and disarmed the device."
-        }
-        (Some(State::Armed | State::Stopping), false) => "Esc closed the page and disarmed the device.",
+    let more = match (state, snapshot.is_simulated()) {
+        (None, _) => ". No device answers; the stop was sent all the same.",
+        (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to go on.",
+        (Some(State::Driving | State::Waiting), false) => ", stopped the drive and disarmed the device.",
+        (Some(State::Armed | State::Stopping), false) => " and disarmed the device.",
         (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => {
-            "Esc closed the page. Nothing was driven."
+            ". Nothing was driven."
         }
-    }
+    };
+    format!("Esc {closed}{more}")
 }
 
 /// Reduces a zoom that leaves less than [`LEAST_ROOM`]. A window that is smaller itself is not magnified at all.

@@ -26,6 +26,9 @@ impl App {
     pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {
         for intent in intents {
             self.attend(ctx);
+            if matches!(intent, Intent::Touch(_) | Intent::MoveFinger(_)) {
+                self.hearing.has_touched = true;
+            }
             match intent {
                 Intent::Edit(edit) => self.instrument.edit(&edit),
                 Intent::MoveLine { slot, place_m } => {
@@ -46,14 +49,8 @@ impl App {
                 Intent::HoldLevel(is_on) => self.instrument.switch_hold(is_on),
                 Intent::MaxRise(decibels) => self.instrument.choose_max_rise(decibels),
                 Intent::Select(slot) => self.instrument.select(slot),
-                Intent::Touch(touch) => {
-                    self.hearing.has_touched = true;
-                    self.instrument.touch(touch);
-                }
-                Intent::MoveFinger(place_m) => {
-                    self.hearing.has_touched = true;
-                    self.instrument.move_finger(place_m);
-                }
+                Intent::Touch(touch) => self.instrument.touch(touch),
+                Intent::MoveFinger(place_m) => self.instrument.move_finger(place_m),
                 Intent::Sound(choice) => self.choose_sound(choice),
                 Intent::Volume(volume) => self.settings.volume = volume.clamp(0.0, 1.0),
                 Intent::Grab(grab) => {
@@ -63,6 +60,7 @@ impl App {
                 Intent::Switch => self.instrument.switch_setups(),
                 Intent::Record(records) => self.instrument.record(records),
                 Intent::Play(plays) => self.instrument.play(plays),
+                Intent::Seek(time_s) => self.instrument.seek(time_s),
                 Intent::Loop(is_looped) => self.instrument.loop_replay(is_looped),
                 Intent::Speed(speed) => {
                     self.settings.speed = speed.clamp(*SPEEDS.start(), *SPEEDS.end());
@@ -109,6 +107,8 @@ impl App {
                     }
                 }
                 Intent::Texture(draft) => self.instrument.draft_texture(*draft),
+                Intent::Draw(path) => self.instrument.draw_texture(&path),
+                Intent::EndDrawing => self.instrument.end_drawing(),
                 Intent::PlayTexture => self.instrument.play_texture(),
                 Intent::SaveTexture => self.instrument.save_texture(),
                 Intent::OpenProfile => self.desk.files.begin(FileJob::ChooseProfile),

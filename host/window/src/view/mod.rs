@@ -23,6 +23,7 @@ mod state;
 pub mod theme;
 
 pub(crate) use stage::arrow_step_m;
+pub(crate) use stage::brush::Brush;
 pub(crate) use state::ViewState;
 
 use crate::intent::Intents;
@@ -65,6 +66,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             .exact_size(side_panel::WIDTH)
             .resizable(false)
             .show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
+    }
+    if !view.is_texture_open() {
+        view.brush = Brush::default();
     }
     egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {
         if view.is_measuring() {

@@ -7,6 +7,7 @@ use super::fields::field::Fields;
 use super::panels::designer::sketch::Sketched;
 use super::plots::PlotsView;
 use super::plots::response::ResponseView;
+use super::stage::brush::Brush;
 use super::stage::press::Pressing;
 use crate::intent::{Intent, Intents};
 use eframe::egui;
@@ -55,6 +56,8 @@ pub(crate) struct ViewState {
     pub(crate) input_time_s: Option<f64>,
     /// The press on the plate or the envelope.
     pub(crate) pressing: Pressing,
+    /// The brush of the envelope: it is there while the page Texture is open.
+    pub(crate) brush: Brush,
     /// Whether the Tab key was pressed while nothing had the focus: it begins with the line.
     pub(crate) begins_by_tab: bool,
     /// The line whose knob was pressed and is still under the pointer.
@@ -94,6 +97,11 @@ impl ViewState {
     /// Whether the texture page is open.
     pub(crate) fn is_texture_open(&self) -> bool {
         self.tab == Tab::Texture
+    }
+
+    /// Whether the page of the recorded drag is open.
+    pub(crate) fn is_play_open(&self) -> bool {
+        self.tab == Tab::Play
     }
 
     /// Opens the validity lights.

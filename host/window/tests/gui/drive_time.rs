@@ -30,6 +30,7 @@ fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
     assert!(!shows(&app) && app.window.get_by_label("STOP").rect().right() <= 640.0);
     let told = "Stopped after 10 minutes without a command. Press Drive to go on.";
     assert!(app.window.query_by_label(told).is_some(), "{:?}", app.window.state().notice());
+    assert!(app.snapshot().log.iter().any(|entry| entry.text == told), "whole, with what to do");
     assert!(app.window.query_by_label("Clear fault").is_none());
     app.wait(1000);
     assert!(!app.is_driving(), "not before it is asked to");

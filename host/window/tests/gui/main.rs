@@ -3,8 +3,10 @@
 mod actions;
 mod air;
 mod background;
+mod brush;
 mod calibrate;
 mod chords;
+mod dialogs;
 mod drive_check;
 mod drive_time;
 mod drops;

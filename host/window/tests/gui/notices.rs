@@ -302,3 +302,32 @@ fn a_message_moves_nothing_stands_in_one_line_at_the_bottom_and_is_in_the_log() 
     let text = app.window.state().notice().cloned().unwrap().text;
     assert!(app.snapshot().log.iter().any(|entry| entry.text == text), "{text}");
 }
+
+/// The words of a message without what introduces a refusal, and in lower case: a message begins with a capital.
+fn words(text: &str) -> String {
+    text.strip_prefix("Refused: ").unwrap_or(text).to_lowercase()
+}
+
+#[test]
+fn every_message_of_the_link_is_in_the_log_whole() {
+    let is_logged = |app: &TestApp, begins: &str| {
+        let text = app.window.state().notice().cloned().unwrap().text;
+        assert!(text.starts_with(begins), "{text}");
+        let words = words(&text);
+        let log = app.snapshot().log;
+        assert!(log.iter().any(|entry| entry.text.to_lowercase().contains(&words)), "{words}: {log:?}");
+    };
+    // What the device refuses of a drive, and of another request.
+    let mut app = TestApp::driving();
+    ask_too_much(&mut app);
+    is_logged(&app, "Refused: ");
+    // A drive that was ended because the window hung.
+    let mut app = TestApp::driving();
+    app.hang(1100);
+    app.wait(100);
+    is_logged(&app, "The window did not respond for 1 s");
+    // A port that is not there.
+    let mut app = TestApp::unplugged();
+    app.wait(1500);
+    is_logged(&app, "There is no port sim");
+}

@@ -2,7 +2,7 @@
 
 use crate::test_app::TestApp;
 use crate::{arrow_right, boundary_mm, drives, line_rect, type_into};
-use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
+use eframe::egui::{Key, Modifiers, Rect, accesskit::Role, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::{Request, Sounding};
 
@@ -186,4 +186,87 @@ fn the_wave_is_slowed_and_shown_at_a_chosen_time() {
     app.wait(300);
     assert!(app.window.query_by_label("2-D sheet, 1/400 speed").is_some());
     assert_ne!(time(&app), "3.00 ms");
+}
+
+fn time_line(app: &TestApp) -> Option<Rect> {
+    app.window.query_by_role_and_label(Role::Slider, "Time of the recording").map(|node| node.rect())
+}
+
+/// The time at which it stands, in seconds.
+fn head_s(app: &TestApp) -> f64 {
+    let line = app.window.get_by_role_and_label(Role::Slider, "Time of the recording");
+    line.accesskit_node().numeric_value().unwrap()
+}
+
+#[test]
+fn a_recorded_drag_has_a_time_line_under_the_axis_on_which_a_time_is_chosen() {
+    let mut app = TestApp::driving();
+    assert_eq!(time_line(&app), None);
+    let recorded = record_drag(&mut app);
+    let line = time_line(&app).unwrap();
+    let strip = line_rect(&app);
+    assert!(line.top() > strip.bottom() && line.width() > 400.0 && line.height() >= 24.0, "{line} {strip}");
+    let last = boundary_mm(&app);
+    // The places are as far apart in time as the moves were.
+    let moves = app.window.state().recorder().recording().moves().to_vec();
+    let length_s = moves.last().unwrap().time_s;
+    let at = |share: f32| pos2(line.left() + share * line.width(), line.center().y);
+    app.take_sent();
+    app.window.drag_at(at(0.5));
+    app.wait(100);
+    let due = moves.iter().rfind(|step| step.time_s <= 0.5 * length_s + 1e-6).unwrap().place_m * 1e3;
+    assert!((boundary_mm(&app) - due).abs() < 1e-6 && recorded.contains(&boundary_mm(&app)), "{due}");
+    assert!((head_s(&app) / length_s - 0.5).abs() < 0.01, "{}", head_s(&app));
+    app.window.hover_at(at(0.0));
+    app.wait(100);
+    assert!((boundary_mm(&app) - recorded[0]).abs() < 1e-6, "{} {recorded:?}", boundary_mm(&app));
+    app.window.drop_at(at(0.0));
+    app.wait(100);
+    assert!(drives(&app.take_sent()).len() >= 2, "the plate follows, as it is driven");
+    // The whole drag along it is one step.
+    press(&mut app, Key::Z);
+    assert!((boundary_mm(&app) - last).abs() < 1e-9);
+    // A replay begins where it stands, and a press while it plays goes on from there.
+    app.window.drag_at(at(0.9));
+    app.wait(50);
+    app.window.drop_at(at(0.9));
+    app.wait(50);
+    app.window.get_by_label("Play the recording").click();
+    app.wait(50);
+    assert!(head_s(&app) >= 0.89 * length_s, "{}", head_s(&app));
+    app.window.drag_at(at(0.2));
+    app.wait(50);
+    app.window.drop_at(at(0.2));
+    app.wait(50);
+    assert!(app.window.query_by_label("End replay").is_some());
+    assert!(head_s(&app) < 0.6 * length_s, "{}", head_s(&app));
+    // Another page has no time line.
+    app.window.get_by_role_and_label(Role::Button, "Tones").click();
+    app.wait(100);
+    assert_eq!(time_line(&app), None);
+}
+
+#[test]
+fn the_time_line_starts_no_drive_fits_a_small_screen_and_goes_by_keys() {
+    let mut app = TestApp::driving();
+    app.window.set_size(vec2(640.0, 480.0));
+    app.wait(100);
+    open_play(&mut app);
+    app.open("two.csv", Ok("time_s,tone,place_m\n0,1,0.1\n1,1,0.2\n2,1,0.25\n".to_owned()));
+    app.window.key_press(Key::Space);
+    app.wait(300);
+    app.take_sent();
+    let line = time_line(&app).unwrap();
+    assert!(Rect::from_min_size(pos2(0.0, 0.0), vec2(640.0, 480.0)).contains_rect(line), "{line}");
+    app.window.drag_at(line.center() + vec2(2.0, 0.0));
+    app.wait(100);
+    app.window.drop_at(line.center() + vec2(2.0, 0.0));
+    app.wait(100);
+    assert!((boundary_mm(&app) - 200.0).abs() < 1e-6, "{}", boundary_mm(&app));
+    let before_s = head_s(&app);
+    app.window.key_press(Key::ArrowLeft);
+    app.wait(100);
+    assert!((before_s - head_s(&app) - 0.04).abs() < 1e-6, "{before_s} {}", head_s(&app));
+    assert!((boundary_mm(&app) - 100.0).abs() < 1e-6, "the line itself has no step: {}", boundary_mm(&app));
+    assert!(app.take_sent().is_empty() && !app.is_driving());
 }

@@ -5,7 +5,7 @@
 use crate::background::{open_page, open_plate};
 use crate::painter::Painter;
 use crate::test_app::TestApp;
-use eframe::egui::{Color32, ColorImage, Theme};
+use eframe::egui::{Color32, ColorImage, Theme, accesskit::Role};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_model::export::figures::encode;
@@ -180,6 +180,49 @@ fn the_texture_page_looks_as_it_was_approved() {
     compare("texture-dark", &picture(ThemeChoice::Dark, USUAL, solid));
     compare("texture-small-light", &picture(ThemeChoice::Light, [640, 480], open_textures));
     compare("texture-small-dark", &picture(ThemeChoice::Dark, [640, 480], solid));
+}
+
+/// A profile of which a part cannot be had, drawn over the envelope, large and small.
+#[test]
+fn a_drawing_looks_as_it_was_approved() {
+    use crate::brush::{stroke, with_brush};
+    let drawn = |app: &mut TestApp| {
+        with_brush(app);
+        stroke(app, &[(0.06, 0.1), (0.3, 0.1), (0.55, 0.3), (0.8, 0.02)]);
+        app.wait(600);
+        app.window.hover_at(eframe::egui::pos2(600.0, 30.0));
+        app.wait(50);
+    };
+    compare("brush-light", &picture(ThemeChoice::Light, USUAL, drawn));
+    compare("brush-small", &picture(ThemeChoice::Dark, SMALL_SCREEN, drawn));
+}
+
+/// A recorded drag of two tones, at a time that was chosen.
+#[test]
+fn a_time_line_looks_as_it_was_approved() {
+    let chosen = |app: &mut TestApp| {
+        crate::add_tone(app);
+        app.wait(500);
+        app.window.get_by_role_and_label(Role::Button, "Play").click();
+        let step = |i: i32| (0.1 * f64::from(i), 0.18 + 0.06 * (0.15 * f64::from(i)).sin());
+        let moves: String = (0..=60)
+            .map(step)
+            .flat_map(|(s, m)| [(s, 1, m), (s, 2, 0.3 - m)])
+            .map(|(s, tone, m)| format!("{s},{tone},{m}\n"))
+            .collect();
+        app.open("drag.csv", Ok(format!("time_s,tone,place_m\n{moves}")));
+        app.window.get_by_label("Dismiss").click();
+        app.wait(300);
+        let line = app.window.get_by_role_and_label(Role::Slider, "Time of the recording").rect();
+        let at = line.left_center() + eframe::egui::vec2(0.35 * line.width(), 0.0);
+        app.window.drag_at(at);
+        app.wait(50);
+        app.window.drop_at(at);
+        app.wait(600);
+        app.window.hover_at(eframe::egui::pos2(600.0, 30.0));
+        app.wait(50);
+    };
+    compare("time-line", &picture(ThemeChoice::Light, SMALLEST, chosen));
 }
 
 /// Two measurements, of which the chosen one differs from the plate's model, large and small.

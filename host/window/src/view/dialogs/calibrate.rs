@@ -111,7 +111,9 @@ fn answer(
             let line = egui::Rect::from_center_size(swatch.center(), vec2(12.0, 3.0));
             ui.painter().rect_filled(line, 0.0, ink(entry.number, palette));
             let place = show_place(entry.measurement.place_m);
-            let label = ui.selectable_label(is_taken, format!("{} at {place}", entry.name));
+            // The name of a file may be long, and the page keeps its width.
+            let name = format!("{} at {place}", entry.name);
+            let label = ui.add(egui::Button::selectable(is_taken, name).truncate());
             if label.on_hover_text("Take this measurement for this place").clicked() {
                 ask(CalibrateIntent::TakeAnswer(sensor, entry.number));
             }

@@ -6,6 +6,7 @@ use crate::view::fields::field::{InputField, row};
 use crate::view::fields::lines::lines;
 use crate::view::fields::refusal::Refusal;
 use crate::view::panels::texture_plot;
+use crate::view::stage::brush::Brush;
 use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, RichText, vec2};
@@ -31,12 +32,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             let button = ui.selectable_label(draft.kind == kind, kind.name());
             if button.on_hover_text(kind.sentence()).clicked() {
                 changed = Some(WishDraft { kind, ..draft.clone() });
+                view.brush = Brush::default();
             }
         }
     });
     lines(ui, draft.kind.sentence(), palette.weak, 2);
     ui.add_space(2.0);
-    changed = fields(ui, draft, view, intents).or(changed);
+    changed = fields(ui, scene, view, intents).or(changed);
     actions(ui, scene, intents);
     let length_m = scene.setup.plate.length_m();
     changed = texture_plot::show(ui, &texture, length_m, view).or(changed);
@@ -51,10 +53,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 /// The values of the kind that is wanted, and the number of tones; returns the changed draft.
 fn fields(
     ui: &mut egui::Ui,
-    draft: &WishDraft,
+    scene: &Scene<'_>,
     view: &mut ViewState,
     intents: &mut Intents,
 ) -> Option<WishDraft> {
+    let draft = scene.texture.draft;
     let mut changed = None;
     let mut reason = None;
     let mut field = |ui: &mut egui::Ui,
@@ -106,6 +109,9 @@ fn fields(
             };
             field(ui, ("Tones at most", &value, "How many tones it may take: 1 to 16. More come nearer to what is wanted"), &take);
         }
+        if draft.kind == WishKind::Profile {
+            brush(ui, scene, &mut view.brush, intents);
+        }
     });
     if let Some(reason) = reason {
         ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
@@ -115,6 +121,24 @@ fn fields(
         ui.label(RichText::new(format!("{count} points from a file.")).small());
     }
     changed
+}
+
+const BRUSH_HELP: &str = "Draw the wanted amplitude over the envelope of the stage: the tones follow each stroke, as loud as it is \
+    drawn, and Undo takes it back. It arms and starts nothing";
+
+/// The switch of the stage's brush.
+fn brush(ui: &mut egui::Ui, scene: &Scene<'_>, brush: &mut Brush, intents: &mut Intents) {
+    ui.vertical(|ui| {
+        ui.label(RichText::new("By hand").small().color(theme::palette(ui).weak));
+        let button = egui::Button::selectable(brush.is_taken, "Brush").frame(true);
+        // Heights have no measure without the plate's table.
+        let button = ui.add_enabled(scene.full_peak_m.is_some(), button);
+        let button = button.on_disabled_hover_text("As soon as the plate's table is made");
+        if button.on_hover_text(BRUSH_HELP).clicked() {
+            brush.switch();
+            intents.push(Intent::EndDrawing);
+        }
+    });
 }
 
 /// What can be done with the texture, as soon as all of it is made.

@@ -8,7 +8,7 @@ use crate::view::theme;
 use eframe::egui::{
     self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2,
 };
-use slipline_model::field::steady_field::{POINTS, displacement_unit};
+use slipline_model::field::steady_field::{POINTS, SteadyField, displacement_unit};
 use slipline_model::setup::BoundaryMode;
 use slipline_plate::quantity::show_place;
 use slipline_plate::quantity::ticks::Ticks;
@@ -16,16 +16,43 @@ use slipline_plate::quantity::ticks::Ticks;
 /// The share of the ink in points of an earlier drive.
 const STALE: f32 = 0.35;
 
+/// Space over the top of the scale, in points.
+const OVER: f32 = 6.0;
+
 /// The transform from displacement to screen position; 0 is at the bottom.
-struct Height {
+pub(super) struct Height {
     rect: Rect,
     top_m: f64,
 }
 
 impl Height {
-    fn screen(&self, metres: f64) -> f32 {
+    pub(super) fn of(scene: &Scene<'_>, rect: Rect) -> Self {
+        Self { rect, top_m: scene.envelope_top_m() }
+    }
+
+    pub(super) fn screen(&self, metres: f64) -> f32 {
         let share = (metres / self.top_m).clamp(0.0, 1.0) as f32;
-        self.rect.bottom() - share * (self.rect.height() - 6.0)
+        self.rect.bottom() - share * (self.rect.height() - OVER)
+    }
+
+    /// The displacement at a screen position, within the scale.
+    pub(super) fn metres(&self, y: f32) -> f64 {
+        let share = (self.rect.bottom() - y) / (self.rect.height() - OVER);
+        self.top_m * f64::from(share.clamp(0.0, 1.0))
+    }
+}
+
+/// Whether the envelope is the mean of several tones: what they could reach together is only a bound.
+fn is_mean(predicted: &SteadyField) -> bool {
+    predicted.tones.len() > 1
+}
+
+/// The envelope at [`POINTS`] places, in metres. Several tones are drawn by their mean, which is measured, too.
+pub(super) fn values_m(predicted: &SteadyField) -> Vec<f64> {
+    if is_mean(predicted) {
+        predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect()
+    } else {
+        predicted.bound_m.clone()
     }
 }
 
@@ -34,8 +61,8 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
     let predicted = scene.predicted;
     let is_known = scene.full_peak_m.is_some();
-    let top_m = scene.envelope_top_m();
-    let height = Height { rect, top_m };
+    let height = Height::of(scene, rect);
+    let top_m = height.top_m;
     scale(ui, axis, &height, is_known);
     factor(ui, scene.magnification, pos2(rect.left(), rect.top() + 13.0));
     let painter = ui.painter().with_clip_rect(rect.expand(1.0));
@@ -46,10 +73,8 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     };
     let is_sounding = scene.sounding.is_some();
     let ink = if is_known { palette.accent } else { palette.weak };
-    // Several tones are drawn by their mean, which is measured, too; what they could reach together is a bound.
-    let is_chord = predicted.tones.len() > 1;
-    let mean: Vec<f64> = predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
-    let curve = line(if is_chord { &mean } else { &predicted.bound_m });
+    let values_m = values_m(predicted);
+    let curve = line(&values_m);
     let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
     painter.add(area(&curve, rect.bottom(), fill));
     if is_sounding {
@@ -57,14 +82,14 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     } else {
         painter.extend(Shape::dashed_line(&curve, Stroke::new(1.5, ink), 6.0, 4.0));
     }
-    if is_chord {
+    if is_mean(predicted) {
         let bound = line(&predicted.bound_m);
         painter.extend(Shape::dashed_line(&bound, Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
     if let Some((measured, is_current)) = scene.measured.filter(|_| is_known && scene.load.is_none()) {
         // The sensor on a secret plate has no known sensitivity, so its level is not known: it is that of the prediction.
         let highest_m = measured.points().map(|(_, metres)| metres).fold(0.0, f64::max);
-        let top_m = if is_chord { &mean } else { &predicted.bound_m }.iter().copied().fold(0.0, f64::max);
+        let top_m = values_m.iter().copied().fold(0.0, f64::max);
         let is_matched = scene.measure.live.is_secret && is_current && highest_m > 0.0;
         let level = if is_matched { top_m / highest_m } else { 1.0 };
         for (x_m, metres) in measured.points().step_by(2) {
@@ -189,8 +214,9 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     );
 }
 
-/// The legend, in an opaque box, so that the boundary lines do not cross its text.
-pub(crate) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
+/// The legend, in an opaque box, so that the boundary lines do not cross its text. It has the upper row from `left_end` on, in
+/// points.
+pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect, left_end: f32) {
     let palette = theme::palette(ui);
     let painter = ui.painter();
     let box_behind = painter.add(Shape::Noop);
@@ -201,7 +227,7 @@ pub(crate) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
         let galley = painter.layout_no_wrap(text.to_owned(), font.clone(), palette.weak);
         let left = right - galley.size().x;
         // In a narrow window the last entries have no room.
-        if left - 24.0 < axis.screen().min {
+        if left - 24.0 < left_end {
             return;
         }
         painter.galley(pos2(left, y - 0.5 * galley.size().y), galley, palette.weak);
@@ -224,13 +250,13 @@ pub(crate) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) 
     if !scene.measured_places.is_empty() {
         entry("measured", &|left| mark(painter, pos2(left + 9.0, y), palette));
     }
-    if scene.predicted.tones.len() > 1 {
+    if is_mean(scene.predicted) {
         entry("bound of the largest", &|left| {
             let line = [pos2(left, y), pos2(left + 18.0, y)];
             painter.extend(Shape::dashed_line(&line, Stroke::new(1.2, palette.weak), 3.0, 3.0));
         });
     }
-    let what = if scene.predicted.tones.len() > 1 { "mean of all tones, predicted" } else { "predicted" };
+    let what = if is_mean(scene.predicted) { "mean of all tones, predicted" } else { "predicted" };
     let touched = if scene.load.is_some() { " with the finger" } else { "" };
     entry(&format!("{what}{touched}"), &|left| {
         painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));

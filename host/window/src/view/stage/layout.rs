@@ -10,7 +10,9 @@ pub(super) const LABEL: f32 = 26.0;
 const STRIP: f32 = 30.0;
 const SCALE: f32 = 34.0;
 pub(super) const GAP: f32 = 8.0;
-/// A stage lower than this, in points, has no title.
+/// The time line of a recorded drag, with the space over it.
+const TIME: f32 = 52.0;
+/// A stage lower than this, in points, has no title and no time line.
 const LOW: f32 = 225.0;
 
 /// The rectangles of the three views.
@@ -24,6 +26,8 @@ pub(super) struct Layout {
     pub(super) envelope: Rect,
     pub(super) strip: Rect,
     pub(super) scale: Rect,
+    /// For the time line, if it is shown; else it has no height.
+    pub(super) time: Rect,
 }
 
 impl Layout {
@@ -33,6 +37,7 @@ impl Layout {
         half_width_m: f64,
         pixels_per_point: f32,
         hint_height: f32,
+        has_time_line: bool,
     ) -> Self {
         let row = |top: f32, height: f32| {
             let top = (top * pixels_per_point).round() / pixels_per_point;
@@ -40,18 +45,21 @@ impl Layout {
             Rect::from_min_max(pos2(area.left(), top), pos2(area.right(), bottom))
         };
         // The lowest stage, beside the plots in the smallest window, has no line above the plate.
-        let title_height = if area.height() < LOW { 0.0 } else { TITLE };
+        let (title_height, time_height) =
+            if area.height() < LOW { (0.0, 0.0) } else { (TITLE, if has_time_line { TIME } else { 0.0 }) };
         let title = row(area.top(), title_height);
         let hint = row(title.bottom(), hint_height);
         let label = row(hint.bottom(), LABEL);
         // In a window that is too low, the views overlap at their ends but stay in order.
-        let free = (area.height() - title_height - hint_height - LABEL - STRIP - SCALE - 2.0 * GAP).max(0.0);
+        let rows = title_height + hint_height + LABEL + STRIP + SCALE + time_height;
+        let free = (area.height() - rows - 2.0 * GAP).max(0.0);
         // The plate gets what it needs at scale; the envelope gets the rest.
         let wanted = 2.0 * half_width_m as f32 * axis.points_per_m() + 12.0;
         let plate = row(label.bottom(), wanted.clamp(0.35 * free, 0.7 * free).max(40.0));
         let envelope = row(plate.bottom() + GAP, (free - plate.height()).max(40.0));
         let strip = row(envelope.bottom() + GAP, STRIP);
         let scale = row(strip.bottom(), SCALE);
-        Self { axis, title, hint, label, plate, envelope, strip, scale }
+        let time = row(scale.bottom(), time_height);
+        Self { axis, title, hint, label, plate, envelope, strip, scale, time }
     }
 }

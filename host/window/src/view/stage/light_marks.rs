@@ -98,7 +98,8 @@ impl<'a> LightMarks<'a> {
         for (light, &x) in self.lights.iter().zip(&self.at) {
             let rect = Rect::from_center_size(pos2(x, self.row), vec2(self.gap.min(HANDLE), HANDLE));
             let id = ui.scope_id().with(("light", light.name));
-            let response = ui.interact(rect, id, Sense::click());
+            // With a click alone the view under it would take the drag.
+            let response = ui.interact(rect, id, Sense::click_and_drag());
             let name = format!("{}, {}, {}", validity::title(light), light.colour.name(), places(light));
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if response.has_focus() {

@@ -1,6 +1,7 @@
 //! The stage: plate, envelope and strip over one x axis, and the boundary line through all three.
 
 pub(crate) mod aligned;
+pub(crate) mod brush;
 mod displacement;
 mod envelope;
 pub(crate) mod felt_strip;
@@ -17,6 +18,7 @@ pub(crate) mod polyline;
 pub(crate) mod press;
 mod read_out;
 mod relief;
+mod time_line;
 mod track;
 
 use crate::axis::Axis;
@@ -45,7 +47,8 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let hint = Hint::of(ui, scene, &axis, area.x_range());
     let needs_row = hint.as_ref().is_some_and(|hint| hint.is_apart);
     let hint_height = if needs_row { LABEL + 2.0 } else { 0.0 };
-    let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height);
+    let has_time_line = view.is_play_open() && time_line::is_there(scene);
+    let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height, has_time_line);
     // The well's round corners show the page.
     let well = layout.axis.over_plate(layout.envelope);
     theme::fill_page_around(ui, area + theme::MARGIN, well.shrink(f32::from(WELL_CORNER)));
@@ -65,6 +68,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     envelope::show(ui, scene, &layout.axis, layout.envelope);
     felt_strip::show(ui, scene, &layout.axis, layout.strip);
     place_scale(ui, scene, &layout);
+    time_line::show(ui, scene, &layout, intents);
     let drawn = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.envelope.bottom());
     let marks =
         LightMarks::show(ui, scene, view, &layout.axis, area.x_range(), (drawn, layout.envelope.top()));
@@ -78,10 +82,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     if let Some(hint) = hint {
         hint.show(ui, &layout);
     }
-    envelope::legend(ui, scene, &layout.axis, layout.envelope);
+    let left_end = brush::show(ui, scene, &layout, &mut view.brush, intents);
+    envelope::legend(ui, scene, &layout.axis, layout.envelope, left_end);
     let views = Rect::from_x_y_ranges(layout.axis.screen(), layout.plate.top()..=layout.strip.bottom());
     // What a symbol says takes the read-out's place.
-    if !marks.interact(ui, view, intents) {
+    if !marks.interact(ui, view, intents) && !view.brush.is_drawing() {
         read_out::show(ui, scene, &layout.axis, views);
     }
 }

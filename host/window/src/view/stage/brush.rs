@@ -1,0 +1,172 @@
+//! The brush: the wanted amplitude is drawn over the envelope, and what of it cannot be had is shaded where it is.
+//!
+//! It lies over the lines, so that a stroke goes through them. The keyboard has the breakpoints of the page Texture.
+
+use super::envelope::{self, Height};
+use super::layout::Layout;
+use crate::intent::{Intent, Intents};
+use crate::scene::Scene;
+use crate::view::stage::polyline::thinned;
+use crate::view::theme::{self, GAP, HANDLE, Palette};
+use eframe::egui::{
+    self, Button, Color32, CursorIcon, Event, FontId, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke,
+    UiBuilder, pos2, vec2,
+};
+use slipline_model::field::steady_field::POINTS;
+use std::f64::consts::SQRT_2;
+
+/// The brush of the stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Brush {
+    /// Whether a press on the envelope draws.
+    pub(crate) is_taken: bool,
+    /// The end of the stroke under way: place and RMS displacement, in metres.
+    at: Option<(f64, f64)>,
+}
+
+impl Brush {
+    /// Takes it, or puts it away.
+    pub(crate) fn switch(&mut self) {
+        *self = Self { is_taken: !self.is_taken, at: None };
+    }
+
+    /// Whether a stroke is under way.
+    pub(crate) fn is_drawing(&self) -> bool {
+        self.at.is_some()
+    }
+}
+
+const CANVAS_HELP: &str = "Draw the wanted amplitude here with the pointer or a finger. The tones follow, and what of it cannot be \
+    had is shaded. A stroke is one step of undo";
+const END_HELP: &str = "Put the brush away: a press on the envelope brings the line again. Esc does it, too, and stops the drive";
+
+/// Width of the button that puts the brush away, and size of the samples beside it, in points.
+const END: f32 = 96.0;
+const SAMPLE: egui::Vec2 = vec2(18.0, 9.0);
+
+/// Takes the strokes, and shows what is wanted. Returns where the rest of the envelope's upper row begins, in points.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    scene: &Scene<'_>,
+    layout: &Layout,
+    brush: &mut Brush,
+    intents: &mut Intents,
+) -> f32 {
+    let over = layout.axis.over_plate(layout.envelope);
+    if !brush.is_taken {
+        return over.left();
+    }
+    let canvas = ui.interact(over, ui.scope_id().with("brush"), Sense::CLICK | Sense::DRAG);
+    theme::describe(&canvas, "Drawing area", CANVAS_HELP);
+    let canvas = canvas.on_hover_and_drag_cursor(CursorIcon::Crosshair);
+    let height = Height::of(scene, layout.envelope);
+    // Heights have no measure until the plate's table is made.
+    if scene.full_peak_m.is_some() {
+        draw(ui, &canvas, layout, &height, brush, intents);
+    }
+    if scene.texture.is_drawn {
+        wanted(ui, scene, layout, &height);
+    }
+    let place = Rect::from_min_size(over.min + vec2(6.0, 2.0), vec2(END, HANDLE));
+    let end = ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
+        // With a click alone the canvas under it would take the drag, and draw.
+        ui.add_sized(place.size(), Button::new("End drawing").sense(Sense::click_and_drag()))
+    });
+    if end.inner.on_hover_text(END_HELP).clicked() {
+        *brush = Brush::default();
+    }
+    if scene.texture.is_drawn { legend(ui, place.right_center(), over.right()) } else { place.right() }
+}
+
+/// Follows the pointer: the first point of a stroke is where it was pressed, each further one where it moved.
+fn draw(
+    ui: &egui::Ui,
+    canvas: &Response,
+    layout: &Layout,
+    height: &Height,
+    brush: &mut Brush,
+    intents: &mut Intents,
+) {
+    let point = |at: Pos2| {
+        let place_m = layout.axis.place_from_screen(at.x).clamp(0.0, layout.axis.length_m());
+        // The envelope is a peak amplitude.
+        (place_m, height.metres(at.y) / SQRT_2)
+    };
+    let is_down = canvas.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_down());
+    let path: Vec<(f64, f64)> = match (brush.at, canvas.interact_pointer_pos()) {
+        // Press and release may come in one frame.
+        (None, Some(pointer)) if is_down || canvas.clicked() => vec![point(pointer)],
+        (Some(last), Some(_)) if is_down || canvas.drag_stopped() => {
+            let moves = ui.input(|input| {
+                let to =
+                    |event: &Event| if let Event::PointerMoved(to) = event { Some(point(*to)) } else { None };
+                input.events.iter().filter_map(to).collect::<Vec<_>>()
+            });
+            // A pointer that rests adds nothing.
+            if moves.is_empty() { Vec::new() } else { std::iter::once(last).chain(moves).collect() }
+        }
+        _ => Vec::new(),
+    };
+    if let Some(&last) = path.last() {
+        brush.at = Some(last);
+        intents.push(Intent::Draw(path));
+    }
+    brush.at = brush.at.filter(|_| is_down);
+}
+
+/// The ink over what cannot be had.
+fn lack(palette: &Palette) -> Color32 {
+    palette.warn.gamma_multiply(0.35)
+}
+
+/// The line of what is wanted, and the shade between it and what the tones make.
+fn wanted(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, height: &Height) {
+    let palette = theme::palette(ui);
+    let painter = ui.painter().with_clip_rect(layout.envelope.expand(1.0));
+    let made_m = envelope::values_m(scene.predicted);
+    let length_m = layout.axis.length_m();
+    let drawn: Vec<(Pos2, Pos2)> = (0..POINTS)
+        .filter_map(|i| {
+            let place_m = length_m * i as f64 / (POINTS - 1) as f64;
+            let wanted_m = SQRT_2 * scene.texture.draft.drawn_m(place_m)?;
+            let x = layout.axis.screen_from_place(place_m);
+            let made_m = made_m.get(i).copied().unwrap_or(0.0);
+            Some((pos2(x, height.screen(wanted_m)), pos2(x, height.screen(made_m))))
+        })
+        .collect();
+    let mut shade = Mesh::default();
+    for &(wanted, made) in &drawn {
+        shade.colored_vertex(wanted, lack(palette));
+        shade.colored_vertex(made, lack(palette));
+    }
+    for i in 0..drawn.len().saturating_sub(1) as u32 {
+        shade.add_triangle(2 * i, 2 * i + 1, 2 * i + 2);
+        shade.add_triangle(2 * i + 1, 2 * i + 2, 2 * i + 3);
+    }
+    painter.add(Shape::mesh(shade));
+    let line: Vec<Pos2> = drawn.into_iter().map(|(wanted, _)| wanted).collect();
+    painter.extend(Shape::dashed_line(&thinned(&line), Stroke::new(2.0, palette.text), 6.0, 3.0));
+}
+
+/// What line and shade mean, from this place on as far as there is room; returns where it ends.
+fn legend(ui: &egui::Ui, from: Pos2, end: f32) -> f32 {
+    let palette = theme::palette(ui);
+    let mut left = from.x + GAP;
+    for words in ["wanted", "cannot be had"] {
+        let galley = ui.painter().layout_no_wrap(words.to_owned(), FontId::proportional(11.5), palette.weak);
+        let right = left + SAMPLE.x + 6.0 + galley.size().x;
+        if right > end {
+            break;
+        }
+        let sample = Rect::from_min_size(pos2(left, from.y - 0.5 * SAMPLE.y), SAMPLE);
+        if words == "wanted" {
+            let line = [sample.left_center(), sample.right_center()];
+            ui.painter().extend(Shape::dashed_line(&line, Stroke::new(2.0, palette.text), 6.0, 3.0));
+        } else {
+            ui.painter().rect_filled(sample, 1.0, lack(palette));
+        }
+        ui.painter().galley(pos2(sample.right() + 6.0, from.y - 0.5 * galley.size().y), galley, palette.weak);
+        left = right + 2.0 * GAP;
+    }
+    left
+}
