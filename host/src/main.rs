@@ -19,7 +19,7 @@ fn main() -> ExitCode {
         // host is silent.
         eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
-    let traced = trace::start(cli.trace.as_deref()).and_then(|()| cli.checked());
+    let traced = trace::start(cli.trace.as_deref(), cli.may_replace()).and_then(|()| cli.checked());
     let ended = traced.map_err(described).and_then(|cli| match cli.command {
         None => open_window(cli.file, cli.port, cli.kiosk),
         Some(command) => command.run(cli.json).map_err(described),
@@ -28,13 +28,15 @@ fn main() -> ExitCode {
     signals::hold_while_ending();
     // A thread of the window may still be writing a file.
     atomic_file::remove_unfinished();
-    match ended {
+    let code = match ended {
         Ok(()) => ExitCode::SUCCESS,
         Err((message, code)) => {
             eprintln!("slipline: {message}");
             ExitCode::from(code)
         }
-    }
+    };
+    signals::end_by_signal();
+    code
 }
 
 fn described(failure: Failure) -> (String, u8) {

@@ -1,11 +1,13 @@
 //! Ends the program after a signal: Ctrl-C, on Unix also SIGTERM, and SIGHUP unless it is ignored (nohup).
-//! All endings pass through one place, so that no driven device and no incomplete file remains.
+//! All endings pass through one place, so that no driven device and no incomplete file remains. The program then ends
+//! by the signal itself, so that a shell's loop around it ends, too.
 //!
 //! ```text
-//! signal --> does the command have its own orderly end (drive, the window)?
-//!              yes: it is asked to end, and returns by itself -----------------------> its own exit code
+//! signal --> does the command have its own orderly end (drive, serve, the window)?
+//!              yes: it is asked to end, stops its device, reports, and returns by itself --> by the signal
+//!                                                        (serve, whose only end it is: --> exit code 0)
 //!              no, it takes too long, or a second signal comes:
-//!                   devices stopped and disarmed --> temporary files removed --> exit code 130
+//!                   devices stopped and disarmed --> temporary files removed -------------> by the signal
 //! ```
 
 use slipline_link::native::Handle;
@@ -18,28 +20,87 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// The exit code after a signal: the one that a shell reports for a program ended by Ctrl-C.
-const EXIT_CODE: i32 = 130;
 /// Time limit for a command with its own orderly end.
 const CLOSING: Duration = Duration::from_secs(5);
 /// Time limit for a device to acknowledge stop and disarm. Without a host it stops by itself.
 const STOPPING: Duration = Duration::from_secs(1);
 
+/// A signal that ends the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Signal {
+    /// Ctrl-C.
+    Interrupt,
+    /// As `kill` sends it.
+    #[cfg_attr(not(unix), expect(dead_code, reason = "there is Ctrl-C only"))]
+    Terminate,
+    /// The terminal is closed.
+    #[cfg_attr(not(unix), expect(dead_code, reason = "there is Ctrl-C only"))]
+    HangUp,
+}
+
+impl Signal {
+    /// Its name, in text and JSON.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Interrupt => "SIGINT",
+            Self::Terminate => "SIGTERM",
+            Self::HangUp => "SIGHUP",
+        }
+    }
+
+    const fn number(self) -> i32 {
+        match self {
+            Self::Interrupt => 2,
+            Self::Terminate => 15,
+            Self::HangUp => 1,
+        }
+    }
+
+    /// Ends the program as the signal does by default; with 128 + its number where signals do not exist.
+    fn end_program(self) -> ! {
+        #[cfg(unix)]
+        let _ = signal_hook::low_level::emulate_default_handler(self.number());
+        process::exit(128 + self.number())
+    }
+}
+
+/// How a command with its own orderly end leaves the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Leaving {
+    BySignal,
+    /// With its own exit code, because a signal is its only end.
+    ByItself,
+}
+
+/// A command's own orderly end.
+struct Closing {
+    number: u64,
+    leaving: Leaving,
+    close: Box<dyn FnMut() + Send>,
+}
+
 /// The actions before the program ends.
 struct Endings {
     /// Devices to stop, by number.
     devices: Vec<(u64, Handle)>,
-    /// The command's own orderly end, with its number.
-    close: Option<(u64, Box<dyn FnMut() + Send>)>,
+    close: Option<Closing>,
     /// The last action.
     last: Option<fn()>,
     /// The last number given.
     count: u64,
     is_ending: bool,
+    /// The signal by which the program ends.
+    by: Option<Signal>,
 }
 
-static ENDINGS: Mutex<Endings> =
-    Mutex::new(Endings { devices: Vec::new(), close: None, last: None, count: 0, is_ending: false });
+static ENDINGS: Mutex<Endings> = Mutex::new(Endings {
+    devices: Vec::new(),
+    close: None,
+    last: None,
+    count: 0,
+    is_ending: false,
+    by: None,
+});
 
 fn endings() -> MutexGuard<'static, Endings> {
     ENDINGS.lock().unwrap_or_else(PoisonError::into_inner)
@@ -53,7 +114,7 @@ impl Drop for Ending {
     fn drop(&mut self) {
         let mut endings = endings();
         endings.devices.retain(|(number, _)| *number != self.0);
-        endings.close.take_if(|(number, _)| *number == self.0);
+        endings.close.take_if(|close| close.number == self.0);
     }
 }
 
@@ -68,14 +129,36 @@ pub(crate) fn stop_before_end(device: Handle) -> Ending {
 }
 
 /// Registers `close`, which is called on a signal. It must stop the device and let the program return from its
-/// main function.
+/// main function, which ends by the signal ([`end_by_signal`]).
 pub(crate) fn end_by(close: impl FnMut() + Send + 'static) -> Ending {
+    register(Leaving::BySignal, Box::new(close))
+}
+
+/// As [`end_by`], for a command whose only end is a signal: the program ends with its exit code.
+#[cfg(unix)]
+pub(crate) fn end_normally_by(close: impl FnMut() + Send + 'static) -> Ending {
+    register(Leaving::ByItself, Box::new(close))
+}
+
+fn register(leaving: Leaving, close: Box<dyn FnMut() + Send>) -> Ending {
     hold_while_ending();
     let mut endings = endings();
     endings.count += 1;
     let number = endings.count;
-    endings.close = Some((number, Box::new(close)));
+    endings.close = Some(Closing { number, leaving, close });
     Ending(number)
+}
+
+/// The signal by which the program ends, if one has come.
+pub(crate) fn ended_by() -> Option<Signal> {
+    endings().by
+}
+
+/// Ends the program by the signal that has ended its command, if one has. The main function calls it last.
+pub fn end_by_signal() {
+    if let Some(signal) = ended_by() {
+        signal.end_program();
+    }
 }
 
 /// Registers the window: on a signal its device is stopped at once, then the window stores its state and
@@ -111,30 +194,31 @@ pub fn hold_while_ending() {
 /// When the system refuses the signal handler or the thread.
 pub fn watch() -> io::Result<()> {
     let (sender, signals) = channel();
-    listen(move || {
+    listen(move |signal| {
         // The receiver is gone when the program is at its end.
-        let _ = sender.send(());
+        let _ = sender.send(signal);
     })?;
     let wait = move || {
-        if signals.recv().is_ok() {
-            end(&signals);
+        if let Ok(signal) = signals.recv() {
+            end(signal, &signals);
         }
     };
     thread::Builder::new().name("slipline-ending".to_owned()).spawn(wait).map(drop)
 }
 
 /// Ends the program; `signals` reports further signals meanwhile.
-fn end(signals: &Receiver<()>) {
-    let is_closing = match &mut endings().close {
-        Some((_, close)) => {
-            close();
-            true
-        }
-        None => false,
+fn end(signal: Signal, signals: &Receiver<Signal>) {
+    let is_closing = {
+        let mut endings = endings();
+        let is_its_end = endings.close.as_ref().is_some_and(|close| close.leaving == Leaving::ByItself);
+        // Stated before the command is asked to end: what it then reports has this signal.
+        endings.by = (!is_its_end).then_some(signal);
+        endings.close.as_mut().map(|close| (close.close)()).is_some()
     };
+    let mut last_signal = signal;
     if is_closing {
         // The main function ends the program meanwhile. A second signal requests an immediate end.
-        let _ = signals.recv_timeout(CLOSING);
+        last_signal = signals.recv_timeout(CLOSING).unwrap_or(signal);
     }
     let devices: Vec<Handle> = {
         let mut endings = endings();
@@ -152,18 +236,26 @@ fn end(signals: &Receiver<()>) {
     atomic_file::remove_unfinished();
     let last = endings().last;
     last.into_iter().for_each(|last| last());
-    process::exit(EXIT_CODE);
+    last_signal.end_program();
 }
 
 /// Calls `notify` for every signal.
 #[cfg(unix)]
-fn listen(mut notify: impl FnMut() + Send + 'static) -> io::Result<()> {
+fn listen(mut notify: impl FnMut(Signal) + Send + 'static) -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     // A user who started the program with nohup wants it to continue when the terminal closes.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let hangup = (!is_ignored(SIGHUP, &status)).then_some(SIGHUP);
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM].into_iter().chain(hangup))?;
-    let wait = move || signals.forever().for_each(|_| notify());
+    let wait = move || {
+        signals.forever().for_each(|number| {
+            notify(match number {
+                SIGTERM => Signal::Terminate,
+                SIGHUP => Signal::HangUp,
+                _ => Signal::Interrupt,
+            });
+        });
+    };
     thread::Builder::new().name("slipline-signals".to_owned()).spawn(wait).map(drop)
 }
 
@@ -177,13 +269,13 @@ fn is_ignored(signal: i32, status: &str) -> bool {
 
 /// Calls `notify` for every Ctrl-C.
 #[cfg(not(unix))]
-fn listen(notify: impl FnMut() + Send + 'static) -> io::Result<()> {
-    ctrlc::set_handler(notify).map_err(io::Error::other)
+fn listen(mut notify: impl FnMut(Signal) + Send + 'static) -> io::Result<()> {
+    ctrlc::set_handler(move || notify(Signal::Interrupt)).map_err(io::Error::other)
 }
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
-    use signal_hook::consts::{SIGHUP, SIGINT};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
     #[test]
     fn an_ignored_signal_is_told_from_the_others() {
@@ -192,5 +284,11 @@ mod tests {
         for status in ["", "SigIgn:\n", "SigIgn:\tnonsense\n", "SigIgn:\t0000000000001000\n"] {
             assert!(!is_ignored(SIGHUP, status), "{status}");
         }
+    }
+
+    #[test]
+    fn the_numbers_are_those_of_the_system() {
+        let numbers = [Signal::Interrupt, Signal::Terminate, Signal::HangUp].map(Signal::number);
+        assert_eq!(numbers, [SIGINT, SIGTERM, SIGHUP]);
     }
 }

@@ -18,8 +18,9 @@ const VARIABLE: &str = "RUST_LOG";
 /// nothing.
 ///
 /// # Errors
-/// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, [`Failure::Failed`] for a file that cannot be written.
-pub fn start(file: Option<&Path>) -> Result<(), Failure> {
+/// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, and for a file that exists and may not be replaced;
+/// [`Failure::Failed`] for a file that cannot be written.
+pub fn start(file: Option<&Path>, may_replace: bool) -> Result<(), Failure> {
     let filter = match std::env::var(VARIABLE) {
         Ok(text) if !text.is_empty() => Some(text.parse::<Targets>().map_err(|error| {
             let allowed = format!("a list like 'slipline_link=debug' or 'info' ({error})");
@@ -28,6 +29,12 @@ pub fn start(file: Option<&Path>) -> Result<(), Failure> {
         _ => None,
     };
     let frames = match file {
+        Some(path) if path.is_file() && !may_replace => {
+            let name = path.display();
+            return Err(Failure::Usage(format!(
+                "the trace {name} exists: write --force to replace it, or name another file"
+            )));
+        }
         Some(path) => Some(File::create(path).map_err(|error| {
             Failure::Failed(format!("the trace {} cannot be written: {error}", path.display()))
         })?),

@@ -34,7 +34,7 @@ fn run(port: &str, arguments: &[&str]) -> (Output, Value) {
 }
 
 const DRIVE: [&str; 9] =
-    ["drive", "--plate", "al-sh", "--boundary", "300mm", "--level", "0.8", "--for", "60s"];
+    ["drive", "--plate", "al-sh", "--turning-point", "300mm", "--level", "0.8", "--for", "60s"];
 
 /// A drive that goes on for a minute unless it is ended; it is ended with this value.
 struct Driving(Child);

@@ -49,6 +49,20 @@ pub fn write<E: From<io::Error>>(
     Ok(finish(part, old.as_ref(), &path)?)
 }
 
+/// Tries whether a file can be written there, without writing it: its folder must take a temporary file. A pipe or a
+/// device is not tried.
+///
+/// # Errors
+/// The error of the system, and [`ErrorKind::ResourceBusy`] as for [`write`].
+pub fn try_to_write(path: &Path) -> io::Result<()> {
+    if is_stream(path) {
+        return Ok(());
+    }
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let (part, _registration) = begin(&path, None)?;
+    part.close()
+}
+
 /// Marks a file as being written, until it is dropped.
 struct Registration<'a>(&'a Path);
 
@@ -198,6 +212,20 @@ mod tests {
         std::fs::create_dir(folder.join("taken")).unwrap();
         assert!(put(&folder.join("taken"), b"x").is_err());
         assert_eq!(count(&folder), 2, "no part is left behind");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_try_leaves_the_folder_as_it_was_and_fails_where_nothing_can_be_written() {
+        let folder = folder("tried");
+        let path = folder.join("a.txt");
+        try_to_write(&path).unwrap();
+        put(&path, b"old").unwrap();
+        try_to_write(&path).unwrap();
+        assert_eq!((count(&folder), std::fs::read(&path).unwrap()), (1, b"old".to_vec()));
+        assert!(try_to_write(&folder.join("none").join("a.txt")).is_err());
+        #[cfg(target_os = "linux")]
+        assert!(try_to_write(Path::new("/proc/a.txt")).is_err());
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -1,10 +1,9 @@
-//! Arguments of the command line: quantities, tones, plates.
+//! Arguments of the command line: quantities, places, plates.
 
 use super::failure::Failure;
 use slipline_model::atomic_file::{read_text, said};
 use slipline_plate::quantity::{
-    self, Count, Counted, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, must_be,
-    only, show_range,
+    self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, only, show_range,
 };
 use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
@@ -16,15 +15,8 @@ pub(super) struct Typed<T> {
     pub(super) value: T,
 }
 
-/// A boundary, given by its place or its frequency.
-pub(super) type Boundary = Typed<PlaceOrFrequency>;
-
-/// A tone on the command line.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct ToneArgument {
-    boundary: Boundary,
-    level: f64,
-}
+/// A tone's place, or its frequency.
+pub(super) type PlaceArgument = Typed<PlaceOrFrequency>;
 
 /// Parses a value and keeps the typed text. A text that is not a number, or too large, becomes NaN, which is
 /// outside every range. It is refused later, where the range is known and the message can name it.
@@ -40,7 +32,7 @@ pub(super) fn typed<T>(
     Ok(Typed { text: text.trim().to_owned(), value })
 }
 
-pub(super) fn boundary(text: &str) -> Result<Boundary, QuantityError> {
+pub(super) fn place_or_frequency(text: &str) -> Result<PlaceArgument, QuantityError> {
     typed(text, quantity::place_or_frequency, PlaceOrFrequency::Place(f64::NAN))
 }
 
@@ -63,19 +55,19 @@ pub(super) fn beat(text: &str) -> Result<Beat, String> {
     Ok(Beat { place, frequency })
 }
 
-/// A felt edge on the command line: the requested boundary, and where the finger felt its edge.
+/// A felt edge on the command line: the one that was asked for, or the tone's frequency, and where the finger felt it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TouchArgument {
-    pub(super) boundary: Boundary,
-    pub(super) edge: Typed<f64>,
+    pub(super) asked: PlaceArgument,
+    pub(super) felt: Typed<f64>,
 }
 
-/// Parses `120mm:118mm`, a boundary and where its edge was felt.
+/// Parses `250mm:246mm`, the felt edge that was asked for and where it was felt.
 pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
-    let (asked, felt) = text.rsplit_once(':').ok_or("write BOUNDARY:EDGE, such as 120mm:118mm")?;
-    let boundary = boundary(asked).map_err(|error| format!("its boundary: {error}"))?;
-    let edge = place(felt).map_err(|error| format!("its edge: {error}"))?;
-    Ok(TouchArgument { boundary, edge })
+    let (asked, felt) = text.rsplit_once(':').ok_or("write ASKED:FELT, such as 250mm:246mm")?;
+    let asked = place_or_frequency(asked).map_err(|error| format!("the felt edge asked for: {error}"))?;
+    let felt = place(felt).map_err(|error| format!("where it was felt: {error}"))?;
+    Ok(TouchArgument { asked, felt })
 }
 
 pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
@@ -140,14 +132,6 @@ pub(super) fn level(text: &str) -> Result<f64, NotAllowed<TypedRange>> {
     within(|text| quantity::plain(text, ""), Measure::Plain(""), (0.0, 1.0))(text)
 }
 
-/// Parses `90mm:0.5`, a place (or a frequency) and a level.
-pub(super) fn tone(text: &str) -> Result<ToneArgument, String> {
-    let (place, loudness) = text.rsplit_once(':').ok_or("write PLACE:LEVEL, such as 90mm:0.5")?;
-    let level = level(loudness).map_err(|error| format!("its level: {error}"))?;
-    let boundary = boundary(place).map_err(|error| error.to_string())?;
-    Ok(ToneArgument { boundary, level })
-}
-
 impl Typed<f64> {
     /// The value if it is in its range. The error names `option`, the typed text and the range, followed by
     /// `more`.
@@ -166,9 +150,10 @@ impl Typed<f64> {
     }
 }
 
-impl Boundary {
-    /// Its place in metres, within the plate's span; an error names `option`.
-    pub(super) fn on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {
+impl PlaceArgument {
+    /// The turning point in metres, within the plate's span: this place, or that of this frequency. An error names
+    /// `option`.
+    pub(super) fn turning_point_on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {
         let (start_m, end_m) = plate.span_m();
         let (low_hz, high_hz) = plate.band_hz();
         let place_m = match self.value {
@@ -179,32 +164,15 @@ impl Boundary {
                 .map(|x_m| x_m.clamp(start_m, end_m)),
         };
         place_m.ok_or_else(|| {
-            let places = show_range(start_m, end_m, Measure::Length);
             let frequencies = show_range(low_hz, high_hz, Measure::Frequency);
-            let name = plate.name();
-            Failure::value(option, &self.text, format!("{places}, or {frequencies}, on the plate {name:?}"))
+            let allowed = match self.value {
+                PlaceOrFrequency::Place(_) => {
+                    format!("{}, or {frequencies}", show_range(start_m, end_m, Measure::Length))
+                }
+                PlaceOrFrequency::Frequency(_) => frequencies,
+            };
+            Failure::value(option, &self.text, format!("{allowed}, on the plate {:?}", plate.name()))
         })
-    }
-}
-
-/// The tones of a command: the boundary first, then the others, each as (place in metres, level).
-pub(super) fn tones(
-    plate: &Plate,
-    boundary: Option<&Boundary>,
-    level: f64,
-    tones: &[ToneArgument],
-) -> Result<Vec<(f64, f64)>, Failure> {
-    let most = slipline_link::protocol::limits::MAX_TONES;
-    let first = boundary.map(|boundary| Ok((boundary.on(plate, "--boundary")?, level)));
-    let others = tones.iter().map(|tone| Ok((tone.boundary.on(plate, "--tone")?, tone.level)));
-    let all = first.into_iter().chain(others).collect::<Result<Vec<_>, Failure>>()?;
-    match all.len() {
-        0 => Err(Failure::Usage("name a --boundary or at least one --tone".to_owned())),
-        count if count > most => {
-            let allowed = Count::new(1, most, Counted::Tones);
-            Err(Failure::Usage(must_be(format_args!("{count} {}", allowed.of), allowed)))
-        }
-        _ => Ok(all),
     }
 }
 

@@ -2,23 +2,28 @@
 
 use super::calibrated::{CalibrationReport, Way, finish};
 use super::destination::Destination;
+use super::feeling::FeelingArgument;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{SensorArgument, current_of, measurements};
 use super::measuring::{BandArgument, ByDevice, at_places, current, place_on};
 use super::{
     ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, progress, sensor_places,
 };
-use argument::TouchArgument;
+use argument::{PlaceArgument, TouchArgument};
 use clap::{ArgGroup, Args, ValueEnum};
+use slipline_model::field::edge_reach::turning_point_of;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_model::setup::Setup;
+use slipline_model::setup::file::feeling;
 use slipline_plate::calibrate::{
     CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, Touch, TouchedDrive, Transducer,
-    from_one_sensor, from_ratio, from_shunt, from_touches,
+    check_source, from_one_sensor, from_ratio, from_shunt, from_touches,
 };
-use slipline_plate::feeling::Feeling;
-use slipline_plate::quantity::{Measure, Range, must_be};
-use slipline_plate::{Plate, limits};
+use slipline_plate::quantity::{Measure, PlaceOrFrequency, Range, must_be};
+use slipline_plate::{DriveTable, Plate, limits};
+use std::io::Write as _;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The default level of touched tones, equal to that of `drive`.
 const TOUCH_LEVEL: f64 = 0.8;
@@ -61,12 +66,17 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "LENGTH", value_parser = argument::length(TOUCH_TOLERANCE), allow_hyphen_values = true, default_value = "2mm")]
     touch_tolerance: f64,
     #[command(flatten)]
+    feeling: FeelingArgument,
+    /// Write the feeling that the touches give, for --feeling.
+    #[arg(long, value_name = "FEELING.toml", requires = "touches")]
+    feeling_out: Option<PathBuf>,
+    #[command(flatten)]
     calipers: CalipersArgument,
     /// Write the plate file with the measured numbers, their intervals and the measured gain.
     #[arg(long, value_name = "FITTED.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
 }
 
 /// Earlier measurements.
@@ -82,9 +92,9 @@ struct MeasuredArgument {
     /// --data, if any, holds this current. The value is the kind of drive.
     #[arg(long, value_enum, value_name = "DRIVE", conflicts_with_all = ["places", "touches"])]
     current: Option<CurrentOf>,
-    /// Without a sensor: the requested boundary (or its frequency), and where the finger felt the edge
-    /// (120mm:118mm); give at least two, far apart. This calibrates places, not levels.
-    #[arg(long = "touch", value_name = "X:EDGE", value_parser = argument::touch, allow_hyphen_values = true)]
+    /// Without a sensor: the felt edge that was asked for by the plate file (or the tone's frequency), and where the finger
+    /// felt it (250mm:246mm); give at least two, far apart. This calibrates places, not levels.
+    #[arg(long = "touch", value_name = "ASKED:FELT", value_parser = argument::touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,
     /// What is known of the drive whose edges were felt. By default the drive is unknown, unless the plate
     /// file holds values measured by a sensor or the current. An unknown drive needs more touches: six
@@ -145,6 +155,10 @@ impl CalipersArgument {
 pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), Failure> {
     let file = argument::plate(&arguments.plate.plate)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
+    let feeling_out = Destination::perhaps(arguments.feeling_out.as_deref(), arguments.force)?;
+    if out.as_ref().zip(feeling_out.as_ref()).is_some_and(|(plate, feeling)| plate.is(feeling)) {
+        return Err(Failure::Usage("--out and --feeling-out name the same file".to_owned()));
+    }
     let (nominal, priors) = arguments.calipers.applied_to(file.clone())?;
     if arguments.plan {
         let placing = Placing {
@@ -178,6 +192,10 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         },
         touches => touched(&nominal, touches, arguments, &priors)?,
     };
+    if let (Some(out), Some(felt)) = (&feeling_out, found.as_ref().ok().and_then(|it| it.feeling)) {
+        let text = feeling::write(&felt);
+        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+    }
     finish(&file, found, out.as_ref(), as_json)
 }
 
@@ -212,6 +230,9 @@ fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measu
         }
         return measurements(nominal, data, &arguments.sensor);
     };
+    if arguments.measured.current.is_some() || arguments.sensor.places.len() == 1 {
+        check_source(nominal).map_err(Failure::failed)?;
+    }
     let by = ByDevice {
         port,
         band: &arguments.band,
@@ -225,6 +246,25 @@ fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measu
     }
 }
 
+/// The tone of a touch by its turning point, metres: that of the felt edge asked for, or of the frequency.
+fn turning_point_m(
+    asked: &PlaceArgument,
+    setup: &Setup,
+    level: f64,
+    table: &DriveTable,
+) -> Result<f64, Failure> {
+    match asked.value {
+        PlaceOrFrequency::Frequency(_) => asked.turning_point_on(&setup.plate, "--touch"),
+        PlaceOrFrequency::Place(place_m) => {
+            turning_point_of(setup, level, table, place_m).map_err(|refusal| {
+                let given = format_args!("invalid value '{}' for '--touch'", asked.text);
+                let refused = refusal.sentence(given);
+                Failure::Usage(format!("{refused}; or name the tone by its frequency (126Hz:246mm)"))
+            })
+        }
+    }
+}
+
 /// The calibration by felt edges.
 fn touched(
     nominal: &Plate,
@@ -232,16 +272,19 @@ fn touched(
     arguments: &CalibrateArguments,
     priors: &Priors,
 ) -> Result<Result<CalibrationReport, CalibrateError>, Failure> {
+    let feeling = arguments.feeling.read()?.feeling;
     let (table, _) = progress::table_for(nominal, SAMPLE_RATE_HZ)?;
     let level = arguments.level.unwrap_or(TOUCH_LEVEL);
+    let setup = Setup { feeling, ..Setup::new(Arc::new(nominal.clone())) };
     let touch = |touch: &TouchArgument| {
-        let boundary_m = touch.boundary.on(nominal, "--touch")?;
         let on_plate = Range::new(0.0, nominal.length_m(), "m");
+        let mark_m = touch.felt.within("--touch", on_plate, Measure::Length, ", on the plate")?;
+        let turning_point_m = turning_point_m(&touch.asked, &setup, level, &table)?;
         Ok(Touch {
-            mark_m: touch.edge.within("--touch", on_plate, Measure::Length, ", on the plate")?,
+            mark_m,
             tolerance_m: arguments.touch_tolerance,
-            frequency_hz: table.frequency_hz(boundary_m),
-            peak_m: level * table.peak_m(boundary_m),
+            frequency_hz: table.frequency_hz(turning_point_m),
+            peak_m: level * table.peak_m(turning_point_m),
         })
     };
     let touches = touches.iter().map(touch).collect::<Result<Vec<_>, Failure>>()?;
@@ -250,7 +293,7 @@ fn touched(
         Some(DriveKnown::AsTold) => TouchedDrive::AsStated,
         Some(DriveKnown::Unknown) => TouchedDrive::Unknown,
     };
-    let found = from_touches(nominal, &touches, &Feeling::default(), drive, priors);
+    let found = from_touches(nominal, &touches, &feeling, drive, priors);
     Ok(found.map(|found| CalibrationReport {
         way: match drive {
             TouchedDrive::AsStated => Way::Touches,
@@ -260,8 +303,9 @@ fn touched(
         plate: found.plate,
         parameters: found.parameters,
         chi2_per_n: found.chi2_per_n,
+        feeling: Some(found.feeling),
         misfit: None,
-        boundary: None,
+        turning_point: None,
         caution: None,
         level_tolerance_db: None,
     }))

@@ -7,9 +7,9 @@ use slipline_instrument::calibration::named_calibrated;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Departure, Parameter, departure};
+use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::show_length;
-use std::io::Write;
 
 /// The method of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,13 +36,13 @@ impl Way {
     const fn reaches(self) -> &'static str {
         match self {
             Self::TwoPlaces => {
-                "two places of one sensor: on simulated plates the boundary came within 0.2 mm, 0.8 mm at worst, and the level within 0.3 dB"
+                "two places of one sensor: on simulated plates turning points came within 0.2 mm, 0.8 mm at worst, and the level within 0.3 dB"
             }
             Self::OneSensor => {
-                "one sensor and a model of the source: on simulated plates the boundary came within 0.5 mm, 0.9 mm at worst, and the level within 0.5 dB; two places do not need the model"
+                "one sensor and a model of the source: on simulated plates turning points came within 0.5 mm, 0.9 mm at worst, and the level within 0.5 dB; two places do not need the model"
             }
             Self::Current => {
-                "the current alone: on simulated plates the boundary came within 0.5 mm, 1.2 mm at worst; the level is the model's and is not measured"
+                "the current alone: on simulated plates turning points came within 0.5 mm, 1.2 mm at worst; the level is the model's and is not measured"
             }
             Self::Touches => {
                 "felt edges alone, of a known drive: on simulated plates the felt edge came within 1.5 mm; the level is not measured"
@@ -60,11 +60,12 @@ pub(super) struct CalibrationReport {
     pub(super) plate: Plate,
     pub(super) parameters: Vec<Parameter>,
     pub(super) chi2_per_n: f64,
+    /// The finger's feeling; only of a calibration by felt edges.
+    pub(super) feeling: Option<Feeling>,
     /// The model error with which `chi2_per_n` would be 1, and the remedy; `None` for felt edges.
     pub(super) misfit: Option<(f64, String)>,
-    /// Half of the 95 % interval of the boundary, metres, and the boundary's shift per metre of misplacement
-    /// of each sensor.
-    pub(super) boundary: Option<(f64, Vec<f64>)>,
+    /// Half of the 95 % interval of the turning point, metres, and its shift per metre of misplacement of each sensor.
+    pub(super) turning_point: Option<(f64, Vec<f64>)>,
     /// Half of the 95 % interval of the felt edge, metres; only of a calibration by felt edges.
     pub(super) edge_tolerance_m: Option<f64>,
     /// A property that no measurement determines and the user must check.
@@ -83,8 +84,9 @@ impl CalibrationReport {
             plate: found.plate,
             parameters: found.parameters,
             chi2_per_n: found.chi2_per_n,
+            feeling: None,
             edge_tolerance_m: None,
-            boundary: Some((found.boundary_tolerance_m, found.boundary_per_place)),
+            turning_point: Some((found.boundary_tolerance_m, found.boundary_per_place)),
             level_tolerance_db: Some(found.level_tolerance_db).filter(|db| db.is_finite()),
         }
     }
@@ -110,7 +112,7 @@ pub(super) fn finish(
     let before = departure(file, &found.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?;
     if let Some(out) = out {
         let text = named_calibrated(&found.plate).to_toml();
-        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+        out.write_measured(&text)?;
     }
     output::print(as_json, &value(file, &found, &before), |writer| {
         output::lines(writer, &lines(file, &found, &before, out))
@@ -147,13 +149,13 @@ fn value(file: &Plate, found: &CalibrationReport, before: &Departure) -> Value {
         })).collect::<Vec<_>>(),
         "chi2_per_n": found.chi2_per_n,
         "misfit": found.misfit.as_ref().map(|it| it.0),
-        "boundary_tolerance_m": found.boundary.as_ref().map(|it| it.0),
-        "boundary_per_place": found.boundary.as_ref().map(|it| &it.1),
+        "turning_point_tolerance_m": found.turning_point.as_ref().map(|it| it.0),
+        "turning_point_per_place": found.turning_point.as_ref().map(|it| &it.1),
         "edge_tolerance_m": found.edge_tolerance_m,
         "level_tolerance_db": found.level_tolerance_db,
         "caution": found.caution,
         "before": {
-            "boundary_error_m": before.boundary_m,
+            "turning_point_error_m": before.boundary_m,
             "level_error_db": found.level_tolerance_db.map(|_| before.level_db),
         },
     })
@@ -177,13 +179,13 @@ fn lines<'a>(
     let level = found.level_tolerance_db;
     let was = level
         .map_or(String::new(), |_| format!(", the level up to {} high or low", decibel(before.level_db)));
-    let boundary_m = show_length(before.boundary_m);
-    lines.push(("Before", format!("the boundary is up to {boundary_m} off over the span{was}")));
+    let off_m = show_length(before.boundary_m);
+    lines.push(("Before", format!("turning points are up to {off_m} off over the span{was}")));
     let is = level.map_or(String::new(), |db| format!(", the level to {}", decibel(db)));
-    match &found.boundary {
-        Some((boundary_m, _)) => {
+    match &found.turning_point {
+        Some((known_m, _)) => {
             lines
-                .push(("After", format!("the boundary is known to {}{is} (95 %)", show_length(*boundary_m))));
+                .push(("After", format!("turning points are known to {}{is} (95 %)", show_length(*known_m))));
         }
         None => lines.push(("Levels", "not measured".to_owned())),
     }

@@ -6,14 +6,16 @@ use slipline_plate::check::{Checker, Colour, Conditions};
 
 pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let boundary_m =
-        arguments.boundary.as_ref().map(|boundary| boundary.on(&plate, "--boundary")).transpose()?;
+    arguments.gone.refuse("--felt-edge of drive, simulate and record")?;
+    let turning_point_m = arguments.turning_point.as_ref();
+    let turning_point_m =
+        turning_point_m.map(|place| place.turning_point_on(&plate, "--turning-point")).transpose()?;
     let conditions =
         Conditions { level: arguments.level, off_centre: arguments.off_centre, ..Conditions::default() };
     let report = progress::watched("check", |progress| {
         let checker = Checker::watched(&plate, conditions, &mut progress.part(0.0, 0.2))?;
-        match boundary_m {
-            Some(boundary_m) => checker.at(boundary_m),
+        match turning_point_m {
+            Some(turning_point_m) => checker.at(turning_point_m),
             None => checker.over_span_watched(&mut progress.part(0.2, 1.0)),
         }
     })

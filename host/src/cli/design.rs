@@ -28,7 +28,7 @@ pub struct DesignArguments {
     /// The sheet's thickness, such as 2mm; 1um to 100mm.
     #[arg(long, value_name = "T", value_parser = argument::length(limits::THICKNESS), allow_hyphen_values = true)]
     thickness: f64,
-    /// The boundary's lowest and highest frequency, such as 20kHz..40kHz; 0.5Hz to 10MHz.
+    /// The lowest and the highest frequency of the tones, such as 20kHz..40kHz; 0.5Hz to 10MHz.
     #[arg(long, value_name = "F..F", value_parser = band, allow_hyphen_values = true)]
     band: (f64, f64),
     /// From the driven end to the narrow end, such as 300mm; 5mm to 10m.
@@ -53,10 +53,10 @@ pub struct DesignArguments {
     /// Leave out shear and rotary inertia of a bending plate.
     #[arg(long)]
     thin: bool,
-    /// From the driven end to the nearest boundary; by default, as much as its peak needs.
+    /// From the driven end to the nearest turning point; by default, as much as its peak needs.
     #[arg(long, value_name = "X", value_parser = margin, allow_hyphen_values = true)]
     start_margin: Option<Typed<f64>>,
-    /// From the farthest boundary to the narrow end; by default, as much as its tail needs.
+    /// From the farthest turning point to the narrow end; by default, as much as its tail needs.
     #[arg(long, value_name = "X", value_parser = margin, allow_hyphen_values = true)]
     end_margin: Option<Typed<f64>>,
     /// Loss factor, 0 to 0.5; by default, the material's.
@@ -76,7 +76,7 @@ pub struct DesignArguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
 }
 
 /// The air around the plate.
@@ -176,8 +176,8 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         "high": designed.high,
         "loss_factor": designed.plate.spec().loss_factor,
         "loss_factor_limit": designed.loss_factor_limit,
-        "single_boundary_to_m": designed.single_boundary_to_m,
-        "single_boundary_off_centre_to_m": designed.single_boundary_off_centre_to_m,
+        "single_turning_point_to_m": designed.single_boundary_to_m,
+        "single_turning_point_off_centre_to_m": designed.single_boundary_off_centre_to_m,
         "mode_free_travel_m": designed.mode_free_travel_m(),
         "damper": designed.damper,
         "tension_n_per_m": designed.tension_n_per_m,
@@ -189,7 +189,7 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
     output::print(as_json, &value, |out| {
         // The summary is written as comments, so that the output is a valid plate file.
         for (name, text) in summary(&designed) {
-            writeln!(out, "# {name:<18} {text}")?;
+            writeln!(out, "# {name:<21} {text}")?;
         }
         match &lights {
             Ok(report) => concerns(report).try_for_each(|line| writeln!(out, "# {line}"))?,
@@ -218,8 +218,8 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
                 with_decimals(designed.rate_per_m, 3)
             ),
         ),
-        ("lowest boundary", band_end(&designed.low)),
-        ("highest boundary", band_end(&designed.high)),
+        ("lowest turning point", band_end(&designed.low)),
+        ("highest turning point", band_end(&designed.high)),
         (
             "loss",
             format!(
@@ -229,7 +229,7 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
             ),
         ),
         (
-            "single boundary",
+            "single turning point",
             format!(
                 "up to {} with the drive on the centre line ({} of travel), up to {} beside it",
                 show_si(designed.single_boundary_to_m, "m"),

@@ -5,7 +5,7 @@ use clap::Args;
 use slipline_model::atomic_file::{self, said};
 use std::fmt;
 use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Whether files may be replaced.
@@ -31,15 +31,18 @@ impl Destination {
             Ok(found) if found.is_file() && !may_replace.force => Err(Failure::Usage(format!(
                 "{name} exists: write --force to replace it, or name another file"
             ))),
-            Ok(_) => Ok(Self(path.to_owned())),
+            Ok(_) => Ok(()),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 match atomic_file::missing_folder(path) {
                     Some(reason) => Err(Failure::Failed(format!("{name}: {reason}"))),
-                    None => Ok(Self(path.to_owned())),
+                    None => Ok(()),
                 }
             }
             Err(error) => Err(failed(path, &error)),
-        }
+        }?;
+        // By trying: permissions alone do not show whether a file system can be written.
+        atomic_file::try_to_write(path).map_err(|error| failed(path, &error))?;
+        Ok(Self(path.to_owned()))
     }
 
     /// An optional file.
@@ -84,6 +87,22 @@ impl Destination {
         &self.0
     }
 
+    /// Writes what was measured, which cannot be had again. If the file cannot be written any more, the text goes to a
+    /// file among the temporary ones, which the error names.
+    pub(super) fn write_measured(&self, text: &str) -> Result<(), Failure> {
+        let into = |path: &Path| {
+            atomic_file::write(path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) })
+        };
+        let Err(error) = into(&self.0) else { return Ok(()) };
+        let name = self.0.file_name().unwrap_or_default().to_string_lossy();
+        let kept = std::env::temp_dir().join(format!("slipline-{}-{name}", std::process::id()));
+        let (file, why) = (self.0.display(), said(&error));
+        Err(Failure::Failed(match into(&kept) {
+            Ok(()) => format!("{file}: {why}; what was measured is in {}", kept.display()),
+            Err(again) => format!("{file}: {why}; {}: {}", kept.display(), said(&again)),
+        }))
+    }
+
     /// Writes the file through `write`: completely or not at all.
     pub(super) fn write(
         &self,
@@ -95,4 +114,24 @@ impl Destination {
 
 fn failed(path: &Path, error: &impl fmt::Display) -> Failure {
     Failure::Failed(format!("{}: {}", path.display(), said(error)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_measured_is_kept_in_a_place_that_is_named() {
+        let folder = std::env::temp_dir().join(format!("slipline-lost-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let out = Destination::new(&folder.join("measured.csv"), ForceArgument::default()).expect("writable");
+        out.write_measured("1,2").expect("written");
+        assert_eq!(std::fs::read_to_string(out.path()).expect("there"), "1,2");
+        // The folder is gone by the time the measurement has ended.
+        std::fs::remove_dir_all(&folder).expect("removed");
+        let message = out.write_measured("3,4").expect_err("no folder").to_string();
+        let (_, kept) = message.split_once("; what was measured is in ").expect("a place");
+        assert_eq!(std::fs::read_to_string(kept).expect("there"), "3,4");
+        std::fs::remove_file(kept).expect("removed");
+    }
 }

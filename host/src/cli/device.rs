@@ -58,13 +58,20 @@ impl Device {
     pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
         let rate_hz = self.identity()?.sample_rate_hz;
         let (_, table) = self.during(|| progress::table_for(plate, rate_hz))?;
-        self.client.use_table(table.clone())?;
-        if !self.snapshot().can_limit_travel() && table.travel_limit().is_some() {
+        self.use_made(table.clone())?;
+        Ok(table)
+    }
+
+    /// Uploads a table made for the device's sample rate.
+    fn use_made(&self, table: Arc<DeviceTable>) -> Result<(), Failure> {
+        let has_limit = table.travel_limit().is_some();
+        self.client.use_table(table)?;
+        if has_limit && !self.snapshot().can_limit_travel() {
             eprintln!(
                 "slipline: the device does not limit the actuator's travel: its firmware is too old for it"
             );
         }
-        Ok(table)
+        Ok(())
     }
 }
 
@@ -82,6 +89,17 @@ impl<'a> LoadedDevice<'a> {
     pub(super) fn new(device: &'a Device, plate: &'a Plate) -> Result<Self, Failure> {
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         Ok(Self { device, plate, table: device.use_table(plate)?, rate_hz })
+    }
+
+    /// Uploads a table that is made for the device's sample rate already.
+    pub(super) fn with(
+        device: &'a Device,
+        plate: &'a Plate,
+        table: Arc<DeviceTable>,
+    ) -> Result<Self, Failure> {
+        let rate_hz = f64::from(device.identity()?.sample_rate_hz);
+        device.use_made(table.clone())?;
+        Ok(Self { device, plate, table, rate_hz })
     }
 
     /// The device's report of its inputs.

@@ -1,20 +1,22 @@
 //! `slipline drive`.
 
 use super::device::{Device, LoadedDevice};
+use super::feeling::NamedFeeling;
 use super::hold::Holder;
-use super::known_drive;
-use super::{Begin, DriveArguments, Failure, argument, output};
-use crate::signals;
+use super::tones::AskedTones;
+use super::{Begin, DriveArguments, Failure, argument, known_drive, output, progress, tones};
+use crate::signals::{self, Signal};
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
 use slipline_link::{DriveRequest, LinkState, Snapshot, Sounding};
 use slipline_model::atomic_file::{read_text, said};
+use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::file::{self, Opened};
 use slipline_model::setup::{Setup, edit};
 use slipline_model::texture::{self, chord_of};
-use slipline_plate::Plate;
-use slipline_plate::quantity::{show_frequency, show_place};
+use slipline_plate::{DriveTable, Plate};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -23,34 +25,42 @@ use std::time::{Duration, Instant};
 const GLANCE: Duration = Duration::from_millis(100);
 
 pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failure> {
-    let (plate, request, setup) = wanted(arguments)?;
+    let wanted = Wanted::of(arguments)?;
     let duration_s = arguments.duration;
     let port = &arguments.port.port;
+    let rig = arguments.hold.rig(&arguments.port, &wanted.plate)?;
+    let mut made = progress::table_for(&wanted.plate, SAMPLE_RATE_HZ)?;
+    let mut setup = wanted.setup(&made.0, arguments.glide)?;
 
-    let rig = arguments.hold.rig(&arguments.port, &plate)?;
     let device = Device::connect(port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
+    let rate_hz = device.identity()?.sample_rate_hz;
+    if rate_hz != SAMPLE_RATE_HZ {
+        made = device.during(|| progress::table_for(&wanted.plate, rate_hz))?;
+        setup = wanted.setup(&made.0, arguments.glide)?;
+    }
+    let (plate_table, table) = made;
+    let request = edit::drive(&setup);
+    let sounding = if wanted.is_of_file() {
+        let snapshot = device.snapshot();
+        let chord = chord_of(&setup, &table);
+        device.during(|| texture::sounding(&setup, chord, &table, &snapshot)).map_err(Failure::usage)?
+    } else {
+        Sounding::Drive(request.clone())
+    };
+    let is_chord = matches!(sounding, Sounding::Chord(_));
+    let gain_db = setup.chord_gain_db.filter(|_| is_chord);
+    let places = TonePlaces::of_setup(&Setup { chord_gain_db: gain_db, ..setup }, &plate_table);
+    if !is_chord {
+        table.check_sum(&at_master_level(&request)).map_err(Failure::usage)?;
+    }
     if arguments.clear_faults {
         device.clear_faults()?;
     }
-    let bench = LoadedDevice::new(&device, &plate)?;
+    let bench = LoadedDevice::with(&device, &wanted.plate, table)?;
+    let table = &bench.table;
+    let mut holder = arguments.hold.holder(&device, &wanted.plate, table, &request)?;
     known_drive::check(&bench, arguments.known.known(None))?;
-    let table = bench.table;
-    let sounding = match &setup {
-        Some(setup) => {
-            let snapshot = device.snapshot();
-            let chord = chord_of(setup, &table);
-            device.during(|| texture::sounding(setup, chord, &table, &snapshot)).map_err(Failure::usage)?
-        }
-        None => Sounding::Drive(request.clone()),
-    };
-    let is_chord = matches!(sounding, Sounding::Chord(_));
-    let gain_db = setup.as_ref().and_then(|setup| setup.chord_gain_db).filter(|_| is_chord);
-    let tones = louder(&request, gain_db.unwrap_or(0.0));
-    if !is_chord {
-        table.check_sum(&tones).map_err(Failure::usage)?;
-    }
-    let mut holder = arguments.hold.holder(&device, &plate, &table, &request)?;
     device.arm()?;
     let apply = match arguments.at {
         Begin::Now => Apply::Next,
@@ -66,18 +76,16 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         let _ = interrupted.send(());
     });
 
-    let played: Vec<(f64, f64, f64)> = tones
+    let played: Vec<(&TonePlaces, f64)> = places
         .iter()
-        .filter_map(|&(boundary_m, level)| {
-            Some((boundary_m, level, table.frequency_hz(table.position(boundary_m)?)))
-        })
+        .filter_map(|tone| Some((tone, table.frequency_hz(table.position(tone.turning_point_m)?))))
         .collect();
     if !as_json {
         output::print(false, &json!(null), |out| {
-            for (boundary_m, level, hz) in &played {
-                let (place, frequency) = (show_place(*boundary_m), show_frequency(*hz));
-                writeln!(out, "Boundary at {place}: {frequency}, level {level:.3}.")?;
+            for (tone, frequency_hz) in &played {
+                writeln!(out, "{}", tones::words(tone, *frequency_hz))?;
             }
+            writeln!(out, "{}", wanted.feeling.words())?;
             if let Some(gain_db) = gain_db {
                 writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
             }
@@ -119,44 +127,82 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         None => 0.0,
     };
     let stopped_at = device.stop()?;
+    let hold = holder.as_ref().map(Holder::value);
+    let clipped_samples = device.snapshot().status.map(|status| status.counters.clips);
+    // Before anything is written, because the reader of the output may be slow.
+    device.disarm()?;
+    let ended_by = signals::ended_by();
     let value = json!({
         "port": port.to_string(),
-        "plate": plate.name(),
+        "plate": wanted.plate.name(),
         "at_samples": began.map(|(at, _)| at),
         "stopped_at_samples": stopped_at,
         "driven_s": driven_s,
-        "tones": played.iter().map(|&(boundary_m, level, frequency_hz)| json!({
-            "boundary_m": boundary_m, "level": level, "frequency_hz": frequency_hz,
-        })).collect::<Vec<_>>(),
+        "ended_by": ended_by.map_or("time", Signal::name),
+        "feeling": wanted.feeling.value(),
+        "tones": played.iter().map(|(tone, frequency_hz)| tones::value(tone, *frequency_hz)).collect::<Vec<_>>(),
         "chord_gain_db": gain_db,
-        "hold": holder.as_ref().map(Holder::value),
+        "hold": hold,
         "table_crc": format!("{:08x}", table.crc()),
-        "clipped_samples": device.snapshot().status.map(|status| status.counters.clips),
+        "clipped_samples": clipped_samples,
     });
-    output::print(as_json, &value, |out| writeln!(out, "Stopped."))
+    output::print(as_json, &value, |out| match ended_by {
+        Some(signal) => writeln!(out, "Stopped by {} after {driven_s:.3} s.", signal.name()),
+        None => writeln!(out, "Stopped."),
+    })
 }
 
-/// The plate, the drive, and the setup that defines both, if any.
-type Wanted = (Arc<Plate>, DriveRequest, Option<Box<Setup>>);
+/// The plate, and what is to sound on it.
+struct Wanted {
+    plate: Arc<Plate>,
+    feeling: NamedFeeling,
+    sounds: Sounds,
+}
 
-fn wanted(arguments: &DriveArguments) -> Result<Wanted, Failure> {
-    let Some(path) = &arguments.setup else {
-        let plate = argument::plate(arguments.plate.as_deref().unwrap_or_default())?;
-        let tones = arguments.tones.on(&plate)?;
-        let request = DriveRequest { glide_s: arguments.glide, ..DriveRequest::at(&tones) };
-        return Ok((Arc::new(plate), request, None));
-    };
-    let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-    let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
-    match file::read(&text).map_err(|error| refused(error.to_string()))? {
-        Opened::Setup(setup) => Ok((Arc::clone(&setup.plate), edit::drive(&setup), Some(setup))),
-        Opened::Plate(_) => Err(refused("a plate alone: drive it with --plate and --boundary".to_owned())),
+/// What is to sound: a setup of a file, or tones.
+enum Sounds {
+    Setup(Box<Setup>),
+    Tones(AskedTones),
+}
+
+impl Wanted {
+    fn of(arguments: &DriveArguments) -> Result<Self, Failure> {
+        let Some(path) = &arguments.setup else {
+            let plate = Arc::new(argument::plate(arguments.plate.as_deref().unwrap_or_default())?);
+            let asked = arguments.tones.on(&plate)?;
+            return Ok(Self { plate, feeling: asked.feeling.clone(), sounds: Sounds::Tones(asked) });
+        };
+        let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
+        let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
+        match file::read(&text).map_err(|error| refused(error.to_string()))? {
+            Opened::Setup(setup) => Ok(Self {
+                plate: Arc::clone(&setup.plate),
+                feeling: NamedFeeling::of_setup(&setup, path),
+                sounds: Sounds::Setup(setup),
+            }),
+            Opened::Plate(_) => Err(refused(
+                "a plate alone: drive it with --plate and --felt-edge or --turning-point".to_owned(),
+            )),
+        }
+    }
+
+    /// Whether it is a setup of a file.
+    const fn is_of_file(&self) -> bool {
+        matches!(self.sounds, Sounds::Setup(_))
+    }
+
+    /// The setup that sounds; `table` is that of the plate. Tones on the command line glide for `glide_s`.
+    fn setup(&self, table: &DriveTable, glide_s: f64) -> Result<Setup, Failure> {
+        match &self.sounds {
+            Sounds::Setup(setup) => Ok((**setup).clone()),
+            Sounds::Tones(asked) => Ok(Setup { glide_s, ..asked.setup(&self.plate, table)? }),
+        }
     }
 }
 
-/// The tones of a drive as (place in metres, level at the drive's master level), raised by `louder_db`.
-fn louder(request: &DriveRequest, louder_db: f64) -> Vec<(f64, f64)> {
-    let master = 10.0_f64.powf((request.master_db + louder_db) / 20.0);
+/// The tones of a drive as (turning point in metres, level at the drive's master level).
+fn at_master_level(request: &DriveRequest) -> Vec<(f64, f64)> {
+    let master = 10.0_f64.powf(request.master_db / 20.0);
     request.tones.iter().map(|tone| (tone.boundary_m, tone.level * master)).collect()
 }
 

@@ -16,7 +16,7 @@ pub struct FiguresArguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
 }
 
 pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Failure> {

@@ -73,9 +73,9 @@ impl HoldArgument {
         // Refused before the drive begins.
         let plan =
             HoldPlan::new(plate, &frequencies, rate_hz, lock_ins, self.max_rise).map_err(Failure::failed)?;
-        let boundaries_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();
+        let turning_points_m = drive.tones.iter().map(|tone| (tone.slot, tone.boundary_m)).collect();
         let (plate, holding) = (Arc::clone(plate), Holding::default());
-        Ok(Some(Holder { plan, plate, holding, boundaries_m, latest: None, printed: Vec::new() }))
+        Ok(Some(Holder { plan, plate, holding, turning_points_m, latest: None, printed: Vec::new() }))
     }
 }
 
@@ -84,7 +84,7 @@ pub(super) struct Holder {
     plan: HoldPlan,
     plate: Arc<Plate>,
     holding: Holding,
-    boundaries_m: Vec<(u8, f64)>,
+    turning_points_m: Vec<(u8, f64)>,
     latest: Option<Arc<Held>>,
     /// Text and correction of each tone as printed last.
     printed: Vec<(&'static str, f64)>,
@@ -138,15 +138,15 @@ impl Holder {
         self.printed = tones;
         output::print(false, &json!(null), |out| {
             for tone in words(held) {
-                let place = self.boundary_m(tone.slot).map_or_else(String::new, show_place);
-                writeln!(out, "Boundary at {place}: {}, {:+.1} dB.", tone.words, tone.correction_db)?;
+                let place = self.turning_point_m(tone.slot).map_or_else(String::new, show_place);
+                writeln!(out, "Turning point at {place}: {}, {:+.1} dB.", tone.words, tone.correction_db)?;
             }
             if has_ended { writeln!(out, "{}.", progress_words(held.progress)) } else { Ok(()) }
         })
     }
 
-    fn boundary_m(&self, slot: u8) -> Option<f64> {
-        self.boundaries_m.iter().find(|(of, _)| *of == slot).map(|(_, boundary_m)| *boundary_m)
+    fn turning_point_m(&self, slot: u8) -> Option<f64> {
+        self.turning_points_m.iter().find(|(of, _)| *of == slot).map(|(_, place_m)| *place_m)
     }
 
     /// The latest state of the hold, as JSON.
@@ -154,7 +154,7 @@ impl Holder {
         let tones = self.latest.iter().flat_map(|held| words(held)).map(|tone| {
             json!({
                 "slot": tone.slot,
-                "boundary_m": self.boundary_m(tone.slot),
+                "turning_point_m": self.turning_point_m(tone.slot),
                 "state": tone.words,
                 "correction_db": tone.correction_db,
                 "amplitude_codes": tone.amplitude_codes,

@@ -15,7 +15,6 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{must_be, show_frequency, show_place};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// `measure`.
@@ -43,7 +42,7 @@ pub struct MeasureArguments {
     #[arg(long, value_name = "FILE", value_parser = measurement_file)]
     out: Option<PathBuf>,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
     #[command(flatten)]
     known: KnownDriveArgument,
     #[command(flatten)]
@@ -107,9 +106,46 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     let report = Report { plate: &plate, input: arguments.input, drive, measured: &measured };
     if let Some(out) = &out {
         let text = form(out.path()).unwrap_or(Measurement::to_csv)(&measured.measurement);
-        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+        out.write_measured(&text)?;
     }
-    output::print(as_json, &value(&report), |writer| output::lines(writer, &lines(&report, out.as_ref())))
+    output::print(as_json, &value(&report), |writer| {
+        output::lines(writer, &lines(&report, out.as_ref()))?;
+        if out.is_none() {
+            writeln!(writer)?;
+            output::table(writer, &rows(&measured.measurement))?;
+        }
+        Ok(())
+    })
+}
+
+/// Most rows of the table, and the width of its plot, in characters.
+const ROWS: usize = 24;
+const PLOT: usize = 32;
+/// Lowest level of the plot, dB below the largest response.
+const PLOT_DB: f64 = 48.0;
+
+/// What was found, as a table with a plot of the level beside it; of many frequencies, some over the band.
+fn rows(measurement: &Measurement) -> Vec<Vec<String>> {
+    let points = &measurement.points;
+    let level_db = |response: f64, of: f64| 20.0 * (response / of).log10();
+    let largest = points.iter().map(|it| it.response.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let mut rows = vec![["Frequency", "Level", "Phase", "Over noise", ""].map(str::to_owned).to_vec()];
+    let count = points.len().min(ROWS);
+    let shown = (0..count).filter_map(|i| points.get(i * (points.len() - 1) / (count - 1).max(1)));
+    rows.extend(shown.map(|it| {
+        let size = it.response.norm();
+        let level = level_db(size, largest);
+        let share = (1.0 + level / PLOT_DB).clamp(0.0, 1.0);
+        let bar = "#".repeat((share * PLOT as f64).round() as usize);
+        vec![
+            show_frequency(it.frequency_hz),
+            format!("{} dB", with_decimals(level, 1)),
+            format!("{}°", with_decimals(it.response.arg().to_degrees(), 0)),
+            format!("{} dB", with_decimals(level_db(size, it.noise), 1)),
+            format!("{bar:<PLOT$}"),
+        ]
+    }));
+    rows
 }
 
 /// A measurement and the printed values.

@@ -11,7 +11,7 @@ use slipline_instrument::measure::{
 };
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{Measurement, SensorKind};
+use slipline_plate::calibrate::{Measurement, SensorKind, check_places};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};
 
 /// The measured frequencies.
@@ -174,6 +174,10 @@ pub(super) fn at_places(
         return Err(Failure::Usage(must_be(given, "1 or 2: two places of one sensor, or one")));
     };
     let kind = sensor.kind.unwrap_or(SensorKind::Displacement);
+    if let [near_m, far_m] = places[..] {
+        let tolerance_m = Measurement::at(near_m, kind, Vec::new()).place_tolerance_m;
+        check_places([near_m, far_m], [tolerance_m; 2]).map_err(Failure::failed)?;
+    }
     let options = RigOptions { place_m, sensor: kind, ..RigOptions::default() };
     let rig = by.port.rig_with_sensor(plate, &options)?;
     let device = by.connect(rig.as_ref())?;

@@ -1,7 +1,8 @@
 //! `slipline merit`.
 
+use super::tones::GoneArgument;
 use super::{Failure, PlateArgument, argument, output, progress};
-use argument::Boundary;
+use argument::PlaceArgument;
 use clap::Args;
 use serde_json::json;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
@@ -11,8 +12,8 @@ use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place, show_si};
 use slipline_plate::texture::{Palette, TextureError};
 
-/// Number of boundaries, each in the middle of an equal share of the span.
-const BOUNDARIES: usize = 5;
+/// Number of turning points, each in the middle of an equal share of the span.
+const TURNING_POINTS: usize = 5;
 
 /// `merit`.
 #[derive(Debug, Args)]
@@ -20,23 +21,27 @@ pub struct MeritArguments {
     #[command(flatten)]
     plate: PlateArgument,
     /// One boundary, by its turning point (120mm) or its frequency (126Hz); by default, five over the span.
-    #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
-    boundary: Option<Boundary>,
+    #[arg(long, value_name = "X", value_parser = argument::place_or_frequency, allow_hyphen_values = true)]
+    turning_point: Option<PlaceArgument>,
+    #[command(flatten)]
+    gone: GoneArgument,
 }
 
 pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
-    let one = arguments.boundary.as_ref().map(|boundary| boundary.on(&plate, "--boundary")).transpose()?;
+    arguments.gone.refuse("--felt-edge of drive, simulate and record")?;
+    let one = arguments.turning_point.as_ref();
+    let one = one.map(|place| place.turning_point_on(&plate, "--turning-point")).transpose()?;
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let palette = Palette::new(&plate, &table);
     let merits = match one {
-        Some(boundary_m) => vec![Merit::of(&palette, boundary_m).map_err(Failure::usage)?],
+        Some(turning_point_m) => vec![Merit::of(&palette, turning_point_m).map_err(Failure::usage)?],
         None => over_span(&plate, &palette)?,
     };
     let value = json!({
         "plate": plate.name(),
-        "boundaries": merits.iter().map(|merit| json!({
-            "boundary_m": merit.turning_point_m,
+        "turning_points": merits.iter().map(|merit| json!({
+            "turning_point_m": merit.turning_point_m,
             "frequency_hz": merit.frequency_hz,
             "contrast_db": merit.contrast_db,
             "ripple_db": merit.ripple_db,
@@ -49,14 +54,14 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
     output::print(as_json, &value, |out| {
         writeln!(
             out,
-            "{:>9} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
-            "boundary", "contrast", "ripple", "edge", "switching", "two-point", "bit/s"
+            "{:>13} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
+            "turning point", "contrast", "ripple", "edge", "switching", "two-point", "bit/s"
         )?;
         for merit in &merits {
             let unknown = || "-".to_owned();
             writeln!(
                 out,
-                "{:>9} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
+                "{:>13} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
                 show_place(merit.turning_point_m),
                 format!("{} dB", with_decimals(merit.contrast_db, 0)),
                 format!("{} dB", with_decimals(merit.ripple_db, 1)),
@@ -74,11 +79,11 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
 /// last one.
 fn over_span(plate: &Plate, palette: &Palette<'_>) -> Result<Vec<Merit>, Failure> {
     let (start_m, end_m) = plate.span_m();
-    let at = |i: usize| start_m + (end_m - start_m) * (i as f64 + 0.5) / BOUNDARIES as f64;
+    let at = |i: usize| start_m + (end_m - start_m) * (i as f64 + 0.5) / TURNING_POINTS as f64;
     let mut found = Vec::new();
     let mut refused = None;
-    for boundary_m in (0..BOUNDARIES).map(at) {
-        match Merit::of(palette, boundary_m) {
+    for turning_point_m in (0..TURNING_POINTS).map(at) {
+        match Merit::of(palette, turning_point_m) {
             Ok(merit) => found.push(merit),
             Err(error @ TextureError::TooShort { .. }) => refused = Some(error),
             Err(error) => return Err(Failure::usage(error)),

@@ -1,8 +1,8 @@
 //! The command line: every use of Slipline except the window.
 //!
 //! JSON numbers are SI and their names end in the unit. Exit codes: 0 done; 1 failed; 2 bad usage or a bad
-//! file (the message names it and the allowed range); 3 `check` is done and found red lights. Existing files
-//! are replaced with `--force` only.
+//! file (the message names it and the allowed range); 3 `check` is done and found red lights. A signal ends the
+//! program by itself. Existing files are replaced with `--force` only.
 
 mod argument;
 mod calibrate;
@@ -15,6 +15,7 @@ mod device;
 mod differs;
 mod drive;
 mod failure;
+mod feeling;
 mod figure_file;
 mod figures;
 mod hold;
@@ -36,6 +37,7 @@ mod simulate;
 mod sweep;
 mod table;
 mod texture;
+mod tones;
 mod trim;
 mod verify;
 
@@ -51,21 +53,22 @@ pub use texture::TextureArguments;
 pub use trim::TrimArguments;
 
 use crate::signals;
-use argument::{Boundary, FingerArgument, ToneArgument, Typed};
+use argument::{FingerArgument, PlaceArgument, Typed};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
 use figure_file::{FigureFile, figure_file};
 use slipline_link::Port;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::simulation::MAX_SECONDS;
 use slipline_plate::calibrate::SensorKind;
-use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, Plate, nearest};
+use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, nearest};
 use std::path::PathBuf;
+use tones::{GoneArgument, TonesArgument};
 
 /// Longest drive of one command, in seconds: the device's own limit is ten minutes.
 const DRIVE_S: f64 = 600.0;
 
 const EXIT_CODES: &str = "\
-Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights.";
+Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they\nend any other; serve, whose only end they are, ends with 0.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
 const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; for 1 and 2 see slipline --help.";
 
@@ -91,7 +94,8 @@ pub struct Cli {
     /// Print JSON: SI numbers, field names that end in their unit.
     #[arg(long, global = true, display_order = 998)]
     pub json: bool,
-    /// Write every frame between this program and the device to this file, one line each.
+    /// Write every frame between this program and the device to this file, one line each. An existing file is replaced with
+    /// --force only.
     #[arg(long, global = true, value_name = "FILE", display_order = 999)]
     pub trace: Option<PathBuf>,
 }
@@ -108,6 +112,9 @@ pub enum Command {
         /// Which device.
         #[command(flatten)]
         port: PortArgument,
+        /// Whether the trace may be replaced.
+        #[command(flatten)]
+        force: ForceArgument,
     },
     /// Put a table on a device and drive it.
     Drive(DriveArguments),
@@ -131,7 +138,8 @@ pub enum Command {
     Design(DesignArguments),
     /// Make a texture: tones that together vibrate an even area, a drawn profile, stripes, or a beat.
     Texture(TextureArguments),
-    /// Rate the sharpness, speed and number of a plate's boundaries: contrast, ripple, edge, switching, bits per second.
+    /// Rate the sharpness, speed and number of a plate's boundaries over their turning points: contrast, ripple, edge,
+    /// switching, bits per second.
     Merit(MeritArguments),
     /// Measure the response of a sensor on the plate, or of the drive's current, to the device's tones.
     Measure(MeasureArguments),
@@ -174,27 +182,6 @@ pub struct PlateArgument {
     plate: String,
 }
 
-/// The tones.
-#[derive(Debug, Args)]
-pub struct TonesArgument {
-    /// Place of the boundary (120mm), or its frequency (126Hz).
-    #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
-    boundary: Option<Boundary>,
-    /// One more tone: its boundary (where its wave turns, or its frequency) and its level (90mm:0.5). Up to 16 in all.
-    #[arg(long = "tone", value_name = "X:LEVEL", value_parser = argument::tone, allow_hyphen_values = true)]
-    tones: Vec<ToneArgument>,
-    /// The boundary's level, 0 to 1 of the table's full scale.
-    #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.8")]
-    level: f64,
-}
-
-impl TonesArgument {
-    /// The tones as (place in metres, level), the boundary first.
-    fn on(&self, plate: &Plate) -> Result<Vec<(f64, f64)>, Failure> {
-        argument::tones(plate, self.boundary.as_ref(), self.level, &self.tones)
-    }
-}
-
 /// `drive`.
 #[derive(Debug, Args)]
 pub struct DriveArguments {
@@ -204,7 +191,7 @@ pub struct DriveArguments {
     #[arg(long, value_name = "PLATE", required_unless_present = "setup")]
     plate: Option<String>,
     /// Plate, tones, master level and glide from a setup file, as the app and `slipline texture` write it.
-    #[arg(long, value_name = "SETUP.toml", conflicts_with_all = ["plate", "boundary", "tones", "level", "glide"])]
+    #[arg(long, value_name = "SETUP.toml", conflicts_with_all = ["plate", "felt_edges", "turning_points", "boundary", "tone", "level", "feeling", "glide"])]
     setup: Option<PathBuf>,
     #[command(flatten)]
     tones: TonesArgument,
@@ -226,6 +213,8 @@ pub struct DriveArguments {
     hold: hold::HoldArgument,
     #[command(flatten)]
     known: known_drive::KnownDriveArgument,
+    #[command(flatten)]
+    force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }
@@ -352,6 +341,8 @@ pub struct VerifyArguments {
     #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
     window: Typed<f64>,
     #[command(flatten)]
+    force: ForceArgument,
+    #[command(flatten)]
     arming: ArmingArgument,
 }
 
@@ -378,6 +369,8 @@ pub struct ServeArguments {
     /// secret:SEED (a plate whose values all deviate by a few per cent).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,
+    #[command(flatten)]
+    force: ForceArgument,
 }
 
 /// `check`.
@@ -385,9 +378,11 @@ pub struct ServeArguments {
 pub struct CheckArguments {
     #[command(flatten)]
     plate: PlateArgument,
-    /// One boundary; by default, the worst over the span.
-    #[arg(long, value_name = "X", value_parser = argument::boundary, allow_hyphen_values = true)]
-    boundary: Option<Boundary>,
+    /// One tone by its turning point (120mm) or its frequency (126Hz); by default, the worst over the span.
+    #[arg(long, value_name = "X", value_parser = argument::place_or_frequency, allow_hyphen_values = true)]
+    turning_point: Option<PlaceArgument>,
+    #[command(flatten)]
+    gone: GoneArgument,
     /// The tone's level, 0 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "1")]
     level: f64,
@@ -422,6 +417,34 @@ impl Cli {
     }
 }
 
+impl Cli {
+    /// Whether existing files may be replaced, the trace included.
+    #[must_use]
+    pub fn may_replace(&self) -> bool {
+        let force = match &self.command {
+            None | Some(Command::Presets | Command::Ports | Command::Check(_) | Command::Merit(_)) => {
+                ForceArgument::default()
+            }
+            Some(Command::Info { force, .. }) => *force,
+            Some(Command::Drive(arguments)) => arguments.force,
+            Some(Command::Respond(arguments)) => arguments.force,
+            Some(Command::Table(arguments)) => arguments.force,
+            Some(Command::Simulate(arguments)) => arguments.force,
+            Some(Command::Record(arguments)) => arguments.force,
+            Some(Command::Verify(arguments)) => arguments.force,
+            Some(Command::Serve(arguments)) => arguments.force,
+            Some(Command::Design(arguments)) => arguments.force,
+            Some(Command::Texture(arguments)) => arguments.force,
+            Some(Command::Measure(arguments)) => arguments.force,
+            Some(Command::Sweep(arguments)) => arguments.force,
+            Some(Command::Calibrate(arguments)) => arguments.force,
+            Some(Command::Trim(arguments)) => arguments.force,
+            Some(Command::Figures(arguments)) => arguments.force,
+        };
+        force.force
+    }
+}
+
 impl Command {
     /// Runs the command and prints its result.
     ///
@@ -432,7 +455,7 @@ impl Command {
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
-            Self::Info { port } => info::run(&port, json),
+            Self::Info { port, .. } => info::run(&port, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
             Self::Respond(arguments) => respond::run(&arguments, json),
             Self::Table(arguments) => table::run(&arguments, json),

@@ -1,35 +1,52 @@
 //! `slipline record`.
 
 use super::destination::Destination;
-use super::{Failure, RecordArguments, argument, output, progress};
-use serde_json::json;
+use super::{Failure, RecordArguments, argument, output, progress, tones};
+use serde_json::{Value, json};
 use slipline_link::DriveRequest;
 use slipline_link::simulator::loopback::Loopback;
+use slipline_link::table::DeviceTable;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_plate::Plate;
+use slipline_model::field::tone_places::TonePlaces;
+use std::sync::Arc;
 
 pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
-    let tones = arguments.tones.on(&plate)?;
+    let plate = Arc::new(argument::plate(&arguments.plate.plate)?);
+    let asked = arguments.tones.on(&plate)?;
     let seconds = arguments.seconds;
     let wav = Destination::new(&arguments.wav, arguments.force)?;
     let samples = (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u64;
-    write(&wav, &plate, &tones, samples)?;
+    let (table, device_table) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
+    let setup = asked.setup(&plate, &table)?;
+    write(&wav, device_table, &tones::turning_points(&setup), samples)?;
+    let places = TonePlaces::of_setup(&setup, &table);
     let value = json!({
         "wav": arguments.wav.display().to_string(),
+        "plate": plate.name(),
         "sample_rate_hz": SAMPLE_RATE_HZ,
         "samples": samples,
         "seconds": seconds,
+        "feeling": asked.feeling.value(),
+        "tones": places.iter().map(|tone| tones::value(tone, tone.frequency_hz)).collect::<Vec<Value>>(),
     });
     output::print(as_json, &value, |out| {
+        for tone in &places {
+            writeln!(out, "{}", tones::words(tone, tone.frequency_hz))?;
+        }
+        writeln!(out, "{}", asked.feeling.words())?;
         let (name, kilohertz) = (arguments.wav.display(), f64::from(SAMPLE_RATE_HZ) / 1e3);
         writeln!(out, "{samples} codes ({seconds} s at {kilohertz} kS/s) written to {name}.")
     })
 }
 
-/// Records this many codes, from the block in which the drive begins.
-fn write(wav: &Destination, plate: &Plate, tones: &[(f64, f64)], samples: u64) -> Result<(), Failure> {
-    let (_, table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
+/// Records this many codes, from the block in which the drive begins. The tones are given by (turning point in metres,
+/// level).
+fn write(
+    wav: &Destination,
+    table: Arc<DeviceTable>,
+    tones: &[(f64, f64)],
+    samples: u64,
+) -> Result<(), Failure> {
     table.check_sum(tones).map_err(Failure::usage)?;
     let mut chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     chain.use_table(table).map_err(Failure::failed)?;

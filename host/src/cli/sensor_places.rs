@@ -42,7 +42,7 @@ impl Asked {
 fn of_pair(pair: &PairReach) -> Value {
     json!({
         "places_m": pair.places_m,
-        "boundary_tolerance_m": pair.boundary_tolerance_m,
+        "turning_point_tolerance_m": pair.boundary_tolerance_m,
         "level_tolerance_db": pair.level_tolerance_db,
     })
 }
@@ -93,7 +93,7 @@ fn lines<'a>(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Vec
 
 fn reach(pair: &PairReach) -> String {
     format!(
-        "the boundary to {}, the level to {} dB (95 %, noise 40 dB below the signals)",
+        "turning points to {}, the level to {} dB (95 %, noise 40 dB below the signals)",
         show_length(pair.boundary_tolerance_m),
         with_decimals(pair.level_tolerance_db, 2)
     )
@@ -101,7 +101,8 @@ fn reach(pair: &PairReach) -> String {
 
 /// The best second place for each first one.
 fn table(places: &SensorPlaces) -> Vec<Vec<String>> {
-    let mut rows = vec![["First place", "Second place", "Boundary", "Level"].map(str::to_owned).to_vec()];
+    let mut rows =
+        vec![["First place", "Second place", "Turning point", "Level"].map(str::to_owned).to_vec()];
     rows.extend(places.best_of_each_first().map(|pair| {
         let [near, far] = pair.places_m.map(show_place);
         let level = format!("{} dB", with_decimals(pair.level_tolerance_db, 2));

@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     .map_err(Failure::failed)?;
     let ended = Arc::new(AtomicBool::new(false));
     let is_ended = Arc::clone(&ended);
-    let _closing = signals::end_by(move || is_ended.store(true, Ordering::Relaxed));
+    let _closing = signals::end_normally_by(move || is_ended.store(true, Ordering::Relaxed));
     let path = server.path().display().to_string();
     let port = if arguments.socket.is_some() { format!("unix:{path}") } else { path.clone() };
     output::print(as_json, &json!({ "path": path, "port": port }), |out| {

@@ -1,24 +1,29 @@
 //! `slipline simulate`.
 
 use super::destination::Destination;
-use super::{Failure, SimulateArguments, argument, differs, output, progress};
+use super::{Failure, SimulateArguments, argument, differs, output, progress, tones};
 use serde_json::{Value, json};
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
     SAMPLE_RATE_HZ, Simulated, Simulation, SlowBeat, Solver, ToneResult, sheet_grid,
 };
-use slipline_plate::feeling::Feeling;
+use slipline_model::field::tone_places::TonePlaces;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
 use slipline_plate::{Plate, SheetError, table_sensitivity};
 use std::io::Write;
+use std::sync::Arc;
 use std::thread::available_parallelism;
 
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = Arc::new(argument::plate(&arguments.plate.plate)?);
     let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
-    let tones = arguments.tones.on(&plate)?;
+    let asked = arguments.tones.on(&plate)?;
+    if arguments.no_table && asked.has_felt_edge() {
+        let why = "--felt-edge is by the table's gains: with --no-table name a --turning-point";
+        return Err(Failure::Usage(why.to_owned()));
+    }
     let finger = arguments.finger.and_then(|argument| argument.0);
     let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(&plate))? } else { Solver::Line };
     let csv_file = Destination::perhaps(arguments.csv.as_deref(), arguments.force)?;
@@ -28,6 +33,9 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         return Err(Failure::Usage("--csv and --figure name the same file".to_owned()));
     }
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
+    let setup = asked.setup(&plate, &table)?;
+    let turning_points = tones::turning_points(&setup);
+    let places = TonePlaces::of_setup(&setup, &table);
     let sensitivity = actual
         .as_ref()
         .map(|actual| table_sensitivity(&table, &plate, actual))
@@ -36,7 +44,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     let simulation = Simulation {
         plate: &plate,
         actual: actual.as_ref().unwrap_or(&plate),
-        tones: &tones,
+        tones: &turning_points,
         has_gains: !arguments.no_table,
         seconds: arguments.seconds,
         solver,
@@ -51,14 +59,17 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         figure.write(&file, &envelope_figure(&result, plate.name()))?;
     }
 
+    // Without gains the peaks are not those of the table, by which the felt edges are computed.
+    let places = Places { places: &places, has_gains: simulation.has_gains };
     // The felt edges are computed from the measured fields, too; illustrative.
-    let feeling = Feeling::default();
+    let feeling = asked.feeling.feeling;
     let felt_edge_m = |felt: &Option<Felt>| felt.as_ref().and_then(|felt| felt.edge.place_m());
     let by_person_m = |felt: &Option<Felt>| {
         felt.as_ref().map(|felt| [felt.by_person.near.place_m(), felt.by_person.far.place_m()])
     };
-    let of_tone = |tone: &ToneResult| {
+    let of_tone = |(number, tone): (usize, &ToneResult)| {
         let mut value = tone_value(tone);
+        places.add(number, &mut value);
         let felt = tone.felt(simulation.actual, &feeling);
         value["measured_felt_edge_m"] = json!(felt_edge_m(&felt));
         value["measured_felt_edge_by_person_m"] = json!(by_person_m(&felt));
@@ -67,10 +78,11 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         }
         value
     };
-    let mut value = result.tones.first().map_or(json!({}), of_tone);
+    let mut value = result.tones.iter().enumerate().next().map_or(json!({}), of_tone);
     if let Value::Object(fields) = &mut value {
         let mut put = |name: &str, value: Value| drop(fields.insert(name.to_owned(), value));
         put("plate", json!(plate.name()));
+        put("feeling", asked.feeling.value());
         put("actual_plate", json!(simulation.actual.name()));
         put("has_table_gains", json!(simulation.has_gains));
         put("clipped_samples", json!(result.clipped_samples));
@@ -85,7 +97,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
             let felt = result.felt(simulation.actual, &feeling);
             put("measured_felt_edge_of_all_m", json!(felt_edge_m(&felt)));
             put("measured_felt_edge_of_all_by_person_m", json!(by_person_m(&felt)));
-            put("tones", json!(result.tones.iter().map(of_tone).collect::<Vec<_>>()));
+            put("tones", json!(result.tones.iter().enumerate().map(of_tone).collect::<Vec<_>>()));
         }
     }
     output::print(as_json, &value, |out| {
@@ -106,6 +118,9 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
             writeln!(out, "{}", slow_beat(beat, result.window_s))?;
         }
         writeln!(out)?;
+        places.print(out)?;
+        writeln!(out, "{}", asked.feeling.words())?;
+        writeln!(out)?;
         output::table(out, &rows(&result))?;
         writeln!(out)?;
         writeln!(out, "{}", felt_words(result.felt(simulation.actual, &feeling)))?;
@@ -122,6 +137,37 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         }
         Ok(())
     })
+}
+
+/// Both places of each tone by the plate of the command and its table, before anything is simulated.
+struct Places<'a> {
+    places: &'a [TonePlaces],
+    has_gains: bool,
+}
+
+impl Places<'_> {
+    /// Adds them to the JSON of a tone; without the table's gains its felt edge is not known.
+    fn add(&self, number: usize, value: &mut Value) {
+        let Some(tone) = self.places.get(number) else { return };
+        value["turning_point_m"] = json!(tone.turning_point_m);
+        for name in ["felt_edge_m", "felt_edge_by_person_m", "felt"] {
+            value[name] = Value::Null;
+        }
+        if self.has_gains
+            && let Value::Object(fields) = tones::value(tone, tone.frequency_hz)
+        {
+            for (name, field) in fields.into_iter().filter(|(name, _)| name.starts_with("felt")) {
+                value[name] = field;
+            }
+        }
+    }
+
+    fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        if !self.has_gains {
+            return writeln!(out, "Without the table's gains the felt edges are not known beforehand.");
+        }
+        self.places.iter().try_for_each(|tone| writeln!(out, "{}", tones::words(tone, tone.frequency_hz)))
+    }
 }
 
 /// The sheet of a plate, on all processors, or why the plate has none.
@@ -173,10 +219,9 @@ fn felt_words(felt: Option<Felt>) -> String {
 
 fn tone_value(tone: &ToneResult) -> Value {
     json!({
-        "commanded_boundary_m": tone.boundary_m,
         "level": tone.level,
         "frequency_hz": tone.frequency_hz,
-        "turning_point_m": tone.predicted.turning_point_m,
+        "actual_turning_point_m": tone.predicted.turning_point_m,
         "peak_position_m": tone.predicted.peak.map(|peak| peak.position_m),
         "peak_amplitude_m": tone.predicted_peak_m,
         "edge_width_m": tone.predicted.edge_width_m,
@@ -192,7 +237,7 @@ fn tone_value(tone: &ToneResult) -> Value {
 
 fn rows(result: &Simulated) -> Vec<Vec<String>> {
     let header = [
-        "Boundary",
+        "Turning point",
         "Level",
         "Frequency",
         "Turns at",

@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use slipline_instrument::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::show_frequency;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// `sweep`.
@@ -31,7 +30,7 @@ pub struct SweepArguments {
     #[arg(long, value_name = "SWEEP.toml")]
     out: PathBuf,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }
@@ -48,7 +47,7 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     let playing = Playing::new(sweep.map_err(Failure::usage)?, bench.table);
     let played = run(&device, "sweep", playing.map_err(Failure::failed)?)?;
     let text = played.to_toml();
-    out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
+    out.write_measured(&text)?;
     output::print(as_json, &value(&plate, &played), |writer| {
         output::lines(writer, &lines(plate.name(), &played, &out))
     })

@@ -1,13 +1,14 @@
 //! `slipline texture`.
 
 use super::destination::Destination;
-use super::{Failure, ForceArgument, PlateArgument, argument, output, progress};
+use super::{Failure, ForceArgument, PlateArgument, argument, output, progress, tones};
 use argument::{Beat, Typed};
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_model::atomic_file::{read_bytes, read_text, said};
 use slipline_model::field::felt::by_person_words;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::file;
 use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, Wish};
 use slipline_plate::feeling::Feeling;
@@ -35,7 +36,7 @@ pub struct TextureArguments {
     #[arg(long, value_name = "SETUP.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
 }
 
 /// The wanted texture; one of these.
@@ -71,11 +72,13 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let named = make(&plate, &table, &arguments.wanted, arguments.tones)?;
     let plate = Arc::new(plate);
+    let setup = named.made.setup(Arc::clone(&plate));
+    let places = TonePlaces::of_setup(&setup, &table);
     if let Some(out) = &out {
-        let text = file::write(&named.made.setup(Arc::clone(&plate)));
+        let text = file::write(&setup);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    output::print(as_json, &value(&plate, &named.made), |writer| {
+    output::print(as_json, &value(&plate, &named.made, &places), |writer| {
         output::lines(writer, &lines(&plate, &named, arguments.tones, out.as_ref()))
     })
 }
@@ -151,7 +154,8 @@ fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Pat
     Ok((path, breakpoints))
 }
 
-fn value(plate: &Plate, made: &Made) -> Value {
+/// The JSON of a texture; `places` are those of its setup, whose tones stand the other way round.
+fn value(plate: &Plate, made: &Made, places: &[TonePlaces]) -> Value {
     let Made { tones, fitted, stripes_m, stripes_felt_db } = made;
     let figures = |it: &Fitted| it.texture.figures;
     let rest = fitted.as_ref().and_then(|it| it.rest.as_ref());
@@ -166,12 +170,12 @@ fn value(plate: &Plate, made: &Made) -> Value {
     };
     json!({
         "plate": plate.name(),
-        "tones": tones.iter().map(|tone| json!({
-            "position_m": tone.position_m,
-            "frequency_hz": tone.frequency_hz,
-            "level": tone.level,
-            "phase_turns": tone.phase_turns,
-        })).collect::<Vec<_>>(),
+        "tones": tones.iter().zip(places.iter().rev()).map(|(tone, places)| {
+            let mut value = tones::value(places, tone.frequency_hz);
+            value["level"] = json!(tone.level);
+            value["phase_turns"] = json!(tone.phase_turns);
+            value
+        }).collect::<Vec<_>>(),
         "rms_error": fitted.as_ref().map(|it| figures(it).rms_error),
         "ripple_db": fitted.as_ref().and_then(|it| figures(it).ripple_db),
         "contrast_db": fitted.as_ref().and_then(|it| figures(it).contrast_db),

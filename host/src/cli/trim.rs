@@ -5,6 +5,7 @@ use super::device::Device;
 use super::measured_file::kind;
 use super::measuring::{BandArgument, Measurer, place_on};
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
+use crate::signals::{self, Signal};
 use argument::Typed;
 use clap::Args;
 use serde_json::{Value, json};
@@ -15,7 +16,6 @@ use slipline_plate::Plate;
 use slipline_plate::calibrate::{SensorKind, SpeedTrim, Trimmed, departure};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place};
-use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -40,14 +40,15 @@ pub struct TrimArguments {
     /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// Repeat with one comb of tones for this time, up to 24h, and print the wave speed each time.
+    /// Repeat with one comb of tones for this time, up to 24h, print the wave speed each time, and write it to --out; Ctrl-C
+    /// ends it before.
     #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
     watch: Option<f64>,
     /// Write the plate file with the last wave speed.
     #[arg(long, value_name = "TRIMMED.toml")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    force: ForceArgument,
+    pub(super) force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }
@@ -55,6 +56,7 @@ pub struct TrimArguments {
 pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
     let place_m = place_on(&plate, &arguments.sensor)?;
+    SpeedTrim::check(&plate).map_err(Failure::failed)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
@@ -64,22 +66,34 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     let sensor = Sensor { place_m, kind: arguments.kind, input: 0 };
     let first = measurer.measure(sensor)?.measurement;
     let trim = SpeedTrim::new(&plate, &first).map_err(Failure::failed)?;
+    let save = |plate: &Plate| out.iter().try_for_each(|out| out.write_measured(&plate.to_toml()));
+    let closing = signals::end_by(device.stopper());
+    save(&trim.begin().plate)?;
     let begun = Instant::now();
     let (short, mut later) = (measurer.short(), Vec::new());
     while arguments.watch.is_some_and(|watch_s| begun.elapsed().as_secs_f64() < watch_s) {
-        let measured = short.measure(sensor)?;
+        let measured = match short.measure(sensor) {
+            // Stopped by the signal: what was found before stands.
+            Err(_) if signals::ended_by().is_some() => break,
+            measured => measured?,
+        };
         let now = trim.later(&measured.measurement).map_err(Failure::failed)?;
         let after_s = begun.elapsed().as_secs_f64();
         if !as_json {
             eprintln!("after {} s: {}", with_decimals(after_s, 1), interval(&now));
         }
+        save(&now.plate)?;
         later.push((after_s, now));
+        if signals::ended_by().is_some() {
+            break;
+        }
     }
+    let ended_by = signals::ended_by();
+    if ended_by.is_some() {
+        device.disarm()?;
+    }
+    drop(closing);
     let last = later.last().map_or(trim.begin(), |(_, now)| now);
-    if let Some(out) = &out {
-        let text = last.plate.to_toml();
-        out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
-    }
     let moved_m =
         departure(&plate, &last.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?.boundary_m;
     let value = json!({
@@ -91,7 +105,8 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
             value["after_s"] = json!(after_s);
             value
         }).collect::<Vec<_>>(),
-        "boundary_error_m": moved_m,
+        "turning_point_error_m": moved_m,
+        "ended_by": ended_by.map_or("time", Signal::name),
         "caution": trim.caution(),
     });
     output::print(as_json, &value, |writer| {
@@ -126,7 +141,7 @@ fn lines(
         ("Sensor", show_place(place_m)),
         ("Wave speed", interval(last)),
         ("chi^2 per answer", with_decimals(last.chi2_per_n, 2)),
-        ("By the file", format!("the boundary is up to {} off over the span", show_length(moved_m))),
+        ("By the file", format!("turning points are up to {} off over the span", show_length(moved_m))),
     ];
     lines.extend(trim.caution().map(|sentence| ("Note", sentence)));
     lines.extend(out.map(|out| ("Written to", out.path().display().to_string())));

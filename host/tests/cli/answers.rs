@@ -110,14 +110,15 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
         "simulate",
         "--plate",
         "membrane",
-        "--boundary",
+        "--turning-point",
         "120mm",
         "--csv",
         csv.to_str().unwrap(),
         "--png",
         png.to_str().unwrap(),
     ]);
-    assert!((number(&run, "turning_point_m") - 0.12).abs() < 1e-4);
+    assert!((number(&run, "turning_point_m") - 0.12).abs() < 1e-9);
+    assert!((number(&run, "actual_turning_point_m") - 0.12).abs() < 1e-4);
     assert!((number(&run, "frequency_hz") - 105.06).abs() < 0.1);
     assert_eq!(run["peak_present"], true);
     assert_eq!(number(&run, "clipped_samples"), 0.0);
@@ -143,7 +144,7 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
 
 #[test]
 fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
-    let arguments = ["simulate", "--plate", "membrane", "--boundary", "160mm"];
+    let arguments = ["simulate", "--plate", "membrane", "--turning-point", "160mm"];
     let sheet = json(&[&arguments[..], &["--sheet"]].concat());
     let line = json(&arguments);
     assert!(line.get("two_dimensions").is_none());
@@ -172,7 +173,16 @@ fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
 fn simulate_on_the_sheet_in_air_differs_from_one_mode_as_it_does_in_a_vacuum() {
     // The same boundary has the same wavenumber on both, at another frequency. Two tones in air share an error of K: 0.2 mm here.
     let sheet = |plate: &str| {
-        json(&["simulate", "--plate", plate, "--boundary", "160mm", "--tone", "230mm:0.1", "--sheet"])
+        json(&[
+            "simulate",
+            "--plate",
+            plate,
+            "--turning-point",
+            "160mm",
+            "--turning-point",
+            "230mm:0.1",
+            "--sheet",
+        ])
     };
     let (air, vacuum) = (sheet("latex-membrane"), sheet("membrane"));
     assert!(number(&air, "frequency_hz") < 0.95 * number(&vacuum, "frequency_hz"));
@@ -206,10 +216,10 @@ fn a_finger_takes_the_peak_down_in_every_solver() {
     let plane = respond("150mm:light", &["--2d"]);
     assert!(number(&light, "peak_amplitude") < 0.8 * free);
     assert!(number(&plane["two_dimensions"], "level_db").abs() < 1.0);
-    let simulated = json(&[&["simulate", "--boundary", "160mm"], &at[..], &["150mm:light"]].concat());
+    let simulated = json(&[&["simulate", "--turning-point", "160mm"], &at[..], &["150mm:light"]].concat());
     let off_m = number(&simulated, "measured_peak_position_m") - number(&simulated, "peak_position_m");
     assert!(off_m.abs() < number(&simulated, "edge_width_m") / 20.0, "{off_m}");
-    let untouched = json(&["simulate", "--boundary", "160mm", "--plate", "membrane"]);
+    let untouched = json(&["simulate", "--turning-point", "160mm", "--plate", "membrane"]);
     let ratio =
         number(&simulated, "measured_peak_amplitude_m") / number(&untouched, "measured_peak_amplitude_m");
     assert!(ratio < 0.85, "{ratio}");
@@ -225,7 +235,7 @@ fn a_finger_on_the_sheet_takes_what_it_takes_in_two_dimensions_in_the_frequency_
         (number(value, "measured_peak_position_m"), number(value, "measured_peak_amplitude_m"))
     };
     let sheet = |finger: &str| {
-        json(&["simulate", "--plate", "membrane", "--boundary", "160mm", "--sheet", "--finger", finger])
+        json(&["simulate", "--plate", "membrane", "--turning-point", "160mm", "--sheet", "--finger", finger])
     };
     let free = sheet("90mm:none");
     let frequency = format!("{}Hz", number(&free, "frequency_hz"));
@@ -254,18 +264,19 @@ fn simulate_lists_several_tones_and_runs_on_another_plate() {
         "simulate",
         "--plate",
         "membrane",
-        "--tone",
+        "--turning-point",
         "100mm:0,3",
-        "--tone",
+        "--turning-point",
         "220mm:0.3",
-        "--tone",
+        "--turning-point",
         "160mm:0.2",
     ]);
     let tones = run["tones"].as_array().unwrap();
     assert_eq!(tones.len(), 3);
     assert_eq!(tones[0]["frequency_hz"], run["frequency_hz"]);
     for (tone, boundary_m) in tones.iter().zip([0.1, 0.22, 0.16]) {
-        assert!((number(tone, "turning_point_m") - boundary_m).abs() < 1e-4);
+        assert!((number(tone, "turning_point_m") - boundary_m).abs() < 1e-9);
+        assert!((number(tone, "actual_turning_point_m") - boundary_m).abs() < 1e-4);
         let off_m = number(tone, "measured_peak_position_m") - number(tone, "peak_position_m");
         assert!(off_m.abs() < number(tone, "edge_width_m") / 20.0);
     }
@@ -275,25 +286,34 @@ fn simulate_lists_several_tones_and_runs_on_another_plate() {
     let path = file("tense.toml");
     std::fs::write(&path, toml).unwrap();
     let tense = path.to_str().unwrap();
-    let run = json(&["simulate", "--plate", "membrane", "--actual-plate", tense, "--boundary", "160mm"]);
+    let run = json(&["simulate", "--plate", "membrane", "--actual-plate", tense, "--turning-point", "160mm"]);
     std::fs::remove_file(&path).unwrap();
-    assert!((number(&run, "commanded_boundary_m") - 0.16).abs() < 1e-9);
+    assert!((number(&run, "turning_point_m") - 0.16).abs() < 1e-9);
     // ln(1.05) / d = 10.6 mm nearer.
-    assert!((number(&run, "turning_point_m") - 0.1494).abs() < 1e-4);
+    assert!((number(&run, "actual_turning_point_m") - 0.1494).abs() < 1e-4);
     assert!(number(&run, "sensitivity_db") > 0.1);
 }
 
 #[test]
 fn no_table_leaves_the_gains_out() {
-    let with = json(&["simulate", "--plate", "al-bending", "--boundary", "250mm"]);
-    let without = json(&["simulate", "--plate", "al-bending", "--boundary", "250mm", "--no-table"]);
+    let with = json(&["simulate", "--plate", "al-bending", "--turning-point", "250mm"]);
+    let without = json(&["simulate", "--plate", "al-bending", "--turning-point", "250mm", "--no-table"]);
     assert!(number(&without, "measured_peak_amplitude_m") > number(&with, "measured_peak_amplitude_m"));
 }
 
 #[test]
 fn drive_and_verify_work_on_the_simulated_device() {
-    let driven =
-        json(&["drive", "--port", "sim", "--plate", "membrane", "--boundary", "126Hz", "--for", "200ms"]);
+    let driven = json(&[
+        "drive",
+        "--port",
+        "sim",
+        "--plate",
+        "membrane",
+        "--turning-point",
+        "126Hz",
+        "--for",
+        "200ms",
+    ]);
     assert!((number(&driven["tones"][0], "frequency_hz") - 126.0).abs() < 0.1);
     assert!(number(&driven, "stopped_at_samples") > number(&driven, "at_samples"));
     let verified = json(&["verify", "--port", "sim", "--window", "30ms"]);
@@ -305,7 +325,7 @@ fn drive_and_verify_work_on_the_simulated_device() {
 fn record_writes_the_codes_of_the_drive() {
     let path = file("drive.wav");
     let wav = path.to_str().unwrap();
-    json(&["record", "--plate", "membrane", "--boundary", "120mm", "--seconds", "100ms", "--wav", wav]);
+    json(&["record", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "100ms", "--wav", wav]);
     let mut reader = hound::WavReader::open(&path).unwrap();
     assert_eq!(reader.spec().sample_rate, 400_000);
     let samples: Vec<i16> = reader.samples().map(Result::unwrap).collect();
@@ -320,13 +340,15 @@ fn record_writes_the_codes_of_the_drive() {
 #[test]
 fn simulate_says_which_tones_beat_more_slowly_than_was_measured() {
     // 120 and 120.3 mm are 0.14 Hz apart.
-    let tones = ["simulate", "--plate", "membrane", "--tone", "120mm:0.3", "--tone", "120.3mm:0.3"];
+    let tones =
+        ["simulate", "--plate", "membrane", "--turning-point", "120mm:0.3", "--turning-point", "120.3mm:0.3"];
     let long = [&tones[..], &["--seconds", "0.4s"]].concat();
     let beat_hz = number(&json(&long), "slow_beat_hz");
     assert!((0.1..0.2).contains(&beat_hz), "{beat_hz}");
     let text = String::from_utf8(slipline(&long).stdout).unwrap();
     assert!(text.contains("Two tones beat once in 6.") && text.contains("the RMS is that of"), "{text}");
-    let apart = ["simulate", "--plate", "membrane", "--tone", "120mm:0.3", "--tone", "200mm:0.3"];
+    let apart =
+        ["simulate", "--plate", "membrane", "--turning-point", "120mm:0.3", "--turning-point", "200mm:0.3"];
     assert!(json(&apart)["slow_beat_hz"].is_null());
     let help = String::from_utf8(slipline(&["simulate", "--help"]).stdout).unwrap();
     assert!(help.contains("where its wave turns") && !help.contains("where it peaks"), "{help}");

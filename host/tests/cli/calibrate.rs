@@ -66,8 +66,8 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
     assert!(number(speed, "low") < number(speed, "value") && number(speed, "value") < number(speed, "high"));
     assert!((number(parameter("place_m"), "value") - 0.032).abs() < 1e-3);
     let before = &value["before"];
-    assert!((number(before, "boundary_error_m") - 6e-3).abs() < 1.5e-3, "{before}");
-    assert!(number(&value, "boundary_tolerance_m") < 1e-3 && number(&value, "level_tolerance_db") < 1.0);
+    assert!((number(before, "turning_point_error_m") - 6e-3).abs() < 1.5e-3, "{before}");
+    assert!(number(&value, "turning_point_tolerance_m") < 1e-3 && number(&value, "level_tolerance_db") < 1.0);
     assert!(number(before, "level_error_db") > 0.0);
     let caution = value["caution"].as_str().expect("what no measurement shows");
     assert!(caution.contains("1.0 mm from its mark moves the boundary by up to"), "{caution}");
@@ -79,16 +79,16 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
     assert_eq!(table["knots"].as_array().unwrap().len(), 1025);
 
     // The lights use how well it is known; at the levels that were measured.
-    let check = ["check", "--plate", out.to_str().unwrap(), "--boundary", "160mm"];
+    let check = ["check", "--plate", out.to_str().unwrap(), "--turning-point", "160mm"];
     let checked = String::from_utf8(slipline(&[&check[..], &["--json"]].concat()).stdout).unwrap();
     let checked: Value = serde_json::from_str(&checked).unwrap();
-    let known_m = number(&checked, "boundary_tolerance_m");
-    assert!(known_m > 0.0 && known_m <= 1.5 * number(&value, "boundary_tolerance_m"), "{checked}");
+    let known_m = number(&checked, "turning_point_tolerance_m");
+    assert!(known_m > 0.0 && known_m <= 1.5 * number(&value, "turning_point_tolerance_m"), "{checked}");
     assert!((number(&checked, "level_tolerance_db") - number(&value, "level_tolerance_db")).abs() < 1e-9);
     let width = checked["lights"].as_array().unwrap().iter().find(|it| it["name"] == "width").unwrap();
     assert!(number(width, "low") < number(width, "value") && number(width, "value") < number(width, "high"));
     let text = String::from_utf8(slipline(&check).stdout).unwrap();
-    assert!(text.starts_with("By its calibration the boundary is known to ±"), "{text}");
+    assert!(text.starts_with("By its calibration the turning point is known to ±"), "{text}");
     assert!(text.contains("It holds over the calibrated interval"), "{text}");
 
     let message = failure(&arguments, 2);
@@ -239,7 +239,7 @@ fn two_touches_give_places_and_no_levels() {
         let knots = table["knots"].as_array().unwrap();
         let knot = knots.iter().find(|knot| number(knot, "position_m") >= asked_m).unwrap();
         let edge_m = felt_edge_m(&actual(), number(knot, "frequency_hz"), peak_m);
-        format!("{}mm:{:.2}mm", 1e3 * asked_m, 1e3 * edge_m)
+        format!("{}Hz:{:.2}mm", number(knot, "frequency_hz"), 1e3 * edge_m)
     };
     let touches = [touch(0.12), touch(0.25)];
     let out = file("touched.toml");
@@ -322,9 +322,10 @@ fn bad_files_and_options_are_named_with_what_is_allowed() {
         (&["--data", path, "--data", path, "--data", path], "3 files of --data: must be 1 or 2"),
         (&["--data", "no-such.csv", "--data", path], "no-such.csv"),
         (&[], "--data"),
-        (&["--touch", "120mm"], "BOUNDARY:EDGE"),
-        (&["--touch", "20mm:118mm", "--touch", "200mm:190mm"], "80 to 280 mm"),
-        (&["--touch", "120mm:1m", "--touch", "200mm:190mm"], "0 m to 320 mm, on the plate"),
+        (&["--touch", "120mm"], "ASKED:FELT"),
+        (&["--touch", "20mm:118mm", "--touch", "250mm:240mm"], "the felt edges of tones of level 0.8"),
+        (&["--touch", "20Hz:118mm", "--touch", "200Hz:190mm"], "87.57 to 219 Hz"),
+        (&["--touch", "250mm:1m", "--touch", "280mm:270mm"], "0 m to 320 mm, on the plate"),
         (&["--touch", "120mm:118mm", "--touch-tolerance", "1m"], "10 µm to 50 mm"),
         (&["--touch", "120mm:118mm", "--data", path], "--data"),
         (&["--data", path, "--data", path, "--half-width", "0"], "10 µm to 10 m"),
@@ -333,6 +334,6 @@ fn bad_files_and_options_are_named_with_what_is_allowed() {
         assert!(message.contains(expected), "{more:?}: {message}");
     }
     let message =
-        failure(&["calibrate", "--plate", "membrane", "--touch", "120mm:118mm", "--touch", "125mm:122mm"], 1);
+        failure(&["calibrate", "--plate", "membrane", "--touch", "110Hz:218mm", "--touch", "112Hz:222mm"], 1);
     assert!(message.contains("felt edges up to"), "{message}");
 }

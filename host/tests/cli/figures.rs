@@ -41,7 +41,7 @@ fn every_figure_of_the_paper_and_of_the_physics_is_written_as_vectors_as_a_pictu
 
 #[test]
 fn the_ending_says_what_is_written_and_others_are_refused_before_the_work() {
-    let simulate = ["simulate", "--plate", "membrane", "--boundary", "120mm", "--figure"];
+    let simulate = ["simulate", "--plate", "membrane", "--turning-point", "120mm", "--figure"];
     let respond = ["respond", "--plate", "membrane", "--freq", "126Hz", "--figure"];
     for (name, command) in [("envelope", &simulate[..]), ("response", &respond[..])] {
         let (svg, png, pdf) = (format!("{name}.svg"), format!("{name}.PNG"), format!("{name}.pdf"));

@@ -2,6 +2,8 @@
 
 use super::{design, failure, file, slipline};
 #[cfg(unix)]
+use std::os::unix::process::ExitStatusExt as _;
+#[cfg(unix)]
 use std::path::PathBuf;
 #[cfg(unix)]
 use std::process::Command;
@@ -12,8 +14,9 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
     std::fs::create_dir_all(&folder).unwrap();
     let path = |name: &str| folder.join(name).to_str().unwrap().to_owned();
     let (json, csv, png, wav, own) = (path("t.json"), path("e.csv"), path("e.png"), path("d.wav"), path(""));
-    let simulate = ["simulate", "--plate", "membrane", "--boundary", "120mm"];
-    let record = ["record", "--plate", "membrane", "--boundary", "120mm", "--seconds", "1ms", "--wav", &wav];
+    let simulate = ["simulate", "--plate", "membrane", "--turning-point", "120mm"];
+    let record =
+        ["record", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "1ms", "--wav", &wav];
     let commands: [(Vec<&str>, &str); 4] = [
         (vec!["table", "--plate", "membrane", "--knots", "5", "--out", &json], "t.json"),
         ([&simulate[..], &["--csv", &csv]].concat(), "e.csv"),
@@ -60,7 +63,7 @@ impl Recording {
         std::fs::create_dir_all(&folder).unwrap();
         let wav = folder.join("long.wav");
         std::fs::write(&wav, "mine").unwrap();
-        let arguments = "record --plate membrane --boundary 120mm --seconds 600s --force --wav";
+        let arguments = "record --plate membrane --turning-point 120mm --seconds 600s --force --wav";
         let mut command = Command::new("sh");
         command.args(["-c", &format!("{shell} exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_slipline")]);
         let child = command.args(arguments.split(' ')).arg(wav).spawn().unwrap();
@@ -81,9 +84,9 @@ impl Recording {
         super::signal(self.child.id(), signal);
     }
 
-    /// It ends, and only the old file exists.
-    fn ends(mut self) {
-        assert_eq!(self.child.wait().unwrap().code(), Some(130));
+    /// It ends by this signal, and only the old file exists.
+    fn ends(mut self, signal: i32) {
+        assert_eq!(self.child.wait().unwrap().signal(), Some(signal));
         assert_eq!(self.files(), 1);
         assert_eq!(std::fs::read(self.folder.join("long.wav")).unwrap(), b"mine");
         std::fs::remove_dir_all(self.folder).unwrap();
@@ -92,7 +95,7 @@ impl Recording {
 
 /// Whether Linux says that a process ignores SIGHUP.
 #[cfg(unix)]
-fn ignores_hangup(process: &str) -> bool {
+pub(crate) fn ignores_hangup(process: &str) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.is_some_and(|mask| u64::from_str_radix(mask.trim(), 16).unwrap() & 1 == 1)
@@ -101,12 +104,12 @@ fn ignores_hangup(process: &str) -> bool {
 #[cfg(unix)]
 #[test]
 fn a_signal_leaves_no_half_written_file_and_keeps_the_old_one() {
-    for signal in ["-INT", "-TERM", "-HUP"] {
+    for (signal, number) in [("-INT", 2), ("-TERM", 15), ("-HUP", 1)] {
         // Tests started with nohup cannot make their children receive SIGHUP again.
         if signal != "-HUP" || !ignores_hangup("self") {
             let recording = Recording::begun("interrupted", "");
             recording.signal(signal);
-            recording.ends();
+            recording.ends(number);
         }
     }
 }
@@ -118,5 +121,5 @@ fn a_hangup_that_is_ignored_from_the_start_stays_ignored() {
     assert!(ignores_hangup(&recording.child.id().to_string()));
     recording.signal("-HUP");
     recording.signal("-TERM");
-    recording.ends();
+    recording.ends(15);
 }

@@ -18,7 +18,7 @@ fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
     let (mut ours, theirs) = terminal();
     ours.write_all(&[HOLD]).unwrap();
     let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args("drive --plate membrane --boundary 120mm --for 500ms --port".split(' '))
+        .args("drive --plate membrane --turning-point 120mm --for 500ms --port".split(' '))
         .arg(format!("unix:{}", socket.path.display()))
         .stdout(theirs)
         .stderr(Stdio::piped())
@@ -54,7 +54,7 @@ fn a_command_whose_terminal_is_held_is_stopped_and_disarmed_and_says_so() {
 
 #[test]
 fn a_drive_and_a_verification_that_take_seconds_are_not_held_up() {
-    for arguments in ["drive --plate membrane --boundary 120mm --for 1500ms", "verify --window 300ms"] {
+    for arguments in ["drive --plate membrane --turning-point 120mm --for 1500ms", "verify --window 300ms"] {
         let arguments: Vec<&str> = arguments.split(' ').chain(["--port", "sim"]).collect();
         let output = super::slipline(&arguments);
         assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));

@@ -5,10 +5,10 @@ use super::{failure, json, slipline};
 #[test]
 fn red_lights_end_a_check_with_3_and_are_counted() {
     for (arguments, code, last) in [
-        (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 18 lights are red\n"),
-        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 3 of 18 lights are red\n"),
+        (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 19 lights are red\n"),
+        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 3 of 19 lights are red\n"),
         (&["check", "--plate", "membrane"], 0, ""),
-        (&["check", "--plate", "membrane", "--boundary", "120mm"], 0, ""),
+        (&["check", "--plate", "membrane", "--turning-point", "120mm"], 0, ""),
     ] {
         let output = slipline(arguments);
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");

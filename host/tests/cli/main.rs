@@ -2,6 +2,7 @@
 
 mod answers;
 mod calibrate;
+mod felt_edges;
 mod figures;
 mod files;
 mod held_up;
@@ -27,7 +28,10 @@ mod travel;
 mod trigger;
 mod trim;
 #[cfg(unix)]
+mod unarmed;
+#[cfg(unix)]
 mod upkeep;
+mod words;
 
 use serde_json::Value;
 use std::path::PathBuf;

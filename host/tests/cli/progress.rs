@@ -4,6 +4,7 @@
 use super::terminal::terminal;
 use super::{file, signal, slipline};
 use std::io::Read as _;
+use std::os::unix::process::ExitStatusExt as _;
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -67,12 +68,12 @@ impl OnTerminal {
         false
     }
 
-    /// Its complete output and its exit code.
+    /// Its complete output and the signal that ended it.
     fn ended(mut self) -> (String, Option<i32>) {
-        let code = self.child.wait().unwrap().code();
+        let signal = self.child.wait().unwrap().signal();
         self.reader.join().unwrap();
         let shown = String::from_utf8_lossy(&self.shown.lock().unwrap()).into_owned();
-        (shown, code)
+        (shown, signal)
     }
 }
 
@@ -100,13 +101,13 @@ fn a_signal_removes_the_progress_bar_from_the_terminal() {
     // A command that a signal ends at once, and a drive that has not begun yet.
     let plate = long_plate("signal.toml");
     let table = ["table", "--plate", &plate];
-    let drive = ["drive", "--port", "sim", "--plate", &plate, "--boundary", "1.4m"];
+    let drive = ["drive", "--port", "sim", "--plate", &plate, "--turning-point", "1.4m"];
     for arguments in [&table[..], &drive] {
         let command = OnTerminal::begun(arguments);
         assert!(command.is_shown(" %"), "{:?}", command.shown());
         signal(command.child.id(), "-INT");
-        let (shown, code) = command.ended();
-        assert_eq!(code, Some(130), "{arguments:?}");
+        let (shown, number) = command.ended();
+        assert_eq!(number, Some(2), "{arguments:?}");
         assert!(shown.ends_with(CLEARED), "{arguments:?}: {shown:?}");
     }
 }

@@ -5,7 +5,7 @@ use super::{design, failure, file, slipline};
 #[test]
 fn a_plate_that_a_tones_frequency_cannot_enter_is_named_with_few_digits() {
     let message = failure(
-        &["simulate", "--plate", "membrane", "--actual-plate", "al-bending", "--boundary", "120mm"],
+        &["simulate", "--plate", "membrane", "--actual-plate", "al-bending", "--turning-point", "120mm"],
         2,
     );
     assert!(
@@ -17,22 +17,25 @@ fn a_plate_that_a_tones_frequency_cannot_enter_is_named_with_few_digits() {
 #[test]
 fn bad_usage_ends_with_2_and_names_field_and_range() {
     for (arguments, words) in [
-        (&["simulate", "--plate", "membrane"][..], &["--boundary"][..]),
+        (&["simulate", "--plate", "membrane"][..], &["--felt-edge", "--turning-point"][..]),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "900mm"],
-            &["'900mm' for '--boundary'", "80 to 280 mm"],
+            &["simulate", "--plate", "membrane", "--turning-point", "900mm"],
+            &["'900mm' for '--turning-point'", "80 to 280 mm"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "nan"],
-            &["'nan' for '--boundary'", "80 to 280 mm, or 87.57 to 219 Hz"],
+            &["simulate", "--plate", "membrane", "--turning-point", "nan"],
+            &["'nan' for '--turning-point'", "80 to 280 mm, or 87.57 to 219 Hz"],
         ),
-        (&["simulate", "--plate", "membrane", "--boundary", "5kHz"], &["87.57 to 219 Hz"]),
-        (&["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "1.2"], &["level", "0 to 1"]),
+        (&["simulate", "--plate", "membrane", "--turning-point", "5kHz"], &["87.57 to 219 Hz"]),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--seconds", "9999s"],
+            &["simulate", "--plate", "membrane", "--turning-point", "120mm", "--level", "1.2"],
+            &["level", "0 to 1"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "9999s"],
             &["'9999s' for '--seconds", "10 ms to 600 s"],
         ),
-        (&["simulate", "--plate", "membrane", "--tone", "90mm"], &["90mm:0.5"]),
+        (&["simulate", "--plate", "membrane", "--turning-point", "90mm:2"], &["its level", "0 to 1"]),
         (
             &["respond", "--plate", "membrane", "--freq", "2Hz"],
             &["'2Hz' for '--freq'", "61.06 Hz to 1.053 kHz"],
@@ -70,11 +73,7 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["finger place", "0 to 0.32 m"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--finger", "9m:firm"],
-            &["finger place = 9 m", "0 to 0.32 m"],
-        ),
-        (
-            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--sheet", "--finger", "9m:firm"],
+            &["simulate", "--plate", "membrane", "--turning-point", "160mm", "--finger", "9m:firm"],
             &["finger place = 9 m", "0 to 0.32 m"],
         ),
         (
@@ -82,7 +81,20 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
                 "simulate",
                 "--plate",
                 "membrane",
-                "--boundary",
+                "--turning-point",
+                "160mm",
+                "--sheet",
+                "--finger",
+                "9m:firm",
+            ],
+            &["finger place = 9 m", "0 to 0.32 m"],
+        ),
+        (
+            &[
+                "simulate",
+                "--plate",
+                "membrane",
+                "--turning-point",
                 "160mm",
                 "--sheet",
                 "--finger",
@@ -91,11 +103,11 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["finger resistance = -1", "0 to"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "160mm", "--finger", "90mm:1,0,1m"],
+            &["simulate", "--plate", "membrane", "--turning-point", "160mm", "--finger", "90mm:1,0,1m"],
             &["finger contact = 1 m", "0.0005 to 0.1 m"],
         ),
         (
-            &["simulate", "--plate", "al-bending", "--boundary", "240mm", "--sheet"],
+            &["simulate", "--plate", "al-bending", "--turning-point", "240mm", "--sheet"],
             &["\"al-bending\" is a plate in bending", "respond --2d"],
         ),
         (&["respond", "--plate", "membrane", "--freq", "12 parsec"], &["Hz, kHz or MHz"]),
@@ -106,20 +118,23 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
         ),
         (&["table", "--plate", "no-such-plate"], &["no-such-plate", "membrane"]),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "1e400mm"],
-            &["'1e400mm' for '--boundary'", "80 to 280 mm"],
+            &["simulate", "--plate", "membrane", "--turning-point", "1e400mm"],
+            &["'1e400mm' for '--turning-point'", "80 to 280 mm"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "-5mm"],
-            &["'-5mm' for '--boundary'", "80 to 280 mm"],
+            &["simulate", "--plate", "membrane", "--turning-point", "-5mm"],
+            &["'-5mm' for '--turning-point'", "80 to 280 mm"],
         ),
-        (&["simulate", "--plate", "membrane", "--tone", "9mm:0.5"], &["'9mm' for '--tone'", "80 to 280 mm"]),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "nan"],
+            &["simulate", "--plate", "membrane", "--turning-point", "9mm:0.5"],
+            &["'9mm' for '--turning-point'", "80 to 280 mm"],
+        ),
+        (
+            &["simulate", "--plate", "membrane", "--turning-point", "120mm", "--level", "nan"],
             &["--level", "nan", "0 to 1"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--level", "-1"],
+            &["simulate", "--plate", "membrane", "--turning-point", "120mm", "--level", "-1"],
             &["--level", "-1", "0 to 1"],
         ),
         (&["drive", "--port", "sim", "--plate", "membrane", "--for", "-1s"], &["--for", "-1s", "0 to 600 s"]),
@@ -139,7 +154,17 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
         (&["table", "--plate", "mebrane"], &["did you mean membrane?"]),
         (&["verify", "--port", "sim", "--window", "9s"], &["'9s' for '--window'", "10 ms to 2.621 s"]),
         (
-            &["simulate", "--plate", "membrane", "--boundary", "120mm", "--csv", "x.svg", "--png", "./x.svg"],
+            &[
+                "simulate",
+                "--plate",
+                "membrane",
+                "--turning-point",
+                "120mm",
+                "--csv",
+                "x.svg",
+                "--png",
+                "./x.svg",
+            ],
             &["--csv", "--figure"],
         ),
         (&["info", "--port", "unix:"], &["unix:PATH"]),
@@ -156,7 +181,7 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
 
 #[test]
 fn tones_that_add_up_to_too_much_are_bad_usage_in_the_devices_words() {
-    let tones = ["--plate", "membrane", "--boundary", "120mm", "--tone", "200mm:1"];
+    let tones = ["--plate", "membrane", "--turning-point", "120mm", "--turning-point", "200mm:1"];
     let wav = file("loud.wav");
     for command in [
         &["drive", "--port", "sim", "--for", "100ms"][..],
@@ -175,7 +200,7 @@ fn what_cannot_be_done_ends_with_1_and_says_why() {
     let message = failure(&["info", "--port", "no-such-port"], 1);
     assert!(message.contains("no-such-port"), "{message}");
     let arguments =
-        ["record", "--plate", "membrane", "--boundary", "120mm", "--wav", "no/such/folder/drive.wav"];
+        ["record", "--plate", "membrane", "--turning-point", "120mm", "--wav", "no/such/folder/drive.wav"];
     assert!(failure(&arguments, 1).contains("no/such/folder/drive.wav"));
 }
 

@@ -9,6 +9,7 @@ use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Transport, Waker};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixListener;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::channel;
@@ -139,21 +140,29 @@ impl Socket {
     }
 }
 
+/// The signals, by the options of `kill` and by their names. Tests started with nohup cannot make their children
+/// receive SIGHUP again.
+fn kinds() -> Vec<(&'static str, i32, &'static str)> {
+    let all = [("-INT", 2, "SIGINT"), ("-TERM", 15, "SIGTERM"), ("-HUP", 1, "SIGHUP")];
+    let is_heard = |option: &str| option != "-HUP" || !super::files::ignores_hangup("self");
+    all.into_iter().filter(|(option, ..)| is_heard(option)).collect()
+}
+
 #[test]
 fn a_signal_stops_and_disarms_the_device() {
-    // The exit codes: a drive ends normally with Ctrl-C; verify has no result.
-    for (arguments, said, code) in [
-        ("drive --plate membrane --boundary 120mm", Some("until Ctrl-C"), 0),
-        ("verify --window 250ms", None, 130),
+    // Both end by the signal itself: a drive after its own report, verify without a result.
+    for (arguments, said) in [
+        ("drive --plate membrane --turning-point 120mm", Some("until Ctrl-C")),
+        ("verify --window 250ms", None),
     ] {
-        for option in ["-INT", "-TERM"] {
+        for (option, number, _) in kinds() {
             let command = arguments.split(' ').next().unwrap();
             let socket = Socket::serve(&format!("{command}{option}"));
             let child = socket.driven_by(arguments, said);
             signal(child.id(), option);
             let output = child.wait_with_output().unwrap();
             let error = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(code), "{command} {option}: {error}");
+            assert_eq!(output.status.signal(), Some(number), "{command} {option}: {error}");
             assert_eq!(error, "", "{command} {option}");
             let line = socket.line.lock().unwrap();
             let driven = line.sent.iter().rposition(|sent| matches!(sent, Message::Drive(_))).unwrap();
@@ -170,4 +179,87 @@ fn a_signal_stops_and_disarms_the_device() {
             std::fs::remove_file(&socket.path).unwrap();
         }
     }
+}
+
+#[test]
+fn a_drive_that_is_cut_short_writes_what_json_promises_and_what_ended_it() {
+    for (option, number, name) in kinds() {
+        let socket = Socket::serve(&format!("json{option}"));
+        let arguments = "drive --json --plate membrane --turning-point 120mm --for 60s";
+        let child = socket.driven_by(arguments, None);
+        // The link drops a program that has given no sign of life for a second: after seven it has begun to wait.
+        let begun = Instant::now();
+        let kept = || socket.sent().iter().filter(|sent| matches!(sent, Message::KeepAlive(_))).count();
+        let before = kept();
+        while kept() < before + 7 {
+            assert!(begun.elapsed() < HANG, "no signs of life");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        signal(child.id(), option);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.signal(), Some(number), "{option}");
+        let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(value["ended_by"], name);
+        assert!(value["driven_s"].as_f64() < Some(60.0), "{value}");
+        assert!(value["stopped_at_samples"].as_u64() > value["at_samples"].as_u64(), "{value}");
+        std::fs::remove_file(&socket.path).unwrap();
+    }
+}
+
+/// The terminal's Ctrl-C.
+#[cfg(target_os = "linux")]
+const CTRL_C: u8 = 3;
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_shell_loop_of_drives_ends_at_the_first_ctrl_c() {
+    let socket = Socket::serve("loop");
+    let (mut ours, theirs) = super::terminal::terminal();
+    let program = env!("CARGO_BIN_EXE_slipline");
+    let drive = "drive --plate membrane --turning-point 120mm --for 60s --port";
+    let script = format!("while :; do {program} {drive} unix:{}; echo again; done", socket.path.display());
+    // The shell gets the terminal as its own, whose Ctrl-C goes to all that run in it.
+    let mut command = Command::new("setsid");
+    command.args(["--ctty", "bash", "-c", &script]).stdin(theirs.try_clone().unwrap());
+    let mut child = command.stdout(theirs.try_clone().unwrap()).stderr(theirs).spawn().unwrap();
+    drop(command);
+    let (sends, shown) = channel();
+    let mut reads = ours.try_clone().unwrap();
+    std::thread::spawn(move || {
+        let mut bytes = [0; 512];
+        while let Ok(count @ 1..) = reads.read(&mut bytes) {
+            let _ = sends.send(String::from_utf8_lossy(&bytes[..count]).into_owned());
+        }
+    });
+    let mut text = String::new();
+    while !text.contains("Driving for 60 s.") {
+        text.push_str(&shown.recv_timeout(HANG).unwrap_or_else(|_| panic!("it drives: {text}")));
+    }
+    ours.write_all(&[CTRL_C]).unwrap();
+    let begun = Instant::now();
+    let status = loop {
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        text.extend(shown.recv_timeout(Duration::from_millis(5)));
+        if text.contains("again") || begun.elapsed() > HANG {
+            child.kill().unwrap();
+            panic!("the loop goes on: {text}");
+        }
+    };
+    assert_eq!(status.signal(), Some(2), "{text}");
+    // Nobody else has the terminal: reading ends.
+    while let Ok(more) = shown.recv_timeout(HANG) {
+        text.push_str(&more);
+    }
+    assert!(text.contains("Stopped by SIGINT after ") && !text.contains("again"), "{text}");
+    let sent = socket.sent();
+    let last = |is_it: fn(&Message) -> bool| sent.iter().rposition(is_it);
+    let [driven, stopped, disarmed] = [
+        last(|sent| matches!(sent, Message::Drive(_))),
+        last(|sent| matches!(sent, Message::Stop)),
+        last(|sent| matches!(sent, Message::Disarm)),
+    ];
+    assert!(driven.is_some() && driven < stopped && stopped < disarmed, "{sent:?}");
+    std::fs::remove_file(&socket.path).unwrap();
 }

@@ -13,7 +13,7 @@ fn a_solid_area_has_its_tones_and_figures() {
     let tones = value["tones"].as_array().unwrap();
     assert!((2..=8).contains(&tones.len()));
     for tone in tones {
-        assert!((0.08..=0.26).contains(&number(tone, "position_m")));
+        assert!((0.08..=0.26).contains(&number(tone, "turning_point_m")));
         assert!(
             (0.0..=1.0).contains(&number(tone, "level")) && (0.0..1.0).contains(&number(tone, "phase_turns"))
         );
@@ -65,7 +65,7 @@ fn the_setup_that_it_writes_is_played() {
     assert_eq!((tones.len(), number(&driven, "clipped_samples")), (wanted.len(), 0.0));
     for tone in tones {
         let found = wanted.iter().any(|wanted| {
-            (number(wanted, "position_m") - number(tone, "boundary_m")).abs() < 1e-6
+            (number(wanted, "turning_point_m") - number(tone, "turning_point_m")).abs() < 1e-6
                 && (number(wanted, "level") - number(tone, "level")).abs() < 1e-9
         });
         assert!(found, "{tone}");
@@ -146,8 +146,8 @@ fn merit_has_the_figures_of_the_readmes_table() {
         let name = cells[1].trim_matches('`');
         let (start_m, end_m) = slipline_plate::preset(name).unwrap().span_m();
         let boundary = format!("{}m", 0.5 * (start_m + end_m));
-        let value = json(&["merit", "--plate", name, "--boundary", &boundary]);
-        let merit = &value["boundaries"][0];
+        let value = json(&["merit", "--plate", name, "--turning-point", &boundary]);
+        let merit = &value["turning_points"][0];
         let shown = [
             format!("{:.0} dB", number(merit, "contrast_db")),
             format!("{:.1} dB", number(merit, "ripple_db")),
@@ -163,15 +163,15 @@ fn merit_has_the_figures_of_the_readmes_table() {
 #[test]
 fn merit_tells_each_boundary_that_has_room_before_it() {
     let value = json(&["merit", "--plate", "membrane"]);
-    let boundaries = value["boundaries"].as_array().unwrap();
+    let boundaries = value["turning_points"].as_array().unwrap();
     // The first of five has none.
     assert_eq!(boundaries.len(), 4);
     for boundary in boundaries {
         assert!(number(boundary, "contrast_db") > 20.0 && number(boundary, "ripple_db") < 2.0, "{boundary}");
         assert!((0.005..0.1).contains(&number(boundary, "switching_time_s")), "{boundary}");
     }
-    let one = json(&["merit", "--plate", "membrane", "--boundary", "220mm"]);
-    assert!((number(&one["boundaries"][0], "boundary_m") - 0.22).abs() < 1e-12);
-    let message = failure(&["merit", "--plate", "membrane", "--boundary", "85mm"], 2);
+    let one = json(&["merit", "--plate", "membrane", "--turning-point", "220mm"]);
+    assert!((number(&one["turning_points"][0], "turning_point_m") - 0.22).abs() < 1e-12);
+    let message = failure(&["merit", "--plate", "membrane", "--turning-point", "85mm"], 2);
     assert!(message.contains("even area"), "{message}");
 }

@@ -3,7 +3,8 @@
 use crate::{failure, file, slipline};
 use std::process::Command;
 
-const DRIVE: [&str; 8] = ["drive", "--port", "sim", "--plate", "membrane", "--boundary", "120mm", "--for"];
+const DRIVE: [&str; 8] =
+    ["drive", "--port", "sim", "--plate", "membrane", "--turning-point", "120mm", "--for"];
 
 #[test]
 fn a_trace_has_one_line_for_each_frame_in_both_directions() {
@@ -51,4 +52,20 @@ fn rust_log_writes_to_standard_error_and_a_bad_one_is_refused() {
 fn a_trace_that_cannot_be_written_is_refused_by_name() {
     let message = failure(&["presets", "--trace", "/no/such/folder/trace.txt"], 1);
     assert!(message.contains("the trace /no/such/folder/trace.txt cannot be written"), "{message}");
+}
+
+#[test]
+fn a_trace_replaces_no_file_unless_it_may() {
+    // The plate that it reads.
+    let plate = file("traced-plate.toml");
+    let text = slipline_plate::preset("membrane").unwrap().to_toml();
+    std::fs::write(&plate, &text).unwrap();
+    let name = plate.to_str().unwrap();
+    let message = failure(&["table", "--plate", name, "--knots", "5", "--trace", name], 2);
+    assert!(message.contains("traced-plate.toml exists: write --force"), "{message}");
+    assert_eq!(std::fs::read_to_string(&plate).unwrap(), text);
+    let message = failure(&["presets", "--trace", name], 2);
+    assert!(message.contains("traced-plate.toml exists"), "{message}");
+    assert_eq!(slipline(&["info", "--port", "sim", "--force", "--trace", name]).status.code(), Some(0));
+    assert!(std::fs::read_to_string(&plate).unwrap().contains("Hello("));
 }

@@ -16,7 +16,7 @@ fn said(plate: &str, device: fn(&mut Event)) -> (Option<i32>, String) {
     let socket = Socket::serve_altered("travel", device);
     let port = format!("unix:{}", socket.path.display());
     let output =
-        slipline(&["drive", "--plate", plate, "--boundary", "120mm", "--for", "50ms", "--port", &port]);
+        slipline(&["drive", "--plate", plate, "--turning-point", "120mm", "--for", "50ms", "--port", &port]);
     std::fs::remove_file(&socket.path).unwrap();
     (output.status.code(), String::from_utf8(output.stderr).unwrap())
 }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
     let served = Served::new("trigger.sock", Options::default());
     let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-        .args("drive --json --plate membrane --boundary 120mm --at trigger --for 50ms --port".split(' '))
+        .args("drive --json --plate membrane --turning-point 120mm --at trigger --for 50ms --port".split(' '))
         .arg(&served.port)
         .stdout(Stdio::piped())
         .spawn()
@@ -39,7 +39,7 @@ fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
         &served.port,
         "--plate",
         "membrane",
-        "--boundary",
+        "--turning-point",
         "120mm",
         "--for",
         "1ms",

@@ -34,14 +34,14 @@ fn a_change_of_the_speed_is_told_watched_and_written() {
     let arguments = ["trim", "--port", "sim", "--plate", plate, "--actual-plate", actual, "--sensor", "34mm"];
     let value = json(&[&arguments[..], &["--watch", "0.3s", "--out", out]].concat());
     let later = value["later"].as_array().unwrap();
-    assert!(!later.is_empty(), "{value}");
+    assert!(!later.is_empty() && value["ended_by"] == "time", "{value}");
     for it in [&value["begin"], &later[0]] {
         let (low, high) = (number(it, "low"), number(it, "high"));
         assert!(low < 1.01 && 1.01 < high && high - low < 4e-3, "{value}");
         assert!(number(it, "chi2_per_n") < 3.0, "{value}");
     }
     // Half of d dV/V per cent of speed in bending.
-    assert!((1e-3..4e-3).contains(&number(&value, "boundary_error_m")), "{value}");
+    assert!((1e-3..4e-3).contains(&number(&value, "turning_point_error_m")), "{value}");
     assert!(value["caution"].as_str().unwrap().contains("from its mark"));
     let again =
         slipline(&["trim", "--port", "sim", "--plate", out, "--actual-plate", actual, "--sensor", "34mm"]);
@@ -54,4 +54,34 @@ fn a_change_of_the_speed_is_told_watched_and_written() {
     assert!(message.contains("holds no calibration"), "{message}");
     let message = failure(&["trim", "--port", "sim", "--plate", plate, "--sensor", "1m"], 2);
     assert!(message.contains("--sensor"), "{message}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_watch_that_a_signal_ends_keeps_and_writes_what_it_found() {
+    use std::os::unix::process::ExitStatusExt as _;
+    use std::process::{Command, Stdio};
+    let _running = super::Sensed::begin();
+    let (plate, out) = (written("watched-plate.toml", &calibrated()), file("watched.toml"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
+        .args(["trim", "--json", "--port", "sim", "--sensor", "34mm", "--watch", "60min", "--plate"])
+        .arg(&plate)
+        .args(["--out".as_ref(), out.as_os_str()])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // It is written first when the speed at the beginning is known.
+    let begun = std::time::Instant::now();
+    while !out.exists() {
+        assert!(begun.elapsed().as_secs() < 120, "nothing is written");
+        assert!(child.try_wait().unwrap().is_none(), "it has ended");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    super::signal(child.id(), "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.signal(), Some(2));
+    let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(value["ended_by"], "SIGINT");
+    assert!((number(&value["begin"], "wave_speed_share") - 1.0).abs() < 4e-3, "{value}");
+    assert!(Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).is_ok());
 }

@@ -8,7 +8,7 @@ use slipline_link::simulator::Options;
 fn a_board_without_a_brown_out_level_is_armed_only_if_the_user_says_that_he_knows_it() {
     let served = Served::new("unguarded.sock", Options { brown_out_guarded: false, ..Options::default() });
     let drive =
-        ["drive", "--port", &served.port, "--plate", "membrane", "--boundary", "120mm", "--for", "50ms"];
+        ["drive", "--port", &served.port, "--plate", "membrane", "--turning-point", "120mm", "--for", "50ms"];
     let verify = ["verify", "--port", &served.port];
     for command in [&drive[..], &verify[..]] {
         let message = failure(command, 1);

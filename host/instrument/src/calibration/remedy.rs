@@ -45,6 +45,7 @@ impl Remedy {
             | CalibrateError::NoAir { .. }
             | CalibrateError::EdgesUnlike { .. }
             | CalibrateError::AnotherPlate { .. }
+            | CalibrateError::ImplausibleFeeling { .. }
             | CalibrateError::CloseMarks { .. }
             | CalibrateError::EdgesOpen { .. }
             | CalibrateError::NoEdge

@@ -1,9 +1,9 @@
 //! Envelope and waveform as CSV and WAV files.
 
-use crate::field::line::{Line, lines};
 use crate::field::steady_field::{POINTS, SteadyField};
 use crate::field::time_domain::SimulatedField;
-use crate::setup::{BoundaryMode, Setup};
+use crate::field::tone_places::TonePlaces;
+use crate::setup::Setup;
 use crate::waveform::Waveform;
 use std::fmt::Write as _;
 
@@ -32,7 +32,7 @@ pub fn envelope_csv(
         );
     }
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut text = envelope_head(setup, &lines(setup, Some(steady)), measured, full_peak_m);
+    let mut text = envelope_head(setup, steady, measured, full_peak_m);
     text.push_str("position_m,predicted_maximum_m,predicted_rms_m,simulated_maximum_m,simulated_rms_m\n");
     for (_, row) in rows {
         text.push_str(&row);
@@ -44,14 +44,10 @@ pub fn envelope_csv(
 /// The header of an envelope: plate and tones, line by line.
 fn envelope_head(
     setup: &Setup,
-    lines: &[Line],
+    steady: &SteadyField,
     measured: Option<&SimulatedField>,
     full_peak_m: f64,
 ) -> String {
-    let boundary = match setup.boundary {
-        BoundaryMode::TurningPoint => "the turning point",
-        BoundaryMode::FeltEdge => "the felt edge, illustrative; the turning point of a tone that is not felt",
-    };
     let simulated = match measured {
         Some(measured) => format!(
             "the simulated plate while it was watched, at its own {} places; maximum and root mean square",
@@ -62,17 +58,21 @@ fn envelope_head(
     let mut head = vec![
         "Envelope along the plate, by Slipline".to_owned(),
         format!("plate: {}", setup.plate.name()),
-        format!("boundary: {boundary}"),
+        "felt edge: of the tone alone, at its level; illustrative".to_owned(),
         format!("master level: {:.2} dB", setup.master_db + 0.0),
         format!("peak at level 1: {full_peak_m:e} m"),
     ];
-    for (tone, line) in setup.tones.iter().zip(lines) {
+    for tone in &setup.tones {
+        let frequency_hz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+        let places = TonePlaces::of_wave(setup, tone, frequency_hz, steady.tone(tone.slot));
+        let felt = match places.felt_edge.place_m() {
+            Some(place_m) => format!("felt edge {place_m:.6} m"),
+            None => places.edge_words(),
+        };
         head.push(format!(
-            "tone {}: frequency {:.4} Hz, turning point {:.6} m, boundary {:.6} m, level {:.4}, phase {:.4} turns",
+            "tone {}: frequency {frequency_hz:.4} Hz, turning point {:.6} m, {felt}, level {:.4}, phase {:.4} turns",
             tone.slot + 1,
-            setup.plate.frequency_for_boundary_hz(tone.position_m),
             tone.position_m,
-            line.place_m,
             tone.level,
             tone.phase_turns
         ));

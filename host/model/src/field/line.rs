@@ -62,8 +62,7 @@ impl Line {
         let (BoundaryMode::FeltEdge, Some(wave)) = (setup.boundary, wave) else {
             return turning_point(Holds::TurningPoint);
         };
-        let tone_alone = [(wave.tone.frequency_hz, &wave.wave[..])];
-        let felt = Felt::of_tones(&setup.plate, &setup.feeling, &tone_alone);
+        let felt = felt_alone(setup, wave);
         match felt.edge {
             FeltEdge::At(place_m) => Self { slot: tone.slot, place_m, holds: Holds::FeltEdge },
             FeltEdge::PlateEnd => {
@@ -82,6 +81,13 @@ impl Line {
             .map(|table| SteadyField::solve(&setup.plate, &[SteadyTone::of(setup, tone, table)]));
         Self::of_wave(setup, tone, field.as_ref().and_then(|field| field.tones.first()))
     }
+}
+
+/// The sensation of a tone alone, whose edge the line holds.
+#[must_use]
+pub fn felt_alone(setup: &Setup, wave: &ToneWave) -> Felt {
+    let tone_alone = [(wave.tone.frequency_hz, &wave.wave[..])];
+    Felt::of_tones(&setup.plate, &setup.feeling, &tone_alone)
 }
 
 /// The lines of a setup's tones, in their order; `field` is the field of the setup without a finger in metres of

@@ -1,6 +1,7 @@
 //! Fields on the plate: displacement over x and time, by theory and by simulation.
 
 pub mod displacement_map;
+pub mod edge_reach;
 pub mod felt;
 pub mod line;
 mod line_at_rest;
@@ -8,4 +9,5 @@ pub mod sheet;
 pub mod simulation;
 pub mod steady_field;
 pub mod time_domain;
+pub mod tone_places;
 pub mod touch;

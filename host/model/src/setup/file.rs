@@ -22,6 +22,7 @@
 //! [plate]                       # a plate file
 //! ```
 
+pub mod feeling;
 mod text;
 
 use crate::setup::edit::{Edit, EditError, apply};
@@ -89,12 +90,7 @@ pub enum Opened {
 pub fn read(text: &str) -> Result<Opened, SetupFileError> {
     let allowed = Count::at_most(FILE_BYTES_MAX, Counted::Bytes);
     WrongCount::check("the file", text.len(), allowed).map_err(SetupFileError::TooBig)?;
-    let syntax = |fault: toml::de::Error| {
-        let start = fault.span().map_or(0, |span| span.start.min(text.len()));
-        let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
-        SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
-    };
-    let table: toml::Table = toml::from_str(text).map_err(syntax)?;
+    let table: toml::Table = toml::from_str(text).map_err(|fault| syntax(text, &fault))?;
     // Recognized by keys that only a setup has, so that a plate file with misspelt sections still gets the
     // errors of a plate file.
     let is_setup =
@@ -108,8 +104,15 @@ pub fn read(text: &str) -> Result<Opened, SetupFileError> {
     {
         return Err(SetupFileError::Version(version));
     }
-    let parsed: SetupText = toml::from_str(text).map_err(syntax)?;
+    let parsed: SetupText = toml::from_str(text).map_err(|fault| syntax(text, &fault))?;
     build(parsed).map(|setup| Opened::Setup(Box::new(setup)))
+}
+
+/// The parser's refusal of a text, with its line.
+fn syntax(text: &str, fault: &toml::de::Error) -> SetupFileError {
+    let start = fault.span().map_or(0, |span| span.start.min(text.len()));
+    let line = text.as_bytes()[..start].iter().filter(|&&byte| byte == b'\n').count() + 1;
+    SetupFileError::Syntax { line, message: fault.message().trim().to_owned() }
 }
 
 fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {

@@ -115,6 +115,14 @@ pub enum CalibrateError {
         /// The fitted value over the file's.
         share: f64,
     },
+    /// The fit is good, but the finger would feel like no other.
+    #[error("the felt edges need a threshold of {} times the stated one, and {} to {} times are plausible: were they felt at this level, and is each beside the tone that had it?", significant(*.share, 2), significant(1.0 / *.most, 2), significant(*.most, 2))]
+    ImplausibleFeeling {
+        /// The fitted threshold over the stated one.
+        share: f64,
+        /// The largest plausible share; its inverse is the smallest.
+        most: f64,
+    },
     /// The fit is good, but a sensor would be at another place.
     #[error("the sensor at {} seems to be at {}: measure its place again", show_place(*.place_m), show_place(*.found_m))]
     Misplaced {

@@ -5,7 +5,7 @@ use super::error::{CheckError, on_plate};
 use super::grading::{Finding, Site};
 use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
-use super::lights::{actuator, air, drive, sensitivity, shape, sound, thickness, touch, wave};
+use super::lights::{actuator, air, drive, felt_edge, sensitivity, shape, sound, thickness, touch, wave};
 use super::prepared::{Prepared, SPAN_PLACES, places};
 use super::report::Report;
 use crate::definition::plate::Plate;
@@ -189,5 +189,6 @@ fn findings(site: &Site<'_>) -> Vec<Finding> {
         sound::level_light(site),
         sound::beat_light(site),
         air::air_light(site),
+        felt_edge::felt_edge_light(site),
     ]
 }

@@ -67,7 +67,7 @@ impl Interval {
 
 /// The uncertainty of a boundary with the half interval `half_m`, in words.
 pub(super) fn boundary_words(half_m: f64) -> String {
-    format!("the boundary is known to ±{}", show_length(half_m))
+    format!("the turning point is known to ±{}", show_length(half_m))
 }
 
 /// The signs of boundary, width and taper at the corners.

@@ -12,6 +12,7 @@
 //!   lights/actuator.rs  actuator band, excursion, DAC resolution
 //!   lights/sound.rs  sound level, beat
 //!   lights/air.rs    air
+//!   lights/felt_edge.rs  felt edge
 //! ```
 //! Every limit is a named constant in [`thresholds`], with its reason.
 

@@ -87,6 +87,7 @@ pub struct Light {
     /// One sentence: the meaning of the result and, unless it is green, a remedy.
     pub sentence: String,
     /// The boundary of this result, metres; over a span the one with the worst result.
+    #[serde(rename = "turning_point_m")]
     pub boundary_m: f64,
     /// The parts of the plate where the check fails; empty if the light is green or unchecked, and for a check
     /// without a place on the plate (steps of the DAC, sound level).
@@ -116,10 +117,11 @@ pub struct Report {
     /// Name of the plate.
     pub plate: String,
     /// The boundary, metres; `None` over the span.
+    #[serde(rename = "turning_point_m")]
     pub boundary_m: Option<f64>,
     /// Half of the 95 % interval of the boundary, the largest over the checked ones, metres; `None` for an
     /// uncalibrated plate.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "turning_point_tolerance_m", skip_serializing_if = "Option::is_none")]
     pub boundary_tolerance_m: Option<f64>,
     /// Half of the 95 % interval of the peak level, dB; `None` where no levels were measured.
     #[serde(skip_serializing_if = "Option::is_none")]

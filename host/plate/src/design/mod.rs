@@ -48,6 +48,7 @@ pub struct BandEnd {
     /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Turning point, metres.
+    #[serde(rename = "turning_point_m")]
     pub boundary_m: f64,
     /// Half-width at the turning point, metres.
     pub half_width_m: f64,

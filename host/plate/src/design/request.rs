@@ -159,7 +159,7 @@ impl Request {
             _ => format!("{} Hz", rounded(hertz, 3)),
         };
         format!(
-            "Designed: {} {} mm, {wave}, boundary from {} to {}",
+            "Designed: {} {} mm, {wave}, turning points from {} to {}",
             self.material.name,
             rounded(self.thickness_m * 1e3, 4),
             hertz(self.band_hz.0),

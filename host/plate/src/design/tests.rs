@@ -339,10 +339,10 @@ fn the_description_rounds_its_numbers_and_writes_kilohertz() {
     let described = |request: &Request| design(request).expect("possible").plate.spec().description.clone();
     assert_eq!(
         described(&aluminium()),
-        "Designed: aluminium 2 mm, bending, supported edges, boundary from 20 kHz to 40 kHz"
+        "Designed: aluminium 2 mm, bending, supported edges, turning points from 20 kHz to 40 kHz"
     );
     let text = described(&membrane());
-    assert!(text.ends_with("0.5 mm, stretched, boundary from 80 Hz to 220 Hz"), "{text}");
+    assert!(text.ends_with("0.5 mm, stretched, turning points from 80 Hz to 220 Hz"), "{text}");
     let mut request = aluminium();
     request.thickness_m = 2.0 / 3.0 * 1e-3;
     request.band_hz.0 = 1e5 / 3.0;

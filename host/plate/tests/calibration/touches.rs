@@ -179,6 +179,27 @@ fn two_touches_put_the_felt_edge_right_where_the_drive_is_known_or_matters_less(
 }
 
 #[test]
+fn an_implausible_threshold_is_refused_with_its_reason() {
+    let mut random = Random::new(1);
+    let plate = Rig::new("membrane", Solver::OneMode, &mut random).nominal;
+    let found = |threshold: f64| {
+        let finger = Feeling { threshold, ..Feeling::default() };
+        let touch = |frequency_hz: f64| {
+            let mark_m = stated_edge_m(&plate, frequency_hz, 1e-4, &finger).expect("felt");
+            Touch { mark_m, tolerance_m: 5e-4, frequency_hz, peak_m: 1e-4 }
+        };
+        let touches = [100.0, 140.0].map(touch);
+        let drive = TouchedDrive::AsStated;
+        from_touches(&plate, &touches, &Feeling::default(), drive, &Priors::default())
+    };
+    let threshold = found(8.0).expect("plausible").feeling.threshold;
+    assert!((threshold / 8.0).ln().abs() < 0.2, "{threshold}");
+    let refusal = found(50.0).expect_err("refused");
+    assert!(matches!(refusal, CalibrateError::ImplausibleFeeling { share, .. } if share > 20.0), "{refusal}");
+    assert!(refusal.to_string().contains("0.05 to 20 times are plausible"), "{refusal}");
+}
+
+#[test]
 fn touches_that_tell_nothing_are_refused() {
     let mut random = Random::new(1);
     let plate = Rig::new("membrane", Solver::OneMode, &mut random).nominal;

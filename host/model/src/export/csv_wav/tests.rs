@@ -1,5 +1,6 @@
 use super::*;
 use crate::field::steady_field::steady_tones;
+use crate::setup::BoundaryMode;
 use slipline_plate::DriveTable;
 use std::sync::Arc;
 
@@ -44,18 +45,22 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
 fn the_head_says_what_the_envelope_is_of() {
     let mut setup = setup();
     setup.master_db = -3.0;
-    setup.boundary = BoundaryMode::FeltEdge;
+    setup.tones[0].level = 0.03;
     let table = DriveTable::build(&setup.plate, 400e3, 17).unwrap();
     let steady = SteadyField::solve(&setup.plate, &steady_tones(&setup, Some(&table)));
     let text = envelope_csv(&setup, &steady, None, 1e-4);
+    setup.boundary = BoundaryMode::TurningPoint;
+    assert_eq!(envelope_csv(&setup, &steady, None, 1e-4), text, "both places, whatever the line holds");
+    let felt_edge = TonePlaces::of(&setup, &setup.tones[0], &table).felt_edge.place_m().unwrap();
+    assert!(text.contains(&format!("felt edge {felt_edge:.6} m")), "{felt_edge}: {text:.900}");
     for part in [
         "# plate: membrane",
-        "# boundary: the felt edge, illustrative",
+        "# felt edge: of the tone alone, at its level; illustrative",
         "# master level: -3.00 dB",
         "# peak at level 1: 1e-4 m",
         "# tone 1: frequency 138.2",
         "turning point 0.180000 m",
-        "level 0.8000",
+        "level 0.0300",
         "# simulated: not run",
         "# units: metres",
     ] {

@@ -25,7 +25,7 @@ pub fn envelope_figure(result: &Simulated, plate: &str) -> Drawing {
     };
     let length_m = result.position_m.last().copied().unwrap_or(1.0);
     let boundaries = result.tones.iter().enumerate().map(|(number, tone)| Upright {
-        name: (number == 0).then(|| "boundary (turning point)".to_owned()),
+        name: (number == 0).then(|| "turning point".to_owned()),
         x: tone.predicted.turning_point_m * 1e3,
         pen: Pen::solid(HUES[5], 0.8),
     });

@@ -33,6 +33,9 @@ const OPEN_MAX: f64 = 0.025;
 const JUDGED: (usize, f64, f64) = (9, 0.1, 0.9);
 /// Seed of the random numbers: the same touches always give the same result.
 const SEED: u64 = 12;
+/// Largest plausible |ln| of the threshold over the stated one, in prior standard deviations: a factor of 20. Persons and
+/// kinds of touch differ by a factor of 10 (PHYSICS.md, section 5), and levels by some.
+const THRESHOLD_MAX: f64 = 2.0;
 /// Half of a 95 % interval, in standard deviations.
 const INTERVAL: f64 = 1.96;
 
@@ -97,6 +100,11 @@ pub fn from_touches(
     let [share, ..] = posterior.interval(SPEED, deviations[SPEED]);
     if share.ln().abs() > SPEED_MAX {
         return Err(CalibrateError::AnotherPlate { what: "wave speed", share });
+    }
+    let [share, ..] = posterior.interval(THRESHOLD, THRESHOLD_KNOWN);
+    if share.ln().abs() > THRESHOLD_MAX * THRESHOLD_KNOWN {
+        let most = (THRESHOLD_MAX * THRESHOLD_KNOWN).exp();
+        return Err(CalibrateError::ImplausibleFeeling { share, most });
     }
     let edge_tolerance_m = INTERVAL * edges.deviation_m();
     if edge_tolerance_m > OPEN_MAX {

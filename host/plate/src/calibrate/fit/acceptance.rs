@@ -27,10 +27,21 @@ pub(crate) fn check_pair([a, b]: [&Measurement; 2], pairs: &[Pair]) -> Result<()
     if a.sensor != b.sensor || a.unit_per_response != b.unit_per_response {
         return Err(CalibrateError::DifferentSensors);
     }
-    if (a.place_m - b.place_m).abs() <= 4.0 * a.place_tolerance_m.hypot(b.place_tolerance_m) {
-        return Err(CalibrateError::SamePlace { place_m: a.place_m });
-    }
+    check_places([a.place_m, b.place_m], [a.place_tolerance_m, b.place_tolerance_m])?;
     check_count(pairs.len())
+}
+
+/// Refuses two places of a sensor, metres, that may be one: at most four standard deviations of their distance apart.
+/// `tolerances_m` are the standard deviations of the two, metres.
+///
+/// # Errors
+/// [`CalibrateError::SamePlace`].
+pub fn check_places(places_m: [f64; 2], tolerances_m: [f64; 2]) -> Result<(), CalibrateError> {
+    let [(a_m, b_m), (of_a_m, of_b_m)] = [places_m, tolerances_m].map(|[a, b]| (a, b));
+    if (a_m - b_m).abs() <= 4.0 * of_a_m.hypot(of_b_m) {
+        return Err(CalibrateError::SamePlace { place_m: a_m });
+    }
+    Ok(())
 }
 
 /// Refuses too few frequencies.

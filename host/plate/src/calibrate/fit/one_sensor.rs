@@ -40,6 +40,15 @@ pub fn from_one_sensor(
     fitted(plate, sensor, priors).map(|(calibrated, _)| calibrated)
 }
 
+/// Refuses a plate that one sensor, or the drive's current, cannot calibrate, whatever is measured: its file must state a
+/// membrane's tension or a sheet's thickness, and no law of the thickness.
+///
+/// # Errors
+/// [`CalibrateError::Plate`].
+pub fn check_source(plate: &Plate) -> Result<(), CalibrateError> {
+    Ok(takes_a_source(plate.spec())?)
+}
+
 /// As [`from_one_sensor`]; also returns the fitted coordinates of the plate, the place and the source.
 pub(crate) fn fitted(
     plate: &Plate,
@@ -48,7 +57,7 @@ pub(crate) fn fitted(
 ) -> Result<(Calibrated, Fit), CalibrateError> {
     priors.check()?;
     signal::check_sensor(plate, sensor)?;
-    takes_a_source(plate.spec())?;
+    check_source(plate)?;
     let points = entering(plate, sensor)?;
     let units = Units::of(plate, &points).ok_or(CalibrateError::NoFit)?;
     let data = of_deflection(&points, sensor, units);

@@ -8,8 +8,8 @@ use crate::quantity::Range;
 pub(crate) const MODEL_ERROR: f64 = 0.015;
 /// Median of |H|^2 over the noise's variance, for noise alone: 2 ln 2.
 const NOISE_MEDIAN: f64 = 2.0 * std::f64::consts::LN_2;
-/// Two frequencies with a smaller relative difference are the same.
-pub(crate) const SAME: f64 = 1e-7;
+/// Two frequencies with a smaller relative difference are the same: a universal file has six digits of them.
+pub(crate) const SAME: f64 = 6e-6;
 
 /// Magnitudes and variances of both sensors' responses at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]

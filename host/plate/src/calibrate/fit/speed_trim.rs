@@ -12,7 +12,7 @@
 
 use super::acceptance::CHI2_PER_N_MAX;
 use super::least_squares::minima;
-use super::one_sensor::fitted;
+use super::one_sensor::{check_source, fitted};
 use super::pairs::{MODEL_ERROR, SAME};
 use super::parameter::INTERVAL;
 use super::response::plate_response::{Units, answers};
@@ -94,6 +94,17 @@ pub struct SpeedTrim {
 }
 
 impl SpeedTrim {
+    /// Refuses a plate that cannot be trimmed, whatever is measured.
+    ///
+    /// # Errors
+    /// [`CalibrateError::NotCalibrated`] and [`CalibrateError::Plate`].
+    pub fn check(plate: &Plate) -> Result<(), CalibrateError> {
+        if plate.spec().calibration.is_none() {
+            return Err(CalibrateError::NotCalibrated);
+        }
+        check_source(plate)
+    }
+
     /// Begins with what one sensor measured of a calibrated plate, at as many frequencies as a calibration needs.
     ///
     /// # Errors

@@ -3,6 +3,7 @@
 pub(super) mod actuator;
 pub(super) mod air;
 pub(super) mod drive;
+pub(super) mod felt_edge;
 pub(super) mod sensitivity;
 pub(super) mod shape;
 pub(super) mod sound;

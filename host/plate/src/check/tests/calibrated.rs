@@ -62,7 +62,7 @@ fn at(plate: &Plate, boundary_m: f64) -> Report {
 }
 
 /// Lights whose numbers depend on the table; the table of the true plate differs.
-const OF_THE_TABLE: [&str; 4] = ["excursion", "DAC resolution", "sensitivity", "sound level"];
+const OF_THE_TABLE: [&str; 5] = ["excursion", "DAC resolution", "sensitivity", "sound level", "felt edge"];
 
 #[test]
 fn what_is_green_on_a_calibrated_plate_is_green_on_every_plate_within_its_intervals() {
@@ -146,6 +146,10 @@ fn a_light_that_fails_at_an_end_of_the_interval_is_amber_and_says_how_well_the_p
         for (boundary_m, name) in just_green(&exact) {
             let report = checker.at(boundary_m).expect("on it");
             let stated = light(&report, name);
+            // What is felt changes at 20 kHz, and the frequency is exact on every plate.
+            if name == "felt edge" && (report.frequency_hz.0 / 20e3 - 1.0).abs() < 1e-3 {
+                continue;
+            }
             assert_eq!(stated.colour, Colour::Amber, "{stated:?}");
             assert!(stated.sentence.contains('±'), "{stated:?}");
             failed.insert(name);
@@ -155,6 +159,7 @@ fn a_light_that_fails_at_an_end_of_the_interval_is_amber_and_says_how_well_the_p
         "drive match",
         "edge slope",
         "edge width",
+        "felt edge",
         "finger load",
         "ghost boundaries",
         "loss",

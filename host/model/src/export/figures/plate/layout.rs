@@ -7,6 +7,8 @@ use super::super::plot::TEXT;
 use super::super::{PRINT_WIDTH, font};
 use super::Subject;
 use crate::field::line::{Line, lines};
+use crate::field::steady_field::SteadyField;
+use crate::field::tone_places::TonePlaces;
 use crate::setup::{BoundaryMode, Setup};
 use slipline_plate::Plate;
 use slipline_plate::quantity::ticks;
@@ -62,7 +64,7 @@ impl Layout {
         let high = top + room + 10.0;
         let envelope = (high, high + ENVELOPE);
         let lines = lines(&subject.setup, Some(&subject.predicted));
-        let caption = caption(&subject.setup, &lines, subject.full_peak_m);
+        let caption = caption(&subject.setup, &subject.predicted, subject.full_peak_m);
         let caption = font::joined(caption.iter().map(String::as_str), "  ", TEXT, right - left);
         Self {
             left,
@@ -106,21 +108,23 @@ impl Layout {
 }
 
 /// The numbers of each tone and the values common to all tones, as phrases that are not broken over lines.
-fn caption(setup: &Setup, lines: &[Line], full_peak_m: f64) -> Vec<String> {
+fn caption(setup: &Setup, predicted: &SteadyField, full_peak_m: f64) -> Vec<String> {
     let mut phrases: Vec<String> = Vec::new();
-    for (tone, line) in setup.tones.iter().zip(lines) {
+    for tone in &setup.tones {
         let hertz = setup.plate.frequency_for_boundary_hz(tone.position_m);
+        let places = TonePlaces::of_wave(setup, tone, hertz, predicted.tone(tone.slot));
         phrases.push(format!(
-            "Tone {}: boundary {}, {}, level {:.2}.",
+            "Tone {}: {}, turning point at {}, {}, level {:.2}.",
             tone.slot + 1,
-            show_place(line.place_m),
+            places.edge_words(),
+            show_place(tone.position_m),
             show_frequency(hertz),
             tone.level
         ));
     }
     phrases.push(match setup.boundary {
-        BoundaryMode::TurningPoint => "Boundary: the turning point.".to_owned(),
-        BoundaryMode::FeltEdge => "Boundary: where it is just felt (illustrative).".to_owned(),
+        BoundaryMode::TurningPoint => "Lines: at the turning points.".to_owned(),
+        BoundaryMode::FeltEdge => "Lines: where a tone is just felt (illustrative).".to_owned(),
     });
     phrases.push(format!("Master level {} dB.", ticks::label(setup.master_db, 0.1)));
     phrases.push(format!("Level 1 peaks at {}.", show_length(full_peak_m)));

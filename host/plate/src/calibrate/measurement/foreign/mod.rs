@@ -16,6 +16,7 @@ use crate::calibrate::error::CalibrateError;
 use crate::quantity::{OutOfRange, Range};
 use crate::text_table::BadLine;
 use num_complex::Complex64;
+use std::borrow::Cow;
 use thiserror::Error;
 
 /// Signal-to-noise ratio assumed where a file does not state it, dB: that of a careful measurement.
@@ -92,8 +93,7 @@ impl File {
         if uff58::binary::has_one(bytes) {
             return Ok(Self::Foreign(uff58::binary::read(bytes)?));
         }
-        // A microphone's name may be in any encoding; only the numbers matter.
-        let text = String::from_utf8_lossy(bytes);
+        let text = text_of(bytes);
         let text = text.trim_start_matches('\u{feff}');
         if csv::is_own(text) {
             return Ok(Self::Own(Measurement::from_csv(text)?));
@@ -101,6 +101,18 @@ impl File {
         let foreign = if uff58::is_one(text) { uff58::read(text)? } else { frequency_table::read(text)? };
         Ok(Self::Foreign(foreign))
     }
+}
+
+/// The text of a file: UTF-16 where its mark says so, as spreadsheets write it, else UTF-8. A microphone's name may be in
+/// any encoding; only the numbers matter.
+fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    let from: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ => return String::from_utf8_lossy(bytes),
+    };
+    let units = bytes[2..].chunks_exact(2).map(|pair| from([pair[0], pair[1]]));
+    char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
 }
 
 impl Foreign {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::calibrate::fit::pairs::pairs;
 use proptest::prelude::*;
 
 fn foreign(text: &str) -> Foreign {
@@ -33,6 +34,9 @@ fn tables_of_every_separator_are_read() {
         "100,0 -20,0 90,0\n200,5 3,0 0\n",
         "# by hand\nphase_degrees,frequency_khz,level_db\n90,0.1,-20\n1,0.2005,3\n\n",
         "\u{feff}\"Frequency [Hz]\",\"Magnitude\",\"Phase\"\n\"100\",0.1,90\n200.5,1e0,0\n",
+        "freq,re,im\n100,0,0.1\n200.5,1,0\n",
+        "Imaginary;Real;Frequency (Hz)\n0,1;0;100\n0;1;200,5\n",
+        "f\tReal (m/N)\tImag (m/N)\n100\t0\t0.1\n200.5\t1\t0\n",
     ] {
         check(text, true);
     }
@@ -43,6 +47,39 @@ fn tables_of_every_separator_are_read() {
     ] {
         check(text, false);
     }
+}
+
+#[test]
+fn a_text_in_utf_16_is_read_as_that_in_utf_8() {
+    let text = "Frequency\tLevel\tPhase\r\n100\t-20\t90\r\n200.5\t-3\t0\r\n";
+    for (mark, bytes_of) in
+        [([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]), ([0xfe, 0xff], u16::to_be_bytes)]
+    {
+        let bytes: Vec<u8> = mark.into_iter().chain(text.encode_utf16().flat_map(bytes_of)).collect();
+        let Ok(File::Foreign(found)) = File::read(&bytes) else { panic!("a table") };
+        assert_eq!(found, foreign(text));
+        // An odd byte at the end, and half of a pair.
+        assert!(File::read(&[&bytes[..], &[0x41]].concat()).is_ok());
+        assert!(File::read(&[&mark[..], &[0xd8, 0xd8]].concat()).is_err());
+    }
+}
+
+#[test]
+fn a_universal_file_and_a_csv_of_one_measurement_have_the_same_frequencies() {
+    let at = |place_m: f64| {
+        let points = (0..40).map(|i| MeasuredPoint {
+            frequency_hz: 17_123.456_789 * 1.013_f64.powi(i),
+            response: Complex64::new(1.0, 0.5),
+            noise: 1e-3,
+            headroom_db: None,
+        });
+        Measurement::at(place_m, SensorKind::Displacement, points.collect())
+    };
+    let band = (1.0, 1e6);
+    let rounded = foreign(&at(0.03).to_uff58()).measurement(0.03, SensorKind::Displacement, 40.0, band);
+    let exact = Measurement::from_csv(&at(0.2).to_csv()).expect("the own form");
+    let common = pairs([&rounded.expect("a measurement"), &exact], Range::new(1.0, 1e6, "Hz"));
+    assert_eq!(common.len(), 40);
 }
 
 #[test]
@@ -61,6 +98,10 @@ fn what_is_no_table_is_refused_by_its_line() {
         ("freq,db\n100,9999\n", "line 2: level = 9999: must be -400 to 400 dB"),
         ("freq,magnitude\n100,-0.5\n", "line 2: magnitude = -0.5: must be 0 to 1e30"),
         ("# place_m = x\n", "line 1: place_m = x: must be a number"),
+        // A head that is not understood, whether it names a frequency or not.
+        ("freq,x,y\n100,1,2\n", "line 1: the head of the columns: must be a frequency, and a level in dB"),
+        ("a;b;c\n100;1;2\n", "line 1: the head of the columns: must be"),
+        ("freq,re,im\n100,1,x\n", "line 2: imaginary part = x: must be a finite number"),
     ] {
         let found = refused(text);
         assert!(found.starts_with(message), "{text:?}: {found}");
@@ -140,7 +181,7 @@ fn measurement() -> Measurement {
 fn what_is_exported_is_read_back_in_the_sensors_unit() {
     let measured = measurement();
     for (text, sensor, share) in
-        [(measured.to_uff58(), Some(SensorKind::Velocity), 1e-11), (measured.to_frd(), None, 1e-6)]
+        [(measured.to_uff58(), Some(SensorKind::Velocity), 1e-12), (measured.to_frd(), None, 1e-12)]
     {
         let found = foreign(&text);
         assert_eq!((found.sensor, found.points.len()), (sensor, 12), "{text}");
