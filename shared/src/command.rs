@@ -2,11 +2,13 @@
 
 use crate::hold::HoldSetting;
 use crate::limits::{
-    CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, MAX_DIGEST_SAMPLES, MAX_HARMONIC, MAX_KNOTS,
-    MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB, QUALITY_PER_MILLE, RESONANCE_UHZ, STATIC_TRAVEL_PPM,
+    CHORD_PERIOD_LOG2, CHUNK_KNOTS, COMB_PERIOD_BLOCKS, LEASE_MS, MAX_DIGEST_SAMPLES, MAX_HARMONIC,
+    MAX_KNOTS, MAX_TONES, MIN_KNOTS, MIN_MASTER_CDB,
 };
 use crate::listen::{CapturePart, CaptureWindow, ListenPart, ListenWindow};
 use crate::message::messages;
+use crate::profile::ActuatorProfile;
+pub use crate::profile::TravelLimit;
 use crate::schema::{body, choices};
 use crate::table::Knot;
 use crate::units::{CentiDecibel, Level, Phase, Position, SampleIndex};
@@ -29,7 +31,12 @@ messages! {
         0x03 since 0 Status -> Status,
         /// Asks for the data of maintenance: the wear of the flash, and whether the supply is guarded.
         0x04 since 1 Maintenance -> Maintenance,
-        /// Unmutes the amplifier and accepts drives. Needs a device without latched faults.
+        /// Asks what the device has found on its board: its mute resistor, its user button, its clock.
+        0x05 since 3 Board -> Board,
+        /// Asks for the profile of the board's actuator, which the device keeps.
+        0x06 since 3 Profile -> Profile,
+        /// Unmutes the amplifier and accepts drives. Needs a device without latched faults. An armed device stays as it is, with
+        /// its lease if it has one (`ArmFor`).
         0x10 since 0 Arm -> Accepted,
         /// Ramps to silence, mutes, and accepts no more drives.
         0x11 since 0 Disarm -> Accepted,
@@ -55,6 +62,10 @@ messages! {
         /// Sounds tones that are multiples of one low base frequency, from silence on, within the table's frequencies or beyond
         /// them. Needs an armed device with a table.
         0x1a since 3 Comb(Comb) -> Accepted,
+        /// As `Arm`, on a lease: where no drive, chord or comb is accepted and no rise of the trigger input begins one for so long,
+        /// the device ramps to silence as by a stop, mutes and accepts no more drives, without a fault. The time begins with this
+        /// command, and anew where each drive begins. An armed device takes the new lease in the place of the old one, or of none.
+        0x1b since 3 ArmFor(ArmLease) -> Accepted,
         /// Begins to upload a turning-point table. The drive continues by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,
         /// Carries the next knots of the upload.
@@ -76,6 +87,11 @@ messages! {
         /// Erases what is kept in flash. Only while the device is disarmed and nothing sounds; may take up to 5 s, in
         /// which the device does not answer. Where nothing is kept nothing is written; `Unchanged` says so.
         0x41 since 0 Forget -> Accepted,
+        /// Keeps a profile of the board's actuator in flash and puts it in force, or erases it. Only while the device is disarmed,
+        /// nothing sounds, and the board's user button is pressed (`HoldButton`): a host alone cannot do it. It may take up to 5 s,
+        /// in which the device does not answer. A profile that is kept already is not written again; `Unchanged` says so. `Forget`
+        /// leaves it.
+        0x42 since 3 WriteProfile(ProfileSetting) -> Accepted,
         /// First step into the ROM bootloader: asks for a token. Only while disarmed.
         0x50 since 0 BootloaderToken -> BootloaderToken,
         /// Second step into the ROM bootloader: shows the token. Only while disarmed; the device answers and then
@@ -253,16 +269,20 @@ body! {
 }
 
 body! {
-    /// The actuator as a mass on a spring, and how far it may move. A tone of amplitude a (1 = full scale) and frequency f
-    /// moves it by `a static_ppm / sqrt((1 - r^2)^2 + (r/Q)^2)` millionths of its peak travel, r = f/f0.
+    /// The body of [`Command::ArmFor`].
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub struct TravelLimit {
-        /// Its resonance f0.
-        pub resonance_uhz: u64 ["uHz", RESONANCE_UHZ.0, RESONANCE_UHZ.1],
-        /// The quality factor Q of the resonance, in thousandths.
-        pub quality_per_mille: u32 ["1/1000", QUALITY_PER_MILLE.0, QUALITY_PER_MILLE.1],
-        /// How far a steady signal of full scale would hold it from its rest.
-        pub static_ppm: u32 ["1e-6 of the peak travel", STATIC_TRAVEL_PPM.0, STATIC_TRAVEL_PPM.1],
+    pub struct ArmLease {
+        /// How long the device stays armed without a drive.
+        pub lease_ms: u32 ["ms", LEASE_MS.0, LEASE_MS.1],
+    }
+}
+
+body! {
+    /// The body of [`Command::WriteProfile`].
+    #[derive(Clone, Debug, Default, PartialEq, Eq)]
+    pub struct ProfileSetting {
+        /// The profile; `None` to erase it.
+        pub profile: Option<ActuatorProfile> [""],
     }
 }
 

@@ -1,11 +1,13 @@
 //! What a device answers. It never speaks first.
 
+use crate::board::BoardReport;
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::hold::Held;
 use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
 use crate::listen::{Captured, InputsReport, Listened};
 use crate::message::{Older, messages};
+use crate::profile::ActuatorProfile;
 use crate::refusal::Refusal;
 use crate::schema::{body, choices};
 use crate::units::SampleIndex;
@@ -21,6 +23,10 @@ messages! {
         0x83 since 0 Status(Status),
         /// The data of maintenance.
         0x84 since 1 Maintenance(Maintenance),
+        /// What the device has found on its board.
+        0x85 since 3 Board(BoardReport),
+        /// The profile of the board's actuator.
+        0x86 since 3 Profile(ProfileReport),
         /// Done, or will be done at this index.
         0x90 since 0 Accepted(Accepted),
         /// Not done; nothing has changed.
@@ -280,6 +286,18 @@ body! {
         /// Whether the brown-out reset level is set as the board needs it, so that a failing supply stops the chip before
         /// it goes wrong; true where there is no such level.
         pub brown_out_guarded: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Profile`].
+    #[derive(Clone, Debug, Default, PartialEq, Eq)]
+    pub struct ProfileReport {
+        /// The profile in force; `None` if there is none.
+        pub profile: Option<ActuatorProfile> [""],
+        /// The result of reading it from the flash. Where it is `Damaged` the device cannot be armed until a profile is written or
+        /// erased.
+        pub stored: StoredConfig [""],
     }
 }
 

@@ -28,9 +28,11 @@ choices! {
         /// One of the two places of the kept table is torn or has decayed; the table in the other is in use, and may be
         /// an older one. A host of 1.0 gets `StoreDamaged`.
         9 since 1 StoreFellBack or Self::StoreDamaged,
+        /// The stop on the desk was used: the board's button, or the stop input. A host of 1.2 gets `EmergencyStop`.
+        10 since 3 DeskStop or Self::EmergencyStop,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        10 since 4 CoilOpen or Self::Overheat,
+        11 since 4 CoilOpen or Self::Overheat,
     }
 }
 
@@ -47,6 +49,7 @@ impl Fault {
         Self::BrownOut,
         Self::StoreDamaged,
         Self::StoreFellBack,
+        Self::DeskStop,
         #[cfg(slipline_next)]
         Self::CoilOpen,
     ];
@@ -67,6 +70,7 @@ impl Fault {
             Self::StoreFellBack => {
                 "one copy of the stored table was damaged, the other is in use and may be older; store the table anew"
             }
+            Self::DeskStop => "stopped at the device: by its button or its stop input",
             #[cfg(slipline_next)]
             Self::CoilOpen => "the coil is not connected",
         }

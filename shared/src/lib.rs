@@ -21,6 +21,7 @@
     )
 )]
 
+pub mod board;
 pub mod command;
 pub mod event;
 pub mod fault;
@@ -30,6 +31,7 @@ pub mod limits;
 pub mod listen;
 mod message;
 mod minor;
+pub mod profile;
 pub mod refusal;
 pub mod schema;
 pub mod table;

@@ -97,6 +97,16 @@ pub const TRANSMIT_TIMEOUT_MS: u32 = 20;
 pub const BOOTLOADER_TOKEN_MS: u32 = 5000;
 /// The longest drive with no command from the user.
 pub const MAX_DRIVE_MS: u32 = 10 * 60 * 1000;
+/// For how long a device may be armed without a drive, by its lease: from a drag that pauses to the longest drive.
+pub const LEASE_MS: (u32, u32) = (1000, MAX_DRIVE_MS);
+/// The shortest time that an actuator's profile may allow a drive.
+pub const MIN_DRIVE_MS: u32 = 1000;
+/// The largest sum of amplitudes that an actuator's profile may allow, in per mille of full scale.
+pub const PROFILE_SUM_PER_MILLE: (u16, u16) = (1, 1000);
+/// The time constants of a coil's heat: the shortest is three periods of the fold-back.
+pub const COIL_TIME_MS: (u32, u32) = (1000, 3_600_000);
+/// The rise of a coil by a sine of full scale, in per mille of its limit.
+pub const FULL_SINE_PER_MILLE: (u16, u16) = (10, 20_000);
 /// The longest window of DAC codes one digest may cover.
 pub const MAX_DIGEST_SAMPLES: u32 = 1 << 20;
 

@@ -60,6 +60,16 @@ choices! {
         25 since 3 Slew or Self::MasterLevel,
         /// The amplitude to hold in 1/256 code.
         26 since 3 HeldAmplitude or Self::MasterLevel,
+        /// How long a device stays armed without a drive, in milliseconds.
+        27 since 3 Lease or Self::Glide,
+        /// An actuator's largest sum of amplitudes, in per mille of full scale.
+        28 since 3 ProfileSum or Self::MasterLevel,
+        /// A time constant of an actuator's coil, in milliseconds.
+        29 since 3 CoilTime or Self::Glide,
+        /// The rise of an actuator's coil by a sine of full scale, in per mille of its limit.
+        30 since 3 FullSine or Self::MasterLevel,
+        /// An actuator's longest drive, in milliseconds.
+        31 since 3 DriveTime or Self::Glide,
     }
 }
 
@@ -95,6 +105,11 @@ impl Field {
             Self::MaxRise => "largest rise (1/100 dB)",
             Self::Slew => "largest change from window to window (1/100 dB)",
             Self::HeldAmplitude => "amplitude to hold (1/256 code)",
+            Self::Lease => "lease (ms)",
+            Self::ProfileSum => "largest sum of amplitudes (1/1000 of full scale)",
+            Self::CoilTime => "time constant of the coil (ms)",
+            Self::FullSine => "rise by a full-scale sine (1/1000 of its limit)",
+            Self::DriveTime => "longest drive (ms)",
         }
     }
 }
@@ -225,9 +240,11 @@ choices! {
             /// Its slot.
             slot: u8 [""],
         } or Self::NotSupported,
+        /// The command needs the board's user button to be pressed meanwhile.
+        27 since 3 HoldButton or Self::NotSupported,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        27 since 4 CoilOpen or Self::NotSupported,
+        28 since 4 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -311,6 +328,7 @@ impl core::fmt::Display for Refusal {
                 peak_per_mille % 10
             ),
             Self::SilentTone { slot } => write!(f, "no tone sounds in slot {slot}"),
+            Self::HoldButton => f.write_str("hold the user button on the board while this is done"),
             #[cfg(slipline_next)]
             Self::CoilOpen => f.write_str("the coil is not connected"),
         }

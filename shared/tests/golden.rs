@@ -209,13 +209,18 @@ fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
 /// What a side of 1.2 gets in the place of each addition of 1.3.
 #[test]
 fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
-    let seen: Vec<Option<Event>> =
-        events_of(3).iter().map(|(_, event)| as_received(event, minor(2))).collect();
+    let mut received = events_of(3).into_iter().map(|(_, event)| as_received(&event, minor(2)));
+    assert!(received.by_ref().take(6).all(|event| event.is_none()), "what the board is");
+    let Some(Some(Event::Status(status))) = received.next() else { panic!("a stop on the desk is known") };
+    let emergency = Fault::EmergencyStop;
+    assert_eq!((status.faults, status.first_fault), (Faults::NONE.with(emergency), Some(emergency)));
+    let seen: Vec<Option<Event>> = received.collect();
     // No host of 1.2 sends what these refuse; so none ever gets these.
     let refused = |field| Some(Event::Refused(Refusal::OutOfRange { field, min: 0, max: 1, got: 2 }));
     let mut expected = vec![Some(Event::Accepted(Accepted { at: 128_000 }))];
     expected.extend(vec![None; 12]);
     expected.push(Some(Event::Refused(Refusal::Busy(Busy::DriveActive))));
+    expected.push(Some(Event::Refused(Refusal::NotSupported)));
     expected.push(Some(Event::Refused(Refusal::NotSupported)));
     let stand_ins = [
         Field::Glide,
@@ -228,6 +233,11 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
         Field::MasterLevel,
         Field::MasterLevel,
         Field::MasterLevel,
+        Field::Glide,
+        Field::MasterLevel,
+        Field::Glide,
+        Field::MasterLevel,
+        Field::Glide,
     ];
     expected.extend(stand_ins.map(refused));
     assert_eq!(seen, expected);

@@ -297,6 +297,8 @@ fn page() -> String {
         ("stop_ramp_ms", limits::STOP_RAMP_MS.to_string()),
         ("emergency_ramp_ms", limits::EMERGENCY_RAMP_MS.to_string()),
         ("max_drive_min", (limits::MAX_DRIVE_MS / 60_000).to_string()),
+        ("lease_min_s", (limits::LEASE_MS.0 / 1000).to_string()),
+        ("lease_max_s", (limits::LEASE_MS.1 / 1000).to_string()),
         ("max_knots", limits::MAX_KNOTS.to_string()),
         ("max_knot_step", limits::MAX_KNOT_STEP.to_string()),
         ("chunk_knots", limits::CHUNK_KNOTS.to_string()),

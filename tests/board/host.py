@@ -22,6 +22,11 @@ ACCEPTED_UNTIL = 0x93
 SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
 CHORD = 0x19
 COMB = 0x1A
+BOARD, PROFILE, BOARD_REPLY, PROFILE_REPLY = 0x05, 0x06, 0x85, 0x86
+FORGET, WRITE_PROFILE = 0x41, 0x42
+HOLD_BUTTON = b"\x1b"
+ARM_FOR = 0x1B
+DIGEST_READ, DIGEST_REPLY = 0x31, 0xB1
 INPUTS, LISTEN, CAPTURE, CAPTURE_READ, INPUTS_REPLY, CAPTURED_REPLY = 0x60, 0x61, 0x64, 0x65, 0xE0, 0xE5
 HOLD, HOLD_READ, HELD_REPLY = 0x67, 0x68, 0xE8
 # Refusals without a field are their number.
@@ -34,7 +39,7 @@ RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard
 STORED = ("empty", "loaded", "wrong version", "damaged", "fell back")
 FAULTS = (
     "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
-    "store damaged", "store fell back",
+    "store damaged", "store fell back", "desk stop",
 )  # fmt: skip
 PROGRESS = ("idle", "running", "finished", "broken")
 # In the place of an index: a drive waits for the trigger input.
@@ -188,6 +193,13 @@ def _multiples(tones, glide, at):
     return body + zigzag(0) + varint(glide) + _apply(at)
 
 
+def profile(name, sum_per_mille=1000, stop_input=False, travel=None):
+    """A profile: the constants of a device without one, but for what is given. `travel`: uHz, 1/1000, ppm."""
+    body = b"\1" + bytes([len(name)]) + name.encode() + varint(sum_per_mille)
+    body += b"\0" if travel is None else b"\1" + b"".join(map(varint, travel))
+    return body + varint(8000) + varint(120_000) + varint(1300) + zigzag(2000) + varint(600_000) + bytes([stop_input])
+
+
 class Host:
     """`cable` is the host's end of the link: of USB or of a serial port."""
 
@@ -258,6 +270,32 @@ class Host:
         assert reply == MAINTENANCE_REPLY, f"{reply:#x} {body.hex()}"
         r = Reader(body)
         return r.number(), r.number(), bool(r.byte())
+
+    def board_report(self):
+        """The core's clock, and what is known of the mute resistor, the user button and the stop input."""
+        _, reply, body = self.exchange(BOARD)
+        assert reply == BOARD_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        return (
+            r.number(), ("not looked", "present", "missing")[r.number()], ("none", "released", "pressed")[r.number()],
+            ("unused", "closed", "open", "not in profile")[r.number()],
+        )  # fmt: skip
+
+    def profile(self):
+        """The profile's name, or None, and how the flash was found."""
+        _, reply, body = self.exchange(PROFILE)
+        assert reply == PROFILE_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        if not r.byte():
+            return None, STORED[r.number()]
+        name = r.text()
+        r.number()
+        if r.byte():
+            r.number(), r.number(), r.number()
+        for _ in range(5):
+            r.number()
+        r.byte()
+        return name, STORED[r.number()]
 
     def trigger(self):
         """Whether a drive waits for the trigger input, and where the last one began that had waited."""

@@ -9,8 +9,8 @@ import pytest
 
 import m4_cycles
 import wait_states
-from boards import on_f407
-from host import DIGEST_START, DRIVE, EMERGENCY_STOP, RATE_HZ, STOP, TABLE_COMMIT, drive, varint
+from boards import G474, on, on_f407
+from host import DIGEST_START, DRIVE, EMERGENCY_STOP, RATE_HZ, STATUS, STOP, TABLE_COMMIT, drive, frame, varint
 from images import ROOT, bench
 from instruction_trace import Recorder
 from measuring import EVERY_SLOT, listen, listened
@@ -191,6 +191,39 @@ def test_a_block_is_rendered_and_measured_in_little_enough_of_its_time(armed):
     host.live(0.1)
     blend(host, 33)
     worst("and the other input is captured", CAPTURING, captures=True)
+
+
+@on(G474)
+@pytest.mark.every_image
+def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(armed):
+    """R-68: of the link's interrupts only the UART's lies above the renderer's (R-44). Its bytes take what they take, whatever a
+    block does."""
+    board, host, cable = armed.board, armed.host, armed.cable
+    request = frame(host.session, 9, STATUS, b"")
+    cable.receive()
+    cable.send(request)
+    board.run(0.005)
+    # A request as long as its answer leaves neither direction a pause.
+    flood = request + b"\0" * (len(cable.receive()) - len(request))
+    cable.send(flood * 12)
+    board.run(0.002)
+    began = board.seconds
+    with Recorder(board, 16 + G474.link_irq) as recorder:
+        board.run(0.004)
+    assert cable.to_device and len(cable.receive()) > 0.9 * 921_600 / 10 * 0.004, "the line was full both ways"
+    vector = wait_states.FLASH.start + 4 * (16 + G474.link_irq)
+    taken = sum(wait_states.cycles(run, board.timing, wait_states.G474, vector)[1] + board.ENTRY_CYCLES + board.EXIT_CYCLES for run in recorder.runs)
+    link = 100 * taken / (170e6 * (board.seconds - began))
+    dma = documented("the DMA's interrupt beside it")
+    rows = {"only plays": "and another table is blended in, and a digest made", "measures": "and the other input is captured"}
+    sums = {"of it the link": (0, link)}
+    for what, row in rows.items():
+        f407, g474 = (block + beside for block, beside in zip(documented(row)[2:], dma[2:]))
+        sums[f"while it {what}"] = f407, g474 + link
+    print(sums)
+    for what, (f407, g474) in sums.items():
+        stated = re.search(rf"^\| {what} \| ([\d.]+) % \| ([\d.]+) % \|$", README, re.M)
+        assert [float(share) for share in stated.groups()] == pytest.approx((f407, g474), abs=0.5), what
 
 
 @on_f407

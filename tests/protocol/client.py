@@ -28,9 +28,10 @@ from typing import Any, Callable, Optional, Sequence
 from channel import Channel
 from errors import FieldError, NoAnswer, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, Capture, CaptureRead, Chord, ChordTone,
-    Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent, KeepAlive, Listen,
-    ListenRead, MaintenanceEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit, TriggerEvent, Version, at, fault_names,
+    AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, ArmLease, BoardEvent, Capture,
+    CaptureRead, Chord, ChordTone, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent,
+    KeepAlive, Listen, ListenRead, MaintenanceEvent, ProfileEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit,
+    TriggerEvent, Version, WriteProfile, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
@@ -113,6 +114,12 @@ class Client:
     def arm(self) -> int:
         """Unmutes the amplifier, once nothing sounds any more. Returns the index from which it holds."""
         return self._patiently("DriveActive", 0.01, lambda: self._accepted("Arm"))
+
+    def arm_for(self, lease_ms: int) -> int:
+        """The same on a lease of 1000 to 600000 ms: without a drive for so long the device disarms by itself. Raises
+        `FieldError`, and `SliplineError` with a device older than 1.3.
+        """
+        return self._patiently("DriveActive", 0.01, lambda: self._accepted("ArmFor", ArmLease(lease_ms)))
 
     def disarm(self) -> int:
         """Ramps to silence and mutes."""
@@ -272,6 +279,19 @@ class Client:
         """Erases what is kept in flash; the device must be disarmed. Returns whether the device says that it has
         written."""
         return self._written("Forget")
+
+    def board(self) -> BoardEvent:
+        """What the device has found on its board. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Board", "Board")[1]
+
+    def profile(self) -> ProfileEvent:
+        """The profile of the actuator that is in force. Raises `SliplineError` with a device older than 1.3."""
+        return self._request("Profile", "Profile")[1]
+
+    def write_profile(self, profile: Optional[ActuatorProfile]) -> int:
+        """Keeps a profile of the actuator in the device's flash, or erases it. The device refuses with `HoldButton` while the user
+        button on its board is not pressed. Raises `FieldError`, and `SliplineError` with a device older than 1.3."""
+        return self._accepted("WriteProfile", WriteProfile(profile))
 
     def maintenance(self) -> MaintenanceEvent:
         """The wear of the flash, and whether the supply is guarded. Raises `SliplineError` with a device of 1.0."""

@@ -25,14 +25,19 @@ FAULT = Enumeration(
     "Fault", "HostLost", "EmergencyStop", "Underrun", "Overheat", "DriveTime", "Watchdog", "Crash", "BrownOut",
     "StoreDamaged",
     "StoreFellBack",  # since 1.1
+    "DeskStop",  # since 1.3
 )  # fmt: skip
+MUTE_RESISTOR = Enumeration("MuteResistor", "NotLooked", "Present", "Missing")  # since 1.3
+USER_BUTTON = Enumeration("UserButton", "None", "Released", "Pressed")  # since 1.3
+STOP_INPUT = Enumeration("StopInput", "Unused", "Closed", "Open", "NotInProfile")  # since 1.3
 FIELD = Enumeration(
     "Field", "ToneCount", "ToneSlot", "MasterLevel", "Glide", "ApplyAt", "KnotCount", "KnotStep", "KnotGain",
     "ChunkFirst", "SampleRate", "Span", "DigestCount",
     "Resonance", "Quality", "StaticTravel",  # since 1.1
     "ChordPeriod", "Harmonic",  # since 1.2
     "CombPeriod", "WindowBlocks", "LockIns", "Input", "CaptureCodes", "CaptureValues",  # since 1.3
-    "TimeConstant", "MaxRise", "Slew", "HeldAmplitude",  # since 1.3
+    "TimeConstant", "MaxRise", "Slew", "HeldAmplitude", "Lease",  # since 1.3
+    "ProfileSum", "CoilTime", "FullSine", "DriveTime",  # since 1.3
 )  # fmt: skip
 REFUSAL = Enumeration(
     "Refusal",
@@ -63,6 +68,7 @@ REFUSAL = Enumeration(
     ("Travel", {"travel_per_mille": U16, "allowed_per_mille": U16}),  # since 1.1
     ("Peak", {"peak_per_mille": U16}),  # since 1.2
     ("SilentTone", {"slot": U8}),  # since 1.3
+    "HoldButton",  # since 1.3
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration(
@@ -196,6 +202,35 @@ class TravelLimit(Record):
 
 
 @dataclass(frozen=True)
+class CoilHeat(Record):
+    """How an actuator's coil warms. Since 1.3."""
+
+    winding_ms: int = field(U32, 1000, 3_600_000)
+    body_ms: int = field(U32, 1000, 3_600_000)
+    full_sine_per_mille: int = field(U16, 10, 20_000)
+
+
+@dataclass(frozen=True)
+class ActuatorProfile(Record):
+    """What an actuator bears; the device itself keeps these limits. Since 1.3."""
+
+    name: str = field(Text(24))
+    max_sum_per_mille: int = field(U16, 1, 1000)
+    travel: Optional[TravelLimit] = field(Option(Fields(TravelLimit)))
+    heat: CoilHeat = field(Fields(CoilHeat))
+    max_rise: int = field(I16, 0, 2000)
+    max_drive_ms: int = field(U32, 1000, 600_000)
+    has_stop_input: bool = field(BOOL)
+
+
+@dataclass(frozen=True)
+class WriteProfile(Record):
+    """Keeps a profile of the actuator, or erases it. Since 1.3."""
+
+    profile: Optional[ActuatorProfile] = field(Option(Fields(ActuatorProfile)))
+
+
+@dataclass(frozen=True)
 class Counters(Record):
     """Counters since the reset."""
 
@@ -235,6 +270,13 @@ class Drive(Record):
     master: int = field(I16, -9600, 0)
     glide: int = field(U32)
     apply: Choice = field(APPLY)
+
+
+@dataclass(frozen=True)
+class ArmLease(Record):
+    """How long the device stays armed without a drive. Since 1.3."""
+
+    lease_ms: int = field(U32, 1000, 600000)
 
 
 @dataclass(frozen=True)
@@ -397,6 +439,24 @@ class MaintenanceEvent(Record):
 
 
 @dataclass(frozen=True)
+class BoardEvent(Record):
+    """What the device has found on its board. Since 1.3."""
+
+    core_hz: int = field(U32)
+    mute_resistor: Choice = field(MUTE_RESISTOR)
+    user_button: Choice = field(USER_BUTTON)
+    stop_input: Choice = field(STOP_INPUT)
+
+
+@dataclass(frozen=True)
+class ProfileEvent(Record):
+    """The profile of the actuator that is in force. Since 1.3."""
+
+    profile: Optional[ActuatorProfile] = field(Option(Fields(ActuatorProfile)))
+    stored: Choice = field(STORED_CONFIG)
+
+
+@dataclass(frozen=True)
 class TravelLimitEvent(Record):
     """The limit of the travel that is in force. Since 1.1."""
 
@@ -516,6 +576,8 @@ COMMANDS = {
         Kind(0x02, "KeepAlive", Fields(KeepAlive), numbered=False),
         Kind(0x03, "Status", numbered=False),
         Kind(0x04, "Maintenance", since=1),
+        Kind(0x05, "Board", since=3),
+        Kind(0x06, "Profile", since=3),
         Kind(0x10, "Arm"),
         Kind(0x11, "Disarm"),
         Kind(0x12, "Drive", Fields(Drive)),
@@ -527,6 +589,7 @@ COMMANDS = {
         Kind(0x18, "Trigger", since=1),
         Kind(0x19, "Chord", Fields(Chord), since=2),
         Kind(0x1A, "Comb", Fields(Comb), since=3),
+        Kind(0x1B, "ArmFor", Fields(ArmLease), since=3),
         Kind(0x20, "TableBegin", Fields(TableHeader)),
         Kind(0x21, "TableChunk", Fields(TableChunk)),
         Kind(0x22, "TableCommit"),
@@ -536,6 +599,7 @@ COMMANDS = {
         Kind(0x31, "DigestRead"),
         Kind(0x40, "Store"),
         Kind(0x41, "Forget"),
+        Kind(0x42, "WriteProfile", Fields(WriteProfile), since=3),
         Kind(0x50, "BootloaderToken"),
         Kind(0x51, "BootloaderEnter", U32),
         Kind(0x60, "Inputs", since=3),
@@ -556,6 +620,8 @@ EVENTS = {
         Kind(0x81, "Hello", Fields(HelloEvent)),
         Kind(0x83, "Status", Fields(StatusEvent)),
         Kind(0x84, "Maintenance", Fields(MaintenanceEvent), since=1),
+        Kind(0x85, "Board", Fields(BoardEvent), since=3),
+        Kind(0x86, "Profile", Fields(ProfileEvent), since=3),
         Kind(0x90, "Accepted", Fields(Accepted)),
         Kind(0x91, "Refused", REFUSAL),
         Kind(0x92, "Unchanged", Fields(Accepted), since=1),

@@ -14,8 +14,8 @@ from client import Client
 from device_case import DeviceCase
 from errors import Closed, FieldError, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ChordTone, CombTone, Drive, HoldTone, Tone, TravelLimit, at,
-    fault_names,
+    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ActuatorProfile, ChordTone, CoilHeat, CombTone, Drive, HoldTone,
+    Tone, TravelLimit, at, fault_names,
 )  # fmt: skip
 from records import Choice
 from server import Server
@@ -221,6 +221,32 @@ class AtSocket(DriveCase):
         client.hello(VERSION_1_2)
         with self.assertRaisesRegex(SliplineError, "Comb needs protocol 1.3, the device has 1.2"):
             client.comb(40, tones)
+
+    def test_a_device_that_is_armed_on_a_lease_disarms_by_itself(self) -> None:
+        client = self.client
+        client.upload(self.make_table())
+        client.arm_for(1000)
+        self.assertEqual(client.status().state.name, "Armed")
+        status = self.wait_for(lambda status: status.state.name == "Idle")
+        self.assertEqual(fault_names(status.faults), [])
+        with self.assertRaisesRegex(FieldError, "lease_ms"):
+            client.arm_for(999)
+        client.hello(VERSION_1_2)
+        with self.assertRaisesRegex(SliplineError, "ArmFor needs protocol 1.3, the device has 1.2"):
+            client.arm_for(1000)
+
+    def test_a_simulated_board_has_no_profile_and_takes_none_without_its_button(self) -> None:
+        client = self.client
+        board = client.board()
+        self.assertEqual((board.core_hz, board.mute_resistor.name, board.user_button.name), (0, "Present", "Released"))
+        self.assertEqual((client.profile().profile, client.profile().stored.name), (None, "Empty"))
+        travel = TravelLimit(resonance_uhz=60_000_000, quality_per_mille=2000, static_ppm=500_000)
+        profile = ActuatorProfile("coil", 800, travel, CoilHeat(8000, 120_000, 1300), 600, 60_000, False)
+        for setting in (profile, None):
+            self.assert_refused(Choice("HoldButton"), lambda: client.write_profile(setting))
+        client.hello(VERSION_1_2)
+        with self.assertRaisesRegex(SliplineError, "Profile needs protocol 1.3, the device has 1.2"):
+            client.profile()
 
     def test_a_device_without_inputs_says_so(self) -> None:
         told = self.client.inputs()

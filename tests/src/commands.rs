@@ -1,6 +1,8 @@
 //! One of every command.
 
-use slipline_protocol::command::{DigestWindow, Hello, KeepAlive, TableChunk, TravelLimit, TravelSetting};
+use slipline_protocol::command::{
+    ArmLease, DigestWindow, Hello, KeepAlive, ProfileSetting, TableChunk, TravelLimit, TravelSetting,
+};
 use slipline_protocol::hold::HoldSetting;
 use slipline_protocol::listen::{CapturePart, CaptureWindow, ListenPart, ListenWindow, WindowShape};
 use slipline_protocol::version::Version;
@@ -25,6 +27,8 @@ pub fn every_command() -> Vec<Command> {
         Command::KeepAlive(KeepAlive { beat: 1_000_000 }),
         Command::Status,
         Command::Maintenance,
+        Command::Board,
+        Command::Profile,
         Command::Arm,
         Command::Disarm,
         Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),
@@ -38,6 +42,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Chord(chord(12, &[(300, 0.5, 0.0), (400, 0.6, 0.25)])),
         // 3 to 6.2 kHz.
         Command::Comb(comb(128, &[(123, 0.1, 0.0), (254, 0.2, 0.25)])),
+        Command::ArmFor(ArmLease { lease_ms: 60_000 }),
         Command::TableBegin(table.header),
         Command::TableChunk(chunk),
         Command::TableCommit,
@@ -47,6 +52,7 @@ pub fn every_command() -> Vec<Command> {
         Command::DigestRead,
         Command::Store,
         Command::Forget,
+        Command::WriteProfile(ProfileSetting::default()),
         Command::BootloaderToken,
         Command::BootloaderEnter(0),
         Command::Inputs,

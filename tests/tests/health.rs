@@ -343,7 +343,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
         let faults = Faults::NONE.with(Fault::EmergencyStop);
         let event = rig.send(&command);
         let expected = match command {
-            Command::Arm | Command::Drive(_) | Command::Chord(_) | Command::Comb(_) => {
+            Command::Arm | Command::ArmFor(_) | Command::Drive(_) | Command::Chord(_) | Command::Comb(_) => {
                 event == Event::Refused(Refusal::Faulted { faults })
             }
             Command::KeepAlive(_) | Command::Status => {
@@ -368,6 +368,9 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             | Command::Store
             | Command::Forget => matches!(event, Event::Accepted(_) | Event::Unchanged(_)),
             Command::Maintenance => matches!(event, Event::Maintenance(_)),
+            Command::Board => matches!(event, Event::Board(_)),
+            Command::Profile => matches!(event, Event::Profile(_)),
+            Command::WriteProfile(_) => event == Event::Refused(Refusal::HoldButton),
             Command::Trigger => matches!(event, Event::Trigger(_)),
             Command::Inputs => matches!(event, Event::Inputs(_)),
             // It has none.

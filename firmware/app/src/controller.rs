@@ -15,6 +15,7 @@ mod drive;
 mod excursion;
 mod hold;
 mod listening;
+mod profile;
 mod status;
 mod tables;
 
@@ -39,6 +40,7 @@ use crate::planning::ramp::RampShape;
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
 use crate::safety::boot::Boot;
+use crate::safety::bounds::Bounds;
 use crate::safety::excursion::Excursion;
 use crate::safety::thermal::Thermal;
 use crate::slots::TableRef;
@@ -79,6 +81,7 @@ pub struct Controller<'a, F, S> {
     active: TableRef,
     upload: Option<Upload>,
     excursion: Excursion,
+    bounds: Bounds,
     candidate: &'a mut Candidate,
     captured: &'a Values,
     holding: hold::Holding,
@@ -115,6 +118,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             active: TableRef::default(),
             upload: None,
             excursion: Excursion::unlimited(device.sample_rate_hz),
+            bounds: Bounds::none(device.sample_rate_hz),
             candidate,
             captured,
             holding: hold::Holding::NONE,
@@ -143,6 +147,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             return;
         }
         self.load(mailbox);
+        self.load_profile(mailbox);
     }
 
     /// Begins a session: ramps to silence, disarms, and drops what the last session had begun.
@@ -178,6 +183,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
     ) -> Result<Event, Refusal> {
         match command {
             Command::Arm => self.arm(mailbox).map(accepted),
+            Command::ArmFor(lease) => self.arm_for(*lease, mailbox).map(accepted),
             Command::Disarm => Ok(accepted(mailbox.disarm(Stop::Normal))),
             Command::Drive(drive) => {
                 let waited = self.hold_back_levels(mailbox);
@@ -188,8 +194,16 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {
-                let standing =
-                    if self.thermal.is_warm() { Faults::NONE.with(Fault::Overheat) } else { Faults::NONE };
+                let mut standing = Faults::NONE;
+                if self.thermal.is_warm() {
+                    standing = standing.with(Fault::Overheat);
+                }
+                if self.bounds.is_lost() {
+                    standing = standing.with(Fault::StoreDamaged);
+                }
+                if self.is_stopped_on_the_desk() {
+                    standing = standing.with(Fault::DeskStop);
+                }
                 mailbox.clear_faults(standing);
                 Ok(accepted(mailbox.now()))
             }
@@ -207,6 +221,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let now = mailbox.now();
                 self.upload = Some(Upload::begin(header, slot, self.timing.sample_rate_hz, now)?);
                 self.excursion.begin(slot);
+                self.bounds.travel.begin(slot);
                 Ok(accepted(now))
             }
             Command::TableChunk(chunk) => {
@@ -214,6 +229,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
                 let upload = self.upload.as_mut().ok_or(Refusal::NoUpload)?;
                 upload.take(chunk, mailbox, now, |written, first| {
                     self.excursion.written(written, first, mailbox.slots());
+                    self.bounds.travel.written(written, first, mailbox.slots());
                     is_stopped();
                 })?;
                 Ok(accepted(now))
@@ -247,6 +263,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Store => self.store(mailbox),
             Command::Forget => self.forget(mailbox),
             Command::Maintenance => Ok(Event::Maintenance(self.maintenance())),
+            Command::Board => Ok(Event::Board(self.system.board())),
+            Command::Profile => Ok(Event::Profile(self.bounds.report())),
+            Command::WriteProfile(setting) => self.write_profile(setting, mailbox),
             Command::BootloaderToken => {
                 self.refuse_unless_leavable(mailbox)?;
                 Ok(Event::BootloaderToken(self.bootloader.give_token(&self.device.unit, mailbox.now())))
@@ -302,7 +321,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         self.user_acted_at = self.user_acted_at.max(mailbox.trigger().1.unwrap_or(0));
         // A table swap that is pending is no drive.
         let sounds = view.armed && !view.report.silent;
-        if sounds && now.saturating_sub(self.user_acted_at) >= self.timing.max_drive {
+        if sounds && now.saturating_sub(self.user_acted_at) >= self.bounds.max_drive(&self.timing) {
             mailbox.fault(Fault::DriveTime, Stop::Normal);
         }
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {

@@ -3,16 +3,27 @@
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use heapless::Deque;
+use heapless::{Deque, Vec};
 use slipline_protocol::event::{Counters, Fault};
+use slipline_protocol::limits::MAX_BODY;
 use slipline_protocol::{Command, Decoder, Direction, Header, Refusal};
 
 use crate::mailbox::{Mailbox, Stop};
 
-/// Most commands that are decoded and wait to be done. A host waits for each reply, so more than one is an exception.
+/// Most commands that wait to be done. A host waits for each reply, so more than one is an exception.
 const QUEUE: usize = 8;
+/// The ids of the stops, and of the commands that bring other tones.
+const STOPS: [u8; 2] = [Command::Stop.id(), Command::EmergencyStop.id()];
+const DRIVES: [u8; 3] = [0x12, 0x19, 0x1a];
 
-/// A decoded command on its way to the controller.
+/// A command that waits. It is decoded when its turn comes: a drive takes thousands of cycles, in which no stop is looked for.
+struct Waiting {
+    header: Header,
+    body: Vec<u8, MAX_BODY>,
+    is_stop: bool,
+}
+
+/// A command on its way to the controller.
 pub(crate) struct Incoming {
     pub(crate) header: Header,
     pub(crate) command: Result<Command, Refusal>,
@@ -23,7 +34,7 @@ pub(crate) struct Incoming {
 /// The decoder and the queue behind it.
 pub struct Inbox {
     decoder: Decoder,
-    queue: Deque<Incoming, QUEUE>,
+    queue: Deque<Waiting, QUEUE>,
     dropped: u32,
     stops: u32,
 }
@@ -41,7 +52,7 @@ impl Inbox {
         Self { decoder: Decoder::new(), queue: Deque::new(), dropped: 0, stops: 0 }
     }
 
-    /// Decodes received bytes. A stop takes effect at once; other commands wait.
+    /// Finds the commands in received bytes. A stop takes effect at once; other commands wait.
     pub fn receive<M: RawMutex>(&mut self, bytes: &[u8], mailbox: &Mailbox<M>) {
         for &byte in bytes {
             let Self { decoder, queue, dropped, stops } = self;
@@ -50,8 +61,9 @@ impl Inbox {
                 if frame.header.direction == Direction::ToHost {
                     return;
                 }
-                let command = Command::decode(frame.header.id, frame.body);
-                let is_stop = stop(&command, mailbox);
+                let header = frame.header;
+                let is_stop =
+                    STOPS.contains(&header.id) && stop(&Command::decode(header.id, frame.body), mailbox);
                 if is_stop {
                     *stops = stops.wrapping_add(1);
                     // A command that came before a stop must not start anything after it.
@@ -59,7 +71,10 @@ impl Inbox {
                         *dropped = dropped.saturating_add(1);
                     }
                 }
-                if queue.push_back(Incoming { header: frame.header, command, is_stop }).is_err() {
+                // A frame's body fits.
+                let waits = Vec::from_slice(frame.body)
+                    .is_ok_and(|body| queue.push_back(Waiting { header, body, is_stop }).is_ok());
+                if !waits {
                     *dropped = dropped.saturating_add(1);
                 }
             });
@@ -75,15 +90,13 @@ impl Inbox {
     /// Whether a command waits that brings other tones, and so ends a level hold.
     #[must_use]
     pub fn has_drive(&self) -> bool {
-        let is_drive = |incoming: &Incoming| {
-            matches!(incoming.command, Ok(Command::Drive(_) | Command::Chord(_) | Command::Comb(_)))
-        };
-        self.queue.iter().any(is_drive)
+        self.queue.iter().any(|waiting| DRIVES.contains(&waiting.header.id))
     }
 
     /// The command that has waited longest.
     pub(crate) fn next(&mut self) -> Option<Incoming> {
-        self.queue.pop_front()
+        let Waiting { header, body, is_stop } = self.queue.pop_front()?;
+        Some(Incoming { header, command: Command::decode(header.id, &body), is_stop })
     }
 
     /// Number of stops received. A command under way when it changes must not start anything any more.
@@ -114,4 +127,19 @@ fn stop<M: RawMutex>(command: &Result<Command, Refusal>, mailbox: &Mailbox<M>) -
         _ => return false,
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ids_are_those_of_the_commands() {
+        let ids = |names: &[&str]| {
+            let rows = Command::TABLE.iter().filter(|row| names.contains(&row.name));
+            rows.map(|row| row.id).collect::<std::vec::Vec<_>>()
+        };
+        assert_eq!(ids(&["Drive", "Chord", "Comb"]), DRIVES);
+        assert_eq!(ids(&["Stop", "EmergencyStop"]), STOPS);
+    }
 }

@@ -83,7 +83,7 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
             let work = async { if inbox.has_work() { ready(()).await } else { pending().await } };
             match select4(mailbox.tick(), bytes, room, work).await {
                 Either4::First(()) => {
-                    gone = false;
+                    let was_gone = core::mem::take(&mut gone);
                     poll_fn(|context| {
                         let stops = inbox.stops();
                         let mut is_stopped = || {
@@ -91,6 +91,10 @@ impl<'a, F: FlashPages, S: System> Link<'a, F, S> {
                             // The turn of a level hold makes way for the drive that ends it.
                             inbox.stops() != stops || inbox.has_drive()
                         };
+                        // A port that is gone is read once a tick.
+                        if !was_gone {
+                            is_stopped();
+                        }
                         controller.tick(&mut is_stopped, mailbox);
                         Poll::Ready(())
                     })

@@ -60,7 +60,7 @@ pub use self::pending::Pending;
 pub use self::publish::NotPublished;
 pub use self::pulses::Pulses;
 pub use self::report::Report;
-use self::shared::Shared;
+use self::shared::{NO_LEASE, Shared};
 pub use self::stop::Stop;
 pub use self::view::View;
 use crate::digest::DigestState;
@@ -169,17 +169,32 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Unmutes; drives may begin at the index returned, after some blocks of mid-scale. Starts the dead-man's
-    /// time.
+    /// time. Has no lease, unless the device is armed.
     pub fn arm(&self) -> SampleIndex {
         self.shared.lock(|shared| {
             let next = shared.next.get();
             if !shared.armed.get() {
                 shared.ready_at.set(next.saturating_add(SETTLE_BLOCKS * BLOCK_SAMPLES));
                 shared.armed.set(true);
+                shared.lease.set(NO_LEASE);
+                shared.lease_ends.set(NO_LEASE);
             }
             shared.fed_at.set(next);
             shared.ready_at.get()
         })
+    }
+
+    /// Disarms the device `lease` samples after `from`, or after the latest drive.
+    pub fn lease(&self, lease: u64, from: SampleIndex) {
+        self.shared.lock(|shared| {
+            shared.lease.set(lease);
+            shared.lease_ends.set(from.saturating_add(lease));
+        });
+    }
+
+    /// The lease begins anew at an index, where a drive begins.
+    pub fn begin_lease(&self, from: SampleIndex) {
+        self.shared.lock(|shared| shared.begin_lease(from));
     }
 
     /// Accepts drives from `ready_at` on; for a mirror, which sounds what a device has accepted.

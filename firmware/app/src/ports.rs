@@ -6,15 +6,19 @@
 use crate::bank::{BLOCK, TONES};
 use core::ops::Range;
 
+pub use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+
 /// What the renderer uses of a board.
 #[derive(Clone, Copy, Debug)]
-pub struct RendererPorts<D, M, T, C, S> {
+pub struct RendererPorts<D, M, T, B, C, S> {
     /// A [`DacStream`].
     pub dac: D,
     /// A [`Mute`].
     pub mute: M,
     /// A [`Trigger`].
     pub trigger: T,
+    /// A [`Button`].
+    pub button: B,
     /// A [`CycleCounter`].
     pub cycles: C,
     /// A [`SenseStream`].
@@ -129,6 +133,11 @@ pub trait Mute {
     /// # Errors
     /// [`HasMuted`] if it is off already. It stays off until it is muted and unmuted again.
     fn stay_on(&mut self) -> Result<(), HasMuted>;
+
+    /// Whether the stop input is open now, which has muted it then.
+    fn is_stop_open(&mut self) -> bool {
+        false
+    }
 }
 
 /// The amplifier has muted itself, or something but the renderer has muted it.
@@ -155,6 +164,19 @@ impl Trigger for () {
     }
 }
 
+/// The board's user button, which stops the drive.
+pub trait Button {
+    /// Whether it is pressed now. Called before each block.
+    fn is_pressed(&mut self) -> bool;
+}
+
+/// No button.
+impl Button for () {
+    fn is_pressed(&mut self) -> bool {
+        false
+    }
+}
+
 /// A free-running processor cycle counter, for the worst block's cost.
 pub trait CycleCounter {
     /// Cycles, wrapping.
@@ -171,13 +193,17 @@ impl CycleCounter for () {
 /// The unit flash is written and read in, in bytes: a multiple of every supported chip's word (4, 8 and 32).
 pub const FLASH_WORD: usize = 32;
 
-/// One of the two places a record is kept in.
+/// One of the two places that a table's record is kept in, or of the two for the actuator's profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FlashSlot {
     /// The first.
     A,
     /// The second.
     B,
+    /// The profile's first.
+    ProfileA,
+    /// The profile's second.
+    ProfileB,
 }
 
 impl FlashSlot {
@@ -187,6 +213,8 @@ impl FlashSlot {
         match self {
             Self::A => Self::B,
             Self::B => Self::A,
+            Self::ProfileA => Self::ProfileB,
+            Self::ProfileB => Self::ProfileA,
         }
     }
 }
@@ -195,12 +223,17 @@ impl FlashSlot {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FlashError;
 
-/// Two slots of flash that can be erased one by one.
+/// Slots of flash that can be erased one by one: two for the table, and two for the profile or none.
 ///
 /// Erasing may stall the processor for seconds: the application calls it only when the amplifier is muted.
 pub trait FlashPages {
-    /// Bytes in each slot; 0 where there is no store.
+    /// Bytes in each of the table's slots; 0 where there is no store.
     fn slot_len(&self) -> usize;
+
+    /// Bytes in each of the profile's slots at least; 0 where there are none.
+    fn profile_slot_len(&self) -> usize {
+        0
+    }
 
     /// How often the chip's data sheet promises that each slot can be erased; 0 where there is no store.
     fn endurance(&self) -> u32;
@@ -261,6 +294,14 @@ pub trait System {
 
     /// Whether the brown-out reset level is set as the board needs it; true where there is no such level.
     fn is_brown_out_guarded(&self) -> bool;
+
+    /// What the device has found on its board, and its button at this moment.
+    fn board(&self) -> BoardReport {
+        BoardReport::default()
+    }
+
+    /// The actuator's profile says whether a stop input is fitted, or there is none. One that was fitted stays so until a reset.
+    fn fit_stop_input(&mut self, _is_fitted: Option<bool>) {}
 
     /// Leaves the application for the ROM bootloader. Called when disarmed and silent, after the reply has gone out.
     fn enter_bootloader(&mut self);

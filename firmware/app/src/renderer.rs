@@ -32,7 +32,7 @@ use crate::mailbox::{Inputs, Orders, Report, Stop};
 use crate::motion::Placement;
 use crate::motion::outline::Outline;
 use crate::planning::ramp::RampShape;
-use crate::ports::{CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
+use crate::ports::{Button, CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
 use crate::safety::foldback::Foldback;
 use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
 
@@ -76,6 +76,8 @@ pub struct Renderer {
     /// Whether a program waits for the trigger input, and whether that has risen before the block to be rendered.
     listens: bool,
     has_risen: bool,
+    /// Whether the button was pressed before the last block.
+    was_pressed: bool,
     digester: Digester,
     report: Report,
     begun: bool,
@@ -118,6 +120,7 @@ impl Renderer {
             begins: false,
             listens: false,
             has_risen: false,
+            was_pressed: false,
             digester: Digester::new(),
             report: Report::SILENT,
             begun: false,
@@ -156,10 +159,17 @@ impl Renderer {
     pub async fn run<M: RawMutex>(
         &mut self,
         mailbox: &Mailbox<M>,
-        ports: RendererPorts<impl DacStream, impl Mute, impl Trigger, impl CycleCounter, impl SenseStream>,
+        ports: RendererPorts<
+            impl DacStream,
+            impl Mute,
+            impl Trigger,
+            impl Button,
+            impl CycleCounter,
+            impl SenseStream,
+        >,
         listener: &mut Listener<'_>,
     ) -> ! {
-        let RendererPorts { mut dac, mut mute, mut trigger, mut cycles, mut sense } = ports;
+        let RendererPorts { mut dac, mut mute, mut trigger, mut button, mut cycles, mut sense } = ports;
         let mut codes = [code::MID_SCALE; BLOCK];
         self.begin(mailbox);
         mailbox.set_inputs(Inputs {
@@ -178,6 +188,7 @@ impl Renderer {
                 continue;
             }
             let before = cycles.cycles();
+            self.look_at_button(button.is_pressed(), mailbox);
             let has_listened = self.listens;
             if has_listened {
                 self.has_risen = trigger.has_risen();
@@ -198,13 +209,21 @@ impl Renderer {
                 trigger.rise();
             }
             if !self.muted && mute.stay_on().is_err() {
-                self.was_muted(mailbox);
+                self.was_muted(mute.is_stop_open(), mailbox);
             }
             let before = cycles.cycles();
             listener.catch_up(&mut sense, mailbox);
             let cost = rendered.wrapping_add(cycles.cycles().wrapping_sub(before));
             self.report.max_cycles = self.report.max_cycles.max(cost);
         }
+    }
+
+    /// An emergency stop from the next block on if the button is pressed for the second block, and the device is armed.
+    fn look_at_button<M: RawMutex>(&mut self, is_pressed: bool, mailbox: &Mailbox<M>) {
+        if is_pressed && self.was_pressed && mailbox.disarm_if_armed((Fault::DeskStop, self.index)) {
+            self.fade(Stop::Emergency, mailbox);
+        }
+        self.was_pressed = is_pressed;
     }
 
     /// Publishes the first index to the thread side, once.
@@ -241,6 +260,7 @@ impl Renderer {
             !stopping
                 && orders.stop.is_none()
                 && !is_host_lost(orders, index, dead_man)
+                && !is_lease_over(orders, index)
                 && (allowed || !sounds)
         });
         self.listens = orders.listens;
@@ -285,11 +305,14 @@ impl Renderer {
         mailbox.end_block(self.report);
     }
 
-    /// Handles an amplifier that has gone off by itself: blocks were missing for too long, or the supervisor has muted it.
+    /// Handles an amplifier that has gone off by itself: the stop input is open, blocks were missing for too long, or the supervisor has
+    /// muted it.
     /// An armed device latches the fault even in silence, because the next drive would not be heard.
-    fn was_muted<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+    fn was_muted<M: RawMutex>(&mut self, is_stop_open: bool, mailbox: &Mailbox<M>) {
         self.muted = true;
-        if mailbox.disarm_if_armed((Fault::Underrun, self.index)) {
+        if is_stop_open {
+            mailbox.disarm_if_armed((Fault::DeskStop, self.index));
+        } else if mailbox.disarm_if_armed((Fault::Underrun, self.index)) {
             self.report.underruns = self.report.underruns.saturating_add(1);
         }
         self.fall_silent(mailbox);
@@ -328,7 +351,7 @@ impl Renderer {
         }
     }
 
-    /// Follows the orders: first a stop, then the dead-man's switch, then the program.
+    /// Follows the orders: first a stop, then the dead-man's switch and the lease, then the program.
     fn obey<M: RawMutex>(&mut self, orders: &Orders, mailbox: &Mailbox<M>) {
         let index = self.index;
         self.begins = false;
@@ -343,6 +366,9 @@ impl Renderer {
             let fault = orders.due.is_some() || !self.outline.is_silent_from(index);
             mailbox.disarm_now(fault.then_some((Fault::HostLost, index)));
             self.fade(Stop::HostLost, mailbox);
+        } else if is_lease_over(orders, index) {
+            mailbox.disarm_now(None);
+            self.fade(Stop::Normal, mailbox);
         } else if orders.begins {
             self.begins = orders.armed;
             self.outline = mailbox.outline();
@@ -439,4 +465,9 @@ impl Renderer {
 /// Whether an armed device has not heard of its host for too long.
 fn is_host_lost(orders: &Orders, index: SampleIndex, dead_man: u64) -> bool {
     orders.armed && index.saturating_sub(orders.fed_at) >= dead_man
+}
+
+/// Whether an armed device has had no drive for as long as its lease.
+fn is_lease_over(orders: &Orders, index: SampleIndex) -> bool {
+    orders.armed && index >= orders.lease_ends
 }

@@ -94,6 +94,8 @@ impl Session {
             inbox.stops() != stops
         };
         let (session, event) = self.answer(&incoming, counters, &mut is_stopped, controller, mailbox);
+        // A stop need not wait until the answer is written.
+        is_stopped();
         // The host of another session may be older than this one's.
         let minor = if session == self.id { self.minor } else { Minor::FIRST };
         let sequence = incoming.header.sequence;

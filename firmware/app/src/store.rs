@@ -6,6 +6,7 @@
 //! payload (kind 1) = span start 4 | span end 4 | sample rate 4 | knots 2 | zero 2 | table crc 4 | zero 12
 //!                    then per knot: step 4 | gain 4                              (little-endian, zeros to the word)
 //! payload (kind 0) = nothing: no table is stored
+//! payload (kind 2) = an actuator's profile as it goes over the wire, zeros to three words (`profile`)
 //! ```
 //! A record is written into the slot that does not hold the newest record: erase, payload, header last. So whenever the
 //! power fails, the newest record with a valid header is the complete old or the complete new one. The record with the
@@ -23,12 +24,14 @@ use slipline_protocol::limits::MAX_KNOTS;
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::Gain;
 
+mod profile;
 mod slots;
 
 use self::slots::{is_whole_beside, newest, wipe};
 use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 use crate::upload::check_header;
 
+pub use self::profile::{holds_profile, load_profile, save_profile};
 pub use self::slots::{erasures, has_lost_a_copy};
 
 type Word = [u8; FLASH_WORD];
@@ -38,6 +41,7 @@ const MAGIC: [u8; 4] = *b"SLst";
 const LAYOUT: u8 = 1;
 const FORGOTTEN: u8 = 0;
 const TABLE: u8 = 1;
+const PROFILE: u8 = 2;
 const KNOTS_PER_WORD: usize = FLASH_WORD / 8;
 
 /// The bytes that a slot must have at least.

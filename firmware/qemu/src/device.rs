@@ -143,7 +143,7 @@ async fn run_renderer() {
     let mut renderer = Renderer::new(Timing::at(SAMPLE_RATE_HZ));
     let mut listener = Listener::starting_at(0, &CAPTURED);
     let dac = ShownDac { first: 0 };
-    let ports = RendererPorts { dac, mute: NoAmplifier, trigger: (), cycles: (), sense: () };
+    let ports = RendererPorts { dac, mute: NoAmplifier, trigger: (), button: (), cycles: (), sense: () };
     renderer.run(&MAILBOX, ports, &mut listener).await;
 }
 

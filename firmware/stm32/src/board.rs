@@ -13,7 +13,9 @@
 //! | `DAC_TRIGGER`, `DAC_WAY`, `DacDma` | the DAC's wiring inside the chip |
 //! | `SENSE_CHANNELS`, `SENSE_TRIGGER`, `SENSE_WAY`, `SenseDma` | that of the inputs: the channels of ADC1 and ADC2, and ADC1's trigger |
 //! | `route_dma(..)` (`dma-streams`) | chooses a stream's request, for `dma/streams.rs` |
-//! | `FLASH_SLOTS`, `SLOT_BYTES` | the flash slots of the stored table |
+//! | `FLASH_SLOTS`, `SLOT_BYTES`, `PROFILE_SLOTS` | the flash slots of the stored table; those of the actuator's profile, with their sizes |
+//! | `BUTTON_PIN` | the pin of the user button |
+//! | `STOP_INPUT_PIN`, `STOP_INPUT_FUNCTION` | the pin of the stop input, and the alternate function that makes it the mute timer's break |
 //! | `WATCHDOG`, `WATCHDOG_PRESCALER`, `WATCHDOG_FASTEST_HZ` | the watchdog, its divider, and its oscillator at its fastest |
 //! | `ERASURE_WATCHDOG_MS` | its nominal period around an erasure of the flash, in ms |
 //! | `SYSTEM_MEMORY` | the ROM bootloader's vector table |
@@ -22,6 +24,7 @@
 //! | `UART_INTERRUPT` (`link-uart`) | the interrupt of that UART |
 //! | `config()` | the clocks and the DMA interrupts' priority, for embassy |
 //! | `tune_flash()`, `tune_dac()` | the settings of flash and DAC that embassy does not make |
+//! | `admit_break_pin()` | lets the pin with the mute timer's break function through to its break, where there is a gate |
 //! | `map_system_memory()` | maps the ROM bootloader's vectors to address 0, as a boot from ROM does |
 //! | `take(..)` | sorts the peripherals by their use, and mutes the amplifier |
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
@@ -29,7 +32,7 @@
 //! | `take_reset_flags()`, `is_brown_out_guarded()` | the reset's cause; whether the brown-out level is set |
 //! | `start_supply_detector()` | switches the detector on, with the level at which it trips; where the chip can, connects it and the core's lock-up with the mute timer's break |
 
-use embassy_stm32::gpio::{Flex, Output, Pin, Speed};
+use embassy_stm32::gpio::{Flex, Output, Pin, Pull, Speed};
 use embassy_stm32::{Peri, peripherals};
 use slipline_app::ports::INPUTS;
 
@@ -54,11 +57,13 @@ pub(crate) const SAMPLE_RATE_HZ: u32 = 400_000;
 const _: () = assert!(SAMPLE_RATE_HZ * TIMER_PERIOD as u32 == TIMER_HZ);
 // A slot holds the application's longest record.
 const _: () = assert!(SLOT_BYTES >= slipline_app::store::SLOT_BYTES);
+const _: () = assert!(PROFILE_SLOTS[0].1 >= slipline_app::store::SLOT_BYTES);
+const _: () = assert!(PROFILE_SLOTS[1].1 >= slipline_app::store::SLOT_BYTES);
 
 /// The peripherals, named by their use. Every STM32 with a DAC has its first channel on PA4.
 pub(crate) struct Board {
     /// High: the amplifier is on. Low until the mute timer has it, and then too.
-    pub(crate) unmute: Flex<'static>,
+    pub(crate) unmute: MutedPin,
     pub(crate) mute_timer: Peri<'static, MuteTimer>,
     /// Rises when a program begins; low until its timer has it, and then too.
     pub(crate) trigger: Flex<'static>,
@@ -75,8 +80,37 @@ pub(crate) struct Board {
         (Peri<'static, peripherals::ADC1>, Peri<'static, peripherals::ADC2>, Peri<'static, SenseDma>),
     /// The pins of sensor and shunt.
     pub(crate) sense_pins: [Flex<'static>; INPUTS],
+    pub(crate) button: Flex<'static>,
+    /// Untouched until a profile says whether a stop input is fitted.
+    pub(crate) stop_input: Flex<'static>,
     pub(crate) flash: Peri<'static, peripherals::FLASH>,
     pub(crate) link: Link,
+}
+
+/// The time for which the mute pin is pulled up, while nobody drives it, to see whether a resistor pulls it down.
+const MUTE_PIN_US: u32 = 20;
+
+/// The mute pin, which is driven low, and whether it has its resistor.
+pub(crate) struct MutedPin {
+    pub(crate) pin: Flex<'static>,
+    pub(crate) has_resistor: bool,
+}
+
+impl MutedPin {
+    /// Looks for the resistor and drives the pin low.
+    ///
+    /// The chip's own pull-up has 25 kOhm at least (the data sheets' I/O characteristics: 25 to 55 kOhm on the G474, 30 to 50 kOhm
+    /// on the others), so with the 10 kOhm of BOARDS.md the pin stays below 0.29 of the supply, a low level (0.3 of it) that mutes.
+    /// Without the resistor the pin is at the supply within some us, for 20 us, before anything is at the amplifier's input.
+    fn take(pin: Peri<'static, impl Pin>) -> Self {
+        let mut pin = Flex::new(pin);
+        pin.set_as_input(Pull::Up);
+        cortex_m::asm::delay(MUTE_PIN_US * (CORE_HZ / 1_000_000));
+        let has_resistor = pin.is_low();
+        pin.set_low();
+        pin.set_as_output(Speed::Low);
+        Self { pin, has_resistor }
+    }
 }
 
 /// Drives a pin low.

@@ -1,4 +1,5 @@
-//! Copies of memory, in the place of those that come with the compiler, which take up to four cycles a byte; these take one.
+//! Copies of memory, in the place of those that come with the compiler, which take up to four cycles a byte; these take one, or two
+//! thirds of one between aligned places.
 //!
 //! A decoded command and a planned motion have some hundred bytes and are moved several times, at any alignment, and no stop is
 //! looked for meanwhile. The cores read and write words at any address of normal memory; registers of peripherals are never
@@ -6,15 +7,11 @@
 
 use core::arch::naked_asm;
 
-/// Copies `bytes`; the two places do not overlap. Also as `__aeabi_memcpy4` and `__aeabi_memcpy8`, for aligned places.
+/// Copies `bytes`; the two places do not overlap.
 #[unsafe(naked)]
 #[unsafe(no_mangle)]
 unsafe extern "C" fn __aeabi_memcpy(to: *mut u8, from: *const u8, bytes: usize) {
     naked_asm!(
-        ".globl __aeabi_memcpy4",
-        ".thumb_set __aeabi_memcpy4, __aeabi_memcpy",
-        ".globl __aeabi_memcpy8",
-        ".thumb_set __aeabi_memcpy8, __aeabi_memcpy",
         "subs r2, r2, #16",
         "blo 3f",
         "push {{r4, r5}}",
@@ -51,5 +48,28 @@ unsafe extern "C" fn __aeabi_memcpy(to: *mut u8, from: *const u8, bytes: usize) 
         "ldrbmi r3, [r1]",
         "strbmi r3, [r0]",
         "bx lr",
+    )
+}
+
+/// As [`__aeabi_memcpy`], between places that words are aligned to. Also as `__aeabi_memcpy8`.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+unsafe extern "C" fn __aeabi_memcpy4(to: *mut u8, from: *const u8, bytes: usize) {
+    naked_asm!(
+        ".globl __aeabi_memcpy8",
+        ".thumb_set __aeabi_memcpy8, __aeabi_memcpy4",
+        "subs r2, r2, #32",
+        "blo 3f",
+        "push {{r4-r9}}",
+        "2:",
+        "ldmia r1!, {{r3-r9, r12}}",
+        "stmia r0!, {{r3-r9, r12}}",
+        "subs r2, r2, #32",
+        "bhs 2b",
+        "pop {{r4-r9}}",
+        "3:",
+        "add r2, r2, #32",
+        "b.w {rest}",
+        rest = sym __aeabi_memcpy,
     )
 }

@@ -233,6 +233,8 @@ async fn wait() {
 }
 
 /// The DMA's interrupt: a half has been played, or the stream has failed.
+// Apart from its vector, so that the memory map can put it into RAM.
+#[inline(never)]
 pub(crate) fn on_dma() {
     let flags = STREAM.take_flags();
     // Before the renderer is woken, which may set it for the block that it writes.

@@ -2,19 +2,20 @@
 
 use cortex_m::peripheral::DWT;
 use embassy_executor::{Executor, InterruptExecutor};
-use embassy_stm32::gpio::Output;
+use embassy_stm32::gpio::{Flex, Output, Pull};
 use embassy_stm32::interrupt::{self, InterruptExt};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_time::{Instant, Timer};
 use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;
-use slipline_app::ports::{CycleCounter, RendererPorts, System};
+use slipline_app::ports::{BoardReport, CycleCounter, MuteResistor, RendererPorts, StopInput, System};
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::board;
+use crate::button::{self, UserButton};
 use crate::dac::{self, Dac};
 use crate::lamp::Lamp;
 use crate::mute::{self, MutePin};
@@ -57,7 +58,9 @@ fn main() -> ! {
     guard::start();
     let peripherals = embassy_stm32::init(board::config());
     let board = board::take(peripherals);
+    let has_mute_resistor = board.unmute.has_resistor;
     let mute = MutePin::start(board.mute_timer, board.unmute);
+    let button = UserButton::start(board.button);
     board::guard_clock();
     board::set_debug_freezes();
     board::tune_flash();
@@ -82,12 +85,14 @@ fn main() -> ! {
 
     interrupt::UART5.set_priority(priority::RENDERER);
     let above = RENDERER_EXECUTOR.start(interrupt::UART5);
-    if let Ok(task) = render(dac, mute, trigger, inputs) {
+    if let Ok(task) = render(dac, mute, trigger, button, inputs) {
         above.spawn(task);
     }
 
     let lamp = if boot.safe_mode {
         Some(Lamp::SafeMode)
+    } else if !has_mute_resistor {
+        Some(Lamp::NoMuteResistor)
     } else if board::is_brown_out_guarded() {
         None
     } else {
@@ -101,7 +106,7 @@ fn main() -> ! {
             spawner.spawn(task);
         }
         let (read, write) = start_link(spawner, board.link);
-        if let Ok(task) = talk(read, write, boot, store) {
+        if let Ok(task) = talk(read, write, boot, store, Facts::new(has_mute_resistor, board.stop_input)) {
             spawner.spawn(task);
         }
     })
@@ -119,23 +124,23 @@ fn start_cycle_counter() {
 
 /// Runs the renderer at interrupt priority; never ends.
 #[embassy_executor::task]
-async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins, inputs: Inputs) {
+async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins, button: UserButton, inputs: Inputs) {
     // Built at compile time: built here, they would take 16 KiB of stack for a moment, more than all other code needs.
     static RENDERER: ConstStaticCell<Renderer> =
         ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
     static LISTENER: ConstStaticCell<Listener<'static>> =
         ConstStaticCell::new(Listener::starting_at(0, &CAPTURED));
-    let ports = RendererPorts { dac, mute, trigger, cycles: Cycles, sense: inputs };
+    let ports = RendererPorts { dac, mute, trigger, button, cycles: Cycles, sense: inputs };
     RENDERER.take().run(&MAILBOX, ports, LISTENER.take()).await;
 }
 
 #[embassy_executor::task]
-async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store) {
+async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store, facts: Facts) {
     // In RAM from the start, not on the stack; where the memory map puts it.
     // SAFETY: what lies there is copied from the flash before the program begins, as other variables are.
     #[unsafe(link_section = ".data.candidate")]
     static CANDIDATE: ConstStaticCell<Candidate> = ConstStaticCell::new(Candidate::new());
-    let mut link = Link::new(identity(), boot, store, Rom, CANDIDATE.take(), &CAPTURED);
+    let mut link = Link::new(identity(), boot, store, facts, CANDIDATE.take(), &CAPTURED);
     link.run(&MAILBOX, read, write).await;
 }
 
@@ -184,10 +189,29 @@ impl CycleCounter for Cycles {
     }
 }
 
-/// The chip's ROM bootloader, and what its option bytes say.
-struct Rom;
+/// What the start has found, the chip's ROM bootloader, and what its option bytes say.
+struct Facts {
+    has_mute_resistor: bool,
+    stop_input: FoundStopInput,
+}
 
-impl System for Rom {
+/// The stop input's pin, and what the actuator's profile has made of it.
+enum FoundStopInput {
+    /// Untouched, as before there were profiles.
+    Unused(Flex<'static>),
+    /// None is fitted: an input that is pulled up.
+    NotFitted(Flex<'static>),
+    /// The mute timer's break.
+    Fitted,
+}
+
+impl Facts {
+    const fn new(has_mute_resistor: bool, stop_input: Flex<'static>) -> Self {
+        Self { has_mute_resistor, stop_input: FoundStopInput::Unused(stop_input) }
+    }
+}
+
+impl System for Facts {
     fn has_bootloader(&self) -> bool {
         true
     }
@@ -198,6 +222,38 @@ impl System for Rom {
 
     fn is_brown_out_guarded(&self) -> bool {
         board::is_brown_out_guarded()
+    }
+
+    fn board(&self) -> BoardReport {
+        let has_resistor = self.has_mute_resistor;
+        BoardReport {
+            core_hz: board::CORE_HZ,
+            mute_resistor: if has_resistor { MuteResistor::Present } else { MuteResistor::Missing },
+            user_button: button::state(),
+            stop_input: match &self.stop_input {
+                FoundStopInput::Unused(_) => StopInput::Unused,
+                FoundStopInput::NotFitted(pin) if pin.is_low() => StopInput::NotInProfile,
+                FoundStopInput::NotFitted(_) => StopInput::Unused,
+                FoundStopInput::Fitted if mute::is_stop_input_high() => StopInput::Open,
+                FoundStopInput::Fitted => StopInput::Closed,
+            },
+        }
+    }
+
+    fn fit_stop_input(&mut self, is_fitted: Option<bool>) {
+        let found = core::mem::replace(&mut self.stop_input, FoundStopInput::Fitted);
+        self.stop_input = match (found, is_fitted) {
+            (found, None) => found,
+            (FoundStopInput::Fitted, Some(_)) => FoundStopInput::Fitted,
+            (FoundStopInput::Unused(mut pin) | FoundStopInput::NotFitted(mut pin), Some(false)) => {
+                pin.set_as_input(Pull::Up);
+                FoundStopInput::NotFitted(pin)
+            }
+            (FoundStopInput::Unused(pin) | FoundStopInput::NotFitted(pin), Some(true)) => {
+                mute::fit_stop_input(pin);
+                FoundStopInput::Fitted
+            }
+        };
     }
 
     fn enter_bootloader(&mut self) {

@@ -11,6 +11,8 @@ pub(crate) enum Lamp {
     Sounding,
     /// The brown-out level is not set (BOARDS.md says how to set it): two short flashes.
     NoBrownOutLevel,
+    /// The mute pin has no resistor, and the amplifier stays muted: three short flashes.
+    NoMuteResistor,
     /// The device started after repeated crashes and does not drive: fast blinking.
     SafeMode,
 }
@@ -22,6 +24,7 @@ impl Lamp {
             Self::Muted => 0b1000_0000,
             Self::Sounding => 0b1111_1111,
             Self::NoBrownOutLevel => 0b1010_0000,
+            Self::NoMuteResistor => 0b1010_1000,
             Self::SafeMode => 0b1010_1010,
         }
     }
@@ -37,11 +40,12 @@ mod tests {
     use super::Lamp;
 
     #[test]
-    fn the_four_patterns_can_be_told_apart_by_their_number_of_flashes() {
+    fn the_patterns_can_be_told_apart_by_their_number_of_flashes() {
         let flashes = |lamp: Lamp| (0..8).filter(|&n| lamp.is_lit(n) && !lamp.is_lit(n + 1)).count();
         assert_eq!(flashes(Lamp::Muted), 1);
         assert_eq!(flashes(Lamp::Sounding), 0);
         assert_eq!(flashes(Lamp::NoBrownOutLevel), 2);
+        assert_eq!(flashes(Lamp::NoMuteResistor), 3);
         assert_eq!(flashes(Lamp::SafeMode), 4);
         assert!(Lamp::Sounding.is_lit(3));
     }

@@ -19,6 +19,8 @@ mod board;
 #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
 mod bootloader;
 #[cfg(target_arch = "arm")]
+mod button;
+#[cfg(target_arch = "arm")]
 #[expect(unsafe_code, reason = "assembly; listed in firmware/UNSAFE.md")]
 mod copy;
 #[cfg(target_arch = "arm")]

@@ -22,12 +22,13 @@
 //!   system's failure takes effect, as the other internal sources do. AOE = 0: only the program sets MOE again.
 //! * LOCK = 2 keeps all this, and the polarities, until the next reset. Level 3 would keep the mode, too.
 
-use embassy_stm32::gpio::{AfType, Flex, OutputType, Speed};
+use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
+use embassy_stm32::pac::gpio::vals::{Idr, Moder};
 use embassy_stm32::pac::timer::vals::{Bkp, Lock, Ossi};
 use embassy_stm32::{Peri, rcc};
 use slipline_app::ports::{HasMuted, Mute};
 
-use crate::board::{self, MUTE_CHANNEL as CHANNEL, MUTE_TIMER as TIMER};
+use crate::board::{self, MUTE_CHANNEL as CHANNEL, MUTE_TIMER as TIMER, MutedPin};
 use crate::pin_lock;
 
 /// Time from the last good block until the amplifier is off, in us. A block lasts 0.32 ms, so twelve may be missing.
@@ -41,12 +42,16 @@ const FORCED_ACTIVE: u8 = 0b101;
 /// The amplifier's mute pin.
 pub(crate) struct MutePin {
     is_on: bool,
+    has_resistor: bool,
 }
 
 impl MutePin {
     /// Gives the pin, which is an output and low, to the timer, which keeps it low, and locks both.
+    ///
+    /// Without its resistor the pin stays low: nothing would hold it while the chip is in reset.
     #[allow(clippy::useless_conversion, reason = "these fields are wider on some chips")]
-    pub(crate) fn start(timer: Peri<'static, board::MuteTimer>, mut pin: Flex<'static>) -> Self {
+    pub(crate) fn start(timer: Peri<'static, board::MuteTimer>, pin: MutedPin) -> Self {
+        let MutedPin { mut pin, has_resistor } = pin;
         // The board's file derives the clock tree by hand.
         assert!(
             rcc::frequency::<board::MuteTimer>().0 == board::MUTE_TIMER_HZ,
@@ -61,6 +66,8 @@ impl MutePin {
         // Loads the prescaler.
         TIMER.egr().write(|w| w.set_ug(true));
         set_mode(FORCED_INACTIVE);
+        // Before the lock, which keeps it.
+        board::admit_break_pin();
         TIMER.bdtr().write(|w| {
             w.set_ossi(Ossi::IDLE_LEVEL);
             w.set_bke(0, true);
@@ -77,12 +84,13 @@ impl MutePin {
         core::mem::forget(pin);
         let (port, number) = board::MUTE_PIN;
         pin_lock::lock(port, number);
-        Self { is_on: false }
+        Self { is_on: false, has_resistor }
     }
 }
 
 impl Mute for MutePin {
     fn set_muted(&mut self, muted: bool) {
+        let muted = muted || !self.has_resistor;
         match (self.is_on, muted) {
             (true, true) => off(),
             (false, false) => on(),
@@ -92,12 +100,37 @@ impl Mute for MutePin {
     }
 
     fn stay_on(&mut self) -> Result<(), HasMuted> {
+        if !self.has_resistor {
+            // It is off for good, and no fault: everything but the amplifier works.
+            return Ok(());
+        }
         if !is_on() {
             return Err(HasMuted);
         }
         TIMER.cnt().write(|w| w.set_cnt(0));
         Ok(())
     }
+
+    fn is_stop_open(&mut self) -> bool {
+        let (port, number) = board::STOP_INPUT_PIN;
+        port.moder().read().moder(number) == Moder::ALTERNATE && is_stop_input_high()
+    }
+}
+
+/// Gives the stop input's pin to the timer, as its break: a contact to ground, and the chip's own resistor to the supply. An open contact
+/// or a cut wire is a high level, which clears MOE, and keeps it clear, without a clock or the program.
+///
+/// The pin is an input of the timer's break as soon as it has the alternate function (DS8626 table 9), on the G474 and the H743 through
+/// the gate that `board::admit_break_pin` has opened. Only where the profile says so: an open pin never lets the amplifier on.
+pub(crate) fn fit_stop_input(mut pin: Flex<'static>) {
+    pin.set_as_af_unchecked(board::STOP_INPUT_FUNCTION, AfType::input(Pull::Up));
+    core::mem::forget(pin);
+}
+
+/// Whether the stop input's pin is high: open, if it is fitted.
+pub(crate) fn is_stop_input_high() -> bool {
+    let (port, number) = board::STOP_INPUT_PIN;
+    port.idr().read().idr(number) == Idr::HIGH
 }
 
 fn set_mode(mode: u8) {

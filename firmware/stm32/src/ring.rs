@@ -89,6 +89,8 @@ impl Halves {
     }
 
     /// Puts the counts in step with the DMA after interrupts were lost, and the line into the half it does not read.
+    // Rare: it takes no room among what every block runs.
+    #[cold]
     pub(crate) fn resynchronise(&self, ring: &impl Ring) {
         let playing = ring.playing();
         let played = self.played.load(Relaxed).wrapping_add(2);

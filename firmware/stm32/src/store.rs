@@ -1,4 +1,4 @@
-//! The two flash slots of the stored table.
+//! The flash slots of the stored table and of the actuator's profile.
 //!
 //! The application writes only when the device is disarmed and the renderer has muted the amplifier. This file still
 //! stops the DAC's triggers around every erasure and write: the F407 has one bank, so the processor stops until the
@@ -27,7 +27,7 @@ use crate::{board, dac, watchdog};
 /// tables "Flash memory endurance and data retention" of DS8626 (F407), DS12288 (G474) and DS12110 (H743).
 const ENDURANCE: u32 = 10_000;
 
-/// The two slots in the chip's flash.
+/// The slots in the chip's flash.
 pub(crate) struct Store(Flash<'static, Blocking>);
 
 impl Store {
@@ -35,15 +35,23 @@ impl Store {
         Self(Flash::new_blocking(flash))
     }
 
+    /// Where a slot begins, as an offset from the start of the flash, and its bytes.
+    const fn slot(slot: FlashSlot) -> (u32, usize) {
+        let [a, b] = board::FLASH_SLOTS;
+        let [profile_a, profile_b] = board::PROFILE_SLOTS;
+        match slot {
+            FlashSlot::A => (a, board::SLOT_BYTES),
+            FlashSlot::B => (b, board::SLOT_BYTES),
+            FlashSlot::ProfileA => profile_a,
+            FlashSlot::ProfileB => profile_b,
+        }
+    }
+
     /// The offset from the start of the flash of `length` bytes at `offset` of a slot; an error if they do not fit into
     /// the slot.
     fn place(slot: FlashSlot, offset: usize, length: usize) -> Result<u32, FlashError> {
-        let inside = offset.checked_add(length).is_some_and(|end| end <= board::SLOT_BYTES);
-        let [a, b] = board::FLASH_SLOTS;
-        let base = match slot {
-            FlashSlot::A => a,
-            FlashSlot::B => b,
-        };
+        let (base, bytes) = Self::slot(slot);
+        let inside = offset.checked_add(length).is_some_and(|end| end <= bytes);
         if inside {
             u32::try_from(offset).map(|offset| base + offset).map_err(|_| FlashError)
         } else {
@@ -57,14 +65,20 @@ impl FlashPages for Store {
         board::SLOT_BYTES
     }
 
+    fn profile_slot_len(&self) -> usize {
+        let [(_, a), (_, b)] = board::PROFILE_SLOTS;
+        a.min(b)
+    }
+
     fn endurance(&self) -> u32 {
         ENDURANCE
     }
 
     fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
-        let from = Self::place(slot, 0, board::SLOT_BYTES)?;
-        let to = from + board::SLOT_BYTES as u32;
+        let (from, bytes) = Self::slot(slot);
+        let to = from + bytes as u32;
         chip::forget_old_errors();
+        chip::widen_erasures();
         watchdog::lengthen();
         let erased = dac::paused(|| self.0.blocking_erase(from, to)).map_err(|_| FlashError);
         chip::forget_cached();

@@ -14,6 +14,8 @@ pub struct Changes {
     pub drive_time_over: Option<bool>,
     /// The link has ended the drive because the driving program did not respond.
     pub stalled: bool,
+    /// The device has disarmed itself because its lease was over.
+    pub lease_over: bool,
     /// The device's table has changed.
     pub table: bool,
     /// The device's faults have changed.
@@ -34,6 +36,7 @@ impl Changes {
             state: before.link != now.link || state(before) != state(now),
             drive_time_over: (is_over(before) != is_over(now)).then(|| is_over(now)),
             stalled: before.driver_stalls != now.driver_stalls,
+            lease_over: before.leases_over != now.leases_over,
             table: table(before) != table(now),
             faults: faults(before) != faults(now),
         }
@@ -56,6 +59,7 @@ mod tests {
             status: Some(status),
             last_refusal: refused.clone(),
             driver_stalls: 1,
+            leases_over: 1,
             ..before.clone()
         };
         let first = Changes {
@@ -63,6 +67,7 @@ mod tests {
             state: true,
             drive_time_over: Some(true),
             stalled: true,
+            lease_over: true,
             table: false,
             faults: true,
         };

@@ -31,6 +31,7 @@ pub mod measured_file;
 #[cfg(feature = "native")]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "this computer's threads"))]
 pub mod native;
+pub mod profile_file;
 pub mod recording;
 pub mod rig;
 

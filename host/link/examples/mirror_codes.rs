@@ -63,7 +63,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::KeepAlive(_)
                     | Command::Status
                     | Command::Maintenance
+                    | Command::Board
+                    | Command::Profile
+                    | Command::WriteProfile(_)
                     | Command::Arm
+                    | Command::ArmFor(_)
                     | Command::ClearFaults
                     | Command::SetTravelLimit(_)
                     | Command::TravelLimit

@@ -312,7 +312,7 @@ impl Channel {
 
     fn in_flash(&self) -> bool {
         let sent = self.ordered.as_ref().map(|pending| &pending.command);
-        matches!(sent, Some(Command::Store | Command::Forget))
+        matches!(sent, Some(Command::Store | Command::Forget | Command::WriteProfile(_)))
     }
 
     fn patience(&self) -> Duration {

@@ -233,6 +233,7 @@ impl<O: Opener> Connection<O> {
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
             Request::Arm
+            | Request::ArmFor(_)
             | Request::Disarm
             | Request::Play(_)
             | Request::Listen(_)
@@ -246,6 +247,7 @@ impl<O: Opener> Connection<O> {
             | Request::ReadBack
             | Request::Store
             | Request::Forget
+            | Request::WriteProfile(_)
             | Request::Bootloader
             | Request::Refresh
             | Request::Digest(_) => self.request_of_device(ticket, request, now),

@@ -33,6 +33,7 @@ pub mod foldback;
 mod harmonic;
 mod hold;
 mod journal;
+mod lease;
 mod listen;
 mod log;
 pub mod mirror;

@@ -287,7 +287,7 @@ impl Mirror {
                 planner.swap(at, self.table, &view.motion)
             }
         };
-        let published = planned.map(|program| self.mailbox.publish(program, &view));
+        let published = planned.map(|program| self.mailbox.publish(&program, &view));
         self.diverged |= !matches!(published, Ok(Ok(())));
     }
 }

@@ -4,14 +4,16 @@ use crate::channel::Channel;
 use crate::error::LinkError;
 use crate::foldback::FoldbackSteps;
 use crate::journal::{Acknowledged, Change, JOURNAL_ENTRIES, drop_oldest_limit};
+use crate::lease::Lease;
 use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
-use slipline_protocol::command::TravelLimit;
-use slipline_protocol::event::{Maintenance, State, Status, TableReport, TriggerReport};
+use slipline_protocol::board::BoardReport;
+use slipline_protocol::command::{ArmLease, TravelLimit};
+use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport};
 use slipline_protocol::hold;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
@@ -30,6 +32,7 @@ pub(crate) struct Recorder {
     entries: u64,
     /// Drives that wait for the trigger input.
     undecided: Undecided,
+    pub(crate) lease: Lease,
     /// Whether anything changed since the last snapshot.
     changed: bool,
     /// Whether a change is worth a repaint.
@@ -81,6 +84,9 @@ impl Recorder {
     /// Records the device's report on the drive that waits or has waited for the trigger input.
     pub(crate) fn trigger(&mut self, report: TriggerReport) {
         self.view.trigger = Some(report);
+        if let Some(began) = report.began {
+            self.lease.drive(began);
+        }
         let decided = self.undecided.decide(&report);
         self.enter_all(decided);
         self.settle();
@@ -115,6 +121,23 @@ impl Recorder {
         });
         if latest == Some(true) {
             self.enter(at, Change::Stop, false);
+        }
+    }
+
+    /// Records that the device was armed on a lease.
+    pub(crate) fn begin_lease(&mut self, lease: ArmLease, at: SampleIndex) {
+        let rate_hz = self.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        self.lease.begin(lease.lease_ms, rate_hz, at);
+    }
+
+    /// Records that the device has disarmed itself because its lease was over, if the status shows that.
+    pub(crate) fn end_lease(&mut self, status: &Status) {
+        if let Some((length, at)) = self.lease.take_status(status) {
+            self.view.lease_over = Some(length);
+            self.view.leases_over = self.view.leases_over.saturating_add(1);
+            self.enter(at, Change::Disarmed, false);
+            let seconds = length.as_secs_f64();
+            self.log(Severity::Warning, format!("The device disarmed itself: no drive for {seconds} s."));
         }
     }
 
@@ -198,6 +221,31 @@ impl Recorder {
         self.touch();
     }
 
+    /// Stores the device's report on its board, with a log entry for what a person should correct.
+    pub(crate) fn board(&mut self, reported: BoardReport) {
+        if self.view.board.replace(reported).is_none()
+            && let Some(warning) = upkeep::muted_for_good(&reported)
+        {
+            self.log(Severity::Warning, warning);
+        }
+        self.touch();
+    }
+
+    /// Stores the device's report on its actuator's profile.
+    pub(crate) fn profile(&mut self, reported: ProfileReport) {
+        match &reported.profile {
+            Some(profile) => {
+                let line = format!("The device keeps the limits of its actuator, \"{}\".", profile.name);
+                self.log(Severity::Info, line);
+            }
+            // It needs none.
+            None if self.view.is_simulated() => {}
+            None => self.log(Severity::Info, "The device keeps no profile of its actuator."),
+        }
+        self.view.profile = Some(Arc::new(reported));
+        self.touch();
+    }
+
     /// Stores the device's report on the actuator's travel limit.
     pub(crate) fn travel_limit(&mut self, limit: Option<TravelLimit>) {
         self.view.travel_limit = limit;
@@ -231,7 +279,8 @@ impl Recorder {
         };
         if let Some(before) = self.view.status {
             for fault in status.faults.iter().filter(|&fault| !before.faults.contains(fault)) {
-                self.log(Severity::Error, format!("Fault: {}.", fault.text()));
+                let text = self.view.fault_text(fault);
+                self.log(Severity::Error, format!("Fault: {text}."));
             }
         }
         if self.view.status.as_ref().map(seen) != Some(seen(&status)) {
@@ -304,9 +353,12 @@ impl Recorder {
     pub(crate) fn forget_device(&mut self, error: Option<LinkError>) {
         let reported = self.undecided.give_up();
         self.enter_all(reported);
+        self.lease.end();
         let view = &mut self.view;
         view.identity = None;
         view.maintenance = None;
+        view.board = None;
+        view.profile = None;
         view.inputs = None;
         view.glide_until = None;
         view.hold = None;

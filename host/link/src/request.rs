@@ -9,7 +9,9 @@ use crate::sounding::Sounding;
 use crate::table::DeviceTable;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::event::Digest;
+use slipline_protocol::profile::ActuatorProfile;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// One request. Requests are carried out in order, but [`Request::Stop`] and [`Request::EmergencyStop`]
 /// overtake all others, and a newer [`Request::Play`] or a [`Request::Disarm`] replaces a [`Request::Play`]
@@ -23,6 +25,9 @@ pub enum Request {
     Disconnect,
     /// Unmute the amplifier and accept drives.
     Arm,
+    /// The same on a lease: without a drive for so long the device stops and disarms by itself. A device of a protocol older than
+    /// 1.3 knows no lease and is armed without one.
+    ArmFor(Duration),
     /// Ramp to silence and mute.
     Disarm,
     /// Start a drive, a chord or a comb.
@@ -50,6 +55,9 @@ pub enum Request {
     Store,
     /// Erase the stored data from the device's flash. Only when silent.
     Forget,
+    /// Write this profile of the board's actuator into the device's flash, or erase it. Only when disarmed and silent, and while the
+    /// board's user button is pressed.
+    WriteProfile(Box<Option<ActuatorProfile>>),
     /// Restart into the ROM bootloader (both steps). Only when disarmed.
     Bootloader,
     /// Rehearsal of the protocol's next minor: measure the coil's resistance.
@@ -71,7 +79,7 @@ impl Request {
         match self {
             Self::Connect(_) => "connect",
             Self::Disconnect => "disconnect",
-            Self::Arm => "arm",
+            Self::Arm | Self::ArmFor(_) => "arm",
             Self::Disarm => "disarm",
             Self::Play(_) => "play",
             Self::Listen(_) => "listen",
@@ -85,6 +93,7 @@ impl Request {
             Self::ReadBack => "read back",
             Self::Store => "store",
             Self::Forget => "forget",
+            Self::WriteProfile(_) => "write profile",
             Self::Bootloader => "enter bootloader",
             #[cfg(slipline_next)]
             Self::MeasureCoil => "measure coil",

@@ -9,12 +9,17 @@ use crate::request::{Outcome, Ticket};
 use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use slipline_protocol::Command;
+use slipline_protocol::board::BoardReport;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
-use slipline_protocol::event::{AcceptedUntil, Identity, Maintenance, Status, TableReport, TriggerReport};
+use slipline_protocol::event::{
+    AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, Status, TableReport, TriggerReport,
+};
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::hold::{Held, HoldProgress};
+use slipline_protocol::limits::MAX_DRIVE_MS;
 use slipline_protocol::listen::InputsReport;
 use slipline_protocol::version::{Compatibility, Version};
+use std::borrow::Cow;
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
@@ -124,6 +129,10 @@ pub struct Snapshot {
     /// The wear of its flash and the guard of its supply, while connected; `None` with a device of protocol
     /// 1.0, which does not report it. Read at the start and after each write to the flash.
     pub maintenance: Option<Maintenance>,
+    /// What it has found on its board, while connected; `None` with a protocol older than 1.3. Read at the start.
+    pub board: Option<BoardReport>,
+    /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.
+    pub profile: Option<Arc<ProfileReport>>,
     /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub inputs: Option<InputsReport>,
     /// The state of the level hold, or its last state when it ended; `None` before the first one of a
@@ -155,6 +164,11 @@ pub struct Snapshot {
     /// Number of times the device was stopped and disarmed because its driver gave no sign of life for
     /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, saturating.
     pub driver_stalls: u32,
+    /// Number of times a device disarmed itself because its lease was over ([`Request::ArmFor`](crate::Request::ArmFor)); over all
+    /// connections, saturating.
+    pub leases_over: u32,
+    /// The lease that was over last.
+    pub lease_over: Option<Duration>,
     /// The counters of this side's decoder.
     pub decoder: DecoderCounters,
     /// The last refusal, with its request.
@@ -206,6 +220,61 @@ impl Snapshot {
     pub fn stretched_glide_s(&self) -> Option<f64> {
         let (glide, identity) = (self.glide_until?, self.identity.as_ref()?);
         Some(glide.until.saturating_sub(glide.at) as f64 / f64::from(identity.sample_rate_hz))
+    }
+
+    /// Whether the device can keep a profile of its actuator: a real one of protocol 1.3 or newer. A simulated one needs none.
+    #[must_use]
+    pub fn keeps_profile(&self) -> bool {
+        !self.is_simulated() && self.profile.is_some()
+    }
+
+    /// Whether the device has reported that it keeps no profile of its actuator, although it can.
+    #[must_use]
+    pub fn lacks_profile(&self) -> bool {
+        self.keeps_profile() && self.profile.as_ref().is_some_and(|report| report.profile.is_none())
+    }
+
+    /// The share of a block's time that the longest block since the device's start took; `None` where the device does not report its
+    /// processor's clock: with a protocol older than 1.3, and simulated.
+    #[must_use]
+    pub fn worst_block(&self) -> Option<f64> {
+        let (board, identity, status) = (self.board?, self.identity.as_ref()?, self.status?);
+        let block_s = f64::from(identity.block) / f64::from(identity.sample_rate_hz);
+        (board.core_hz > 0)
+            .then(|| f64::from(status.counters.max_cycles) / (f64::from(board.core_hz) * block_s))
+    }
+
+    /// Of the travel limits that the device keeps to, the session's and its actuator's profile's, the one with the lower resonance: it
+    /// makes glides longer.
+    pub(crate) fn slowest_limit(&self) -> Option<TravelLimit> {
+        let profile = self.profile.as_ref().and_then(|report| report.profile.as_ref()?.travel);
+        [self.travel_limit, profile].into_iter().flatten().min_by_key(|limit| limit.resonance_uhz)
+    }
+
+    /// The longest drive without a command of the user.
+    #[must_use]
+    pub fn longest_drive(&self) -> Duration {
+        let profile = self.profile.as_ref().and_then(|report| report.profile.as_ref());
+        Duration::from_millis(profile.map_or(MAX_DRIVE_MS, |profile| profile.max_drive_ms).into())
+    }
+
+    /// A fault in words; the longest drive is that of the actuator's profile.
+    #[must_use]
+    pub fn fault_text(&self, fault: Fault) -> Cow<'static, str> {
+        let longest = self.longest_drive();
+        if fault == Fault::DriveTime && longest != Duration::from_millis(MAX_DRIVE_MS.into()) {
+            return Cow::Owned(format!("{} s without a command", longest.as_secs_f64()));
+        }
+        Cow::Borrowed(fault.text())
+    }
+
+    /// Faults in words; `none` without any.
+    #[must_use]
+    pub fn faults_text(&self, faults: Faults) -> String {
+        if faults.is_empty() {
+            return faults.to_string();
+        }
+        faults.iter().map(|fault| self.fault_text(fault)).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether the device has inputs that it can measure; older firmware and a board without them have none.

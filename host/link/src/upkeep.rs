@@ -1,5 +1,6 @@
 //! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
+use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
 use slipline_protocol::event::Maintenance;
 use slipline_protocol::listen::InputsReport;
 
@@ -63,6 +64,76 @@ pub const fn before_arming(maintenance: &Maintenance) -> Option<&'static str> {
         "The brown-out level of this board is not set: when its supply fails, its processor may go wrong before it \
          is stopped, with a finger on the plate. Set the level once per board, as firmware/BOARDS.md says.",
     )
+}
+
+/// The warning that the amplifier stays muted, if it does: the device has found no resistor at its mute pin.
+///
+/// ```
+/// use slipline_link::protocol::board::{BoardReport, MuteResistor};
+/// use slipline_link::upkeep::muted_for_good;
+///
+/// let bare = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
+/// assert!(muted_for_good(&bare).is_some_and(|warning| warning.starts_with("Muted: no resistor at the mute pin.")));
+/// assert_eq!(muted_for_good(&BoardReport::default()), None);
+/// ```
+#[must_use]
+pub const fn muted_for_good(board: &BoardReport) -> Option<&'static str> {
+    match board.mute_resistor {
+        MuteResistor::NotLooked | MuteResistor::Present => None,
+        MuteResistor::Missing => Some(
+            "Muted: no resistor at the mute pin. Everything else works; the amplifier stays off until the device is \
+             restarted with the resistor in its place (firmware/BOARDS.md).",
+        ),
+    }
+}
+
+/// The user button, in words; `None` where there is none.
+#[must_use]
+pub const fn user_button(board: &BoardReport) -> Option<&'static str> {
+    match board.user_button {
+        UserButton::None => None,
+        UserButton::Released => Some("released"),
+        UserButton::Pressed => Some("pressed: the device cannot be armed"),
+    }
+}
+
+/// The stop input, in words; `None` where no profile says that one is fitted.
+#[must_use]
+pub const fn stop_input(board: &BoardReport) -> Option<&'static str> {
+    match board.stop_input {
+        StopInput::Unused => None,
+        StopInput::Closed => Some("closed"),
+        StopInput::Open => Some("open: the device cannot be armed"),
+        StopInput::NotInProfile => Some("wired, but not fitted by the actuator's profile: it does nothing"),
+    }
+}
+
+/// The warning to show before a board without a profile of its actuator is armed.
+pub const NO_PROFILE: &str = "This board keeps no profile of its actuator: the limits of travel, heat and time are those of the program that \
+     drives it, and of none if that sets none. `slipline profile write` keeps one on the board, as firmware/BOARDS.md says.";
+
+/// The share of a block's time above which [`hardly_in_time`] warns: interrupts that may come together take most of the rest.
+pub const BUSY: f64 = 0.9;
+
+/// The warning that the device's longest block took nearly all of a block's time, if it did; `share` is
+/// [`Snapshot::worst_block`](crate::Snapshot::worst_block).
+///
+/// ```
+/// use slipline_link::upkeep::hardly_in_time;
+///
+/// assert_eq!(hardly_in_time(0.9), None);
+/// let warning = hardly_in_time(0.934).unwrap();
+/// assert!(warning.starts_with("The longest block took 93 % of a block's time."));
+/// ```
+#[must_use]
+pub fn hardly_in_time(share: f64) -> Option<String> {
+    (share > BUSY).then(|| {
+        format!(
+            "The longest block took {:.0} % of a block's time. One that takes all of it ends the drive with the fault \
+             Underrun: measure fewer tones at once, or capture less.",
+            share * 100.0
+        )
+    })
 }
 
 /// The warning that the flash is worn, if it is: it may lose its content.

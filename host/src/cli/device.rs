@@ -42,14 +42,22 @@ impl Device {
         Ok(Self { client, _ending: ending })
     }
 
-    /// Checks that the device may be armed: its brown-out level is set, or the user accepts that it is not.
+    /// Checks that the device may be armed: its brown-out level is set and it keeps a profile of its actuator, or the user accepts that
+    /// it does not.
     pub(super) fn may_be_armed(&self, arming: &ArmingArgument) -> Result<(), Failure> {
         match self.client.may_be_armed() {
             Err(ClientError::Unguarded(warning)) if !arming.despite_brown_out_level => {
                 let text = format!("{warning} To arm it anyway, add --despite-brown-out-level.");
-                Err(Failure::Failed(text))
+                return Err(Failure::Failed(text));
             }
-            Ok(()) | Err(ClientError::Unguarded(_)) => Ok(()),
+            Ok(()) | Err(ClientError::Unguarded(_)) => {}
+            Err(error) => return Err(error.into()),
+        }
+        match self.client.has_profile() {
+            Err(error @ ClientError::NoProfile) if !arming.despite_no_profile => {
+                Err(Failure::Failed(format!("{error} To arm it anyway, add --despite-no-profile.")))
+            }
+            Ok(()) | Err(ClientError::NoProfile) => Ok(()),
             Err(error) => Err(error.into()),
         }
     }

@@ -9,6 +9,7 @@ use crate::signals::{self, Signal};
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
+use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{DriveRequest, LinkState, Snapshot, Sounding};
 use slipline_model::atomic_file::{read_text, said};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
@@ -61,7 +62,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let table = &bench.table;
     let mut holder = arguments.hold.holder(&device, &wanted.plate, table, &request)?;
     known_drive::check(&bench, arguments.known.known(None))?;
-    device.arm()?;
+    device.arm_for(lease(arguments))?;
     let apply = match arguments.at {
         Begin::Now => Apply::Next,
         Begin::Trigger => Apply::AtTrigger,
@@ -95,7 +96,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             match duration_s {
                 Some(seconds) => writeln!(out, "Driving for {seconds} s."),
                 None => {
-                    let most = Fault::DriveTime.text();
+                    let most = device.snapshot().fault_text(Fault::DriveTime);
                     writeln!(out, "Driving until Ctrl-C; the device stops by itself after {most}.")
                 }
             }
@@ -150,6 +151,13 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         Some(signal) => writeln!(out, "Stopped by {} after {driven_s:.3} s.", signal.name()),
         None => writeln!(out, "Stopped."),
     })
+}
+
+/// The lease of the drive: as long as it lasts and ten seconds more. What waits for the trigger may wait for any time.
+fn lease(arguments: &DriveArguments) -> Option<Duration> {
+    let longest_s = f64::from(LEASE_MS.1) / 1e3;
+    let lease_s = arguments.duration.map_or(longest_s, |duration_s| (duration_s + 10.0).min(longest_s));
+    (arguments.at == Begin::Now).then(|| Duration::from_secs_f64(lease_s))
 }
 
 /// The plate, and what is to sound on it.
@@ -278,7 +286,10 @@ fn check(device: &Device) -> Result<(), Failure> {
         return Err(Failure::Failed(trouble.to_string()));
     }
     match snapshot.status.filter(|status| !status.faults.is_empty()) {
-        Some(status) => Err(Failure::Failed(format!("the device stopped: {}", status.faults))),
+        Some(status) => {
+            let faults = snapshot.faults_text(status.faults);
+            Err(Failure::Failed(format!("the device stopped: {faults}")))
+        }
         None => Ok(()),
     }
 }

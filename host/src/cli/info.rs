@@ -37,8 +37,10 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
     let status = snapshot.status;
     let maintenance = snapshot.maintenance.as_ref();
     let inputs = snapshot.inputs.as_ref();
+    let board = snapshot.board.as_ref();
     let table = snapshot.table.active;
-    let faults: Vec<&str> = status.iter().flat_map(|s| s.faults.iter().map(|fault| fault.text())).collect();
+    let faults: Vec<_> =
+        status.iter().flat_map(|s| s.faults.iter().map(|fault| snapshot.fault_text(fault))).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
     let round_trip_s = snapshot.round_trip.average.as_secs_f64();
     let value = json!({
@@ -61,6 +63,11 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         "flash_erasures": maintenance.map(|it| it.erasures),
         "flash_erasures_promised": maintenance.map(|it| it.erasures_promised),
         "brown_out_guarded": maintenance.map(|it| it.brown_out_guarded),
+        "core_hz": board.map(|it| it.core_hz).filter(|&hz| hz > 0),
+        "mute_resistor": board.map(|it| format!("{:?}", it.mute_resistor)),
+        "user_button": board.map(|it| format!("{:?}", it.user_button)),
+        "stop_input": board.map(|it| format!("{:?}", it.stop_input)),
+        "profile": snapshot.profile.as_ref().map(|it| it.profile.as_ref().map(|profile| profile.name.as_str())),
         "inputs": inputs.map(|it| json!({
             "inputs": it.inputs,
             "lock_ins": it.lock_ins,
@@ -89,6 +96,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             "clips": it.counters.clips,
             "max_cycles": it.counters.max_cycles,
         })),
+        "worst_block": snapshot.worst_block(),
         "round_trip_s": round_trip_s,
     });
     output::print(as_json, &value, |out| {
@@ -110,13 +118,27 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             lines.extend(upkeep::before_arming(it).map(|warning| ("Warning", warning.to_owned())));
             lines.extend(upkeep::worn(it).map(|warning| ("Warning", warning)));
         }
+        if let Some(it) = board {
+            lines.extend(upkeep::user_button(it).map(|state| ("User button", state.to_owned())));
+            lines.extend(upkeep::stop_input(it).map(|state| ("Stop input", state.to_owned())));
+            lines.extend(upkeep::muted_for_good(it).map(|warning| ("Warning", warning.to_owned())));
+        }
+        if let Some(it) = &snapshot.profile {
+            let name = it.profile.as_ref().map_or("none", |profile| profile.name.as_str());
+            lines.push(("Actuator profile", name.to_owned()));
+        }
         lines.extend(inputs.map(|it| ("Inputs", slipline_link::upkeep::inputs(it))));
         lines.push(("Versions", compatibility.to_owned()));
         if let Some(it) = status {
             lines.push(("State", format!("{:?}", it.state)));
-            lines.push(("Faults", it.faults.to_string()));
+            lines.push(("Faults", snapshot.faults_text(it.faults)));
             if it.counters.max_cycles > 0 {
-                lines.push(("Worst block", format!("{} cycles", it.counters.max_cycles)));
+                let share =
+                    snapshot.worst_block().map(|share| format!(", {:.0} % of its time", share * 100.0));
+                let share = share.unwrap_or_default();
+                lines.push(("Worst block", format!("{} cycles{share}", it.counters.max_cycles)));
+                let warning = snapshot.worst_block().and_then(upkeep::hardly_in_time);
+                lines.extend(warning.map(|warning| ("Warning", warning)));
             }
         }
         let table = table.map_or_else(

@@ -27,6 +27,7 @@ mod measuring;
 mod merit;
 mod output;
 mod presets;
+mod profile;
 mod progress;
 mod record;
 mod respond;
@@ -48,6 +49,7 @@ pub use failure::Failure;
 pub use figures::FiguresArguments;
 pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
+pub use profile::ProfileArguments;
 pub use sweep::SweepArguments;
 pub use texture::TextureArguments;
 pub use trim::TrimArguments;
@@ -116,6 +118,8 @@ pub enum Command {
         #[command(flatten)]
         force: ForceArgument,
     },
+    /// Show or write the profile of a board's actuator: the limits that the device itself keeps, for every program.
+    Profile(ProfileArguments),
     /// Put a table on a device and drive it.
     Drive(DriveArguments),
     /// Solve the plate at one frequency: complex amplitude over x, turning point, peak.
@@ -172,6 +176,9 @@ pub struct ArmingArgument {
     /// Arm a board although it reports that its brown-out level is not set.
     #[arg(long)]
     despite_brown_out_level: bool,
+    /// Arm a board although it keeps no profile of its actuator.
+    #[arg(long)]
+    despite_no_profile: bool,
 }
 
 /// The plate.
@@ -456,6 +463,7 @@ impl Command {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
             Self::Info { port, .. } => info::run(&port, json),
+            Self::Profile(arguments) => profile::run(&arguments, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
             Self::Respond(arguments) => respond::run(&arguments, json),
             Self::Table(arguments) => table::run(&arguments, json),

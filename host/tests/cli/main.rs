@@ -10,6 +10,7 @@ mod holding;
 mod lights;
 mod measure;
 mod no_display;
+mod profile;
 mod progress;
 mod refusals;
 #[cfg(unix)]

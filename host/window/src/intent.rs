@@ -6,6 +6,7 @@ pub use slipline_instrument::{CalibrateIntent, DeviceIntent, MeasureDraft, Measu
 use crate::axis::Axis;
 use crate::settings::ThemeChoice;
 use crate::sound::SoundChoice;
+use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_model::export::figures::Format;
 use slipline_model::field::sheet::SourceChoice;
 use slipline_model::field::touch::Touch;
@@ -72,6 +73,8 @@ pub enum Dialog {
     Path(PathQuestion),
     /// An action with a real effect must be confirmed.
     Confirm(Confirm),
+    /// Whether this profile of an actuator is written to the board, while its user button is held.
+    Profile(Box<ActuatorProfile>),
 }
 
 /// The question for a path.
@@ -214,6 +217,8 @@ pub enum Intent {
     Path(String, bool),
     /// Carry out what was confirmed.
     Confirmed(Confirm),
+    /// Write this profile of an actuator to the board.
+    WriteProfile(Box<ActuatorProfile>),
     /// Dismiss the message with this number.
     DismissNotice(u64),
     /// Look for ports again.

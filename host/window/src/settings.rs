@@ -71,6 +71,8 @@ pub struct Settings {
     pub recent: Vec<PathBuf>,
     /// The unique ids of the boards that the user arms although their brown-out level is not set, newest first.
     pub unguarded_boards: Vec<String>,
+    /// The unique ids of the boards that the user arms although they keep no profile of their actuator, newest first.
+    pub boards_without_profile: Vec<String>,
     /// Whether the user has dragged the boundary once, so that the hint is no longer needed.
     pub has_dragged: bool,
     /// Whether the panel at the right is shown.
@@ -106,6 +108,7 @@ impl Default for Settings {
             auto_upload: false,
             recent: Vec::new(),
             unguarded_boards: Vec::new(),
+            boards_without_profile: Vec::new(),
             has_dragged: false,
             show_panel: true,
             show_plots: true,
@@ -150,10 +153,20 @@ impl Settings {
 
     /// Remembers that the user has armed a board knowing that its brown-out level is not set.
     pub(crate) fn arms_unguarded(&mut self, unit: String) {
-        self.unguarded_boards.retain(|other| *other != unit);
-        self.unguarded_boards.insert(0, unit);
-        self.unguarded_boards.truncate(UNGUARDED);
+        remember(&mut self.unguarded_boards, unit);
     }
+
+    /// Remembers that the user has armed a board knowing that it keeps no profile of its actuator.
+    pub(crate) fn arms_without_profile(&mut self, unit: String) {
+        remember(&mut self.boards_without_profile, unit);
+    }
+}
+
+/// Puts a board on top of a list.
+fn remember(boards: &mut Vec<String>, unit: String) {
+    boards.retain(|other| *other != unit);
+    boards.insert(0, unit);
+    boards.truncate(UNGUARDED);
 }
 
 #[cfg(test)]
@@ -174,6 +187,7 @@ mod tests {
             auto_upload: true,
             recent: vec!["/a/b.toml".into(), "c.toml".into()],
             unguarded_boards: vec!["00ff".to_owned()],
+            boards_without_profile: vec!["0a".to_owned()],
             has_dragged: true,
             hear_finger: false,
             volume: 0.25,

@@ -2,8 +2,9 @@
 
 use super::Example;
 use heapless::Vec;
-use slipline_protocol::command::{Apply, Comb, CombTone};
-use slipline_protocol::event::AcceptedUntil;
+use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
+use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
+use slipline_protocol::event::{AcceptedUntil, Fault, Faults, ProfileReport, State, Status, StoredConfig};
 use slipline_protocol::hold::{
     Held, HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldSetting, HoldState, HoldTone,
 };
@@ -11,6 +12,7 @@ use slipline_protocol::listen::{
     CapturePart, CaptureWindow, Captured, InPhaseQuadrature, InputsReport, ListenPart, ListenWindow,
     Listened, Progress, WindowShape,
 };
+use slipline_protocol::profile::{ActuatorProfile, CoilHeat, TravelLimit};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{CentiDecibel, Level, Phase};
 use slipline_protocol::{Command, Event};
@@ -53,6 +55,12 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
     let commands = [
         ("comb", Command::Comb(comb)),
         ("comb-largest", Command::Comb(largest)),
+        ("board", Command::Board),
+        ("profile", Command::Profile),
+        ("write-profile", Command::WriteProfile(ProfileSetting { profile: Some(profile()) })),
+        ("write-profile-none", Command::WriteProfile(ProfileSetting { profile: None })),
+        ("arm-for", Command::ArmFor(ArmLease { lease_ms: 60_000 })),
+        ("arm-for-largest", Command::ArmFor(ArmLease { lease_ms: u32::MAX })),
         ("inputs", Command::Inputs),
         ("listen", Command::Listen(window)),
         ("listen-next", Command::Listen(all)),
@@ -66,6 +74,19 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("capture-stop", Command::CaptureStop),
     ];
     commands.into_iter().chain(holds()).map(|(label, command)| (label.to_owned(), command)).collect()
+}
+
+/// A profile with everything in it.
+fn profile() -> ActuatorProfile {
+    ActuatorProfile {
+        name: "coil on a membrane".try_into().unwrap(),
+        max_sum_per_mille: 800,
+        travel: Some(TravelLimit { resonance_uhz: 60_000_000, quality_per_mille: 2000, static_ppm: 500_000 }),
+        heat: CoilHeat { winding_ms: 8000, body_ms: 120_000, full_sine_per_mille: 1300 },
+        max_rise: CentiDecibel(600),
+        max_drive_ms: 60_000,
+        has_stop_input: true,
+    }
 }
 
 /// The commands of the level hold.
@@ -193,7 +214,36 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         first: u16::MAX,
         values: Vec::from_slice(&[u32::MAX; 40]).unwrap(),
     };
+    let board = BoardReport {
+        core_hz: 168_000_000,
+        mute_resistor: MuteResistor::Present,
+        user_button: UserButton::Released,
+        stop_input: StopInput::Closed,
+    };
+    let bare = BoardReport {
+        core_hz: u32::MAX,
+        mute_resistor: MuteResistor::Missing,
+        user_button: UserButton::Pressed,
+        stop_input: StopInput::NotInProfile,
+    };
+    let desk_stop = Status {
+        state: State::Fault,
+        faults: Faults::NONE.with(Fault::DeskStop),
+        first_fault: Some(Fault::DeskStop),
+        first_fault_at: 128_000,
+        ..Status::default()
+    };
     let mut events = std::vec![
+        ("board-reply".to_owned(), Event::Board(board)),
+        ("board-reply-largest".to_owned(), Event::Board(bare)),
+        ("board-reply-open".to_owned(), Event::Board(BoardReport { stop_input: StopInput::Open, ..board })),
+        ("board-reply-none".to_owned(), Event::Board(BoardReport::default())),
+        (
+            "profile-reply".to_owned(),
+            Event::Profile(ProfileReport { profile: Some(profile()), stored: StoredConfig::Loaded })
+        ),
+        ("profile-reply-none".to_owned(), Event::Profile(ProfileReport::default())),
+        ("status-reply-fault-10".to_owned(), Event::Status(desk_stop)),
         ("accepted-until".to_owned(), Event::AcceptedUntil(AcceptedUntil { at: 128_000, until: 138_485 }),),
         ("inputs-reply".to_owned(), Event::Inputs(inputs)),
         ("inputs-reply-largest".to_owned(), Event::Inputs(most)),
@@ -215,9 +265,15 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         ("max-rise", Field::MaxRise),
         ("slew", Field::Slew),
         ("held-amplitude", Field::HeldAmplitude),
+        ("lease", Field::Lease),
+        ("profile-sum", Field::ProfileSum),
+        ("coil-time", Field::CoilTime),
+        ("full-sine", Field::FullSine),
+        ("drive-time", Field::DriveTime),
     ];
     events.extend(held().map(|(label, event)| (label.to_owned(), event)));
     events.push(("refused-holding".to_owned(), Event::Refused(Refusal::Busy(Busy::Holding))));
+    events.push(("refused-hold-button".to_owned(), Event::Refused(Refusal::HoldButton)));
     events.push(("refused-silent-tone".to_owned(), Event::Refused(Refusal::SilentTone { slot: 7 })));
     for (label, field) in fields {
         let refusal = Refusal::OutOfRange { field, min: 0, max: 1, got: 2 };

@@ -6,7 +6,9 @@ RM0090 17.3.10 to 17.3.13 and table 72 (output control bits), RM0440 28.3.17 to 
 
 from .inputs import FALLING, Inputs
 
-CCMR1, CCMR2, CCER, BDTR = 0x18, 0x1C, 0x20, 0x44
+CCMR1, CCMR2, CCER, BDTR, AF1 = 0x18, 0x1C, 0x20, 0x44, 0x60
+# AF1.BKINE. A reset leaves it at 1 (RM0440 and RM0433, TIMx_AF1); here at 0, so that a program must not build on that.
+BREAK_PIN = 1 << 0
 FROZEN, ACTIVE_ON_MATCH, INACTIVE_ON_MATCH, TOGGLE, FORCED_INACTIVE, FORCED_ACTIVE, PWM1, PWM2 = range(8)
 DEAD_TIME, LOCK, OFF_STATE_IDLE, OFF_STATE_RUN, BREAK_ENABLED, BREAK_ACTIVE_HIGH, AUTOMATIC, MAIN = (
     0xFF, 3 << 8, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15,
@@ -23,7 +25,7 @@ class Outputs:
     def __init__(self, timer):
         self.timer = timer
         self.modes = {CCMR1: 0, CCMR2: 0}
-        self.enables = self.main = 0
+        self.enables = self.main = self.sources = 0
         self.is_lock_written = False
         # The references of the modes that keep them between matches.
         self.references = [False] * timer.facts.channels
@@ -91,8 +93,10 @@ class Outputs:
     # --- break
 
     def is_break_input_active(self):
-        """Nothing is wired to the break inputs: an input that no pin is mapped to reads 0."""
-        return bool(self.main & BREAK_ENABLED) and not self.main & BREAK_ACTIVE_HIGH
+        """Whether the break input has its active level, and the break is enabled."""
+        is_admitted = not self.timer.facts.gated or self.sources & BREAK_PIN
+        level = is_admitted and self.timer.board.pins.break_level(self.timer.number)
+        return bool(self.main & BREAK_ENABLED) and bool(level) == bool(self.main & BREAK_ACTIVE_HIGH)
 
     def break_in(self, by_program):
         """Switches the main output off if the timer has a break and it is enabled; the program's own break (EGR.BG)
@@ -120,6 +124,8 @@ class Outputs:
         known = self.modes | {CCER: self.enables}
         if self.has_main():
             known[BDTR] = self.main
+        if self.timer.facts.gated:
+            known[AF1] = self.sources
         assert offset in known, f"TIM{self.timer.number} has no modelled register {offset:#x}"
         return known[offset]
 
@@ -150,6 +156,10 @@ class Outputs:
                 assert not (self.is_input(channel) and is_falling), "only captures of rising edges are modelled"
         elif offset == BDTR and self.has_main():
             self.write_break(value)
+        elif offset == AF1 and self.timer.facts.gated:
+            assert not value & ~BREAK_PIN, "of the break's sources only its pin is modelled"
+            if self.lock() == 0:
+                self.sources = value
         else:
             raise AssertionError(f"TIM{self.timer.number} has no modelled register {offset:#x}")
 

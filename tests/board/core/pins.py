@@ -1,12 +1,13 @@
 """The GPIO ports: modes, levels, alternate functions, lock (RM0090 chapter 8, RM0440 chapter 9, RM0433 chapter 11).
 
-`Pins.level` is what the chip itself drives. A pin that it does not drive is None: there the wiring decides, and the mute
-pin's resistor pulls it low.
+`Pins.level` is what the chip itself drives. A pin that it does not drive is None: there the wiring decides. What the program
+reads there is what drives the pin from outside (`drive`), else the level to which a resistor on the board pulls it (`resistors`), else
+that of the chip's own resistor.
 """
 
 MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFRL, AFRH, BRR = range(0x00, 0x2C, 4)
 INPUT, OUTPUT, ALTERNATE, ANALOGUE = range(4)
-LOCK_KEY = 1 << 16
+LOCK_KEY, PULLED_UP = 1 << 16, 0b01
 # What the lock freezes, by the bits that a pin has in the register.
 LOCKED = {MODER: 2, OTYPER: 1, OSPEEDR: 2, PUPDR: 2, AFRL: 4, AFRH: 4}
 
@@ -24,7 +25,7 @@ class Port:
 
     def read(self, offset):
         if offset == IDR:
-            return sum((self.pins.level(f"P{self.letter}{number}") or 0) << number for number in range(16))
+            return sum(self.pins.read(f"P{self.letter}{number}") << number for number in range(16))
         if offset == LCKR:
             self.lock_read()
             return self.locked | (LOCK_KEY if self.locked else 0)
@@ -71,11 +72,13 @@ class Port:
 
 class Pins:
     """All ports. `alternates` says what a pin's alternate function is: (pin, number) -> (timer, output), (timer, "IN" and
-    the input's channel), or a text."""
+    the input's channel), (timer, "BKIN"), or a text."""
 
-    def __init__(self, board, alternates, resets):
+    def __init__(self, board, alternates, resets, resistors):
         self.board, self.alternates = board, alternates
         self.levels = {}
+        # By pin: what drives it from outside, and the level to which a resistor on the board pulls it.
+        self.outside, self.resistors = {}, dict(resistors)
         # By pin that has been asked for: the timer's output that drives it, and whether as an open drain. Until a port changes.
         self.drivers = {}
         self.by_timer = {}
@@ -114,6 +117,12 @@ class Pins:
         # An open drain drives its low level only.
         return None if is_open and level == 1 else level
 
+    def read(self, name):
+        """What the program reads: the level at the pin."""
+        pulled = self.ports[name[1]].registers[PUPDR] >> 2 * int(name[2:]) & 3 == PULLED_UP
+        levels = self.level(name), self.outside.get(name), self.resistors.get(name), int(pulled)
+        return next(level for level in levels if level is not None)
+
     def driver(self, name):
         """What gives the level that drives a pin, and whether it is an open drain."""
         registers, number = self.ports[name[1]].registers, int(name[2:])
@@ -123,15 +132,23 @@ class Pins:
             drive = lambda: level
         elif mode == ALTERNATE and isinstance(self.alternate(name), tuple):
             timer, output = self.alternate(name)
-            if not output.startswith("IN"):
+            if not output.startswith(("IN", "BKIN")):
                 drive = lambda: self.board.timers[timer].outputs.level(output)
         return drive, registers[OTYPER] >> number & 1
 
     def drive(self, name, level):
-        """Something outside drives a pin. Only a timer whose input is on this pin sees it."""
+        """Something outside drives a pin."""
+        self.outside[name] = level
         use = self.alternate(name) if self.mode(name) == ALTERNATE else None
         if isinstance(use, tuple) and use[1].startswith("IN"):
             self.board.timers[use[0]].inputs.drive(int(use[1][2:]) - 1, level)
+        elif isinstance(use, tuple) and use[1] == "BKIN":
+            self.board.timers[use[0]].look_at_break()
+
+    def break_level(self, timer):
+        """The level at a timer's break input: 0 where no pin is mapped to it (RM0090 17.3.12)."""
+        names = [name for name in self.by_timer.get(timer, ()) if self.mode(name) == ALTERNATE and self.alternate(name) == (timer, "BKIN")]
+        return self.read(names[0]) if names else 0
 
     def show(self, letter):
         """Notes what has changed on a port."""
@@ -139,6 +156,9 @@ class Pins:
         if letter in self.ports:
             for number in range(16):
                 self.show_pin(f"P{letter}{number}")
+            for (name, _), use in self.alternates.items():
+                if name[1] == letter and isinstance(use, tuple) and use[1] == "BKIN" and use[0] in self.board.timers:
+                    self.board.timers[use[0]].look_at_break()
 
     def show_timer(self, timer):
         if timer in self.by_timer:

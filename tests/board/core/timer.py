@@ -32,6 +32,8 @@ class Facts(NamedTuple):
     channels: int = 4
     # Channels with a complementary output; a timer with one has the break, too.
     complementary: int = 0
+    # Whether the break input's pin passes a gate (TIMx_AF1.BKINE).
+    gated: bool = False
     # Internal triggers: SMCR.TS -> the timer whose trigger output it is.
     masters: dict = {}
 
@@ -211,6 +213,11 @@ class Timer:
             self.status |= BROKEN
             self.outputs.show()
             self.raise_interrupt()
+
+    def look_at_break(self):
+        """The level at the break input has changed."""
+        if self.outputs.has_main() and self.outputs.is_break_input_active():
+            self.break_in()
 
     def raise_interrupt(self):
         if self.status & self.enabled:

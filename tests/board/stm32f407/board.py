@@ -26,7 +26,7 @@ DMA_REQUESTS = {"DAC1": (1, 5, 7), "ADC1": (2, 0, 0), "TIM6_UP": (1, 1, 7), "TIM
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
     ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PB1", 1): (1, "3N"), ("PB1", 2): (3, "4"),
-    ("PB1", 3): (8, "3N"), ("PB7", 2): (4, "IN2"), ("PB8", 2): (4, "3"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"), ("PE13", 1): (1, "3"),
+    ("PB1", 3): (8, "3N"), ("PB7", 2): (4, "IN2"), ("PE15", 1): (1, "BKIN"), ("PB8", 2): (4, "3"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"), ("PE13", 1): (1, "3"),
 }  # fmt: skip
 MODER, OSPEEDR, PUPDR = pins.MODER, pins.OSPEEDR, pins.PUPDR
 # The ports' registers after a reset (RM0090 8.4.1 to 8.4.4).
@@ -39,6 +39,9 @@ FREEZES = {number: (0x08, number - 2) for number in range(2, 8)} | {
     12: (0x08, 6), 14: (0x08, 8), debug.WATCHDOG: (0x08, 12), 1: (0x0C, 0), 8: (0x0C, 1),
 }  # fmt: skip
 REVISION_Y = 0x100F6413
+
+# What pulls pins on the board: the mute pin's resistor (BOARDS.md).
+RESISTORS = {"PB1": 0}
 
 
 class Power(registers.Registers):
@@ -73,7 +76,7 @@ class Board(board.Board):
         self.clocks = F407Clocks(self)
         self.exti = registers.Exti(mask=0x00, rising=0x08, falling=0x0C, waiting=0x14, others=(0x04, 0x10))
         self.system = system.SystemConfiguration(self)
-        self.pins = pins.Pins(self, ALTERNATES, PORTS)
+        self.pins = pins.Pins(self, ALTERNATES, PORTS, RESISTORS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
         self.dac = dac.Dac(self, 54, DAC_TRIGGERS)
         # Only the bus matrix's DMA ports count: the core-coupled RAM is the core's alone (RM0090 2.1).

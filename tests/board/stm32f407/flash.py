@@ -10,9 +10,10 @@ BASE, START, SIZE = 0x40023C00, 0x08000000, 1 << 20
 ACR, KEYR, SR, CR, OPTCR = 0x00, 0x04, 0x0C, 0x10, 0x14
 PROGRAM, ERASE, BEGIN = 1 << 0, 1 << 1, 1 << 16
 BROWN_OUT_LEVEL_3 = 0x0FFFAAE1
-# The longest that 16 KiB take, by PSIZE (CR bits 9 and 8: 8, 16, 32, 64 bits at a time), and in proportion (DS8626
-# Rev 12, table 40); a word in 16 us.
-ERASE_SECONDS_PER_BYTE, PROGRAM_SECONDS = [seconds / 0x4000 for seconds in (0.8, 0.6, 0.5, 0.5)], 16e-6
+# The longest that a sector takes, by its size and by PSIZE (CR bits 9 and 8: 8, 16, 32, 64 bits at a time; DS8626 Rev 12, table
+# 40); a word in 16 us.
+ERASE_SECONDS = {0x4000: (0.8, 0.6, 0.5, 0.5), 0x10000: (2.4, 1.4, 1.1, 1.1), 0x20000: (4.0, 2.6, 2.0, 2.0)}
+PROGRAM_SECONDS = 16e-6
 
 
 def sector(number):
@@ -83,6 +84,6 @@ class Flash(flash.Flash):
         self.board.cpu.mem_write(start, b"\xff" * erased)
         self.board.note("erase", number)
         self.is_cache_stale = bool(self.access & CACHES_DATA)
-        self.board.stall(size * ERASE_SECONDS_PER_BYTE[self.control >> 8 & 3])
+        self.board.stall(ERASE_SECONDS[size][self.control >> 8 & 3])
         if is_cut:
             self.board.cut_power()

@@ -12,13 +12,13 @@ SRAM, SYSTEM_MEMORY = 0x20000000, 0x1FFF0000
 DMA_IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 96], 2: [56, 57, 58, 59, 60, 97, 98, 99]}
 # RM0440 table 97 (vectors), chapters 28 to 31.
 TIMERS = {
-    1: timer.Facts(0x40012C00, (25, 27, 24), bus=2, complementary=4), 2: timer.Facts(0x40000000, (28,), 32),
+    1: timer.Facts(0x40012C00, (25, 27, 24), bus=2, complementary=4, gated=True), 2: timer.Facts(0x40000000, (28,), 32),
     3: timer.Facts(0x40000400, (29,), masters={0: 1, 1: 2, 3: 4}), 4: timer.Facts(0x40000800, (30,)), 5: timer.Facts(0x40000C00, (50,), 32),
     6: timer.Facts(0x40001000, (54,), channels=0), 7: timer.Facts(0x40001400, (55,), channels=0),
-    8: timer.Facts(0x40013400, (44, 46, 43), bus=2, complementary=4),
-    15: timer.Facts(0x40014000, (24,), bus=2, channels=2, complementary=1),
-    16: timer.Facts(0x40014400, (25,), bus=2, channels=1, complementary=1),
-    17: timer.Facts(0x40014800, (26,), bus=2, channels=1, complementary=1),
+    8: timer.Facts(0x40013400, (44, 46, 43), bus=2, complementary=4, gated=True),
+    15: timer.Facts(0x40014000, (24,), bus=2, channels=2, complementary=1, gated=True),
+    16: timer.Facts(0x40014400, (25,), bus=2, channels=1, complementary=1, gated=True),
+    17: timer.Facts(0x40014800, (26,), bus=2, channels=1, complementary=1, gated=True),
 }  # fmt: skip
 # TSEL1 of DAC1 (RM0440 table 186): the timer whose TRGO it is.
 DAC_TRIGGERS = {1: 8, 2: 7, 3: 15, 4: 2, 5: 4, 7: 6, 8: 3}
@@ -27,7 +27,7 @@ REQUESTS = {"ADC1": 5, "DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "T
 # DS12288 table 13.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PA6", 2): (3, "IN1"), ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB5", 10): (17, "1"),
+    ("PA2", 7): "USART2_TX", ("PA3", 7): "USART2_RX", ("PA6", 2): (3, "IN1"), ("PC7", 2): (3, "2"), ("PB5", 3): (8, "3N"), ("PB7", 5): (8, "BKIN"), ("PB5", 10): (17, "1"),
 }  # fmt: skip
 # RM0440 9.4.1 to 9.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFG"}
@@ -44,6 +44,9 @@ REVISION_X = 0x20036469
 def dac_speed(bus_hz):
     """DAC_MCR.HFSEL by the AHB's clock (RM0440 22.7.16)."""
     return 0b10 if bus_hz > 160e6 else 0b01 if bus_hz > 80e6 else 0b00
+
+# What pulls pins on the board: the mute pin's resistor (BOARDS.md).
+RESISTORS = {"PB5": 0}
 
 
 class Power(registers.Registers):
@@ -96,7 +99,7 @@ class Board(board.Board):
         others = (0x04, 0x10, 0x20, 0x24, 0x28, 0x2C, 0x30, 0x34)
         self.exti = registers.Exti(mask=0x00, rising=0x08, falling=0x0C, waiting=0x14, others=others)
         self.system = registers.Registers("SYSCFG", dict.fromkeys(range(0x00, 0x2C, 4), 0))
-        self.pins = pins.Pins(self, ALTERNATES, PORTS)
+        self.pins = pins.Pins(self, ALTERNATES, PORTS, RESISTORS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
         self.dac = dac.DacWithMode(self, 54, DAC_TRIGGERS, lambda: self.clocks.frequencies.ahb, dac_speed)
         reaches = ((SRAM, 96 << 10), (0x10000000, 1 << 15), (flash.START, flash.SIZE))

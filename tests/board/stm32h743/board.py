@@ -11,13 +11,13 @@ ITCM, DTCM, AXI, SRAM1 = 0, 0x20000000, 0x24000000, 0x30000000
 DMA_IRQS = {1: [11, 12, 13, 14, 15, 16, 17, 47], 2: [56, 57, 58, 59, 60, 68, 69, 70]}
 # RM0433 table 140 (vectors), chapters 38 to 43.
 TIMERS = {
-    1: timer.Facts(0x40010000, (25, 27, 24), bus=2, complementary=3), 2: timer.Facts(0x40000000, (28,), 32),
+    1: timer.Facts(0x40010000, (25, 27, 24), bus=2, complementary=3, gated=True), 2: timer.Facts(0x40000000, (28,), 32),
     3: timer.Facts(0x40000400, (29,)), 4: timer.Facts(0x40000800, (30,), masters={0: 1, 1: 2, 2: 3, 3: 8}), 5: timer.Facts(0x40000C00, (50,), 32),
     6: timer.Facts(0x40001000, (54,), channels=0), 7: timer.Facts(0x40001400, (55,), channels=0),
-    8: timer.Facts(0x40010400, (44, 46, 43), bus=2, complementary=3), 12: timer.Facts(0x40001800, (43,), channels=2),
-    15: timer.Facts(0x40014000, (116,), bus=2, channels=2, complementary=1),
-    16: timer.Facts(0x40014400, (117,), bus=2, channels=1, complementary=1),
-    17: timer.Facts(0x40014800, (118,), bus=2, channels=1, complementary=1),
+    8: timer.Facts(0x40010400, (44, 46, 43), bus=2, complementary=3, gated=True), 12: timer.Facts(0x40001800, (43,), channels=2),
+    15: timer.Facts(0x40014000, (116,), bus=2, channels=2, complementary=1, gated=True),
+    16: timer.Facts(0x40014400, (117,), bus=2, channels=1, complementary=1, gated=True),
+    17: timer.Facts(0x40014800, (118,), bus=2, channels=1, complementary=1, gated=True),
 }  # fmt: skip
 # TSEL1 (RM0433 table 218): the timer whose TRGO it is.
 DAC_TRIGGERS = {1: 1, 2: 2, 3: 4, 4: 5, 5: 6, 6: 7, 7: 8, 8: 15}
@@ -26,7 +26,7 @@ REQUESTS = {"ADC1": 9, "DAC1": 67, "TIM6_UP": 69, "TIM1_UP": 15, "TIM8_UP": 51}
 # DS12110 tables 10 to 20.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
-    ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PD14", 2): (4, "IN3"), ("PD15", 2): (4, "4"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"),
+    ("PA11", 10): "OTG_FS_DM", ("PA12", 10): "OTG_FS_DP", ("PD14", 2): (4, "IN3"), ("PD15", 2): (4, "4"), ("PE15", 1): (1, "BKIN"), ("PE9", 1): (1, "1"), ("PE11", 1): (1, "2"),
 }  # fmt: skip
 # RM0433 11.4.1 to 11.4.4.
 PORTS = {letter: {pins.MODER: 0xFFFFFFFF} for letter in "CDEFGHIJK"}
@@ -40,6 +40,9 @@ FREEZES |= {1: (0x4C, 0), 8: (0x4C, 1), 15: (0x4C, 16), 16: (0x4C, 17), 17: (0x4
 REVISION_Y = 0x10036450
 # The fix of revision Y's AXI SRAM (ES0392 Rev 8, 2.2.9): AXI_TARG7_FN_MOD.
 INTERCONNECT, ISSUING = 0x51008000, 0x108
+
+# What pulls pins on the board: the mute pin's resistor (BOARDS.md).
+RESISTORS = {"PE9": 0}
 
 
 class Power(registers.Registers):
@@ -109,7 +112,7 @@ class Board(board.Board):
         self.exti = registers.Exti(mask=0x80, rising=0x00, falling=0x04, waiting=0x88, others=(0x08, 0x84))
         self.system = registers.Registers("SYSCFG", dict.fromkeys((0x04, 0x08, 0x0C, 0x10, 0x14, 0x18, 0x20, 0x2C), 0))
         self.interconnect = registers.Registers("AXI interconnect", {ISSUING: 0})
-        self.pins = pins.Pins(self, ALTERNATES, PORTS)
+        self.pins = pins.Pins(self, ALTERNATES, PORTS, RESISTORS)
         self.timers |= {number: timer.Timer(self, number, facts) for number, facts in TIMERS.items()}
         # Revision Y has no HFSEL.
         self.dac = dac.DacWithMode(self, 54, DAC_TRIGGERS)

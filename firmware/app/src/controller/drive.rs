@@ -3,8 +3,9 @@
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use slipline_protocol::command::{Apply, Chord, Comb, Drive};
-use slipline_protocol::event::{Accepted, AcceptedUntil, Event};
+use slipline_protocol::command::{Apply, ArmLease, Chord, Comb, Drive};
+use slipline_protocol::event::{Accepted, AcceptedUntil, Event, Fault};
+use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::SampleIndex;
 
@@ -13,7 +14,7 @@ use crate::mailbox::View;
 use crate::mailbox::{Mailbox, NotPublished};
 use crate::motion::Motion;
 use crate::planning::plan::Planner;
-use crate::ports::{FlashPages, System};
+use crate::ports::{FlashPages, StopInput, System, UserButton};
 use crate::range::in_range;
 use crate::safety::faults::FaultLatch;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
@@ -24,6 +25,9 @@ const LONGEST_LEAD: u64 = 64;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     pub(super) fn arm<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<SampleIndex, Refusal> {
+        if self.is_stopped_on_the_desk() {
+            mailbox.latch(Fault::DeskStop);
+        }
         let view = mailbox.view();
         self.refuse_if_unfit(view.faults)?;
         if view.armed {
@@ -41,6 +45,31 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         }
         self.user_acted_at = view.next;
         Ok(mailbox.arm())
+    }
+
+    pub(super) fn arm_for<M: RawMutex>(
+        &mut self,
+        ArmLease { lease_ms }: ArmLease,
+        mailbox: &Mailbox<M>,
+    ) -> Result<SampleIndex, Refusal> {
+        let (least, most) = limits::LEASE_MS;
+        in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
+        let ready = self.arm(mailbox)?;
+        // Of an armed device only the lease begins anew: the longest drive counts from what the user drives.
+        mailbox.lease(self.timing.samples(lease_ms), self.user_acted_at.max(mailbox.now()));
+        Ok(ready)
+    }
+
+    /// The user has acted, or will at this index: the drive's time and the lease begin anew.
+    fn user_acts<M: RawMutex>(&mut self, at: SampleIndex, mailbox: &Mailbox<M>) {
+        self.user_acted_at = self.user_acted_at.max(at);
+        mailbox.begin_lease(at);
+    }
+
+    /// Whether the user holds the button, or the stop input is open.
+    pub(super) fn is_stopped_on_the_desk(&self) -> bool {
+        let board = self.system.board();
+        board.user_button == UserButton::Pressed || board.stop_input == StopInput::Open
     }
 
     pub(super) fn refuse_unless_armed(&self, armed: bool, faults: FaultLatch) -> Result<(), Refusal> {
@@ -74,15 +103,18 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<Published, Refusal> {
         self.refuse_unless_drivable(drive.glide, drive.apply, mailbox)?;
+        if is_stopped() {
+            return Err(Refusal::Busy(Busy::DriveActive));
+        }
         let published = publish(mailbox, &self.lead, hand_over(drive.apply), |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             let at = self.begin(drive.apply, view.next.max(view.ready_at), view, lead)?;
             let motion = self.planner(mailbox, is_stopped).drive(drive, at, self.active, &view.motion)?;
-            self.excursion.check(&motion, mailbox.slots())?;
+            self.check_motion(&motion, false, mailbox)?;
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acted_at = self.user_acted_at.max(published.at);
+        self.user_acts(published.at, mailbox);
         Ok(published)
     }
 
@@ -99,8 +131,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
         planner.place_chord(chord, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
-        self.candidate.check(is_stopped)?;
-        self.rise(chord.glide, chord.apply, is_stopped, mailbox)
+        self.candidate.check(self.bounds.ceiling(), is_stopped)?;
+        self.rise(chord.glide, chord.apply, true, is_stopped, mailbox)
     }
 
     /// Never inlined, as [`Controller::chord`].
@@ -116,14 +148,15 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Planner { slots: mailbox.slots(), shape: &self.shape, timing: &self.timing, is_stopped };
         planner.place_comb(comb, self.active, &mut self.candidate.tones)?;
         refuse_unless_fading(mailbox)?;
-        self.rise(comb.glide, comb.apply, is_stopped, mailbox)
+        self.rise(comb.glide, comb.apply, false, is_stopped, mailbox)
     }
 
-    /// Lets the candidate's tones rise from silence.
+    /// Lets the candidate's tones rise from silence; `is_proven`: their peak is known to be within the bounds.
     fn rise<M: RawMutex>(
         &mut self,
         glide: u32,
         apply: Apply,
+        is_proven: bool,
         is_stopped: &mut dyn FnMut() -> bool,
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
@@ -137,11 +170,11 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             let at = self.begin(apply, earliest, view, lead)?;
             let mut planner = self.planner(mailbox, is_stopped);
             let motion = planner.chord(&self.candidate.tones, at, glide, self.active, &view.motion)?;
-            self.excursion.check(&motion, mailbox.slots())?;
+            self.check_motion(&motion, is_proven, mailbox)?;
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acted_at = self.user_acted_at.max(at);
+        self.user_acts(at, mailbox);
         Ok(at)
     }
 
@@ -155,6 +188,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let (armed, faults) = mailbox.standing();
         self.refuse_unless_armed(armed, faults)?;
         self.excursion.check_glide(glide, &self.timing)?;
+        self.bounds.travel.check_glide(glide, &self.timing)?;
         if apply == Apply::AtTrigger && !self.system.has_trigger_input() {
             return Err(Refusal::NotSupported);
         }
@@ -208,7 +242,7 @@ impl Published {
 }
 
 /// How a motion is handed over.
-type HandOver<M> = fn(&Mailbox<M>, Motion, &View) -> Result<(), NotPublished>;
+type HandOver<M> = fn(&Mailbox<M>, &Motion, &View) -> Result<(), NotPublished>;
 
 fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
     match apply {
@@ -227,7 +261,7 @@ fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
     lead: &Cell<u64>,
-    hand_over: impl Fn(&Mailbox<M>, Motion, &View) -> Result<(), NotPublished>,
+    hand_over: impl Fn(&Mailbox<M>, &Motion, &View) -> Result<(), NotPublished>,
     mut make: impl FnMut(&View, u64) -> Result<Motion, Refusal>,
 ) -> Result<Published, Refusal> {
     for least in LEADS {
@@ -239,7 +273,7 @@ pub(super) fn publish<M: RawMutex>(
             break;
         }
         let motion = make(&view, least.max(lead.get()).saturating_mul(BLOCK_SAMPLES))?;
-        let handed_over = hand_over(mailbox, motion, &view);
+        let handed_over = hand_over(mailbox, &motion, &view);
         let taken = mailbox.now().saturating_sub(view.next).checked_div(BLOCK_SAMPLES).unwrap_or(0);
         lead.set(taken.max(lead.get().saturating_sub(1)).clamp(lead.get().min(1), LONGEST_LEAD));
         match handed_over {

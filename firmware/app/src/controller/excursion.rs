@@ -8,8 +8,6 @@ use slipline_protocol::refusal::{Busy, Refusal};
 use super::Controller;
 use crate::mailbox::Mailbox;
 use crate::ports::{FlashPages, System};
-use crate::slots::TableRef;
-use crate::upload::Upload;
 
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// Puts a limit in force, or none. What sounds was judged by the limit before, so it must have ended. Judging two
@@ -22,9 +20,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if !mailbox.view().is_silent() {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        let coming = TableRef { slot: self.active.slot.other(), knots: 0 };
-        let coming = self.upload.as_ref().map_or(coming, Upload::written);
-        self.excursion.set(setting.limit, [self.active, coming], mailbox.slots())?;
+        let tables = self.tables();
+        self.excursion.set(setting.limit, tables, mailbox.slots())?;
         Ok(self.travel_limit())
     }
 

@@ -16,9 +16,7 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Vec;
 use slipline_protocol::Event;
 use slipline_protocol::hold::{self as wire, Held, HoldProgress, HoldSetting};
-use slipline_protocol::limits::{
-    HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_AT_RISE_MS, MAX_HOLD_CDB, MAX_RISE_CDB, MAX_TONES,
-};
+use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_AT_RISE_MS, MAX_HOLD_CDB, MAX_TONES};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
@@ -136,8 +134,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// The loops' parameters.
     fn setting(&self, asked: &HoldSetting) -> Result<LoopSetting, Refusal> {
         let timing = &self.timing;
-        let shortest =
-            self.excursion.limit().map_or(timing.min_glide, |limit| shortest_glide(&limit, timing));
+        let limits = [self.excursion.limit(), self.bounds.travel.limit()].into_iter().flatten();
+        let shortest = limits.map(|limit| shortest_glide(&limit, timing)).max().unwrap_or(timing.min_glide);
         // The levels glide for half a period.
         let blocks = |glide: u32| u64::from(glide).saturating_mul(2).div_ceil(BLOCK_SAMPLES);
         let pause = u64::from(HOLD_PAUSE_BLOCKS);
@@ -154,7 +152,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Ok(LoopSetting {
             period: u32::try_from(period).unwrap_or(u32::MAX),
             tau: asked.time_constant,
-            max_rise: level(Field::MaxRise, 0, MAX_RISE_CDB, asked.max_rise)?,
+            max_rise: level(Field::MaxRise, 0, self.bounds.max_rise_cdb(), asked.max_rise)?,
             at_rise: u32::try_from(timing.samples(MAX_AT_RISE_MS)).unwrap_or(u32::MAX),
             slew: level(Field::Slew, 1, MAX_HOLD_CDB, asked.slew)?,
         })

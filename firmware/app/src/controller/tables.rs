@@ -36,7 +36,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             let at = view.next.saturating_add(lead);
             let motion = self.planner(mailbox, is_stopped).swap(at, table, &view.motion)?;
-            self.excursion.check(&motion, mailbox.slots())?;
+            self.check_motion(&motion, false, mailbox)?;
             Ok(motion)
         })?;
         self.end_hold(mailbox);
@@ -117,7 +117,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
 
 /// Erasing flash stalls the processor for seconds, in which no stop is served: only with the amplifier off, where a
 /// repeated mid-scale is not felt.
-fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+pub(super) fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal> {
     let view = mailbox.view();
     if view.armed {
         Err(Refusal::DisarmFirst)
@@ -129,6 +129,6 @@ fn refuse_unless_muted<M: RawMutex>(mailbox: &Mailbox<M>) -> Result<(), Refusal>
     }
 }
 
-const fn unchanged(at: SampleIndex) -> Event {
+pub(super) const fn unchanged(at: SampleIndex) -> Event {
     Event::Unchanged(Accepted { at })
 }

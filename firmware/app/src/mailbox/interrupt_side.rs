@@ -55,6 +55,7 @@ impl<M: RawMutex> Mailbox<M> {
                 armed: shared.armed.get(),
                 ready_at: shared.ready_at.get(),
                 fed_at: shared.fed_at.get(),
+                lease_ends: shared.lease_ends.get(),
                 limit_per_mille: shared.limit_per_mille.get(),
                 digest: shared.digest.get(),
             };

@@ -23,6 +23,8 @@ pub struct Orders {
     pub ready_at: SampleIndex,
     /// The index of the last keep-alive.
     pub fed_at: SampleIndex,
+    /// Where the device disarms by its lease.
+    pub lease_ends: SampleIndex,
     /// What the thermal fold-back leaves of every amplitude, per mille; `None` before the coil is known of.
     pub limit_per_mille: Option<u16>,
     /// The digest that is asked for.

@@ -28,7 +28,7 @@ impl<M: RawMutex> Mailbox<M> {
     ///
     /// # Errors
     /// [`NotPublished`]; nothing has begun then.
-    pub fn publish(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
+    pub fn publish(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
         self.hand_over(motion, view, Manner { waits: false, yields: false })
     }
 
@@ -36,7 +36,7 @@ impl<M: RawMutex> Mailbox<M> {
     ///
     /// # Errors
     /// As [`Mailbox::publish`].
-    pub fn publish_yielding(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
+    pub fn publish_yielding(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
         self.hand_over(motion, view, Manner { waits: false, yields: true })
     }
 
@@ -45,7 +45,7 @@ impl<M: RawMutex> Mailbox<M> {
     ///
     /// # Errors
     /// As [`Mailbox::publish`].
-    pub fn publish_waiting(&self, motion: Motion, view: &View) -> Result<(), NotPublished> {
+    pub fn publish_waiting(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
         self.hand_over(motion, view, Manner { waits: true, yields: true })
     }
 
@@ -60,7 +60,7 @@ impl<M: RawMutex> Mailbox<M> {
         })
     }
 
-    fn hand_over(&self, motion: Motion, view: &View, manner: Manner) -> Result<(), NotPublished> {
+    fn hand_over(&self, motion: &Motion, view: &View, manner: Manner) -> Result<(), NotPublished> {
         let refusal = |shared: &Shared| {
             let is_late = motion.start() < shared.next.get()
                 || shared.changes.get() != view.changes
@@ -84,7 +84,7 @@ impl<M: RawMutex> Mailbox<M> {
             shared.is_publishing.set(true);
             Ok(shared.live.get().other())
         })?;
-        spare.of(&self.motions).store(&motion);
+        spare.of(&self.motions).store(motion);
         self.shared.lock(|shared| {
             shared.is_publishing.set(false);
             refusal(shared)?;

@@ -11,6 +11,9 @@ use crate::digest::DigestState;
 use crate::motion::outline::Outline;
 use crate::safety::faults::FaultLatch;
 
+/// The lease of a device that was armed without one.
+pub(super) const NO_LEASE: u64 = u64::MAX;
+
 /// What lies under the lock.
 pub(super) struct Shared {
     pub(super) next: Cell<SampleIndex>,
@@ -36,6 +39,10 @@ pub(super) struct Shared {
     pub(super) armed: Cell<bool>,
     pub(super) ready_at: Cell<SampleIndex>,
     pub(super) fed_at: Cell<SampleIndex>,
+    /// How long the device stays armed without a drive, in samples; [`NO_LEASE`] for ever.
+    pub(super) lease: Cell<u64>,
+    /// The index at which that is over.
+    pub(super) lease_ends: Cell<SampleIndex>,
     pub(super) limit_per_mille: Cell<Option<u16>>,
     pub(super) report: Cell<Report>,
     pub(super) faults: Cell<FaultLatch>,
@@ -85,6 +92,8 @@ impl Shared {
             armed: Cell::new(false),
             ready_at: Cell::new(0),
             fed_at: Cell::new(0),
+            lease: Cell::new(NO_LEASE),
+            lease_ends: Cell::new(NO_LEASE),
             limit_per_mille: Cell::new(None),
             report: Cell::new(Report::SILENT),
             faults: Cell::new(FaultLatch::new()),
@@ -117,6 +126,12 @@ impl Shared {
         let outline = self.live.get().other().of(&self.outlines);
         outline.set(outline.get().starting_at(index));
         self.began.set(Some(index));
+        self.begin_lease(index);
+    }
+
+    /// The lease begins anew at an index, unless it has begun later.
+    pub(super) fn begin_lease(&self, index: SampleIndex) {
+        self.lease_ends.set(index.saturating_add(self.lease.get()).max(self.lease_ends.get()));
     }
 
     pub(super) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {

@@ -54,7 +54,7 @@ fn sounding() -> (Box<Local>, Renderer) {
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &mailbox, 1);
     let at = mailbox.arm();
-    assert_eq!(mailbox.publish(onset(at, &mailbox), &mailbox.view()), Ok(()));
+    assert_eq!(mailbox.publish(&onset(at, &mailbox), &mailbox.view()), Ok(()));
     render(&mut renderer, &mailbox, 40);
     assert!(!mailbox.view().is_silent());
     (mailbox, renderer)
@@ -65,12 +65,12 @@ fn a_program_is_refused_while_another_is_pending_and_when_its_index_has_passed()
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &mailbox, 2);
     let view = mailbox.view();
-    assert_eq!(mailbox.publish(onset(view.next + 256, &mailbox), &view), Ok(()));
-    assert_eq!(mailbox.publish(onset(view.next + 512, &mailbox), &view), Err(NotPublished::Pending));
+    assert_eq!(mailbox.publish(&onset(view.next + 256, &mailbox), &view), Ok(()));
+    assert_eq!(mailbox.publish(&onset(view.next + 512, &mailbox), &view), Err(NotPublished::Pending));
     mailbox.stop(Stop::Normal);
     render(&mut renderer, &mailbox, 1);
-    assert_eq!(mailbox.publish(onset(view.next, &mailbox), &view), Err(NotPublished::Late));
-    assert_eq!(mailbox.publish(onset(mailbox.now(), &mailbox), &view), Ok(()));
+    assert_eq!(mailbox.publish(&onset(view.next, &mailbox), &view), Err(NotPublished::Late));
+    assert_eq!(mailbox.publish(&onset(mailbox.now(), &mailbox), &view), Ok(()));
 }
 
 #[test]
@@ -79,13 +79,13 @@ fn a_program_made_for_a_motion_that_has_changed_since_is_refused() {
     let view = mailbox.view();
     mailbox.stop(Stop::Normal);
     assert_eq!(
-        mailbox.publish(onset(view.next, &mailbox), &view),
+        mailbox.publish(&onset(view.next, &mailbox), &view),
         Err(NotPublished::Late),
         "the stop is ordered"
     );
     render(&mut renderer, &mailbox, 1);
     assert_eq!(
-        mailbox.publish(onset(mailbox.now(), &mailbox), &view),
+        mailbox.publish(&onset(mailbox.now(), &mailbox), &view),
         Err(NotPublished::Late),
         "the stop ramps"
     );
@@ -109,7 +109,7 @@ fn a_slot_that_a_pending_program_goes_by_is_not_written() {
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &mailbox, 1);
     assert!(mailbox.slot_is_free(SlotIndex::Second));
-    assert_eq!(mailbox.publish(onset(mailbox.now() + 4096, &mailbox), &mailbox.view()), Ok(()));
+    assert_eq!(mailbox.publish(&onset(mailbox.now() + 4096, &mailbox), &mailbox.view()), Ok(()));
     assert!(!mailbox.slot_is_free(SlotIndex::Second));
     assert!(mailbox.slot_is_free(SlotIndex::First));
 }
@@ -145,7 +145,7 @@ fn the_first_thermal_limit_is_in_force_before_anything_can_sound() {
     render(&mut renderer, &mailbox, 3);
     mailbox.set_limit(500);
     let at = mailbox.arm();
-    assert_eq!(mailbox.publish(onset(at, &mailbox), &mailbox.view()), Ok(()));
+    assert_eq!(mailbox.publish(&onset(at, &mailbox), &mailbox.view()), Ok(()));
     for _ in 0..40 {
         render(&mut renderer, &mailbox, 1);
         assert!(mailbox.view().report.sum <= u64::from(Gain::FULL.0) / 2);
@@ -281,7 +281,8 @@ fn the_cost_that_is_told_is_that_of_the_dearest_block() {
         .flatten()
         .collect();
     let counter = Readings(readings.into_iter());
-    let ports = RendererPorts { dac: Takes(4), mute: NoPin, trigger: (), cycles: counter, sense: () };
+    let ports =
+        RendererPorts { dac: Takes(4), mute: NoPin, trigger: (), button: (), cycles: counter, sense: () };
     let values = Values::new();
     let mut listener = Listener::starting_at(renderer.index(), &values);
     let mut running = core::pin::pin!(renderer.run(&mailbox, ports, &mut listener));
@@ -294,7 +295,7 @@ fn the_cost_that_is_told_is_that_of_the_dearest_block() {
 fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &mailbox, 2);
-    assert_eq!(mailbox.publish(onset(mailbox.now(), &mailbox), &mailbox.view()), Ok(()));
+    assert_eq!(mailbox.publish(&onset(mailbox.now(), &mailbox), &mailbox.view()), Ok(()));
     assert_eq!(render(&mut renderer, &mailbox, 40), [crate::bank::code::MID_SCALE; BLOCK]);
     assert!(renderer.is_muted());
 }

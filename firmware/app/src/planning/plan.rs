@@ -20,9 +20,6 @@ use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
 use crate::timing::Timing;
 
-/// Tones that are planned between two looks for a stop: together they take about a twentieth of a block's time.
-const TONES_AT_ONCE: usize = 2;
-
 /// Inputs of the planner: tables, ramp shape, limits of time, and the check for a stop.
 pub struct Planner<'a> {
     /// The tables.
@@ -31,7 +28,8 @@ pub struct Planner<'a> {
     pub shape: &'a RampShape,
     /// The limits of times.
     pub timing: &'a Timing,
-    /// Whether a stop has come. Called every few tones, since planning may take as long as a block.
+    /// Whether a stop has come. Called before each tone and between all other parts of the work, since planning may take as long as a
+    /// block, and a device that measures leaves the thread a fifth of it.
     pub is_stopped: &'a mut dyn FnMut() -> bool,
 }
 
@@ -52,6 +50,7 @@ impl Planner<'_> {
         table: TableRef,
         motion: &Motion,
     ) -> Result<Motion, Refusal> {
+        self.refuse_if_stopped()?;
         let targets = self.targets(drive, table)?;
         self.complete(Program { at, glide: drive.glide, table, targets }, motion)
     }
@@ -185,15 +184,13 @@ impl Planner<'_> {
     /// Checks the headroom, stretches the glide, and goes on from where the tones are.
     fn complete(&mut self, mut program: Program, motion: &Motion) -> Result<Motion, Refusal> {
         let slots = self.slots;
-        let placements = motion.at(program.at, slots, self.shape);
         self.refuse_if_stopped()?;
+        let placements = motion.at(program.at, slots, self.shape);
         let mut ways = [Extremes::default(); MAX_TONES];
         let mut needed = 0;
         let tones = ways.iter_mut().zip(&placements).zip(&program.targets);
-        for (number, ((way, placement), target)) in tones.enumerate() {
-            if number % TONES_AT_ONCE == TONES_AT_ONCE - 1 {
-                self.refuse_if_stopped()?;
-            }
+        for ((way, placement), target) in tones {
+            self.refuse_if_stopped()?;
             // A tone that starts from silence starts at its target, and one that keeps its setting stays where it is.
             if let Some(target) = target.filter(|target| !placement.is_silent() && target.setting.is_none()) {
                 *way = slots.extremes(program.table, placement.position, target.position);
@@ -203,7 +200,9 @@ impl Planner<'_> {
         headroom::check(&program, &placements, &ways, slots)?;
         self.refuse_if_stopped()?;
         program.glide = program.glide.max(needed);
-        Ok(motion.follow(&placements, &program, slots))
+        let next = motion.follow(&placements, &program, slots);
+        self.refuse_if_stopped()?;
+        Ok(next)
     }
 
     fn refuse_if_stopped(&mut self) -> Result<(), Refusal> {

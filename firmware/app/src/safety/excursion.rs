@@ -213,7 +213,11 @@ fn refusal(at_start: f32, at_end: f32) -> Refusal {
     Refusal::Travel { travel_per_mille, allowed_per_mille: allowed_per_mille.min(999) }
 }
 
-fn check_ranges(limit: &TravelLimit) -> Result<(), Refusal> {
+/// Checks the values of a limit.
+///
+/// # Errors
+/// [`Refusal::OutOfRange`] with the field.
+pub(crate) fn check_ranges(limit: &TravelLimit) -> Result<(), Refusal> {
     let check = |field, min: u64, max: u64, got: u64| {
         if (min..=max).contains(&got) {
             return Ok(());

@@ -6,6 +6,7 @@
 //! when it is refused is the controller's; when the output is muted, the renderer's.
 
 pub mod boot;
+pub mod bounds;
 pub mod crash;
 pub mod excursion;
 pub mod fade;

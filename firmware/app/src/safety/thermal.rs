@@ -6,10 +6,10 @@
 //! ```
 //! so from cold a full-scale sine may sound for half a minute, but not for ever. Between [`WARN`] and the limit the
 //! amplitude is folded back linearly to a half; a half of full scale can sound for ever (`P` = 0.33). The constants
-//! are starting values for a voice coil of some tens of grams, on the safe side; a board with another actuator changes
-//! them here.
+//! are starting values for a voice coil of some tens of grams, on the safe side; the profile of a board's actuator changes them.
 
 use micromath::F32Ext;
+use slipline_protocol::profile::CoilHeat;
 use slipline_protocol::units::SampleIndex;
 
 use crate::bank::code;
@@ -25,6 +25,29 @@ pub const WARN: f32 = 0.8;
 /// Factor on the amplitude at the limit.
 pub const FLOOR: f32 = 0.5;
 
+/// The constants of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoilConstants {
+    winding_s: f32,
+    body_s: f32,
+    full_sine: f32,
+}
+
+impl CoilConstants {
+    /// Those of a device without a profile.
+    pub const DEFAULT: Self = Self { winding_s: WINDING_S, body_s: BODY_S, full_sine: FULL_SINE };
+
+    /// Those of a profile.
+    #[must_use]
+    pub fn of(heat: &CoilHeat) -> Self {
+        Self {
+            winding_s: heat.winding_ms as f32 / 1000.0,
+            body_s: heat.body_ms as f32 / 1000.0,
+            full_sine: f32::from(heat.full_sine_per_mille) / 1000.0,
+        }
+    }
+}
+
 /// What is known about the coil's temperature at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Heat {
@@ -38,6 +61,7 @@ pub enum Heat {
 /// The model's state.
 #[derive(Clone, Copy, Debug)]
 pub struct Thermal {
+    constants: CoilConstants,
     winding: f32,
     body: f32,
     /// When it was last advanced; `None` before the first time.
@@ -53,7 +77,12 @@ impl Thermal {
             Heat::Cold => 0.0,
             Heat::AssumedHot => 1.0,
         };
-        Self { winding: rise, body: rise, at: None, energy: 0 }
+        Self { constants: CoilConstants::DEFAULT, winding: rise, body: rise, at: None, energy: 0 }
+    }
+
+    /// Goes on with these constants; the rise stays.
+    pub const fn set_constants(&mut self, constants: CoilConstants) {
+        self.constants = constants;
     }
 
     /// Goes on to `now`, up to which the squares of all codes' distances from mid-scale add up to `energy`.
@@ -70,10 +99,11 @@ impl Thermal {
             swing * swing / 2.0
         };
         let mean_square = energy.wrapping_sub(self.energy).cast_signed() as f32 / samples as f32;
-        let power = FULL_SINE * mean_square / FULL_SINE_SQUARE;
+        let CoilConstants { winding_s, body_s, full_sine } = self.constants;
+        let power = full_sine * mean_square / FULL_SINE_SQUARE;
         let seconds = samples as f32 / sample_rate_hz as f32;
-        self.winding += share(seconds / WINDING_S) * (power - self.winding);
-        self.body += share(seconds / BODY_S) * (power - self.body);
+        self.winding += share(seconds / winding_s) * (power - self.winding);
+        self.body += share(seconds / body_s) * (power - self.body);
         self.at = Some(now);
         self.energy = energy;
     }

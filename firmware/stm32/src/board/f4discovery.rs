@@ -11,7 +11,7 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals, interrupt, peripherals};
 use slipline_app::ports::INPUTS;
 
-use super::{Board, low};
+use super::{Board, MutedPin, low};
 use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
@@ -43,7 +43,12 @@ pub(crate) const MUTE_TIMER_HZ: u32 = 168_000_000;
 pub(crate) const MUTE_CHANNEL: usize = 2;
 pub(crate) const MUTE_IS_COMPLEMENTARY: bool = true;
 pub(crate) const MUTE_FUNCTION: u8 = 1;
+// The user button B1 is PA0 (UM1472).
+pub(crate) const BUTTON_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOA, 0);
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 1);
+// The stop input is PE15: TIM1's break input (alternate function 1, DS8626 table 9).
+pub(crate) const STOP_INPUT_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOE, 15);
+pub(crate) const STOP_INPUT_FUNCTION: u8 = 1;
 
 // The trigger output is PB8: TIM4's channel 3 (alternate function 2, DS8626 table 9). TIM4's internal trigger 3 is TIM8
 // (RM0090 18.4.3).
@@ -78,16 +83,17 @@ pub(crate) fn route_dma(way: &Way, w: &mut pac::dma::regs::Cr) {
 /// Sectors 1 and 2, as offsets from 0x0800_0000; the program leaves them out (memory/f407vg.x).
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x4000, 0x8000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
+/// Sectors 3 and 7, of 16 and 128 KiB: the program ends below sector 7 (memory/f407vg.x).
+pub(crate) const PROFILE_SLOTS: [(u32, usize); 2] = [(0xc000, 16 * 1024), (0x6_0000, 128 * 1024)];
 
 pub(crate) const WATCHDOG: pac::iwdg::Iwdg = pac::IWDG;
 /// One count is 1 ms at the nominal 32 kHz.
 pub(crate) const WATCHDOG_PRESCALER: u32 = 32;
 /// The watchdog's oscillator runs at 17 to 47 kHz (DS8626 table 35).
 pub(crate) const WATCHDOG_FASTEST_HZ: u32 = 47_000;
-/// The nominal period around an erasure: 2.7 s to 7.5 s. The longest stall is the erasure of a 16 KiB sector and the
-/// writing of 8.5 KiB after it. embassy-stm32 0.6 erases with FLASH_CR.PSIZE as its last write has left it: 00, 8 bits at
-/// a time. That takes 800 ms at most (DS8626 table 40; 500 ms at 32 bits). The words are written at 32 bits, 2176 of at
-/// most 100 us each. Together 1.02 s, less than half of the shortest period.
+/// The nominal period around an erasure: 2.7 s to 7.5 s. Of a table the longest stall is the erasure of a 16 KiB sector, 500 ms at most at
+/// 32 bits (DS8626 table 40; `store/f4.rs`), and the writing of 8.5 KiB after it, 2176 words of at most 100 us each: together 0.72 s. Of a
+/// profile it is the erasure of a 128 KiB sector, 2 s at most, and 32 words: within the shortest period.
 pub(crate) const ERASURE_WATCHDOG_MS: u32 = 4_000;
 
 /// System memory (RM0090 table 5; AN2606: PA11/PA12 for DFU).
@@ -140,6 +146,9 @@ pub(crate) fn tune_flash() {
 /// Nothing to do: this DAC has one speed.
 pub(crate) fn tune_dac() {}
 
+/// Nothing to do: this timer has no gate at its break input (RM0090 17.3.12).
+pub(crate) fn admit_break_pin() {}
+
 /// SYSCFG_MEMRMP.MEM_MODE = 01: system memory at address 0, as it is when BOOT0 chooses it (RM0090 9.2.1).
 pub(crate) fn map_system_memory() {
     pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
@@ -152,7 +161,7 @@ pub(crate) fn take(p: Peripherals) -> Board {
     core::mem::forget(Output::new(p.PD4, Level::Low, Speed::Low));
     Board {
         // PB1 is free on this board's headers. The wiring has a resistor to ground on it (BOARDS.md).
-        unmute: low(p.PB1),
+        unmute: MutedPin::take(p.PB1),
         mute_timer: p.TIM1,
         // PB8 is free on this board's headers.
         trigger: low(p.PB8),
@@ -166,6 +175,8 @@ pub(crate) fn take(p: Peripherals) -> Board {
         dac_pin: p.PA4,
         sensors: (p.ADC1, p.ADC2, p.DMA2_CH0),
         sense_pins: [Flex::new(p.PA1), Flex::new(p.PA2)],
+        button: Flex::new(p.PA0),
+        stop_input: Flex::new(p.PE15),
         flash: p.FLASH,
         link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }

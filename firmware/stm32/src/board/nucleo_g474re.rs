@@ -15,7 +15,7 @@ use embassy_stm32::usart::{self, BufferedUart};
 use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, rcc};
 use slipline_app::ports::INPUTS;
 
-use super::{Board, low};
+use super::{Board, MutedPin, low};
 use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
@@ -46,7 +46,12 @@ pub(crate) const MUTE_TIMER_HZ: u32 = 170_000_000;
 pub(crate) const MUTE_CHANNEL: usize = 2;
 pub(crate) const MUTE_IS_COMPLEMENTARY: bool = true;
 pub(crate) const MUTE_FUNCTION: u8 = 3;
+// The user button B1 is PC13 (UM2505).
+pub(crate) const BUTTON_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOC, 13);
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 5);
+// The stop input is PB7: TIM8's break input (alternate function 5, DS12288 table 13).
+pub(crate) const STOP_INPUT_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOB, 7);
+pub(crate) const STOP_INPUT_FUNCTION: u8 = 5;
 
 // The trigger output is PC7: TIM3's channel 2 (alternate function 2, DS12288 table 13). TIM3's internal trigger 3 is TIM4
 // (RM0440, interconnection of TIM2 to TIM5, tim_itr3).
@@ -101,6 +106,8 @@ pub(crate) fn tune_adc(adc: Adc, channel: u8) {
 /// is no bank 2 (no chip is delivered so): embassy-stm32 panics, and the program restarts again and again, muted.
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x7_8000, 0x7_c000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
+/// The 32 KiB before them.
+pub(crate) const PROFILE_SLOTS: [(u32, usize); 2] = [(0x7_0000, SLOT_BYTES), (0x7_4000, SLOT_BYTES)];
 
 pub(crate) const WATCHDOG: pac::iwdg::Iwdg = pac::IWDG;
 /// One count is 1 ms at the nominal 32 kHz.
@@ -181,6 +188,12 @@ pub(crate) fn tune_dac() {
     pac::DAC1.mcr().modify(|w| w.set_hfsel(0b10));
 }
 
+/// TIM8_AF1.BKINE lets the pin with the timer's BKIN function through to the break input. BKINP stays 0: not inverted (RM0440, TIMx_AF1;
+/// the fields are also in stm32-metapac's `Af1Adv`). After a reset BKINE is 1 by the manual; no chip was looked at.
+pub(crate) fn admit_break_pin() {
+    MUTE_TIMER.af1().modify(|w| w.set_bkine(true));
+}
+
 /// SYSCFG_MEMRMP.MEM_MODE = 001: system memory at address 0, as it is when BOOT0 chooses it (RM0440 10.2.1).
 pub(crate) fn map_system_memory() {
     pac::RCC.apb2enr().modify(|w| w.set_syscfgen(true));
@@ -199,7 +212,7 @@ pub(crate) fn take(mut p: Peripherals) -> Board {
     Board {
         // PB5, D4 on the Arduino header; not PB4 or PB6, which USB-C's dead-battery resistors pull after reset. The
         // wiring has a resistor to ground on it (BOARDS.md).
-        unmute: low(p.PB5),
+        unmute: MutedPin::take(p.PB5),
         mute_timer: p.TIM8,
         // PC7, D9 on the Arduino header.
         trigger: low(p.PC7),
@@ -213,6 +226,8 @@ pub(crate) fn take(mut p: Peripherals) -> Board {
         dac_pin: p.PA4,
         sensors: (p.ADC1, p.ADC2, p.DMA1_CH2),
         sense_pins: [Flex::new(p.PA0), Flex::new(p.PA1)],
+        button: Flex::new(p.PC13),
+        stop_input: Flex::new(p.PB7),
         flash: p.FLASH,
         link: Link { uart: p.USART2, receive: p.PA3, transmit: p.PA2 },
     }

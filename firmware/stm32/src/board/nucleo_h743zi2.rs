@@ -16,7 +16,7 @@ use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, Peripherals, interrupt, peripherals, rcc};
 use slipline_app::ports::INPUTS;
 
-use super::{Board, low};
+use super::{Board, MutedPin, low};
 use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
 use crate::{dac, priority, supply};
@@ -54,7 +54,12 @@ pub(crate) const MUTE_TIMER_HZ: u32 = 200_000_000;
 pub(crate) const MUTE_CHANNEL: usize = 0;
 pub(crate) const MUTE_IS_COMPLEMENTARY: bool = false;
 pub(crate) const MUTE_FUNCTION: u8 = 1;
+// The user button B1 is PC13 (UM2407).
+pub(crate) const BUTTON_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOC, 13);
 pub(crate) const MUTE_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOE, 9);
+// The stop input is PE15: TIM1's break input (alternate function 1, DS12110 table 14).
+pub(crate) const STOP_INPUT_PIN: (pac::gpio::Gpio, usize) = (pac::GPIOE, 15);
+pub(crate) const STOP_INPUT_FUNCTION: u8 = 1;
 
 // The trigger output is PD15: TIM4's channel 4 (alternate function 2, DS12110 table 12). TIM4's internal trigger 3 is TIM8
 // (RM0433, TIMx internal trigger connection).
@@ -138,6 +143,8 @@ pub(crate) fn route_dma(way: &Way, _: &mut pac::dma::regs::Cr) {
 /// The last two sectors of 128 KiB in bank 2, as offsets from 0x0800_0000.
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x1c_0000, 0x1e_0000];
 pub(crate) const SLOT_BYTES: usize = 128 * 1024;
+/// The two sectors before them.
+pub(crate) const PROFILE_SLOTS: [(u32, usize); 2] = [(0x18_0000, SLOT_BYTES), (0x1a_0000, SLOT_BYTES)];
 
 pub(crate) const WATCHDOG: pac::iwdg::Iwdg = pac::IWDG1;
 /// One count is 4 ms at the nominal 32 kHz.
@@ -203,6 +210,12 @@ pub(crate) fn config() -> Config {
 /// Nothing to do: this DAC has one speed.
 pub(crate) fn tune_dac() {}
 
+/// TIM1_AF1.BKINE lets the pin with the timer's BKIN function through to the break input. BKINP stays 0: not inverted (RM0433, TIMx_AF1;
+/// the fields are also in stm32-metapac's `Af1Adv`). After a reset BKINE is 1 by the manual; no chip was looked at.
+pub(crate) fn admit_break_pin() {
+    MUTE_TIMER.af1().modify(|w| w.set_bkine(true));
+}
+
 /// Nothing to do: this chip has no remap to address 0, so VTOR alone leads to the bootloader's vectors.
 pub(crate) fn map_system_memory() {}
 
@@ -225,7 +238,7 @@ pub(crate) fn tune_flash() {
 pub(crate) fn take(p: Peripherals) -> Board {
     Board {
         // PE9, D6 on the Arduino header. The wiring has a resistor to ground on it (BOARDS.md).
-        unmute: low(p.PE9),
+        unmute: MutedPin::take(p.PE9),
         mute_timer: p.TIM1,
         // PD15, D9 on the Arduino header.
         trigger: low(p.PD15),
@@ -239,6 +252,8 @@ pub(crate) fn take(p: Peripherals) -> Board {
         dac_pin: p.PA4,
         sensors: (p.ADC1, p.ADC2, p.DMA1_CH1),
         sense_pins: [Flex::new(p.PA3), Flex::new(p.PC0)],
+        button: Flex::new(p.PC13),
+        stop_input: Flex::new(p.PE15),
         flash: p.FLASH,
         link: Link { core: p.USB_OTG_FS, dp: p.PA12, dm: p.PA11 },
     }

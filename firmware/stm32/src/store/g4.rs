@@ -40,3 +40,6 @@ pub(crate) fn on_nmi() -> Result<(), &'static str> {
 
 /// Nothing to do: embassy empties the data cache itself.
 pub(super) const fn forget_cached() {}
+
+/// Nothing to do: an erasure has one speed.
+pub(super) const fn widen_erasures() {}

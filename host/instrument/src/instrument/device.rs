@@ -62,6 +62,9 @@ impl Instrument {
             Some(false) => self.notices.cleared(),
             None => {}
         }
+        if changes.lease_over {
+            self.report_lease();
+        }
         if changes.stalled {
             self.report_stall();
         }
@@ -97,7 +100,8 @@ impl Instrument {
         } else {
             "Press Clear fault, then arm and drive it again."
         };
-        self.notices.stopped(format!("Stopped after {}. {next}", Fault::DriveTime.text()));
+        let time = self.snapshot.fault_text(Fault::DriveTime);
+        self.notices.stopped(format!("Stopped after {time}. {next}"));
     }
 
     /// Stops a simulated drive shortly before the device's own limit would make a fault of it. Every change of the drive
@@ -117,6 +121,15 @@ impl Instrument {
             self.notices
                 .pause(format!("Paused: nothing was changed for {minutes} minutes. Press Drive to go on."));
         }
+    }
+
+    /// Reports that the device has disarmed itself because nothing was driven for as long as its lease.
+    fn report_lease(&mut self) {
+        let minutes = self.snapshot.lease_over.unwrap_or_default().as_secs_f64() / 60.0;
+        self.autopilot.stopped();
+        self.notices.stopped(format!(
+            "Disarmed: nothing was changed for {minutes} minutes. Arm it, then press Drive to go on."
+        ));
     }
 
     /// Reports that the link has ended the drive because this window did not respond.

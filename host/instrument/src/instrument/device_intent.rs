@@ -3,6 +3,12 @@
 use super::Instrument;
 use slipline_link::Request;
 use slipline_link::protocol::event::State;
+use slipline_link::protocol::limits::LEASE_MS;
+use slipline_link::protocol::profile::ActuatorProfile;
+use std::time::Duration;
+
+/// How long a device that its user has armed stays armed without a drive: as long as a drive may last.
+const LEASE: Duration = Duration::from_millis(LEASE_MS.1 as u64);
 
 /// A request of the user to the device itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,15 +36,13 @@ pub enum DeviceIntent {
 impl Instrument {
     /// Carries out a request of the user to the device.
     pub fn perform_device(&mut self, intent: DeviceIntent) {
-        let is_armed = self.snapshot.status.is_some_and(|status| status.state == State::Armed);
-        if is_armed && matches!(intent, DeviceIntent::Store | DeviceIntent::Forget) {
-            // An armed device does not write its flash.
-            self.link.send(Request::Disarm);
+        if matches!(intent, DeviceIntent::Store | DeviceIntent::Forget) {
+            self.disarm_to_write();
         }
         let ticket = self.link.send(match intent {
             DeviceIntent::Disconnect => Request::Disconnect,
             DeviceIntent::AutoReconnect(looks) => Request::AutoReconnect(looks),
-            DeviceIntent::Arm => Request::Arm,
+            DeviceIntent::Arm => Request::ArmFor(LEASE),
             DeviceIntent::ClearFaults => Request::ClearFaults,
             DeviceIntent::CancelUpload => Request::CancelUpload,
             DeviceIntent::ReadBack => Request::ReadBack,
@@ -48,6 +52,20 @@ impl Instrument {
         });
         if intent == DeviceIntent::ClearFaults {
             self.clear_sent = Some(ticket);
+        }
+    }
+
+    /// Writes the profile of the board's actuator; an armed device is disarmed first. The device refuses it while the board's user
+    /// button is not pressed, which is shown as any refusal.
+    pub fn write_profile(&mut self, profile: ActuatorProfile) {
+        self.disarm_to_write();
+        self.link.send(Request::WriteProfile(Box::new(Some(profile))));
+    }
+
+    /// An armed device does not write its flash.
+    fn disarm_to_write(&mut self) {
+        if self.snapshot.status.is_some_and(|status| status.state == State::Armed) {
+            self.link.send(Request::Disarm);
         }
     }
 }

@@ -9,6 +9,8 @@ use crate::rig::PreparedRig;
 use slipline_link::native::{Handle, SystemOpener, Worker};
 use slipline_link::protocol::command::DigestWindow;
 use slipline_link::protocol::event::{Digest, Identity, State};
+use slipline_link::protocol::limits::LEASE_MS;
+use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
 use slipline_link::{Outcome, Port, Request, SIGN_PERIOD, Snapshot, Sounding, Ticket, upkeep};
@@ -25,6 +27,10 @@ const CONNECTING: Duration = Duration::from_secs(5);
 /// Time limit of a request. The longest is a table over a slow link: 47 chunks of a few milliseconds each, and
 /// repeats.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// The lease of a device that a program arms.
+pub const LEASE: Duration = Duration::from_secs(60);
+/// The longest lease, for procedures.
+const LONGEST_LEASE: Duration = Duration::from_millis(LEASE_MS.1 as u64);
 /// Time between two updates of the device's state.
 const GLANCE: Duration = Duration::from_millis(50);
 /// Updates within which the drive must have faded.
@@ -69,6 +75,8 @@ pub struct Client<W = Worker> {
     link: W,
     /// Number of stalls of this program when the device was armed.
     stalls_before: Cell<u32>,
+    /// Number of leases that were over then.
+    leases_before: Cell<u32>,
 }
 
 impl Client {
@@ -102,7 +110,7 @@ impl Client {
 impl<W: BlockingLink> Client<W> {
     /// A client on this link.
     pub const fn over(link: W) -> Self {
-        Self { link, stalls_before: Cell::new(0) }
+        Self { link, stalls_before: Cell::new(0), leases_before: Cell::new(0) }
     }
 
     /// Connects to a device. A lost link is not reconnected.
@@ -173,13 +181,40 @@ impl<W: BlockingLink> Client<W> {
         warning.map_or(Ok(()), |warning| Err(ClientError::Unguarded(warning)))
     }
 
-    /// Arms the device.
+    /// Checks that a real board keeps a profile of its actuator.
+    ///
+    /// # Errors
+    /// [`ClientError::NoProfile`]; a device that is simulated or whose firmware is older than protocol 1.3 needs none.
+    pub fn has_profile(&self) -> Result<(), ClientError> {
+        if self.snapshot().lacks_profile() { Err(ClientError::NoProfile) } else { Ok(()) }
+    }
+
+    /// Writes the profile of the board's actuator, or erases it.
+    ///
+    /// # Errors
+    /// A request's error: refused while the board's user button is not pressed.
+    pub fn write_profile(&self, profile: Option<ActuatorProfile>) -> Result<(), ClientError> {
+        self.perform(Request::WriteProfile(Box::new(profile))).map(drop)
+    }
+
+    /// Arms the device on a lease of [`LEASE`].
     ///
     /// # Errors
     /// A request's error: refused, lost, late, held up.
     pub fn arm(&self) -> Result<(), ClientError> {
-        self.stalls_before.set(self.snapshot().driver_stalls);
-        self.perform(Request::Arm).map(drop)
+        self.arm_for(Some(LEASE))
+    }
+
+    /// Arms the device on this lease, 1 to 600 s, or without one: the device disarms itself where no drive has begun for so long,
+    /// and every later call fails with [`ClientError::LeaseOver`].
+    ///
+    /// # Errors
+    /// A request's error: refused, lost, late, held up.
+    pub fn arm_for(&self, lease: Option<Duration>) -> Result<(), ClientError> {
+        let snapshot = self.snapshot();
+        self.stalls_before.set(snapshot.driver_stalls);
+        self.leases_before.set(snapshot.leases_over);
+        self.perform(lease.map_or(Request::Arm, Request::ArmFor)).map(drop)
     }
 
     /// Disarms the device, and waits until its output has faded: the device can be armed in silence only.
@@ -268,7 +303,7 @@ impl<W: BlockingLink> Client<W> {
         procedure: P,
         mut watch: impl FnMut(f64),
     ) -> Result<P::Found, ClientError> {
-        self.arm()?;
+        self.arm_for(Some(LONGEST_LEASE))?;
         let mut run = Run::of(procedure);
         loop {
             let snapshot = self.snapshot();
@@ -293,13 +328,22 @@ impl<W: BlockingLink> Client<W> {
         }
     }
 
-    /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up.
+    /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up, or if the
+    /// device has disarmed itself at the end of its lease.
     ///
     /// # Errors
-    /// [`ClientError::HeldUp`].
+    /// [`ClientError::HeldUp`] and [`ClientError::LeaseOver`].
     pub fn check_attended(&self) -> Result<(), ClientError> {
-        let is_attended = self.snapshot().driver_stalls == self.stalls_before.get();
-        if is_attended { Ok(()) } else { Err(ClientError::HeldUp) }
+        let snapshot = self.snapshot();
+        if snapshot.driver_stalls != self.stalls_before.get() {
+            return Err(ClientError::HeldUp);
+        }
+        match snapshot.lease_over {
+            Some(lease) if snapshot.leases_over != self.leases_before.get() => {
+                Err(ClientError::LeaseOver(lease))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Sends a request and waits for its result.

@@ -2,7 +2,8 @@
 
 use crate::measure::MeasureError;
 use slipline_link::protocol::version::Compatibility;
-use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE};
+use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE, upkeep};
+use std::time::Duration;
 
 /// Why a client's request failed.
 #[derive(Debug, thiserror::Error)]
@@ -22,12 +23,18 @@ pub enum ClientError {
         SIGN_PATIENCE.as_secs_f64()
     )]
     HeldUp,
+    /// The device has disarmed itself: nothing was driven for as long as its lease.
+    #[error("the device disarmed itself: no drive began for {} s", .0.as_secs_f64())]
+    LeaseOver(Duration),
     /// Firmware and program are incompatible.
     #[error("{}", .0.sentence())]
     Mismatch(Compatibility),
     /// The board must not be armed before its user has read this warning.
     #[error("{0}")]
     Unguarded(&'static str),
+    /// The board keeps no profile of its actuator; its user must read this warning before it is armed.
+    #[error("{}", upkeep::NO_PROFILE)]
+    NoProfile,
     /// The connection was lost for this reason.
     #[error(transparent)]
     Lost(LinkError),

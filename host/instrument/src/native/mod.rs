@@ -3,5 +3,5 @@
 mod client;
 mod error;
 
-pub use client::{BlockingLink, Client};
+pub use client::{BlockingLink, Client, LEASE};
 pub use error::ClientError;

@@ -45,7 +45,12 @@ fn acts(sent: &[Request]) -> Vec<String> {
     let is_act = |request: &&Request| {
         !matches!(
             request,
-            Request::Note(..) | Request::AutoReconnect(_) | Request::Arm | Request::Disarm | Request::Refresh
+            Request::Note(..)
+                | Request::AutoReconnect(_)
+                | Request::Arm
+                | Request::ArmFor(_)
+                | Request::Disarm
+                | Request::Refresh
         ) && !is_look(request)
     };
     let mut acts: Vec<String> = sent.iter().filter(is_act).map(in_words).collect();

@@ -107,7 +107,7 @@ impl CommandQueue {
             // A device that was just disarmed takes some milliseconds to switch its amplifier off; a ramp
             // takes longer.
             Event::Refused(refusal::Refusal::Busy(Busy::DriveActive))
-                if matches!(command, Command::Store | Command::Forget)
+                if matches!(command, Command::Store | Command::Forget | Command::WriteProfile(_))
                     && task.tries < BUSY_TRIES
                     && recorder.view.status.is_some_and(|status| status.state != State::Driving) =>
             {
@@ -118,6 +118,14 @@ impl CommandQueue {
             }
             Event::Maintenance(reported) => {
                 recorder.maintenance(reported);
+                recorder.finish(task.ticket, Outcome::Done { at: 0 });
+            }
+            Event::Profile(reported) => {
+                recorder.profile(reported);
+                recorder.finish(task.ticket, Outcome::Done { at: 0 });
+            }
+            Event::Board(reported) => {
+                recorder.board(reported);
                 recorder.finish(task.ticket, Outcome::Done { at: 0 });
             }
             Event::Table(report) => {
@@ -202,7 +210,12 @@ impl CommandQueue {
     ) -> Next {
         match command {
             Command::Arm => recorder.acknowledge(at, Change::Armed),
+            Command::ArmFor(lease) => {
+                recorder.acknowledge(at, Change::Armed);
+                recorder.begin_lease(lease, at);
+            }
             Command::Disarm => {
+                recorder.lease.end();
                 recorder.acknowledge(at, Change::Disarmed);
                 if self.closing.is_some() {
                     return Next::Close;
@@ -232,6 +245,7 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Done { at });
                 return Next::Close;
             }
+            Command::WriteProfile(_) => self.tasks.push_back(Task::new(None, Job::Send(Command::Profile))),
             Command::Store | Command::Forget => {
                 if self.channel.is_known(&Command::Maintenance) {
                     self.tasks.push_back(Task::new(None, Job::Send(Command::Maintenance)));
@@ -239,6 +253,8 @@ impl CommandQueue {
             }
             // They do not change the journal, or are not sent as tasks.
             Command::Maintenance
+            | Command::Board
+            | Command::Profile
             | Command::SetTravelLimit(_)
             | Command::TravelLimit
             | Command::Trigger
@@ -273,6 +289,7 @@ impl CommandQueue {
     /// Records a drive, a chord or a comb that the device has accepted.
     fn sounds(&mut self, task: &Task, played: Played, at: SampleIndex, recorder: &mut Recorder) {
         let waits = played.apply() == Apply::AtTrigger;
+        recorder.lease.drive(at);
         if waits {
             recorder.wait_for_trigger(at, Change::Play(played));
         } else {

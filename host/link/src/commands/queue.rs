@@ -14,6 +14,7 @@ use crate::recorder::Recorder;
 use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use slipline_protocol::Command;
+use slipline_protocol::command::{ArmLease, ProfileSetting};
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -119,6 +120,10 @@ impl CommandQueue {
                 Job::Send(Command::MeasureCoil(slipline_protocol::command::CoilTest { current_ma: 5 }))
             }
             Request::Arm => Job::Send(Command::Arm),
+            Request::ArmFor(lease) => {
+                let lease_ms = u32::try_from(lease.as_millis()).unwrap_or(u32::MAX);
+                Job::Send(Command::ArmFor(ArmLease { lease_ms }))
+            }
             Request::Disarm => {
                 self.overtake(recorder, |job| job.yields_to(&Command::Disarm));
                 Job::Send(Command::Disarm)
@@ -127,6 +132,9 @@ impl CommandQueue {
             Request::ReadBack => Job::Send(Command::TableDigest),
             Request::Store => Job::Send(Command::Store),
             Request::Forget => Job::Send(Command::Forget),
+            Request::WriteProfile(profile) => {
+                Job::Send(Command::WriteProfile(ProfileSetting { profile: *profile }))
+            }
             Request::Digest(window) => Job::Send(Command::DigestStart(window)),
             Request::Upload(table) => Job::BeginUpload(Upload::new(ticket, table)),
             Request::CancelUpload => Job::CancelUpload,
@@ -296,6 +304,7 @@ impl CommandQueue {
         let Some(task) = due.and_then(|at| self.tasks.remove(at)) else { return false };
         self.upload_turn = true;
         let command = match &task.job {
+            Job::Send(command @ Command::ArmFor(_)) if !self.channel.is_known(command) => Command::Arm,
             Job::Send(command) => command.clone(),
             Job::ArmUnasked => Command::Arm,
             Job::FirstReadBack => Command::TableDigest,
@@ -307,7 +316,7 @@ impl CommandQueue {
             Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
             Job::Hold(request) => {
                 let Some(identity) = &recorder.view.identity else { return true };
-                match request.for_device(identity, recorder.view.travel_limit.as_ref()) {
+                match request.for_device(identity, recorder.view.slowest_limit().as_ref()) {
                     Ok(setting) => Command::Hold(setting),
                     Err(error) => return refuse(&task, error, recorder),
                 }
@@ -323,8 +332,8 @@ impl CommandQueue {
             Job::Play(sounding) => {
                 let view = &recorder.view;
                 let Some(identity) = &view.identity else { return true };
-                let (table, travel) = (view.table.active.as_ref(), view.travel_limit.as_ref());
-                match sounding.for_device(identity, table, travel) {
+                let (table, travel) = (view.table.active.as_ref(), view.slowest_limit());
+                match sounding.for_device(identity, table, travel.as_ref()) {
                     Ok(command) => command,
                     Err(error) => return refuse(&task, error, recorder),
                 }

@@ -2,7 +2,7 @@
 //! `numbered` evaluates the replies to tasks and uploads.
 
 use super::queue::{CommandQueue, Next};
-use super::task::{Job, Stage, Task};
+use super::task::{Current, Job, Stage, Task};
 use crate::channel::{Answer, KEEP_ALIVE_PERIOD, Reply};
 use crate::error::LinkError;
 use crate::foldback::FoldbackSteps;
@@ -25,7 +25,7 @@ impl CommandQueue {
     pub(crate) fn receive(&mut self, bytes: &[u8], recorder: &mut Recorder, now: Duration) -> Next {
         for answer in self.channel.receive(bytes, now) {
             // The round trip of a device that is erasing its flash does not characterize the link.
-            if !matches!(answer.command, Command::Store | Command::Forget) {
+            if !matches!(answer.command, Command::Store | Command::Forget | Command::WriteProfile(_)) {
                 recorder.round_trip(answer.round_trip);
             }
             let next = self.take_reply(answer, recorder, now);
@@ -85,7 +85,7 @@ impl CommandQueue {
             self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
             self.channel.keep_alive(now);
             self.tasks.push_front(Task::new(None, Job::FirstReadBack));
-            for command in [Command::Inputs, Command::Maintenance] {
+            for command in [Command::Inputs, Command::Profile, Command::Board, Command::Maintenance] {
                 if self.channel.is_known(&command) {
                     self.tasks.push_front(Task::new(None, Job::Send(command)));
                 }
@@ -111,9 +111,14 @@ impl CommandQueue {
         recorder.fold_back(&FoldbackSteps::between(before, &status, &Timing::at(rate)));
         recorder.status(status);
         self.ask_for_trigger(recorder);
-        // A stop by the user that is not answered yet may be the cause.
-        if status.state == State::Fault && self.channel.pending_stop().is_none() {
-            recorder.stopped_by_itself(status.first_fault_at);
+        // A stop or a disarm by the user that is not answered yet may be the cause.
+        if self.channel.pending_stop().is_none() {
+            if status.state == State::Fault {
+                recorder.stopped_by_itself(status.first_fault_at);
+            }
+            if !self.is_disarming() {
+                recorder.end_lease(&status);
+            }
         }
         if is_first {
             recorder.acknowledge(status.now, Change::Session);
@@ -121,6 +126,11 @@ impl CommandQueue {
         for ticket in std::mem::take(&mut self.status_wanted) {
             recorder.finish(Some(ticket), Outcome::Done { at: status.now });
         }
+    }
+
+    /// Whether a disarm has been sent and is not answered yet.
+    fn is_disarming(&self) -> bool {
+        matches!(&self.current, Some(Current::Task(task)) if matches!(task.job, Job::Send(Command::Disarm)))
     }
 
     /// Evaluates the reply to a stop.
@@ -160,6 +170,8 @@ fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
         Event::Hello(_)
         | Event::Status(_)
         | Event::Maintenance(_)
+        | Event::Board(_)
+        | Event::Profile(_)
         | Event::Unchanged(_)
         | Event::TravelLimit(_)
         | Event::Trigger(_)

@@ -65,12 +65,15 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
     match command {
         // These have jobs of their own; sent as plain commands they would sound, too.
         Command::Drive(_) | Command::Chord(_) | Command::Comb(_) | Command::Hold(_) => true,
-        Command::Arm | Command::ClearFaults => matches!(stop, Command::EmergencyStop),
+        Command::Arm | Command::ArmFor(_) | Command::ClearFaults => matches!(stop, Command::EmergencyStop),
         // They neither sound nor arm.
         Command::Hello(_)
         | Command::KeepAlive(_)
         | Command::Status
         | Command::Maintenance
+        | Command::Board
+        | Command::Profile
+        | Command::WriteProfile(_)
         | Command::Disarm
         | Command::Stop
         | Command::EmergencyStop

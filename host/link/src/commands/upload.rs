@@ -202,6 +202,8 @@ impl Uploads {
                 Event::Hello(_)
                 | Event::Status(_)
                 | Event::Maintenance(_)
+                | Event::Board(_)
+                | Event::Profile(_)
                 | Event::AcceptedUntil(_)
                 | Event::Unchanged(_)
                 | Event::Trigger(_)

@@ -52,6 +52,8 @@ pub struct Options {
     pub unit: [u8; 12],
     /// Whether it reports that its brown-out reset level is set.
     pub brown_out_guarded: bool,
+    /// Whether its mute pin lacks its resistor, so that its amplifier stays muted.
+    pub mute_resistor_missing: bool,
     /// Whether a rendered block waits for one block before it plays, as in a board's ring: every command
     /// takes effect a block later, but a stop may begin in the waiting block.
     pub block_waits: bool,
@@ -66,6 +68,7 @@ impl Default for Options {
             flash: MemoryFlash::default(),
             unit: *b"simulated-00",
             brown_out_guarded: true,
+            mute_resistor_missing: false,
             block_waits: false,
         }
     }
@@ -187,6 +190,7 @@ impl SimulatedDevice {
                     dac: renderer_peripherals.clone(),
                     mute: renderer_peripherals.clone(),
                     trigger: renderer_peripherals.clone(),
+                    button: renderer_peripherals.clone(),
                     cycles: (),
                     sense: renderer_peripherals,
                 };
@@ -203,6 +207,7 @@ impl SimulatedDevice {
         };
         // The renderer sets the index before the link reads it.
         device.peripherals.lock().room = device.options.block_waits;
+        device.peripherals.lock().mute_resistor_missing = device.options.mute_resistor_missing;
         poll(&mut device.renderer, &device.waker);
         poll(&mut device.link, &device.waker);
         device
@@ -345,6 +350,18 @@ impl SimulatedDevice {
     /// Raises the trigger input briefly.
     pub fn raise_trigger(&mut self) {
         self.peripherals.lock().has_risen = true;
+    }
+
+    /// Presses the user button, or lets it go.
+    pub fn press_button(&mut self, is_pressed: bool) {
+        self.peripherals.lock().is_button_pressed = is_pressed;
+    }
+
+    /// Opens the stop input, or closes it; without a profile that says that it is fitted this does nothing.
+    pub fn open_stop_input(&mut self, is_open: bool) {
+        let mut state = self.peripherals.lock();
+        state.is_stop_open = is_open;
+        state.break_if_open();
     }
 
     /// Makes the next block late.

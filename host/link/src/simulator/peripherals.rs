@@ -10,25 +10,26 @@ use std::task::Poll;
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
 use slipline_app::ports::{
-    DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, INPUTS, Mute, Overrun, SenseStream,
-    System, Trigger, Underrun,
+    Button, DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, INPUTS, Mute, Overrun,
+    SenseStream, System, Trigger, Underrun,
 };
 use slipline_app::safety::fade::fade;
 use slipline_app::store::SLOT_BYTES;
+use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
 
 /// Erase cycles of each slot, as guaranteed by the data sheets of the boards' chips.
 const ENDURANCE: u32 = 10_000;
 
-/// Two slots of flash in memory; erased bytes are `0xff`.
+/// The slots of flash in memory; erased bytes are `0xff`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MemoryFlash {
-    /// The bytes of slots A and B.
-    pub slots: [Vec<u8>; 2],
+    /// The bytes of the table's two slots, and of the profile's.
+    pub slots: [Vec<u8>; 4],
 }
 
 impl Default for MemoryFlash {
     fn default() -> Self {
-        Self { slots: [vec![0xff; SLOT_BYTES], vec![0xff; SLOT_BYTES]] }
+        Self { slots: [const { SLOT_BYTES }; 4].map(|bytes| vec![0xff; bytes]) }
     }
 }
 
@@ -53,6 +54,9 @@ pub(super) struct PeripheralState {
     pub(super) rises: bool,
     /// The trigger input has risen since the renderer's last check.
     pub(super) has_risen: bool,
+    pub(super) is_button_pressed: bool,
+    pub(super) is_stop_open: bool,
+    is_stop_fitted: Option<bool>,
     pub(super) underrun: bool,
     /// The last code played, and whether the DAC ramps to mid-scale by itself.
     last: u16,
@@ -64,6 +68,7 @@ pub(super) struct PeripheralState {
     pub(super) inputs: Option<Inputs>,
     pub(super) flash: MemoryFlash,
     pub(super) brown_out_guarded: bool,
+    pub(super) mute_resistor_missing: bool,
     pub(super) in_bootloader: bool,
 }
 
@@ -98,6 +103,9 @@ impl Peripherals {
             waiting: None,
             rises: false,
             has_risen: false,
+            is_button_pressed: false,
+            is_stop_open: false,
+            is_stop_fitted: None,
             underrun: false,
             last: MID_SCALE,
             fading: false,
@@ -106,6 +114,7 @@ impl Peripherals {
             inputs,
             flash,
             brown_out_guarded,
+            mute_resistor_missing: false,
             in_bootloader: false,
         })))
     }
@@ -199,6 +208,19 @@ impl PeripheralState {
         }
     }
 
+    /// Whether a stop input is fitted and open.
+    fn is_stopped(&self) -> bool {
+        self.is_stop_fitted == Some(true) && self.is_stop_open
+    }
+
+    /// The open stop input mutes an amplifier that is on.
+    pub(super) fn break_if_open(&mut self) {
+        if self.is_stopped() {
+            self.has_muted |= !self.muted;
+            self.muted = true;
+        }
+    }
+
     /// Whether the DAC ramps to mid-scale by itself and plays no block.
     fn fades(&self) -> bool {
         self.fading && self.last != MID_SCALE
@@ -242,11 +264,16 @@ impl Mute for Peripherals {
     fn set_muted(&mut self, muted: bool) {
         let mut state = self.lock();
         state.has_muted &= !muted;
-        state.muted = muted || state.has_muted;
+        state.muted = muted || state.has_muted || state.mute_resistor_missing;
+        state.break_if_open();
     }
 
     fn stay_on(&mut self) -> Result<(), HasMuted> {
         if self.lock().has_muted { Err(HasMuted) } else { Ok(()) }
+    }
+
+    fn is_stop_open(&mut self) -> bool {
+        self.lock().is_stopped()
     }
 }
 
@@ -264,9 +291,19 @@ impl Trigger for Peripherals {
     }
 }
 
+impl Button for Peripherals {
+    fn is_pressed(&mut self) -> bool {
+        self.lock().is_button_pressed
+    }
+}
+
 impl FlashPages for Peripherals {
     fn slot_len(&self) -> usize {
         self.lock().flash.slots[0].len()
+    }
+
+    fn profile_slot_len(&self) -> usize {
+        self.lock().flash.slots[2].len()
     }
 
     fn endurance(&self) -> u32 {
@@ -308,6 +345,28 @@ impl System for Peripherals {
 
     fn is_brown_out_guarded(&self) -> bool {
         self.lock().brown_out_guarded
+    }
+
+    fn board(&self) -> BoardReport {
+        let state = self.lock();
+        let (missing, pressed) = (state.mute_resistor_missing, state.is_button_pressed);
+        BoardReport {
+            // The renderer's time is not counted.
+            core_hz: 0,
+            mute_resistor: if missing { MuteResistor::Missing } else { MuteResistor::Present },
+            user_button: if pressed { UserButton::Pressed } else { UserButton::Released },
+            stop_input: match (state.is_stop_fitted, state.is_stop_open) {
+                (Some(true), true) => StopInput::Open,
+                (Some(true), false) => StopInput::Closed,
+                (Some(false) | None, _) => StopInput::Unused,
+            },
+        }
+    }
+
+    fn fit_stop_input(&mut self, is_fitted: Option<bool>) {
+        let mut state = self.lock();
+        state.is_stop_fitted = is_fitted;
+        state.break_if_open();
     }
 
     fn enter_bootloader(&mut self) {

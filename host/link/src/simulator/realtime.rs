@@ -44,6 +44,12 @@ impl RealtimeDevice {
         self.device.raise_trigger();
     }
 
+    /// Presses its user button, or lets it go.
+    pub fn press_button(&mut self, is_pressed: bool) {
+        self.catch_up();
+        self.device.press_button(is_pressed);
+    }
+
     /// Whether a drive waits for its trigger input.
     #[must_use]
     pub fn waits_for_trigger(&self) -> bool {

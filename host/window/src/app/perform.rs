@@ -6,6 +6,7 @@ use crate::intent::{Confirm, DeviceIntent, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
 use crate::settings::{Part, SPEEDS};
 use eframe::egui;
+use slipline_instrument::profile_file;
 use slipline_link::Severity;
 use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
@@ -131,6 +132,7 @@ impl App {
                     self.dialog = dialog.or(self.behind.take());
                 }
                 Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
+                Intent::WriteProfile(profile) => self.instrument.write_profile(*profile),
                 Intent::Confirmed(confirm) => {
                     self.dialog = None;
                     self.confirmed(confirm);
@@ -170,10 +172,14 @@ impl App {
             Confirm::Bootloader => DeviceIntent::Bootloader,
         };
         if confirm == Confirm::Arm
-            && snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded)
             && let Some(unit) = snapshot.unit()
         {
-            self.settings.arms_unguarded(unit);
+            if snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded) {
+                self.settings.arms_unguarded(unit.clone());
+            }
+            if snapshot.lacks_profile() {
+                self.settings.arms_without_profile(unit);
+            }
         }
         self.instrument.perform_device(asked);
     }
@@ -278,6 +284,13 @@ impl App {
                 }
                 if has_extension(&path, &["csv"]) {
                     return self.instrument.open_measurement(&name, text.into_bytes());
+                }
+                if profile_file::is_one(&text) {
+                    match profile_file::read(&text) {
+                        Ok(profile) => self.dialog = Some(Dialog::Profile(Box::new(profile))),
+                        Err(error) => self.instrument.not_opened(&name, &error),
+                    }
+                    return;
                 }
                 match setup_file::read(&text) {
                     Ok(Opened::Setup(setup)) => self.instrument.edit(&Edit::Replace(setup)),

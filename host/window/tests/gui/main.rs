@@ -397,6 +397,8 @@ fn real_device(state: State) -> FixedLink {
     let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
     identity.simulated = false;
     snapshot.identity = Some(Arc::new(identity));
+    // Nothing is known of a profile, so nothing is asked about it.
+    snapshot.profile = None;
     snapshot.status.as_mut().unwrap().state = state;
     snapshot.revision += 1;
     FixedLink::of(snapshot)
@@ -411,15 +413,18 @@ fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself()
     let asked = |link: &FixedLink, want: fn(&Request) -> bool| link.sent.borrow().iter().any(want);
     window.get_by_label("Arm…").click();
     window.run_steps(5);
-    assert!(!asked(&link, |request| matches!(request, Request::Arm)));
+    assert!(!asked(&link, |request| matches!(request, Request::Arm | Request::ArmFor(_))));
     window.get_by_label("Cancel").click();
     window.run_steps(5);
-    assert!(!asked(&link, |request| matches!(request, Request::Arm)), "cancelled is not confirmed");
+    assert!(
+        !asked(&link, |request| matches!(request, Request::Arm | Request::ArmFor(_))),
+        "cancelled is not confirmed"
+    );
     window.get_by_label("Arm…").click();
     window.run_steps(5);
     window.get_by_label("Arm").click();
     window.run_steps(5);
-    assert!(asked(&link, |request| matches!(request, Request::Arm)));
+    assert!(asked(&link, |request| matches!(request, Request::Arm | Request::ArmFor(_))));
     assert!(!asked(&link, |request| matches!(
         request,
         Request::Play(Sounding::Drive(_)) | Request::Upload(_)

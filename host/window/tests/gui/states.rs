@@ -60,7 +60,7 @@ fn drives(_: &Harness<'static, App>, sent: &[Request]) -> bool {
     sent.iter().any(|request| matches!(request, Request::Play(Sounding::Drive(_))))
 }
 const fn arms(_: &Harness<'static, App>, sent: &[Request]) -> bool {
-    matches!(sent, [Request::Arm])
+    matches!(sent, [Request::Arm | Request::ArmFor(_)])
 }
 const fn clears(_: &Harness<'static, App>, sent: &[Request]) -> bool {
     matches!(sent, [Request::ClearFaults])
@@ -350,7 +350,10 @@ fn a_served_device_is_reached_by_its_port_which_is_in_the_lists_then() {
     let sent = app.take_sent();
     let port = slipline_link::Port::Unix("/run/slipline.sock".into());
     assert!(sent.iter().any(|request| matches!(request, Request::Connect(to) if *to == port)), "{sent:?}");
-    assert!(!sent.iter().any(|request| matches!(request, Request::Arm)), "it arms nothing");
+    assert!(
+        !sent.iter().any(|request| matches!(request, Request::Arm | Request::ArmFor(_))),
+        "it arms nothing"
+    );
     let named = |app: &TestApp| app.window.query_all_by_label_contains("unix:/run/slipline.sock").count();
     let on_the_page = named(&app);
     assert!(on_the_page >= 2, "in the list and in the menu: {on_the_page}");

@@ -4,11 +4,13 @@ use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::real_device;
 use crate::test_app::{TestApp, open_window};
-use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
+use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::Request;
+use slipline_link::protocol::board::{BoardReport, MuteResistor};
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Maintenance, State};
+use slipline_window::app::App;
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
@@ -23,7 +25,7 @@ const UNGUARDED: Maintenance =
     Maintenance { erasures: 3, erasures_promised: 20_000, brown_out_guarded: false };
 
 fn arms(link: &FixedLink) -> usize {
-    link.sent.borrow().iter().filter(|request| matches!(request, Request::Arm)).count()
+    link.sent.borrow().iter().filter(|request| matches!(request, Request::Arm | Request::ArmFor(_))).count()
 }
 
 #[test]
@@ -70,6 +72,103 @@ fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more(
         window.get_by_label("Arm").click();
         window.run_steps(5);
         assert_eq!((arms(&link), window.state().settings().unguarded_boards.len()), (1, 0));
+    }
+}
+
+#[test]
+fn a_board_without_a_profile_of_its_actuator_asks_once_before_it_is_armed() {
+    let mut link = telling(State::Idle, None);
+    Arc::make_mut(&mut link.snapshot).profile = Some(Arc::default());
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    let asks = |window: &Harness<'static, App>| {
+        window.query_by_label_contains("keeps no profile of its actuator").is_some()
+    };
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    assert!(asks(&window) && window.query_by_label("Arm").is_none());
+    window.get_by_label("Arm anyway").click();
+    window.run_steps(5);
+    assert_eq!(window.state().settings().boards_without_profile, [link.snapshot.unit().unwrap()]);
+    window.get_by_label("Arm…").click();
+    window.run_steps(5);
+    assert!(!asks(&window));
+    window.get_by_label("Arm").click();
+    window.run_steps(5);
+    assert_eq!(arms(&link), 2);
+}
+
+#[test]
+fn the_device_panel_says_that_a_board_without_its_mute_resistor_stays_muted() {
+    let mut link = telling(State::Idle, None);
+    let missing = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
+    Arc::make_mut(&mut link.snapshot).board = Some(missing);
+    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
+    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    window.get_by_label("Device").click();
+    window.run_steps(5);
+    assert!(window.query_by_label_contains("Muted: no resistor at the mute pin.").is_some());
+}
+
+#[test]
+fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
+    let files = FakeFiles::default();
+    let text = "name = \"coil\"\nmax_sum = 0.8\n".to_owned();
+    *files.contents.borrow_mut() = vec![("coil.toml".into(), Ok(text))];
+    let mut link = telling(State::Armed, None);
+    Arc::make_mut(&mut link.snapshot).profile = Some(Arc::default());
+    let builder = HarnessBuilder::default().with_size([1280.0, 1400.0]);
+    let mut window = open_window(Box::new(link.clone()), &files, ThemeChoice::Light, builder);
+    window.run_steps(5);
+    window.get_by_label("Device").click();
+    window.run_steps(5);
+    let written = |link: &FixedLink| {
+        let sent = link.sent.borrow();
+        sent.iter()
+            .filter_map(|request| match request {
+                Request::WriteProfile(profile) => profile.as_ref().clone(),
+                _ => None,
+            })
+            .collect::<Vec<_>>()
+    };
+    for (press, count) in [("Cancel", 0), ("Write", 1)] {
+        window.get_by_label("Actuator profile…").click();
+        window.run_steps(8);
+        assert!(window.query_by_label_contains("max_sum = 0.8").is_some());
+        assert!(window.query_by_label_contains("Hold the user button on the board").is_some());
+        window.get_by_label(press).click();
+        window.run_steps(5);
+        assert_eq!(written(&link).len(), count);
+    }
+    assert_eq!((written(&link)[0].name.as_str(), written(&link)[0].max_sum_per_mille), ("coil", 800));
+    assert!(link.sent.borrow().iter().any(|request| matches!(request, Request::Disarm)));
+    // A value out of range is named and nothing is asked.
+    *files.contents.borrow_mut() =
+        vec![("coil.toml".into(), Ok("name = \"coil\"\nmax_sum = 8\n".to_owned()))];
+    window.get_by_label("Actuator profile…").click();
+    window.run_steps(8);
+    assert!(window.query_by_label_contains("max_sum = 8: must be 0.001 to 1").is_some());
+    assert_eq!(written(&link).len(), 1);
+}
+
+#[test]
+fn the_device_panel_warns_of_a_block_that_takes_nine_tenths_of_its_time_or_more() {
+    for (max_cycles, wanted) in [(48_000, None), (50_000, Some("50000 (93 %)"))] {
+        let mut link = telling(State::Idle, None);
+        let snapshot = Arc::make_mut(&mut link.snapshot);
+        snapshot.status.as_mut().unwrap().counters.max_cycles = max_cycles;
+        // Blocks of 128 codes at 400 kS/s, or 53 760 cycles of this clock.
+        snapshot.board = Some(BoardReport { core_hz: 168_000_000, ..BoardReport::default() });
+        let builder = HarnessBuilder::default().with_size([1280.0, 1400.0]);
+        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+        window.run_steps(5);
+        window.get_by_label("Device").click();
+        window.run_steps(5);
+        let warns = window.query_by_label_contains("took 93 % of a block's time").is_some();
+        assert_eq!(warns, wanted.is_some(), "{max_cycles}");
+        assert!(wanted.is_none_or(|text| window.query_by_label(text).is_some()), "{max_cycles}");
     }
 }
 

@@ -101,7 +101,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             let at = view.next.saturating_add(lead);
             let motion = self.planner(mailbox, is_stopped).levels(levels, at, glide, &view.motion)?;
-            self.excursion.check(&motion, mailbox.slots())?;
+            self.check_motion(&motion, false, mailbox)?;
             Ok(motion)
         })?;
         Ok(published.at)

@@ -156,8 +156,14 @@ fn what_the_renderer_plays_is_measured_against_its_own_phase() {
         Window { begin: 1280 + 100 * 128, blocks: 40, shape: Shape::Hann, slots: 1 << 3, input: None };
     listener.lock_in.start(window, listener.next()).expect("it can be measured");
     let wire = Wire::default();
-    let ports =
-        RendererPorts { dac: wire.clone(), mute: wire.clone(), trigger: (), cycles: (), sense: wire.clone() };
+    let ports = RendererPorts {
+        dac: wire.clone(),
+        mute: wire.clone(),
+        trigger: (),
+        button: (),
+        cycles: (),
+        sense: wire.clone(),
+    };
     {
         let mut running = core::pin::pin!(renderer.run(&mailbox, ports, &mut listener));
         let mut pass = |blocks| {
@@ -173,7 +179,7 @@ fn what_the_renderer_plays_is_measured_against_its_own_phase() {
         let table = TableRef { slot: SlotIndex::Second, knots: 2 };
         let program = Program { at: mailbox.now(), glide: 2000, table, targets };
         let motion = Motion::silent().follow(&[Placement::default(); TONES], &program, mailbox.slots());
-        mailbox.publish(motion, &mailbox.view()).expect("nothing else is pending");
+        mailbox.publish(&motion, &mailbox.view()).expect("nothing else is pending");
         pass(200);
     }
     assert_eq!((listener.lock_in.state(), listener.lost_blocks()), (State::Finished, 0));

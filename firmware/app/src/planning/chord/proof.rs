@@ -76,18 +76,30 @@ impl Proof {
     /// Checks that a chord stays within full scale: by the sum of its amplitudes, or else by its samples. A look for a stop
     /// comes after each block, since a long period takes the time of many.
     ///
-    /// Never inlined, so that it needs no stack of its own beside planning.
-    ///
     /// # Errors
     /// [`Refusal::Headroom`] if no phases could help, [`Refusal::Peak`], [`Busy::DriveActive`] if a stop has come.
-    #[inline(never)]
     pub fn check(&mut self, tones: &ChordTones, is_stopped: &mut dyn FnMut() -> bool) -> Result<(), Refusal> {
-        if tones.sum() <= u64::from(Gain::FULL.0) {
+        self.check_within(Gain::FULL, tones, is_stopped)
+    }
+
+    /// As [`Proof::check`], within a part of full scale. Never inlined, so that it needs no stack of its own beside planning.
+    ///
+    /// # Errors
+    /// As [`Proof::check`].
+    #[inline(never)]
+    pub(crate) fn check_within(
+        &mut self,
+        ceiling: Gain,
+        tones: &ChordTones,
+        is_stopped: &mut dyn FnMut() -> bool,
+    ) -> Result<(), Refusal> {
+        if tones.sum() <= u64::from(ceiling.0) {
             return Ok(());
         }
         tones.check_sum()?;
         let extent = self.extent(tones, is_stopped)?;
-        if extent.peak() > FULL_SCALE.unsigned_abs() {
+        // Full scale is 27 fractional bits.
+        if extent.peak() > (ceiling.0 >> 4).min(FULL_SCALE.unsigned_abs()) {
             return Err(Refusal::Peak { peak_per_mille: extent.peak_per_mille() });
         }
         Ok(())
@@ -143,7 +155,11 @@ impl Candidate {
     }
 
     /// As [`Proof::check`].
-    pub(crate) fn check(&mut self, is_stopped: &mut dyn FnMut() -> bool) -> Result<(), Refusal> {
-        self.proof.check(&self.tones, is_stopped)
+    pub(crate) fn check(
+        &mut self,
+        ceiling: Gain,
+        is_stopped: &mut dyn FnMut() -> bool,
+    ) -> Result<(), Refusal> {
+        self.proof.check_within(ceiling, &self.tones, is_stopped)
     }
 }

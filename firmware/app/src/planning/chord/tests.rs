@@ -98,7 +98,7 @@ impl Rig {
         let slots = self.mailbox.slots();
         let mut planner = Planner { slots, shape: &shape, timing: &timing, is_stopped: &mut never };
         let motion = plan(&mut planner, &view, self.table)?;
-        self.mailbox.publish(motion, &view).unwrap();
+        self.mailbox.publish(&motion, &view).unwrap();
         Ok(())
     }
 

@@ -10,7 +10,8 @@ use crate::recorder::Recorder;
 use crate::request::{Outcome, Request};
 use crate::table::DeviceTable;
 use slipline_protocol::command::{
-    Apply, Chord, Comb, DigestWindow, Drive, Hello, KeepAlive, TableChunk, TableHeader, TravelSetting,
+    Apply, ArmLease, Chord, Comb, DigestWindow, Drive, Hello, KeepAlive, ProfileSetting, TableChunk,
+    TableHeader, TravelSetting,
 };
 use slipline_protocol::hold::HoldSetting;
 use slipline_protocol::listen::{CapturePart, CaptureWindow, ListenPart, ListenWindow, WindowShape};
@@ -103,7 +104,11 @@ fn commands() -> Vec<(Command, [Fate; 3])> {
         Command::KeepAlive(_) = Command::KeepAlive(KeepAlive { beat: 1 }), Kept, Kept, Kept;
         Command::Status = Command::Status, Kept, Kept, Kept;
         Command::Maintenance = Command::Maintenance, Kept, Kept, Kept;
+        Command::Board = Command::Board, Kept, Kept, Kept;
+        Command::Profile = Command::Profile, Kept, Kept, Kept;
+        Command::WriteProfile(_) = Command::WriteProfile(ProfileSetting::default()), Kept, Kept, Kept;
         Command::Arm = Command::Arm, Kept, Dropped, Kept;
+        Command::ArmFor(_) = Command::ArmFor(ArmLease { lease_ms: 1000 }), Kept, Dropped, Kept;
         Command::Disarm = Command::Disarm, Kept, Kept, Kept;
         Command::Drive(_) = Command::Drive(drive), Dropped, Dropped, Dropped;
         Command::Stop = Command::Stop, Kept, Kept, Kept;

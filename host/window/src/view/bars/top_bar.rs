@@ -57,7 +57,11 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
                 State::Stopping => ("stopping", palette.warn, "Ramping to silence.".to_owned()),
                 State::Fault => {
                     let help = "Clear the fault once its cause is gone.";
-                    ("fault", palette.wrong, format!("Stopped: {}. {help}", status.faults))
+                    (
+                        "fault",
+                        palette.wrong,
+                        format!("Stopped: {}. {help}", snapshot.faults_text(status.faults)),
+                    )
                 }
                 State::SafeMode => ("safe mode", palette.wrong, SAFE_MODE.to_owned()),
             },

@@ -1,8 +1,9 @@
 //! Pages in front of the window: scenes, the calibration, shortcuts, port help, about, diagnostics, a path to be typed,
-//! confirmations.
+//! confirmations, an actuator's profile.
 
 mod calibrate;
 mod path;
+mod profile;
 mod scenes;
 
 pub(crate) use path::TypedPath;
@@ -89,10 +90,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                 Dialog::Calibrate => calibrate::show(ui, scene, view, intents),
                 Dialog::Path(question) => return path::show(ui, question, &mut view.typed_path, intents),
                 Dialog::Confirm(confirm) => return confirmation(ui, *confirm, scene, intents),
+                Dialog::Profile(profile) => return profile::show(ui, profile, scene, intents),
             }
             false
         });
-        if matches!(dialog, Dialog::Path(_) | Dialog::Confirm(_)) {
+        if matches!(dialog, Dialog::Path(_) | Dialog::Confirm(_) | Dialog::Profile(_)) {
             return is_ended.inner;
         }
         ui.add_space(GAP);

@@ -152,6 +152,13 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ui.label(RichText::new(warning).small().color(palette.warn));
         }
     }
+    if let Some(report) = snapshot.profile.as_ref().filter(|_| snapshot.keeps_profile()) {
+        let name = report.profile.as_ref().map_or("none", |profile| profile.name.as_str());
+        row(ui, "Actuator profile", name);
+    }
+    if let Some(warning) = snapshot.board.as_ref().and_then(upkeep::muted_for_good) {
+        ui.label(RichText::new(warning).small().color(palette.warn));
+    }
     if let Some(compatibility) = snapshot.compatibility {
         let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
@@ -251,7 +258,12 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
         );
         if device.max_cycles > 0 {
             let help = "The longest that a block of the drive took the device's processor";
-            counter("Cycles a block, most", device.max_cycles.to_string(), help);
+            let share = snapshot.worst_block();
+            let percent = share.map(|share| format!(" ({:.0} %)", share * 100.0)).unwrap_or_default();
+            counter("Cycles a block, most", format!("{}{percent}", device.max_cycles), help);
+            if let Some(warning) = share.and_then(upkeep::hardly_in_time) {
+                ui.label(RichText::new(warning).small().color(theme::palette(ui).warn));
+            }
         }
     }
 }
@@ -288,6 +300,18 @@ fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             if button.on_hover_text(help).on_disabled_hover_text(otherwise).clicked() {
                 intents.push(Intent::Dialog(Some(Dialog::Confirm(confirm))));
             }
+        }
+        let keeps_one = scene.snapshot.keeps_profile();
+        let profile = ui.add_enabled(keeps_one && is_silent, egui::Button::new("Actuator profile…"));
+        let profile =
+            profile.on_hover_text("Open the TOML file of an actuator's profile, and write it to the board");
+        let otherwise = if keeps_one {
+            SOUNDS
+        } else {
+            "Only a real board keeps one, with firmware of protocol 1.3 or newer"
+        };
+        if profile.on_disabled_hover_text(otherwise).clicked() {
+            intents.push(Intent::OpenDialog);
         }
     });
 }

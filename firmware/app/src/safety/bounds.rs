@@ -1,0 +1,172 @@
+//! The bounds of the actuator's profile, which hold for every host: amplitude, travel, heat, rise and time.
+//!
+//! A motion that passes them is refused, as by the bounds that hold without a profile; nothing is scaled. Without a profile nothing
+//! here refuses anything.
+//!
+//! The amplitudes are judged as the headroom is (`headroom`): `G_i` is the largest gain on a tone's way, all levels share one `s`, and
+//! `sum G_i level_i(s)` is linear in `s`, so it is largest at one of the ends. The levels only fall where a motion ends silent.
+
+#![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
+
+use slipline_protocol::event::{ProfileReport, StoredConfig};
+use slipline_protocol::limits::{self, MAX_RISE_CDB};
+use slipline_protocol::profile::ActuatorProfile;
+use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::units::{Gain, per_mille};
+
+use crate::motion::Motion;
+use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
+use crate::range::in_range;
+use crate::safety::excursion::Excursion;
+use crate::safety::thermal::CoilConstants;
+use crate::slots::{TableRef, TableSlots};
+use crate::timing::Timing;
+
+/// The profile in force and what follows from it.
+pub struct Bounds {
+    profile: Option<ActuatorProfile>,
+    stored: StoredConfig,
+    /// The profile's limit of the travel.
+    pub(crate) travel: Excursion,
+}
+
+impl Bounds {
+    /// No profile, at a sample rate in Hz.
+    #[must_use]
+    pub const fn none(sample_rate_hz: u32) -> Self {
+        Self { profile: None, stored: StoredConfig::Empty, travel: Excursion::unlimited(sample_rate_hz) }
+    }
+
+    /// Puts a profile in force, or none; `tables` are those that the slots hold already.
+    ///
+    /// # Errors
+    /// As [`check`]; nothing has changed then.
+    pub fn set(
+        &mut self,
+        profile: Option<ActuatorProfile>,
+        tables: [TableRef; 2],
+        slots: &TableSlots,
+    ) -> Result<(), Refusal> {
+        if let Some(profile) = &profile {
+            check(profile)?;
+        }
+        self.travel.set(profile.as_ref().and_then(|profile| profile.travel), tables, slots)?;
+        self.profile = profile;
+        Ok(())
+    }
+
+    /// Notes how the flash was found.
+    pub const fn found(&mut self, stored: StoredConfig) {
+        self.stored = stored;
+    }
+
+    /// Whether a profile may have been lost, so that the device must not be armed.
+    #[must_use]
+    pub fn is_lost(&self) -> bool {
+        self.stored == StoredConfig::Damaged
+    }
+
+    /// The report to the host.
+    #[must_use]
+    pub fn report(&self) -> ProfileReport {
+        ProfileReport { profile: self.profile.clone(), stored: self.stored }
+    }
+
+    /// The coil's constants.
+    #[must_use]
+    pub fn coil(&self) -> CoilConstants {
+        self.profile.as_ref().map_or(CoilConstants::DEFAULT, |profile| CoilConstants::of(&profile.heat))
+    }
+
+    /// The largest rise of a level hold, in hundredths of a decibel.
+    #[must_use]
+    pub fn max_rise_cdb(&self) -> i16 {
+        self.profile.as_ref().map_or(MAX_RISE_CDB, |profile| profile.max_rise.0)
+    }
+
+    /// The longest drive without a command of the user, in samples.
+    #[must_use]
+    pub fn max_drive(&self, timing: &Timing) -> u64 {
+        self.profile.as_ref().map_or(timing.max_drive, |profile| timing.samples(profile.max_drive_ms))
+    }
+
+    /// Whether a stop input is fitted; `None` without a profile.
+    #[must_use]
+    pub fn has_stop_input(&self) -> Option<bool> {
+        self.profile.as_ref().map(|profile| profile.has_stop_input)
+    }
+
+    /// The largest sum of amplitudes, Q1.31.
+    #[must_use]
+    pub fn ceiling(&self) -> Gain {
+        let Some(profile) = &self.profile else { return Gain::FULL };
+        let share = u64::from(Gain::FULL.0).saturating_mul(profile.max_sum_per_mille.into()) / 1000;
+        Gain(u32::try_from(share).unwrap_or(u32::MAX))
+    }
+
+    /// Checks that a motion of tones that do not prove their peak keeps within the amplitudes.
+    ///
+    /// # Errors
+    /// [`Refusal::Headroom`].
+    pub fn check_sum(&self, motion: &Motion, slots: &TableSlots) -> Result<(), Refusal> {
+        if self.profile.is_none() || motion.ends_silent() {
+            return Ok(());
+        }
+        let (mut at_start, mut at_end) = (0_u64, 0_u64);
+        for tone in motion.trajectories() {
+            let gain = largest_gain(tone, motion.table(), slots);
+            at_start = at_start.saturating_add(gain.times(tone.from_level).0.into());
+            at_end = at_end.saturating_add(gain.times(tone.to_level).0.into());
+        }
+        let sum = at_start.max(at_end);
+        if sum > u64::from(self.ceiling().0) {
+            return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
+        }
+        Ok(())
+    }
+}
+
+/// The largest gain on a tone's way.
+fn largest_gain(tone: &ToneTrajectory, table: TableRef, slots: &TableSlots) -> Gain {
+    let on_the_table = || {
+        if tone.from == tone.to {
+            // At rest the interpolated value is exact, and lower than a knot beside it.
+            slots.evaluate(table, tone.to).gain.0
+        } else {
+            slots.extremes(table, tone.from, tone.to).gain
+        }
+    };
+    match tone.setting {
+        SettingTrajectory::Hold { gain, .. } => gain,
+        SettingTrajectory::Along => Gain(on_the_table()),
+        SettingTrajectory::Join { gain, .. } => {
+            Gain(on_the_table().saturating_add_signed(gain.max(0)).min(Gain::FULL.0))
+        }
+    }
+}
+
+/// Checks a profile's values.
+///
+/// # Errors
+/// [`Refusal::OutOfRange`] with the field.
+pub fn check(profile: &ActuatorProfile) -> Result<(), Refusal> {
+    let (least, most) = limits::PROFILE_SUM_PER_MILLE;
+    in_range(Field::ProfileSum, least.into(), most.into(), profile.max_sum_per_mille.into())?;
+    let (least, most) = limits::COIL_TIME_MS;
+    for time in [profile.heat.winding_ms, profile.heat.body_ms] {
+        in_range(Field::CoilTime, least.into(), most.into(), time.into())?;
+    }
+    let (least, most) = limits::FULL_SINE_PER_MILLE;
+    in_range(Field::FullSine, least.into(), most.into(), profile.heat.full_sine_per_mille.into())?;
+    in_range(
+        Field::DriveTime,
+        limits::MIN_DRIVE_MS.into(),
+        limits::MAX_DRIVE_MS.into(),
+        profile.max_drive_ms.into(),
+    )?;
+    let rise = profile.max_rise.0;
+    if !(0..=MAX_RISE_CDB).contains(&rise) {
+        return Err(Refusal::out_of_range(Field::MaxRise, 0, MAX_RISE_CDB.into(), rise.into()));
+    }
+    profile.travel.as_ref().map_or(Ok(()), crate::safety::excursion::check_ranges)
+}

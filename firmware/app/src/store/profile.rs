@@ -1,0 +1,124 @@
+//! The actuator's profile in flash: a record as a table's is, in two slots of its own.
+
+use slipline_protocol::event::StoredConfig;
+use slipline_protocol::frame::CRC;
+use slipline_protocol::profile::{ActuatorProfile, PROFILE_BYTES};
+
+use super::slots::{has_lost_a_copy, is_whole_beside, newest};
+use super::{FORGOTTEN, LAYOUT, PROFILE, Word, put, write_record};
+use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
+
+/// Words of a profile's record behind its header.
+const WORDS: usize = PROFILE_BYTES / FLASH_WORD;
+const _: () = assert!(PROFILE_BYTES == WORDS * FLASH_WORD);
+
+/// The profile's slots of a flash, as the store uses the table's.
+struct ProfilePages<'a, F>(&'a mut F);
+
+const fn of_profile(slot: FlashSlot) -> FlashSlot {
+    match slot {
+        FlashSlot::A | FlashSlot::ProfileA => FlashSlot::ProfileA,
+        FlashSlot::B | FlashSlot::ProfileB => FlashSlot::ProfileB,
+    }
+}
+
+impl<F: FlashPages> FlashPages for ProfilePages<'_, F> {
+    fn slot_len(&self) -> usize {
+        self.0.profile_slot_len()
+    }
+
+    fn endurance(&self) -> u32 {
+        self.0.endurance()
+    }
+
+    fn erase(&mut self, slot: FlashSlot) -> Result<(), FlashError> {
+        self.0.erase(of_profile(slot))
+    }
+
+    fn write(&mut self, slot: FlashSlot, offset: usize, word: &Word) -> Result<(), FlashError> {
+        self.0.write(of_profile(slot), offset, word)
+    }
+
+    fn read(&mut self, slot: FlashSlot, offset: usize, word: &mut Word) -> Result<(), FlashError> {
+        self.0.read(of_profile(slot), offset, word)
+    }
+}
+
+/// The profile that is kept, if there is one, and how the flash was found.
+///
+/// An older profile is used only with a report ([`StoredConfig::FellBack`]); where one may have been lost altogether it is
+/// [`StoredConfig::Damaged`].
+pub fn load_profile(flash: &mut impl FlashPages) -> (Option<ActuatorProfile>, StoredConfig) {
+    let mut pages = ProfilePages(flash);
+    if pages.slot_len() < super::SLOT_BYTES {
+        return (None, StoredConfig::Empty);
+    }
+    let has_lost_a_copy = has_lost_a_copy(&mut pages);
+    match (read(&mut pages), has_lost_a_copy) {
+        (Ok(Some(profile)), false) => (Some(profile), StoredConfig::Loaded),
+        (Ok(Some(profile)), true) => (Some(profile), StoredConfig::FellBack),
+        (Ok(None), false) => (None, StoredConfig::Empty),
+        (Ok(None), true) => (None, StoredConfig::Damaged),
+        (Err(stored), _) => (None, stored),
+    }
+}
+
+/// The newest record: a profile, or that there is none.
+fn read(pages: &mut impl FlashPages) -> Result<Option<ActuatorProfile>, StoredConfig> {
+    let (slot, record) = match newest(pages) {
+        Ok(newest) => newest,
+        Err(StoredConfig::Empty) => return Ok(None),
+        Err(stored) => return Err(stored),
+    };
+    // A layout or a kind that is not known may be a profile of another version: it must not be ignored.
+    match (record.layout, record.kind) {
+        (LAYOUT, FORGOTTEN) => return Ok(None),
+        (LAYOUT, PROFILE) => {}
+        _ => return Err(StoredConfig::Damaged),
+    }
+    let mut bytes = [0; PROFILE_BYTES];
+    for (index, part) in bytes.chunks_exact_mut(FLASH_WORD).enumerate() {
+        let mut word = [0; FLASH_WORD];
+        pages.read(slot, (index + 1) * FLASH_WORD, &mut word).map_err(|FlashError| StoredConfig::Damaged)?;
+        part.copy_from_slice(&word);
+    }
+    if CRC.checksum(&bytes) != record.crc {
+        return Err(StoredConfig::Damaged);
+    }
+    ActuatorProfile::read(&bytes).map(Some).ok_or(StoredConfig::Damaged)
+}
+
+/// Whether this very profile is kept, or that there is none, and the other slot is whole: to write it would change nothing.
+pub fn holds_profile(flash: &mut impl FlashPages, profile: Option<&ActuatorProfile>) -> bool {
+    let mut pages = ProfilePages(flash);
+    match newest(&mut pages) {
+        Ok((slot, record)) => {
+            is_whole_beside(&mut pages, slot, &record)
+                && read(&mut pages).is_ok_and(|kept| kept.as_ref() == profile)
+        }
+        Err(stored) => stored == StoredConfig::Empty && profile.is_none(),
+    }
+}
+
+/// Keeps a profile, or that there is none.
+///
+/// # Errors
+/// [`FlashError`] if the slots are too small, or the flash reports an error or reads back wrong. The record before stays whole
+/// then.
+pub fn save_profile(
+    flash: &mut impl FlashPages,
+    profile: Option<&ActuatorProfile>,
+) -> Result<(), FlashError> {
+    let mut pages = ProfilePages(flash);
+    let Some(profile) = profile else {
+        return write_record(&mut pages, FORGOTTEN, 0, |_| [0; FLASH_WORD]);
+    };
+    let mut bytes = [0; PROFILE_BYTES];
+    profile.write(&mut bytes).ok_or(FlashError)?;
+    write_record(&mut pages, PROFILE, WORDS, |index| {
+        let mut word = [0; FLASH_WORD];
+        let part = bytes.chunks_exact(FLASH_WORD).nth(index).unwrap_or_default();
+        put(&mut word, 0, part);
+        word
+    })
+}

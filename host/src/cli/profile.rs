@@ -1,0 +1,97 @@
+//! `slipline profile`: the profile of a board's actuator.
+
+use super::device::Device;
+use super::{Failure, PortArgument, output};
+use clap::{Args, Subcommand};
+use serde_json::{Value, json};
+use slipline_instrument::profile_file;
+use slipline_link::protocol::event::ProfileReport;
+use slipline_link::protocol::profile::ActuatorProfile;
+use slipline_link::protocol::version::Compatibility;
+use slipline_model::atomic_file::{read_text, said};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Shows the profile; with `write` or `erase`, changes it.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub struct ProfileArguments {
+    #[command(flatten)]
+    port: Option<PortArgument>,
+    #[command(subcommand)]
+    change: Option<Change>,
+}
+
+/// A change of the profile, which the board's user confirms with the button on the board.
+#[derive(Debug, Subcommand)]
+enum Change {
+    /// Write a profile into the board's flash. Hold the board's user button meanwhile.
+    Write {
+        /// The profile: a TOML file, as `slipline profile` prints it.
+        #[arg(value_name = "PROFILE.toml")]
+        file: PathBuf,
+        #[command(flatten)]
+        port: PortArgument,
+    },
+    /// Erase the profile. Hold the board's user button meanwhile.
+    Erase {
+        #[command(flatten)]
+        port: PortArgument,
+    },
+}
+
+pub(super) fn run(arguments: &ProfileArguments, as_json: bool) -> Result<(), Failure> {
+    let (port, change) = match (&arguments.change, &arguments.port) {
+        (Some(Change::Write { file, port }), _) => (port, Some(Some(read(file)?))),
+        (Some(Change::Erase { port }), _) => (port, Some(None)),
+        (None, Some(port)) => (port, None),
+        (None, None) => return Err(Failure::Usage("--port says which board".to_owned())),
+    };
+    let device = Device::connect(&port.port, port.rig(None)?.as_ref())?;
+    if let Some(profile) = change {
+        device.disarm()?;
+        device.write_profile(profile)?;
+        // The report that follows the write.
+        device.refresh()?;
+    }
+    let report = device.snapshot().profile.clone();
+    let report = report.ok_or_else(|| Failure::Failed(Compatibility::DeviceOlder.sentence().to_owned()))?;
+    show(&report, as_json)
+}
+
+fn read(file: &Path) -> Result<ActuatorProfile, Failure> {
+    let refused = |message: String| Failure::Usage(format!("{}: {message}", file.display()));
+    let text = read_text(file, profile_file::BYTES_MAX).map_err(|error| refused(said(&error)))?;
+    profile_file::read(&text).map_err(|error| refused(error.to_string()))
+}
+
+fn show(report: &Arc<ProfileReport>, as_json: bool) -> Result<(), Failure> {
+    let value = json!({
+        "stored": format!("{:?}", report.stored),
+        "profile": report.profile.as_ref().map(value),
+    });
+    output::print(as_json, &value, |out| match &report.profile {
+        Some(profile) => write!(out, "{}", profile_file::write(profile)),
+        None => writeln!(out, "The device keeps no profile of its actuator."),
+    })
+}
+
+fn value(profile: &ActuatorProfile) -> Value {
+    json!({
+        "name": profile.name.as_str(),
+        "max_sum": f64::from(profile.max_sum_per_mille) / 1e3,
+        "max_rise_db": f64::from(profile.max_rise.0) / 1e2,
+        "longest_drive_s": f64::from(profile.max_drive_ms) / 1e3,
+        "stop_input": profile.has_stop_input,
+        "coil": {
+            "winding_s": f64::from(profile.heat.winding_ms) / 1e3,
+            "body_s": f64::from(profile.heat.body_ms) / 1e3,
+            "full_sine": f64::from(profile.heat.full_sine_per_mille) / 1e3,
+        },
+        "travel": profile.travel.map(|travel| json!({
+            "resonance_hz": travel.resonance_uhz as f64 / 1e6,
+            "quality": f64::from(travel.quality_per_mille) / 1e3,
+            "static_travel": f64::from(travel.static_ppm) / 1e6,
+        })),
+    })
+}

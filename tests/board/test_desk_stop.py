@@ -1,0 +1,189 @@
+"""The stop on the desk: the user button and the stop input; and the resistor at the mute pin."""
+import zlib
+
+import pytest
+from unicorn.arm_const import UC_ARM_REG_PRIMASK
+
+from copies import on_copy
+from host import (
+    ARM, BLOCK, CLEAR_FAULTS, DIGEST_READ, DIGEST_REPLY, DIGEST_START, DRIVE, REFUSED, WRITE_PROFILE, Reader, drive, profile, varint,
+)  # fmt: skip
+from rig import MID, MILLISECOND, start
+
+
+@pytest.mark.every_image
+@pytest.mark.parametrize("late", [0.0, 0.00011, 0.00023], ids=lambda late: f"{late * 1e6:.0f} us")
+def test_the_button_silences_and_mutes_without_a_host(armed, late):
+    """R-80: two equal samples at the blocks' rate, a ramp of 2 ms, and the blocks of mid-scale behind it."""
+    start(armed)
+    armed.board.run(late)
+    pressed, at = armed.played(), armed.board.seconds
+    armed.board.pins.drive(armed.facts.button, 1)
+    armed.board.run(0.01)
+    (low,) = [when for when, name, level in pin_log(armed) if level == 0 and when > at]
+    assert low < at + 0.01
+    armed.board.run(0.005)
+    codes = armed.codes(pressed, armed.played())
+    assert any(code != MID for code in codes[: 2 * MILLISECOND])
+    assert all(code == MID for code in codes[5 * MILLISECOND :])
+    status = armed.host.status()
+    assert (status["state"], status["first_fault"]) == ("fault", "desk stop")
+    assert abs(status["first_fault_at"] - pressed) < 5 * 128
+    # Held, it keeps the device from being driven.
+    armed.host.accept(CLEAR_FAULTS)
+    assert armed.host.exchange(ARM)[1] == REFUSED
+    assert armed.host.status()["faults"] == {"desk stop"}
+    armed.board.pins.drive(armed.facts.button, 0)
+    armed.host.accept(CLEAR_FAULTS)
+    armed.host.arm()
+    start(armed)
+    assert armed.board.pin(armed.facts.unmute) == 1
+
+
+@pytest.mark.every_image
+@pytest.mark.parametrize("rest", [0, 1])
+def test_a_press_is_whatever_the_button_s_level_was_not_at_the_start(rig, rest):
+    """R-80: the boards' sources do not agree on the level. One that is held at the start reads as pressed when it is released."""
+    board, host = rig.board, rig.host
+    board.pins.resistors[rig.facts.button] = rest
+    host.connect()
+    host.live(0.005)
+    assert host.board_report()[2] == "released"
+    host.upload()
+    host.arm()
+    board.pins.drive(rig.facts.button, 1 - rest)
+    assert host.board_report()[2] == "pressed"
+    host.live(0.01)
+    assert host.status()["first_fault"] == "desk stop" and board.pin(rig.facts.unmute) == 0
+    # Held at the start.
+    board.reset("pin")
+    host.inbox.clear()
+    host.connect()
+    host.live(0.005)
+    assert host.board_report()[2] == "released"
+    board.pins.drive(rig.facts.button, None)
+    assert host.board_report()[2] == "pressed" and host.exchange(ARM)[1] == REFUSED
+    assert board.pin(rig.facts.unmute) == 0
+
+
+def test_a_press_shorter_than_a_block_does_nothing(armed):
+    """R-80."""
+    start(armed)
+    for _ in range(8):
+        armed.board.pins.drive(armed.facts.button, 1)
+        armed.board.run(0.0003)
+        armed.board.pins.drive(armed.facts.button, 0)
+        armed.board.run(0.00055)
+    assert armed.host.status()["state"] == "driving"
+
+
+@pytest.mark.every_image
+def test_without_the_resistor_the_mute_pin_never_rises(rig):
+    """R-82: the pin is looked at before anything drives it; everything else works."""
+    rig.board.pins.resistors.clear()
+    rig.host.connect()
+    assert rig.host.board_report() == (rig.board.CORE_HZ, "missing", "released", "unused")
+    rig.host.upload()
+    rig.host.arm()
+    at = rig.host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+    first, count = at + 10 * BLOCK, 20 * MILLISECOND
+    rig.host.accept(DIGEST_START, varint(first) + varint(count))
+    rig.host.live(0.05)
+    assert rig.host.status()["state"] == "driving" and max(rig.board.dac.codes) > MID + 300
+    # What the device says that it plays is what its pin has played.
+    _, reply, body = rig.host.exchange(DIGEST_READ)
+    reader = Reader(body)
+    codes = b"".join(code.to_bytes(2, "little") for code in rig.codes(first, first + count))
+    assert (reply, [reader.number() for _ in range(4)]) == (DIGEST_REPLY, [first, count, 1, zlib.crc32(codes)])
+    assert not any(level for _, _, level in pin_log(rig))
+    # Until a reset finds it.
+    rig.board.pins.resistors[rig.facts.unmute] = 0
+    rig.board.reset("pin")
+    rig.host.inbox.clear()
+    rig.host.connect()
+    assert rig.host.board_report()[1] == "present"
+    rig.host.upload()
+    rig.host.arm()
+    assert rig.board.pin(rig.facts.unmute) == 1
+
+
+def fitted(rig):
+    """A board whose profile says that a stop input is fitted; the input is closed."""
+    rig.board.pins.drive(rig.facts.stop_input, 0)
+    rig.host.connect()
+    # The button's level at rest is known.
+    rig.host.live(0.005)
+    rig.board.pins.drive(rig.facts.button, 1)
+    rig.host.live(0.01)
+    rig.host.accept(WRITE_PROFILE, profile("coil", stop_input=True), patience=rig.facts.store_seconds)
+    rig.board.pins.drive(rig.facts.button, 0)
+    assert rig.host.board_report()[3] == "closed"
+
+
+def hang(rig):
+    rig.board.is_thread_frozen = True
+
+
+def mask(rig):
+    rig.board.run_until(lambda: not rig.board.active, 0.001, step=1e-6)
+    rig.board.cpu.reg_write(UC_ARM_REG_PRIMASK, 1)
+    rig.board.pc = rig.facts.rom + 0x101
+
+
+DEAD = {"alive": lambda _: None, "thread hung": hang, "interrupts masked": mask, "halted": lambda rig: rig.board.halt(), "locked up": lambda rig: rig.board.lock_up()}
+
+
+@pytest.mark.every_image
+def test_the_stop_input_mutes_by_hardware_whatever_the_core_does(rig):
+    """R-80."""
+    fitted(rig)
+    rig.host.upload()
+    rig.host.arm()
+    start(rig)
+
+    def case(rig, state):
+        DEAD[state](rig)
+        rig.board.run(0.001)
+        if state == "locked up" and rig.board.BREAK_SOURCES:
+            return
+        assert rig.board.pin(rig.facts.unmute) == 1
+        # A wire that is cut: the chip's own resistor pulls up.
+        rig.board.pins.drive(rig.facts.stop_input, None)
+        rig.board.run(20e-6)
+        assert rig.board.pin(rig.facts.unmute) == 0
+        if state != "alive":
+            return
+        rig.host.live(0.005)
+        status = rig.host.status()
+        assert (status["first_fault"], status["underruns"]) == ("desk stop", 0)
+        rig.host.accept(CLEAR_FAULTS)
+        assert rig.host.exchange(ARM)[1] == REFUSED
+        rig.board.pins.drive(rig.facts.stop_input, 0)
+        rig.host.accept(CLEAR_FAULTS)
+        rig.host.arm()
+        start(rig)
+        assert rig.board.pin(rig.facts.unmute) == 1
+
+    for state in DEAD:
+        on_copy(rig, lambda copy: case(copy, state))
+
+
+@pytest.mark.every_image
+def test_a_stop_input_that_is_open_from_the_start_keeps_it_from_being_armed(rig):
+    """R-80."""
+    fitted(rig)
+    rig.board.pins.drive(rig.facts.stop_input, None)
+    rig.board.reset("power")
+    rig.board.log.clear()
+    rig.host.inbox.clear()
+    rig.host.connect()
+    assert rig.host.board_report()[3] == "open"
+    rig.host.upload()
+    assert rig.host.exchange(ARM)[1] == REFUSED
+    rig.host.live(0.02)
+    assert not any(level for _, _, level in pin_log(rig))
+
+
+def pin_log(rig):
+    """When the mute pin has changed, and what it is from then on."""
+    return [entry for entry in rig.board.log if entry[1] == rig.facts.unmute]

@@ -1,0 +1,21 @@
+"""Arming is a lease: a host that only keeps alive is left by the device."""
+import pytest
+
+from host import ARM_FOR, varint
+from rig import start
+
+
+@pytest.mark.every_image
+def test_a_device_that_is_armed_on_a_lease_disarms_by_itself(armed):
+    armed.host.accept(ARM_FOR, varint(1000))
+    at = start(armed)
+    began = armed.board.seconds
+    armed.board.is_hasty = True
+    armed.host.live(0.9)
+    assert armed.board.pin(armed.facts.unmute) == 1
+    # The ramp of 30 ms, and the blocks of mid-scale behind it.
+    armed.board.run_until(lambda: not armed.board.pin(armed.facts.unmute), 0.2, step=0.001)
+    assert 1.02 < armed.board.seconds - began + 0.02 < 1.06
+    status = armed.host.status()
+    assert (status["state"], status["faults"]) == ("idle", set())
+    assert status["now"] > at + 400_000

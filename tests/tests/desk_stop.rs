@@ -1,0 +1,149 @@
+//! The stop on the desk: the board's user button, and what the device has found on its board.
+
+use slipline_link::simulator::Options;
+use slipline_link::{Change, Request};
+use slipline_protocol::board::{BoardReport, MuteResistor, UserButton};
+use slipline_protocol::event::{Event, Fault, Faults, State};
+use slipline_protocol::limits::EMERGENCY_RAMP_MS;
+use slipline_protocol::{Command, Refusal};
+use slipline_tests::client::Client;
+use slipline_tests::link_rig::{self, LinkRig};
+use slipline_tests::rig::{BLOCK, Rig, Table, drive};
+
+fn driving() -> Rig {
+    let mut rig = Rig::armed();
+    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
+    rig.live_ms(10);
+    rig
+}
+
+fn board(rig: &mut Rig) -> BoardReport {
+    match rig.send(&Command::Board) {
+        Event::Board(report) => report,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_button_is_an_emergency_stop_of_its_own_name() {
+    // silence within 5 ms, the amplifier off within 10 ms, without a word of the host.
+    let mut rig = driving();
+    rig.record();
+    let pressed = rig.device.now();
+    rig.device.press_button(true);
+    rig.silent_ms(4);
+    rig.device.press_button(false);
+    rig.silent_ms(20);
+    let ramp = rig.samples(EMERGENCY_RAMP_MS);
+    let end = rig.recording.end_of_sound().unwrap();
+    assert!((pressed + ramp / 2..=pressed + ramp + 3 * BLOCK).contains(&end), "{}", end - pressed);
+    assert!(end < pressed + rig.samples(5) && rig.recording.was_muted(pressed + rig.samples(10)));
+    let status = rig.status();
+    assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::DeskStop)));
+    assert!(status.first_fault_at.abs_diff(pressed) <= 2 * BLOCK);
+    rig.accepted(&Command::ClearFaults);
+    rig.arm();
+    assert_eq!(rig.status().state, State::Armed);
+}
+
+#[test]
+fn one_sample_is_no_press() {
+    //
+    let mut rig = driving();
+    for _ in 0..20 {
+        rig.device.press_button(true);
+        rig.live_blocks(1);
+        rig.device.press_button(false);
+        rig.live_blocks(1);
+    }
+    assert_eq!(rig.status().state, State::Driving);
+}
+
+#[test]
+fn while_it_is_held_the_device_cannot_be_armed_and_disarmed_it_does_nothing() {
+    //
+    let mut rig = Rig::default();
+    rig.hello();
+    rig.upload(&Table::usual());
+    assert_eq!(board(&mut rig).user_button, UserButton::Released);
+    rig.device.press_button(true);
+    rig.live_ms(1000);
+    assert_eq!((rig.status().state, board(&mut rig).user_button), (State::Idle, UserButton::Pressed));
+    rig.record();
+    assert!(matches!(rig.refused(&Command::Arm), Refusal::Faulted { .. }));
+    rig.live_ms(20);
+    assert_eq!(rig.status().faults, Faults::NONE.with(Fault::DeskStop));
+    assert!(rig.recording.was_muted(rig.device.now() - BLOCK));
+    rig.accepted(&Command::ClearFaults);
+    assert_eq!(rig.status().faults, Faults::NONE.with(Fault::DeskStop), "its cause is still there");
+    rig.device.press_button(false);
+    rig.accepted(&Command::ClearFaults);
+    rig.arm();
+    assert_eq!(rig.status().state, State::Armed);
+}
+
+#[test]
+fn a_host_of_1_2_gets_an_emergency_stop() {
+    //
+    let mut rig = Rig::default();
+    rig.hello_of_minor(2);
+    rig.arm();
+    rig.device.press_button(true);
+    rig.live_ms(10);
+    let status = rig.status();
+    assert_eq!(status.faults, Faults::NONE.with(Fault::EmergencyStop));
+    assert_eq!(status.first_fault, Some(Fault::EmergencyStop));
+}
+
+#[test]
+fn without_its_mute_resistor_a_device_does_everything_but_unmute() {
+    //
+    let mut rig = Rig::new(Options { mute_resistor_missing: true, ..Options::default() });
+    rig.hello();
+    rig.upload(&Table::usual());
+    assert_eq!(board(&mut rig).mute_resistor, MuteResistor::Missing);
+    rig.arm();
+    let mut with = Rig::armed();
+    assert_eq!(board(&mut with).mute_resistor, MuteResistor::Present);
+    for rig in [&mut rig, &mut with] {
+        rig.record();
+        let command = Command::Drive(drive(&[(0, 0.5, 0.5)], 2000));
+        rig.accepted(&command);
+        rig.live_ms(100);
+        assert_eq!(rig.status().state, State::Driving);
+    }
+    assert_eq!(rig.recording.codes, with.recording.codes);
+    assert!(
+        (0..rig.device.now())
+            .step_by(128)
+            .skip(1)
+            .all(|index| { index < rig.recording.first || rig.recording.was_muted(index) })
+    );
+    assert!(!with.recording.was_muted(with.device.now() - BLOCK));
+}
+
+#[test]
+fn the_link_reads_what_the_board_is_and_ends_the_drive_in_its_journal() {
+    //
+    let mut rig = LinkRig::armed_as(Options { mute_resistor_missing: true, ..Options::default() });
+    let missing = |rig: &LinkRig| {
+        rig.view()
+            .log
+            .iter()
+            .filter(|line| line.text.starts_with("Muted: no resistor at the mute pin."))
+            .count()
+    };
+    assert_eq!((rig.view().board.unwrap().mute_resistor, missing(&rig)), (MuteResistor::Missing, 1));
+    rig.ask(link_rig::drive(0.05));
+    rig.pass_ms(300);
+    rig.ports().device.press_button(true);
+    rig.pass_ms(500);
+    assert_eq!(rig.state(), State::Fault);
+    let last = rig.view().journal.back().unwrap();
+    assert_eq!((&last.change, last.is_exact), (&Change::Stop, false));
+    assert!(rig.view().log.iter().any(|line| line.text.contains(Fault::DeskStop.text())));
+    rig.ports().device.press_button(false);
+    rig.ask(Request::ClearFaults);
+    rig.pass_ms(300);
+    assert_eq!(rig.state(), State::Idle);
+}
