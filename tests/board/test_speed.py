@@ -205,7 +205,7 @@ def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(ar
     board.run(0.005)
     # A request as long as its answer leaves neither direction a pause.
     flood = request + b"\0" * (len(cable.receive()) - len(request))
-    cable.send(flood * 12)
+    cable.send(flood * 40)
     board.run(0.002)
     began = board.seconds
     with Recorder(board, 16 + G474.link_irq) as recorder:

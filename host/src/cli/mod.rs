@@ -429,9 +429,14 @@ impl Cli {
     #[must_use]
     pub fn may_replace(&self) -> bool {
         let force = match &self.command {
-            None | Some(Command::Presets | Command::Ports | Command::Check(_) | Command::Merit(_)) => {
-                ForceArgument::default()
-            }
+            None
+            | Some(
+                Command::Presets
+                | Command::Ports
+                | Command::Check(_)
+                | Command::Merit(_)
+                | Command::Profile(_),
+            ) => ForceArgument::default(),
             Some(Command::Info { force, .. }) => *force,
             Some(Command::Drive(arguments)) => arguments.force,
             Some(Command::Respond(arguments)) => arguments.force,

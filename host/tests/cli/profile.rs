@@ -41,7 +41,7 @@ fn a_profile_is_written_while_the_button_is_held_and_shown_as_it_was_written() {
         &served.port,
         "--plate",
         "membrane",
-        "--boundary",
+        "--turning-point",
         "120mm",
         "--for",
         "50ms",

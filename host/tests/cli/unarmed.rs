@@ -73,7 +73,8 @@ fn what_can_be_refused_is_refused_before_the_device_is_armed() {
         ("drive --plate membrane --turning-point 9m".to_owned(), 2, "80 to 280 mm"),
         ("drive --plate membrane --boundary 120mm".to_owned(), 2, "--turning-point 120mm"),
         (
-            "drive --plate membrane --turning-point 120mm:0.9 --turning-point 200mm:0.9".to_owned(),
+            "drive --despite-no-profile --plate membrane --turning-point 120mm:0.9 --turning-point 200mm:0.9"
+                .to_owned(),
             2,
             "lower their levels",
         ),
@@ -82,11 +83,26 @@ fn what_can_be_refused_is_refused_before_the_device_is_armed() {
         (format!("drive --setup {plate}"), 2, "a plate alone"),
         ("drive --setup no-such.toml".to_owned(), 2, "no-such.toml"),
         ("drive --plate membrane --turning-point 120mm --glide 1h".to_owned(), 2, "5 ms to 10 s"),
-        ("drive --plate al-bending --turning-point 240mm --level 0.00002 --hold".to_owned(), 1, "slipline: "),
-        ("measure --plate al-bending --sensor 34mm --from 1Hz --to 300kHz".to_owned(), 2, "must be"),
-        ("sweep --plate al-bending --time 10ms --out s.toml".to_owned(), 2, "time = 10 ms"),
-        ("verify --window 9s".to_owned(), 2, "10 ms to 2.621 s"),
-        ("verify --plate no-such".to_owned(), 2, "no-such"),
+        (
+            "drive --despite-no-profile --plate al-bending --turning-point 240mm --level 0.00002 --hold"
+                .to_owned(),
+            1,
+            "slipline: ",
+        ),
+        // A board that does not limit what drives it.
+        ("drive --plate membrane --turning-point 120mm".to_owned(), 1, "--despite-no-profile"),
+        (
+            "measure --despite-no-profile --plate al-bending --sensor 34mm --from 1Hz --to 300kHz".to_owned(),
+            2,
+            "must be",
+        ),
+        (
+            "sweep --despite-no-profile --plate al-bending --time 10ms --out s.toml".to_owned(),
+            2,
+            "time = 10 ms",
+        ),
+        ("verify --despite-no-profile --window 9s".to_owned(), 2, "10 ms to 2.621 s"),
+        ("verify --despite-no-profile --plate no-such".to_owned(), 2, "no-such"),
     ];
     for (number, (arguments, code, words)) in cases.iter().enumerate() {
         let socket = Socket::serve_altered(&format!("unarmed-{number}"), real);
@@ -97,7 +113,10 @@ fn what_can_be_refused_is_refused_before_the_device_is_armed() {
         assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {message}");
         assert!(message.contains(words) && !message.contains("panicked"), "{arguments:?}: {message}");
         let sent = socket.sent();
-        assert!(!sent.iter().any(|sent| matches!(sent, Message::Arm)), "{arguments:?}: {sent:?}");
+        assert!(
+            !sent.iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_))),
+            "{arguments:?}: {sent:?}"
+        );
         std::fs::remove_file(&socket.path).unwrap();
     }
     assert_eq!(std::fs::read(&kept).unwrap(), b"mine");

@@ -149,7 +149,9 @@ impl Hand {
         let is_measuring = |seen: &[Control]| seen.iter().any(|it| it.name == "Cancel measuring");
         self.wait("a measurement", |seen| is_measuring(seen).then_some(()));
         let began = Instant::now();
-        self.wait("the end of a measurement", |seen| (!is_measuring(seen)).then_some(()));
+        // The rig is put together first; between the two nothing is under way.
+        let leads_on = |seen: &[Control]| seen.iter().any(|it| it.name == "Next" && it.is_enabled);
+        self.wait("the end of a measurement", |seen| (!is_measuring(seen) && leads_on(seen)).then_some(()));
         began.elapsed()
     }
 
@@ -224,7 +226,7 @@ impl Envelope {
         let column = |number: usize| {
             cells.iter().filter_map(|row| Some(((*row.first()?)?, (*row.get(number)?)?))).collect()
         };
-        let boundary_m = head("turning point ", " m,").parse().unwrap_or(f64::NAN);
+        let boundary_m = head("Hz, turning point ", " m,").parse().unwrap_or(f64::NAN);
         Self { plate: head("# plate: ", "\n"), boundary_m, predicted: column(1), there: column(3) }
     }
 

