@@ -53,7 +53,7 @@ pub fn write<E: From<io::Error>>(
 /// device is not tried.
 ///
 /// # Errors
-/// The error of the system, and [`ErrorKind::ResourceBusy`] as for [`write`].
+/// The error of the system, and [`ErrorKind::ResourceBusy`] as for [`write()`].
 pub fn try_to_write(path: &Path) -> io::Result<()> {
     if is_stream(path) {
         return Ok(());
