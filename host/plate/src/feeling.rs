@@ -133,14 +133,18 @@ impl Feeling {
                 *sum += 2.0 * square * share;
             }
         }
-        let under = |squares: &[f64]| self.under_contact(squares, plate.length_m());
-        let (vibration, ultrasound) = (under(&vibration), under(&ultrasound));
-        let change = |square: f64| (1.0 - self.friction.ratio(square.sqrt())) / self.least_friction_change;
-        vibration
-            .iter()
-            .zip(ultrasound)
-            .map(|(&level, amplitude)| level.sqrt().max(change(amplitude)))
-            .collect()
+        let mut strength = self.under_contact(&vibration, plate.length_m());
+        strength.iter_mut().for_each(|level| *level = level.sqrt());
+        // Most often no tone is ultrasonic: nothing slips.
+        if tones.iter().any(|tone| tone.frequency_hz >= SLIPPERY_FROM_HZ) {
+            let change =
+                |square: f64| (1.0 - self.friction.ratio(square.sqrt())) / self.least_friction_change;
+            let ultrasound = self.under_contact(&ultrasound, plate.length_m());
+            for (strength, square) in strength.iter_mut().zip(ultrasound) {
+                *strength = strength.max(change(square));
+            }
+        }
+        strength
     }
 
     /// The amplitude of a tone that a finger feels at each place: the root of the mean of |w|^2 over its contact.
