@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 /// The constants of a device without a profile.
 const HEAT: CoilHeat = CoilHeat { winding_ms: 8000, body_ms: 120_000, full_sine_per_mille: 1300 };
 
-fn plain() -> ActuatorProfile {
+pub(crate) fn plain() -> ActuatorProfile {
     ActuatorProfile {
         name: "plain".try_into().unwrap(),
         max_sum_per_mille: 1000,
@@ -53,7 +53,7 @@ fn write(rig: &mut Rig, profile: Option<ActuatorProfile>) {
 }
 
 /// A flash with this profile.
-fn flash_with(profile: ActuatorProfile) -> MemoryFlash {
+pub(crate) fn flash_with(profile: ActuatorProfile) -> MemoryFlash {
     let mut rig = Rig::default();
     rig.hello();
     write(&mut rig, Some(profile));
@@ -61,7 +61,7 @@ fn flash_with(profile: ActuatorProfile) -> MemoryFlash {
 }
 
 /// A device with this profile, said hello to by a host of this minor, with the usual table, armed.
-fn armed(profile: ActuatorProfile, minor: u8) -> Rig {
+pub(crate) fn armed(profile: ActuatorProfile, minor: u8) -> Rig {
     let mut rig = Rig::new(Options { flash: flash_with(profile), ..Options::default() });
     rig.hello_of_minor(minor);
     rig.upload(&Table::usual());

@@ -1,12 +1,13 @@
 //! Random hosts against the actuator's profile, in front of a model of the actuator: amplitude, travel, rise and time.
 
+use crate::profile::{armed, flash_with, plain};
 use proptest::prelude::*;
-use slipline_link::simulator::{MemoryFlash, Options, SimulatedDevice, SimulatedInputs};
-use slipline_protocol::command::{ArmLease, DigestWindow, ProfileSetting, TravelSetting};
+use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
+use slipline_protocol::command::{ArmLease, DigestWindow, TravelSetting};
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::hold::{HoldSetting, HoldTone};
-use slipline_protocol::limits::{HOLD_PAUSE_BLOCKS, MAX_DRIVE_MS, MAX_RISE_CDB, STOP_RAMP_MS};
-use slipline_protocol::profile::{ActuatorProfile, CoilHeat, TravelLimit};
+use slipline_protocol::limits::{HOLD_PAUSE_BLOCKS, STOP_RAMP_MS};
+use slipline_protocol::profile::{ActuatorProfile, TravelLimit};
 use slipline_protocol::refusal::Field;
 use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, Refusal};
@@ -23,18 +24,6 @@ const QUALITY: f64 = 4.0;
 const GLIDE: u32 = 2000;
 const UNLIMITED: Command = Command::SetTravelLimit(TravelSetting { limit: None });
 
-fn profile() -> ActuatorProfile {
-    ActuatorProfile {
-        name: "model".try_into().unwrap(),
-        max_sum_per_mille: 1000,
-        travel: None,
-        heat: CoilHeat { winding_ms: 8000, body_ms: 120_000, full_sine_per_mille: 1300 },
-        max_rise: CentiDecibel(MAX_RISE_CDB),
-        max_drive_ms: MAX_DRIVE_MS,
-        has_stop_input: false,
-    }
-}
-
 /// A profile with a resonance in the middle of the usual table; `static_travel` as a share of the peak travel.
 fn resonant(max_sum_per_mille: u16, static_travel: f64) -> ActuatorProfile {
     let travel = TravelLimit {
@@ -42,25 +31,7 @@ fn resonant(max_sum_per_mille: u16, static_travel: f64) -> ActuatorProfile {
         quality_per_mille: (QUALITY * 1e3) as u32,
         static_ppm: (static_travel * 1e6) as u32,
     };
-    ActuatorProfile { max_sum_per_mille, travel: Some(travel), ..profile() }
-}
-
-/// A flash that keeps a profile.
-fn flash_with(profile: ActuatorProfile) -> MemoryFlash {
-    let mut rig = Rig::default();
-    rig.hello();
-    rig.device.press_button(true);
-    rig.accepted(&Command::WriteProfile(ProfileSetting { profile: Some(profile) }));
-    rig.device.flash()
-}
-
-/// A device whose flash keeps a profile, said hello to by a host of this minor, with the usual table, armed.
-fn armed(profile: ActuatorProfile, minor: u8) -> Rig {
-    let mut rig = Rig::new(Options { flash: flash_with(profile), ..Options::default() });
-    rig.hello_of_minor(minor);
-    rig.upload(&Table::usual());
-    rig.arm();
-    rig
+    ActuatorProfile { max_sum_per_mille, travel: Some(travel), ..plain() }
 }
 
 /// The largest deflection, of the peak travel, of a mass on a spring that a voltage of these codes, held from each to the next,
@@ -218,7 +189,7 @@ proptest! {
         heard in 0.1..0.9,
     ) {
         //
-        let flash = flash_with(ActuatorProfile { max_rise: CentiDecibel(max_rise), ..profile() });
+        let flash = flash_with(ActuatorProfile { max_rise: CentiDecibel(max_rise), ..plain() });
         let options = Options { flash, ..Options::default() };
         let mut rig = Rig::of(SimulatedDevice::with_inputs(options, Box::new(Slipped(heard))));
         rig.hello();
@@ -263,7 +234,7 @@ proptest! {
         sent in prop::collection::vec(0u8..8, 12),
     ) {
         // at 8 kS/s, so that seconds are few blocks.
-        let flash = flash_with(ActuatorProfile { max_drive_ms, ..profile() });
+        let flash = flash_with(ActuatorProfile { max_drive_ms, ..plain() });
         let mut rig = Rig::new(Options { sample_rate_hz: 8000, flash, ..Options::default() });
         rig.hello_of_minor(minor);
         let table = Table::usual().at_rate(8000);

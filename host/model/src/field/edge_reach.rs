@@ -111,16 +111,16 @@ pub fn turning_point_of(
 /// span, its ends found to below a nanometre.
 fn scan(line: impl Fn(f64) -> Line, (start_m, end_m): (f64, f64)) -> (Vec<Vec<Point>>, Option<NotFelt>) {
     let edge = |turning_point_m: f64| match line(turning_point_m) {
-        Line { holds: Holds::FeltEdge, place_m, .. } => Some(Point { turning_point_m, edge_m: place_m }),
-        _ => None,
+        Line { holds: Holds::FeltEdge, place_m, .. } => Ok(Point { turning_point_m, edge_m: place_m }),
+        Line { holds, .. } => Err(holds),
     };
     // The last point with an edge between one that has it and a place without.
     let last = |mut felt: Point, mut without_m: f64| {
         for _ in 0..HALVINGS {
             let middle_m = 0.5 * (felt.turning_point_m + without_m);
             match edge(middle_m) {
-                Some(point) => felt = point,
-                None => without_m = middle_m,
+                Ok(point) => felt = point,
+                Err(_) => without_m = middle_m,
             }
         }
         felt
@@ -131,6 +131,10 @@ fn scan(line: impl Fn(f64) -> Line, (start_m, end_m): (f64, f64)) -> (Vec<Vec<Po
     for i in 0..SCANNED {
         let at_m = start_m + (end_m - start_m) * i as f64 / (SCANNED - 1) as f64;
         let point = edge(at_m);
+        if let Err(Holds::Unfelt(why)) = point {
+            not_felt = Some(why);
+        }
+        let point = point.ok();
         match (before, point) {
             (Some((_, Some(_))), Some(point)) => runs.last_mut().into_iter().for_each(|run| run.push(point)),
             (Some((before_m, None)), Some(point)) => runs.push(vec![last(point, before_m), point]),
@@ -139,9 +143,6 @@ fn scan(line: impl Fn(f64) -> Line, (start_m, end_m): (f64, f64)) -> (Vec<Vec<Po
                 runs.last_mut().into_iter().for_each(|run| run.push(last(felt, at_m)));
             }
             (Some((_, None)) | None, None) => {}
-        }
-        if let (None, Holds::Unfelt(why)) = (point, line(at_m).holds) {
-            not_felt = Some(why);
         }
         before = Some((at_m, point));
     }
