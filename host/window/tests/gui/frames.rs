@@ -4,7 +4,7 @@
 use crate::line_rect;
 use crate::test_app::TestApp;
 use eframe::egui::epaint::Primitive;
-use eframe::egui::{Rect, vec2};
+use eframe::egui::{Pos2, Rect, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_window::settings::ThemeChoice;
@@ -13,6 +13,9 @@ use slipline_window::settings::ThemeChoice;
 const MOST: usize = 20_000;
 /// Most that is drawn of it, over the window's area: nearly each point once.
 const MOST_DRAWN: f32 = 1.1;
+/// Most memory in bytes that a drag of two seconds may keep when it is over, once all that is bounded is full. An hour of
+/// drags would keep less than 10 MB then; most of what is kept is what the tests record.
+const MOST_KEPT: i64 = 5_000;
 
 /// The triangles of the latest picture whose middle lies in a part of the window.
 fn triangles(app: &TestApp, part: Rect) -> usize {
@@ -101,4 +104,28 @@ fn a_picture_of_a_drag_is_laid_out_once_and_has_few_triangles() {
     let sum: usize = counts.iter().map(|(_, count)| count).sum();
     println!("{counts:?} {sum}");
     assert!(sum < MOST, "{counts:?}");
+}
+
+/// Drags the line away and back within two seconds.
+fn drag(app: &mut TestApp, line: Pos2) {
+    app.window.drag_at(line);
+    for step in 1..=20_u8 {
+        let away = 60.0 * (f32::from(step) * std::f32::consts::TAU / 20.0).sin();
+        app.window.hover_at(line + vec2(away, 0.0));
+        app.wait(100);
+    }
+    app.window.drop_at(line);
+    app.wait(500);
+}
+
+#[test]
+#[ignore = "a thousand pictures"]
+fn the_memory_of_a_driven_window_is_flat_from_drag_to_drag() {
+    let mut app = dragged();
+    let line = line_rect(&app).center();
+    app.window.drop_at(line);
+    app.wait(500);
+    let kept: Vec<i64> =
+        (0..24).map(|_| allocation_counter::measure(|| drag(&mut app, line)).bytes_current).collect();
+    assert!(kept[16..].iter().sum::<i64>() < 8 * MOST_KEPT, "{kept:?}");
 }

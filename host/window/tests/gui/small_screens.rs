@@ -3,7 +3,7 @@
 use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::test_app::{TestApp, open_window};
-use crate::{boundary_mm, line_rect, real_device};
+use crate::{boundary_mm, line_rect, real_device, type_into};
 use eframe::egui::{Key, Modifiers, Rect, Vec2, accesskit::Role, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
@@ -89,6 +89,24 @@ fn the_hint_lies_over_nothing_and_the_names_are_read_on_a_small_screen() {
             assert!(!hint.intersects(other.shrink(1.0)), "{size:?} {name}: {hint} {other}");
         }
         assert!(line.height() >= 150.0, "{size:?}: {line}");
+    }
+}
+
+#[test]
+fn the_flag_of_the_line_is_whole_at_every_size_and_place() {
+    for size in SIZES.into_iter().chain([[640.0, 400.0], [960.0, 620.0], [1280.0, 800.0]]) {
+        let mut app = small(size);
+        if app.window.query_by_label("Tones").is_none() {
+            app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
+            app.wait(100);
+        }
+        for place in ["80 mm", "176.5 mm", "280 mm"] {
+            type_into(&mut app, "Boundary position", place);
+            app.wait(500);
+            let flag = app.window.get_by_label_contains("Flag: turning point ").rect();
+            let panel = app.window.get_by_role_and_label(Role::Button, "Boundary").rect();
+            assert!(flag.left() >= 0.0 && flag.right() < panel.left(), "{size:?} {place}: {flag} {panel}");
+        }
     }
 }
 

@@ -13,27 +13,28 @@ pub(super) const INSET: Vec2 = vec2(10.0, 3.0);
 const FLAG_HELP: &str = "Where the line is, the frequency of its tone, and how far it is from the peak to a tenth of it, or \
     why there is no edge";
 
-/// The words of the flag on the selected line: its place, its frequency, and how wide the edge is or why there is none.
-fn flag(line: &Line, frequency_hz: f64, edge_m: f64) -> String {
-    let (place, frequency) = (show_place(line.place_m), show_frequency(frequency_hz));
-    match line.holds {
-        Holds::FeltEdge => format!("felt edge {place}   {frequency}   edge {:.0} mm", edge_m * 1e3),
-        Holds::TurningPoint => format!("turning point {place}   {frequency}   edge {:.0} mm", edge_m * 1e3),
-        Holds::PlateEnd => format!("felt to the plate's end   {frequency}"),
-        Holds::Unfelt(why) => format!("turning point {place}   {frequency}   {}", why.words()),
-    }
-}
-
-/// The words of the flag on a line; `is_held` adds where the span ends.
-pub(super) fn flag_of(scene: &Scene<'_>, line: &Line, is_held: bool) -> Option<String> {
+/// The words of the flag on a line, in the longest form first: without the edge, then without the frequency, it is
+/// shorter. `is_held` adds where the span ends.
+pub(super) fn flag_of(scene: &Scene<'_>, line: &Line, is_held: bool) -> Option<[String; 3]> {
     let plate = &scene.setup.plate;
     let position_m = scene.setup.tone(line.slot)?.position_m;
     let frequency_hz = plate.frequency_for_boundary_hz(position_m);
-    let mut words = flag(line, frequency_hz, plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN));
-    if is_held {
-        words.push_str(end_of_span(plate.span_m(), position_m));
-    }
-    Some(words)
+    let (place, frequency) = (show_place(line.place_m), show_frequency(frequency_hz));
+    let edge = || format!("   edge {:.0} mm", plate.edge_width_m(frequency_hz).unwrap_or(f64::NAN) * 1e3);
+    let (place, edge, why) = match line.holds {
+        Holds::FeltEdge => (format!("felt edge {place}"), edge(), String::new()),
+        Holds::TurningPoint => (format!("turning point {place}"), edge(), String::new()),
+        Holds::PlateEnd => ("felt to the plate's end".to_owned(), String::new(), String::new()),
+        Holds::Unfelt(why) => {
+            (format!("turning point {place}"), String::new(), format!("   {}", why.words()))
+        }
+    };
+    let end = if is_held { end_of_span(plate.span_m(), position_m) } else { "" };
+    Some([
+        format!("{place}   {frequency}{edge}{why}{end}"),
+        format!("{place}   {frequency}{why}{end}"),
+        format!("{place}{why}{end}"),
+    ])
 }
 
 /// The note after the place of a boundary that is at a limit.
@@ -53,12 +54,21 @@ pub(super) struct Flag {
 }
 
 impl Flag {
-    /// The flag with this text on a line at `x`. If it does not fit in the row, its left end stays visible.
-    pub(super) fn of(ui: &egui::Ui, row: Rangef, x: f32, text: String) -> Self {
+    /// The flag on a line at `x`, in the longest form that fits in the row. If none does, the left end of the shortest
+    /// stays visible.
+    pub(super) fn of(ui: &egui::Ui, row: Rangef, x: f32, forms: [String; 3]) -> Self {
         let palette = theme::palette(ui);
         let ink = if palette.dark { palette.page } else { palette.well };
-        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(13.5), ink);
-        let width = galley.size().x + 2.0 * INSET.x;
+        let text = |text: String| ui.painter().layout_no_wrap(text, FontId::proportional(13.5), ink);
+        let width = |galley: &Galley| galley.size().x + 2.0 * INSET.x;
+        let [whole, shorter, shortest] = forms;
+        let mut galley = text(whole);
+        for form in [shorter, shortest] {
+            if width(&galley) > row.span() {
+                galley = text(form);
+            }
+        }
+        let width = width(&galley);
         let left = (x - 0.5 * width).min(row.max - width).max(row.min);
         Self { galley, extent: Rangef::new(left, left + width) }
     }

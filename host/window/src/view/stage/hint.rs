@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 /// The text of the hint, in the longest form that fits.
 const HINTS: [&str; 2] = ["Drag the line: it moves the boundary", "Drag the line"];
+
 /// The hint of a first start: beside the flag of the line if it has room there, else in a row of its own. It covers
 /// nothing.
 pub(super) struct Hint {

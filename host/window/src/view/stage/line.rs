@@ -72,8 +72,8 @@ pub(super) fn show(
     let look = Look { is_selected, is_hot: response.hovered() || is_held, has_focus: response.has_focus() };
     paint_line(ui, layout, x, look);
     if is_selected {
-        if let Some(text) = flag_of(scene, line, is_held || response.has_focus()) {
-            Flag::of(ui, layout.label.x_range(), x, text).show(ui, layout.label);
+        if let Some(forms) = flag_of(scene, line, is_held || response.has_focus()) {
+            Flag::of(ui, layout.label.x_range(), x, forms).show(ui, layout.label);
         }
     } else {
         let palette = theme::palette(ui);
