@@ -38,7 +38,14 @@ impl<'a> Entry<'a> {
 
 /// The menus, side by side.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    let file = ui.menu_button("File", |ui| file_menu(ui, scene, intents));
+    // The longest of them is higher than the smallest screen.
+    let room = ui.ctx().content_rect().bottom() - ui.max_rect().bottom() - 30.0;
+    let file = ui.menu_button("File", |ui| {
+        egui::ScrollArea::vertical()
+            .min_scrolled_height(room)
+            .max_height(room)
+            .show(ui, |ui| file_menu(ui, scene, intents))
+    });
     file.response.on_hover_text("Setups, plates and recordings: open, save and export them");
     let edit = ui.menu_button("Edit", |ui| edit_menu(ui, scene, intents));
     edit.response.on_hover_text("Take changes of the setup back, or change between two setups");
