@@ -44,6 +44,7 @@ fn of_pair(pair: &PairReach) -> Value {
         "places_m": pair.places_m,
         "turning_point_tolerance_m": pair.boundary_tolerance_m,
         "level_tolerance_db": pair.level_tolerance_db,
+        "node_tolerance_m": pair.node_tolerance_m,
     })
 }
 
@@ -93,20 +94,21 @@ fn lines<'a>(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Vec
 
 fn reach(pair: &PairReach) -> String {
     format!(
-        "turning points to {}, the level to {} dB (95 %, noise 40 dB below the signals)",
+        "turning points to {}, the level to {} dB, nodes at the driven end to {} (95 %, noise 40 dB below the signals)",
         show_length(pair.boundary_tolerance_m),
-        with_decimals(pair.level_tolerance_db, 2)
+        with_decimals(pair.level_tolerance_db, 2),
+        show_length(pair.node_tolerance_m)
     )
 }
 
 /// The best second place for each first one.
 fn table(places: &SensorPlaces) -> Vec<Vec<String>> {
     let mut rows =
-        vec![["First place", "Second place", "Turning point", "Level"].map(str::to_owned).to_vec()];
+        vec![["First place", "Second place", "Turning point", "Level", "Nodes"].map(str::to_owned).to_vec()];
     rows.extend(places.best_of_each_first().map(|pair| {
         let [near, far] = pair.places_m.map(show_place);
         let level = format!("{} dB", with_decimals(pair.level_tolerance_db, 2));
-        vec![near, far, show_length(pair.boundary_tolerance_m), level]
+        vec![near, far, show_length(pair.boundary_tolerance_m), level, show_length(pair.node_tolerance_m)]
     }));
     rows
 }

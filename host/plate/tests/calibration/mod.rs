@@ -11,6 +11,7 @@ mod rig;
 mod shunt;
 mod touches;
 mod trim;
+mod wave;
 
 use rig::{Judgement, Random, Rig, Solver, middle_and_worst};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement, Priors, from_ratio};

@@ -1,4 +1,4 @@
-//! Standard deviations of the boundary that a covariance of coordinates leaves, by propagation.
+//! Standard deviations of the boundary and of the wave's nodes that a covariance of coordinates leaves, by propagation.
 
 use super::gain::Carried;
 use super::least_squares::Fit;
@@ -9,12 +9,49 @@ use nalgebra::DMatrix;
 /// Boundaries over the span.
 const PLACES: usize = 9;
 
-/// The logarithms of the frequencies that turn at places over the span, as they go with the plate's coordinates.
-pub(crate) struct Turning {
+/// A number of the plate at each boundary over the span, as it goes with the plate's coordinates.
+struct Slopes {
     /// The plate's coordinates.
     of_plate: usize,
-    /// Derivatives by the coordinates, at each place.
+    /// Derivatives by the coordinates, at each boundary.
     rows: Vec<[f64; OF_PLATE_MAX]>,
+}
+
+impl Slopes {
+    /// At coordinates of `plate` itself.
+    fn of(plate: &Plate, value: impl Fn(&Plate, f64) -> f64) -> Option<Self> {
+        let of_plate = of_plate(plate.spec());
+        let mut rows = vec![[0.0; OF_PLATE_MAX]; PLACES];
+        for (i, step) in STEPS.into_iter().enumerate().take(of_plate) {
+            let mut beside = vec![0.0; of_plate];
+            beside[i] = step;
+            let other = Plate::new(spec_at(plate.spec(), &beside)).ok()?;
+            for (row, boundary_m) in rows.iter_mut().zip(boundaries_m(plate)) {
+                row[i] = (value(&other, boundary_m) - value(plate, boundary_m)) / step;
+            }
+        }
+        Some(Self { of_plate, rows })
+    }
+
+    /// The standard deviation at each boundary.
+    fn deviations(&self, covariance: &DMatrix<f64>) -> impl Iterator<Item = f64> {
+        self.rows.iter().map(|row| {
+            let product = |i: usize, j: usize| row[i] * covariance[(i, j)] * row[j];
+            let all = 0..self.of_plate;
+            let square: f64 = all.clone().flat_map(|i| all.clone().map(move |j| product(i, j))).sum();
+            square.max(0.0).sqrt()
+        })
+    }
+}
+
+fn boundaries_m(plate: &Plate) -> impl Iterator<Item = f64> + use<> {
+    let (start, end) = plate.span_m();
+    (0..PLACES).map(move |i| start + (end - start) * i as f64 / (PLACES - 1) as f64)
+}
+
+/// The logarithms of the frequencies that turn at places over the span, as they go with the plate's coordinates.
+pub(crate) struct Turning {
+    slopes: Slopes,
     /// Derivatives by the place, 1/m.
     per_metre: Vec<f64>,
 }
@@ -22,35 +59,18 @@ pub(crate) struct Turning {
 impl Turning {
     /// At coordinates of `plate` itself.
     pub(crate) fn of(plate: &Plate) -> Option<Self> {
-        let (start, end) = plate.span_m();
-        let places: Vec<f64> =
-            (0..PLACES).map(|i| start + (end - start) * i as f64 / (PLACES - 1) as f64).collect();
         let turning = |plate: &Plate, place_m: f64| plate.frequency_for_boundary_hz(place_m).ln();
-        let of_plate = of_plate(plate.spec());
-        let mut rows = vec![[0.0; OF_PLATE_MAX]; PLACES];
-        for (i, step) in STEPS.into_iter().enumerate().take(of_plate) {
-            let mut beside = vec![0.0; of_plate];
-            beside[i] = step;
-            let other = Plate::new(spec_at(plate.spec(), &beside)).ok()?;
-            for (row, &place_m) in rows.iter_mut().zip(&places) {
-                row[i] = (turning(&other, place_m) - turning(plate, place_m)) / step;
-            }
-        }
-        let per_metre = |&place_m: &f64| {
+        let per_metre = |place_m: f64| {
             (turning(plate, place_m * (1.0 + 1e-6)) - turning(plate, place_m)) / (place_m * 1e-6)
         };
-        let per_metre = places.iter().map(per_metre).collect();
-        Some(Self { of_plate, rows, per_metre })
+        let per_metre = boundaries_m(plate).map(per_metre).collect();
+        Some(Self { slopes: Slopes::of(plate, turning)?, per_metre })
     }
 
     /// The largest standard deviation of the boundary at a given frequency, metres, and of the logarithm of the frequency.
     pub(crate) fn deviations(&self, covariance: &DMatrix<f64>) -> (f64, f64) {
         let (mut of_boundary, mut of_frequency) = (0.0_f64, 0.0_f64);
-        for (row, per_metre) in self.rows.iter().zip(&self.per_metre) {
-            let product = |i: usize, j: usize| row[i] * covariance[(i, j)] * row[j];
-            let all = 0..self.of_plate;
-            let square: f64 = all.clone().flat_map(|i| all.clone().map(move |j| product(i, j))).sum();
-            let deviation = square.max(0.0).sqrt();
+        for (deviation, per_metre) in self.slopes.deviations(covariance).zip(&self.per_metre) {
             of_boundary = of_boundary.max(deviation / per_metre);
             of_frequency = of_frequency.max(deviation);
         }
@@ -62,7 +82,28 @@ impl Turning {
         let shift = |(row, per_metre): (&[f64; OF_PLATE_MAX], &f64)| {
             (row.iter().zip(ways).map(|(slope, way)| slope * way).sum::<f64>() / per_metre).abs()
         };
-        self.rows.iter().zip(&self.per_metre).map(shift).fold(0.0, f64::max)
+        self.slopes.rows.iter().zip(&self.per_metre).map(shift).fold(0.0, f64::max)
+    }
+}
+
+/// The nodes of the standing wave next to the driven end, as they go with the plate's coordinates at given frequencies. The
+/// wave's phase between them and the turning point stays, so they move by the change of all phase over k.
+pub(crate) struct Nodes(Slopes);
+
+impl Nodes {
+    /// At coordinates of `plate` itself, for the boundaries over its span.
+    pub(crate) fn of(plate: &Plate) -> Option<Self> {
+        let place_m = |other: &Plate, boundary_m: f64| {
+            let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
+            let wavenumber = plate.width_mode(1).wavenumber_squared(0.0, frequency_hz).max(0.0).sqrt();
+            other.width_mode(1).phase_to(f64::INFINITY, frequency_hz) / wavenumber
+        };
+        Slopes::of(plate, place_m).map(Self)
+    }
+
+    /// The largest standard deviation of their place, metres.
+    pub(crate) fn deviation_m(&self, covariance: &DMatrix<f64>) -> f64 {
+        self.0.deviations(covariance).fold(0.0, f64::max)
     }
 }
 
@@ -91,11 +132,11 @@ impl Spread {
     ) -> Option<Self> {
         let mut turning = Turning::of(fitted)?;
         // The taper's coordinate is over the file's, that of the fitted plate over its own.
-        turning.rows.iter_mut().for_each(|row| row[TAPER] /= 1.0 + fit.parameters[TAPER]);
+        turning.slopes.rows.iter_mut().for_each(|row| row[TAPER] /= 1.0 + fit.parameters[TAPER]);
         let (boundary_m, of_frequency) = turning.deviations(&fit.covariance);
         let exponent = if fitted.spec().model.bending().is_some() { 2.0 } else { 1.0 };
         let slopes = (0..fit.parameters.len()).map(|i| {
-            let step = STEPS[..turning.of_plate].get(i).copied().unwrap_or(1e-6);
+            let step = STEPS[..turning.slopes.of_plate].get(i).copied().unwrap_or(1e-6);
             let mut beside = fit.parameters.clone();
             beside[i] += step;
             let there = carried(&beside)?;
@@ -104,9 +145,9 @@ impl Spread {
         let slopes = slopes.collect::<Option<_>>()?;
         // A mistake m of the place's prior moves the coordinates by C e m/s^2, with the prior's standard deviation s.
         let per_place = |i: usize| {
-            let at = turning.of_plate + i;
+            let at = turning.slopes.of_plate + i;
             let of_prior = deviations[at].powi(2);
-            let ways = (0..turning.of_plate).map(|j| fit.covariance[(j, at)] / of_prior);
+            let ways = (0..turning.slopes.of_plate).map(|j| fit.covariance[(j, at)] / of_prior);
             turning.shift_m(&ways.collect::<Vec<f64>>())
         };
         let boundary_per_place = (0..places_of_sensors).map(per_place).collect();

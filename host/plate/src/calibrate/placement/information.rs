@@ -7,7 +7,7 @@ use crate::calibrate::fit::parameter::INTERVAL;
 use crate::calibrate::fit::response::prediction::per_metre;
 use crate::calibrate::fit::response::wave::{FINE, Wave, points};
 use crate::calibrate::fit::search::PLACE_STEP_M;
-use crate::calibrate::fit::spread::Turning;
+use crate::calibrate::fit::spread::{Nodes, Turning};
 use crate::calibrate::fit::unknowns::{OF_PLATE_MAX, STEPS, spec_at};
 use crate::calibrate::measurement::sensor::{Measurement, PLACE_TOLERANCE_M, SensorKind};
 use crate::definition::Plate;
@@ -33,6 +33,7 @@ pub(crate) struct Information {
     /// Derivatives of the logarithm of the peak over the wave's own scale.
     of_peak: Vec<[f64; OF_PLATE_MAX]>,
     turning: Turning,
+    nodes: Nodes,
     drive: Process,
     /// Of the plate's coordinates.
     deviations: Vec<f64>,
@@ -52,6 +53,7 @@ struct Seen {
 pub(crate) struct Reached {
     pub(crate) boundary_m: f64,
     pub(crate) level_db: f64,
+    pub(crate) nodes_m: f64,
 }
 
 impl Information {
@@ -106,6 +108,7 @@ impl Information {
             rows: (0..here.len()).map(row).collect(),
             of_peak: (0..here.len()).map(of_peak).collect(),
             turning: Turning::of(plate).ok_or(CalibrateError::NoFit)?,
+            nodes: Nodes::of(plate).ok_or(CalibrateError::NoFit)?,
             drive: drive(plate, frequencies_hz[0], highest_hz),
             frequencies_hz: frequencies_hz.to_vec(),
             deviations,
@@ -167,8 +170,12 @@ impl Information {
         let places = Places { at: self.frequencies_hz.iter().map(|hz| hz.ln()).collect(), variances };
         let level_db = self.drive.deviation_db(&places, &slopes, &covariance, self.band_hz, true)?;
         let (boundary_m, _) = self.turning.deviations(&covariance);
-        let is_number = boundary_m.is_finite() && level_db.is_finite();
-        is_number.then_some(Reached { boundary_m: INTERVAL * boundary_m, level_db: INTERVAL * level_db })
+        let nodes_m = self.nodes.deviation_m(&covariance);
+        [boundary_m, level_db, nodes_m].iter().all(|it| it.is_finite()).then_some(Reached {
+            boundary_m: INTERVAL * boundary_m,
+            level_db: INTERVAL * level_db,
+            nodes_m: INTERVAL * nodes_m,
+        })
     }
 }
 

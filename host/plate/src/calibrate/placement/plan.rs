@@ -24,6 +24,11 @@ const SEEN: f64 = 3.0;
 const SILENT_MAX: f64 = 0.75;
 /// Share of the last boundary beyond which the first place is not moved.
 const FIRST_MAX: f64 = 0.75;
+/// Error of the nodes that counts as much as one of the boundary, over that one, and the weight of the level in the choice of a
+/// pair: with less regard to the nodes the calibrated wave before the boundary is more than a hundredth of its height off, with
+/// more the level is known less well (`tests/calibration`).
+const OF_NODES: f64 = 1.5;
+const OF_LEVEL: f64 = 1.5;
 /// Places are proposed to a whole millimetre, of a small plate to a three-hundredth of its length.
 const STEP_M: f64 = 1e-3;
 const STEPS_OF_LENGTH: f64 = 300.0;
@@ -58,6 +63,9 @@ pub struct PairReach {
     pub boundary_tolerance_m: f64,
     /// Half of the 95 % interval of the level of the peak over its mean, dB: the largest over the span.
     pub level_tolerance_db: f64,
+    /// Half of the 95 % interval of the standing wave's nodes next to the driven end, metres: the largest over the span. A pair
+    /// next to the boundary knows the boundary and not the wave before it.
+    pub node_tolerance_m: f64,
 }
 
 /// Why a sensor at a place does not serve a calibration.
@@ -133,7 +141,8 @@ pub struct SensorPlaces {
     pub nearest_m: f64,
     /// What sets it.
     pub limit: NearLimit,
-    /// The pair whose larger of boundary and level, each over the least of all pairs, is least.
+    /// The pair with the least product of the interval of places (the boundary's, or two thirds of the nodes' where that is larger)
+    /// and the level's to the power of 1.5.
     pub best: PairReach,
     /// Pairs over the plate, with what each would reach: in rising places.
     pub pairs: Vec<PairReach>,
@@ -190,7 +199,7 @@ impl SensorPlaces {
         };
         let grid = over(first_m, farthest_m, TRIED);
         let pairs = pairs_of(&grid, grid.len(), 0)?;
-        let coarse = best_of(&pairs, &pairs).ok_or(CalibrateError::NoFit)?;
+        let coarse = best_of(&pairs).ok_or(CalibrateError::NoFit)?;
         let apart_m = grid[1] - grid[0];
         let about = |at_m: f64| -> Vec<f64> {
             let (from_m, to_m) = ((at_m - apart_m).max(first_m), (at_m + apart_m).min(farthest_m));
@@ -199,7 +208,7 @@ impl SensorPlaces {
         let about = coarse.places_m.map(about);
         let finer = pairs_of(&about.concat(), about[0].len(), about[0].len())?;
         let all = [&pairs[..], &finer].concat();
-        let best = best_of(&all, &all).unwrap_or(coarse);
+        let best = best_of(&all).unwrap_or(coarse);
         let placing = *placing;
         Ok(Self { plate: near, placing, deviations, frequencies_hz, noise, nearest_m, limit, best, pairs })
     }
@@ -207,7 +216,7 @@ impl SensorPlaces {
     /// Of the pairs with the same first place, the best; in rising places.
     pub fn best_of_each_first(&self) -> impl Iterator<Item = PairReach> {
         let pairs = self.pairs.chunk_by(|a, b| a.places_m[0] == b.places_m[0]);
-        pairs.filter_map(|pairs| best_of(pairs, &self.pairs))
+        pairs.filter_map(best_of)
     }
 
     /// What a pair of other places would reach; `None` if its information is singular.
@@ -237,16 +246,21 @@ impl SensorPlaces {
 }
 
 impl PairReach {
-    fn new(places_m: [f64; 2], Reached { boundary_m, level_db }: Reached) -> Self {
-        Self { places_m, boundary_tolerance_m: boundary_m, level_tolerance_db: level_db }
+    fn new(places_m: [f64; 2], Reached { boundary_m, level_db, nodes_m }: Reached) -> Self {
+        Self {
+            places_m,
+            boundary_tolerance_m: boundary_m,
+            level_tolerance_db: level_db,
+            node_tolerance_m: nodes_m,
+        }
     }
 }
 
-/// Of `some` of `all` pairs, the one whose larger of boundary and level, each over the least of all, is least.
-fn best_of(some: &[PairReach], all: &[PairReach]) -> Option<PairReach> {
-    let least = |of: fn(&PairReach) -> f64| all.iter().map(of).fold(f64::INFINITY, f64::min);
-    let (boundary_m, level_db) = (least(|it| it.boundary_tolerance_m), least(|it| it.level_tolerance_db));
-    let larger =
-        |it: &PairReach| (it.boundary_tolerance_m / boundary_m).max(it.level_tolerance_db / level_db);
-    some.iter().copied().min_by(|a, b| larger(a).total_cmp(&larger(b)))
+/// The pair with the least product of the interval of places, that of the boundary or of the nodes, and of the level to the power
+/// of [`OF_LEVEL`].
+fn best_of(pairs: &[PairReach]) -> Option<PairReach> {
+    let product = |it: &PairReach| {
+        it.boundary_tolerance_m.max(it.node_tolerance_m / OF_NODES) * it.level_tolerance_db.powf(OF_LEVEL)
+    };
+    pairs.iter().copied().min_by(|a, b| product(a).total_cmp(&product(b)))
 }

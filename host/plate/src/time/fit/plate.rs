@@ -79,8 +79,8 @@ pub(crate) fn response(
     let (grid, refinement) = grid(plate, mode, points, top_hz);
     move |frequencies_hz| {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
-        numerov::solve_each(&grid, plate, frequencies_hz, |number, field| {
-            rows.push(row(plate, frequencies_hz[number], field, refinement));
+        numerov::solve_each_apart(&grid, plate, frequencies_hz, refinement, |number, field| {
+            rows.push(row(plate, frequencies_hz[number], field));
         });
         rows
     }
@@ -95,7 +95,10 @@ fn touched_response(
 ) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
     let (grid, refinement) = grid(plate, 1, points, top_hz);
     move |frequencies_hz| {
-        let touched = |hz: f64| row(plate, hz, &finger::touched(&grid, plate, finger, hz), refinement);
+        let touched = |hz: f64| {
+            let fine = finger::touched(&grid, plate, finger, hz);
+            row(plate, hz, &fine.into_iter().step_by(refinement).collect::<Vec<_>>())
+        };
         frequencies_hz.iter().map(|&hz| touched(hz)).collect()
     }
 }
@@ -108,8 +111,8 @@ fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
 }
 
 /// The field at the positions, relative to the resonator's input; the drive's filter applies the curves.
-fn row(plate: &Plate, frequency_hz: f64, fine: &[Complex64], refinement: usize) -> Vec<Complex64> {
+fn row(plate: &Plate, frequency_hz: f64, field: &[Complex64]) -> Vec<Complex64> {
     let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
     let actuator = resonator.map_or(Complex64::ONE, |it| it.response(frequency_hz));
-    fine.iter().step_by(refinement).map(|value| value * actuator).collect()
+    field.iter().map(|value| value * actuator).collect()
 }

@@ -79,8 +79,8 @@ impl Fields {
         frequency_hz.extend((1..=ROUGHLY.0).map(above));
         let mut rows: Vec<(f64, Vec<Complex64>)> = Vec::with_capacity(frequency_hz.len());
         match finger {
-            None => numerov::solve_each(&grid, plate, &frequency_hz, |number, fine| {
-                rows.push((frequency_hz[number], fine.iter().copied().step_by(refinement).collect()));
+            None => numerov::solve_each_apart(&grid, plate, &frequency_hz, refinement, |number, field| {
+                rows.push((frequency_hz[number], field.to_vec()));
             }),
             Some(finger) => rows.extend(frequency_hz.iter().map(|&hz| {
                 let fine = finger::touched(&grid, plate, finger, hz);
