@@ -19,7 +19,12 @@ fn main() -> ExitCode {
         // host is silent.
         eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
     }
-    let traced = trace::start(cli.trace.as_deref(), cli.may_replace()).and_then(|()| cli.checked());
+    let arguments: Vec<_> = std::env::args_os().collect();
+    for sentence in cli.command.iter().flat_map(|command| command.renamed(&arguments)) {
+        eprintln!("slipline: {sentence}");
+    }
+    let traced =
+        trace::start(cli.trace.as_deref(), cli.may_replace(), cli.prints_json()).and_then(|()| cli.checked());
     let ended = traced.map_err(described).and_then(|cli| match cli.command {
         None => open_window(cli.file, cli.port, cli.kiosk),
         Some(command) => command.run(cli.json).map_err(described),

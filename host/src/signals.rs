@@ -5,7 +5,7 @@
 //! ```text
 //! signal --> does the command have its own orderly end (drive, serve, the window)?
 //!              yes: it is asked to end, stops its device, reports, and returns by itself --> by the signal
-//!                                                        (serve, whose only end it is: --> exit code 0)
+//!                                                        (serve, watch, whose only end it is: --> exit code 0)
 //!              no, it takes too long, or a second signal comes:
 //!                   devices stopped and disarmed --> temporary files removed -------------> by the signal
 //! ```
@@ -135,7 +135,6 @@ pub(crate) fn end_by(close: impl FnMut() + Send + 'static) -> Ending {
 }
 
 /// As [`end_by`], for a command whose only end is a signal: the program ends with its exit code.
-#[cfg(unix)]
 pub(crate) fn end_normally_by(close: impl FnMut() + Send + 'static) -> Ending {
     register(Leaving::ByItself, Box::new(close))
 }

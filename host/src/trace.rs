@@ -1,9 +1,11 @@
 //! Diagnostic output of the libraries (`tracing`): `RUST_LOG` selects the events written to standard error,
 //! `--trace FILE` writes every frame on the link to a file, one line each.
 
-use crate::cli::Failure;
+use crate::cli::{Failure, trace_to_standard_output};
+use slipline_model::atomic_file::STANDARD_STREAM;
 use slipline_plate::quantity::must_be;
 use std::fs::File;
+use std::io::Write;
 use std::path::Path;
 use std::sync::Mutex;
 use tracing_subscriber::filter::{LevelFilter, Targets};
@@ -18,9 +20,9 @@ const VARIABLE: &str = "RUST_LOG";
 /// nothing.
 ///
 /// # Errors
-/// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, and for a file that exists and may not be replaced;
-/// [`Failure::Failed`] for a file that cannot be written.
-pub fn start(file: Option<&Path>, may_replace: bool) -> Result<(), Failure> {
+/// [`Failure::Usage`] for a `RUST_LOG` that cannot be read, for a file that exists and may not be replaced, and for standard
+/// output with JSON; [`Failure::Failed`] for a file that cannot be written.
+pub fn start(file: Option<&Path>, may_replace: bool, json: bool) -> Result<(), Failure> {
     let filter = match std::env::var(VARIABLE) {
         Ok(text) if !text.is_empty() => Some(text.parse::<Targets>().map_err(|error| {
             let allowed = format!("a list like 'slipline_link=debug' or 'info' ({error})");
@@ -28,16 +30,20 @@ pub fn start(file: Option<&Path>, may_replace: bool) -> Result<(), Failure> {
         })?),
         _ => None,
     };
-    let frames = match file {
+    let frames: Option<Box<dyn Write + Send>> = match file {
+        Some(path) if path == Path::new(STANDARD_STREAM) => {
+            trace_to_standard_output(json)?;
+            Some(Box::new(std::io::stdout()))
+        }
         Some(path) if path.is_file() && !may_replace => {
             let name = path.display();
             return Err(Failure::Usage(format!(
                 "the trace {name} exists: write --force to replace it, or name another file"
             )));
         }
-        Some(path) => Some(File::create(path).map_err(|error| {
+        Some(path) => Some(Box::new(File::create(path).map_err(|error| {
             Failure::Failed(format!("the trace {} cannot be written: {error}", path.display()))
-        })?),
+        })?)),
         None => None,
     };
     if filter.is_none() && frames.is_none() {

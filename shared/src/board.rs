@@ -58,5 +58,7 @@ body! {
         pub user_button: UserButton [""],
         /// The stop input at this moment.
         pub stop_input: StopInput [""],
+        /// There is a trigger input: drives may wait for it.
+        pub trigger_input: bool [""],
     }
 }

@@ -446,6 +446,7 @@ class BoardEvent(Record):
     mute_resistor: Choice = field(MUTE_RESISTOR)
     user_button: Choice = field(USER_BUTTON)
     stop_input: Choice = field(STOP_INPUT)
+    trigger_input: bool = field(BOOL)
 
 
 @dataclass(frozen=True)

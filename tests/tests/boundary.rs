@@ -22,7 +22,16 @@ const LEAST_CODES: f64 = 16.0;
 fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_gains: bool) -> Simulated {
     let tones = [(boundary_m, LEVEL)];
     let solver = Solver::Line;
-    let run = Simulation { plate, actual, tones: &tones, has_gains, seconds: None, solver, finger: None };
+    let run = Simulation {
+        plate,
+        actual,
+        tones: &tones,
+        sounding: None,
+        has_gains,
+        seconds: None,
+        solver,
+        finger: None,
+    };
     run.run_with(table).unwrap()
 }
 

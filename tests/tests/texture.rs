@@ -6,7 +6,16 @@ use slipline_plate::{Plate, preset};
 
 fn simulation<'a>(plate: &'a Plate, tones: &'a [(f64, f64)]) -> Simulation<'a> {
     let solver = Solver::Line;
-    Simulation { plate, actual: plate, tones, has_gains: true, seconds: None, solver, finger: None }
+    Simulation {
+        plate,
+        actual: plate,
+        tones,
+        sounding: None,
+        has_gains: true,
+        seconds: None,
+        solver,
+        finger: None,
+    }
 }
 
 /// The root mean square of the simulated plate at a place, in metres; linear between the points.

@@ -237,6 +237,7 @@ impl System for Facts {
                 FoundStopInput::Fitted if mute::is_stop_input_high() => StopInput::Open,
                 FoundStopInput::Fitted => StopInput::Closed,
             },
+            trigger_input: self.has_trigger_input(),
         }
     }
 

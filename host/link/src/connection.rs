@@ -228,6 +228,11 @@ impl<O: Opener> Connection<O> {
                 }
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
+            Request::Observe => {
+                self.recorder.view.observes_only = true;
+                self.recorder.touch();
+                self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
+            }
             Request::Note(severity, text) => {
                 self.recorder.log(severity, text);
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });

@@ -67,6 +67,8 @@ pub enum Request {
     Refresh,
     /// Set whether a lost device is looked for, and a missing port waited for.
     AutoReconnect(bool),
+    /// From now on no device is armed without a request of the user, not even a simulated one. Ends with the program.
+    Observe,
     /// Take the digest of the DAC codes of a future window; it ends with the window.
     Digest(DigestWindow),
     /// Write a line of the app into the common log of link, device and app.
@@ -99,6 +101,7 @@ impl Request {
             Self::MeasureCoil => "measure coil",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
+            Self::Observe => "observe",
             Self::Digest(_) => "digest",
             Self::Note(..) => "note",
         }

@@ -112,6 +112,8 @@ pub struct Snapshot {
     pub port: Option<Port>,
     /// Whether a lost device is looked for, and a missing port waited for.
     pub auto_reconnect: bool,
+    /// Whether this program only observes ([`Request::Observe`](crate::Request::Observe)).
+    pub observes_only: bool,
     /// The latest error of the link; `None` while connected.
     pub error: Option<LinkError>,
     /// The device's identity, while connected.
@@ -192,11 +194,11 @@ impl Snapshot {
     }
 
     /// Whether the device may be armed without a request of the user: only a simulated one, because it moves
-    /// no real plate. The link arms such a device after the handshake and after its faults were cleared;
-    /// Drive arms it if it has been disarmed since.
+    /// no real plate, and only if this program does not merely observe. The link arms such a device after the handshake
+    /// and after its faults were cleared; Drive arms it if it has been disarmed since.
     #[must_use]
     pub fn may_arm_unasked(&self) -> bool {
-        self.is_simulated()
+        self.is_simulated() && !self.observes_only
     }
 
     /// Whether the device's firmware can limit the actuator's travel; older firmware cannot.
@@ -213,6 +215,14 @@ impl Snapshot {
     pub fn can_play_chords(&self) -> bool {
         let since = Command::TABLE.iter().find(|row| row.name == "Chord").map_or(u8::MAX, |row| row.since);
         self.identity.as_ref().is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+    }
+
+    /// Whether a drive can wait for the device's trigger input; `None` with a device of protocol 1.1 or 1.2, which does not
+    /// report it.
+    #[must_use]
+    pub fn has_trigger_input(&self) -> Option<bool> {
+        let knows_it = Version::OURS.shared_minor(self.identity.as_ref()?.version).has(1);
+        if knows_it { self.board.map(|board| board.trigger_input) } else { Some(false) }
     }
 
     /// How long the glide of the drive that was accepted last takes, in seconds, if that is longer than asked.

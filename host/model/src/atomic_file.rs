@@ -10,10 +10,13 @@ use slipline_plate::quantity::{Count, Counted, must_be};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::fs::{File, Metadata};
-use std::io::{self, BufWriter, ErrorKind, Read};
+use std::io::{self, BufWriter, ErrorKind, Read, Seek as _, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::{Builder, NamedTempFile};
+
+/// The name of standard input or output on a command line.
+pub const STANDARD_STREAM: &str = "-";
 
 /// The files that are being written now, each with the name of its temporary file.
 static UNFINISHED: Mutex<BTreeMap<PathBuf, PathBuf>> = Mutex::new(BTreeMap::new());
@@ -33,20 +36,40 @@ pub fn write<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
 ) -> Result<(), E> {
-    let through = |file: &File| {
-        let mut out = BufWriter::new(file);
-        write(&mut out)?;
-        out.into_inner().map(drop).map_err(|error| E::from(error.into_error()))
-    };
     if is_stream(path) {
-        return through(&File::create(path)?);
+        return through(&File::create(path)?, write);
     }
     // A file that does not exist yet keeps the given path.
     let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let old = path.metadata().ok();
     let (part, _registration) = begin(&path, old.as_ref())?;
-    through(part.as_file())?;
+    through(part.as_file(), write)?;
     Ok(finish(part, old.as_ref(), &path)?)
+}
+
+/// Writes to a stream through `write`, into a temporary file first: `write` may go back in it, and where it fails nothing is
+/// written.
+///
+/// # Errors
+/// The error of the system or of `write`.
+pub fn write_to<E: From<io::Error>>(
+    stream: &mut impl Write,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut part = tempfile::tempfile()?;
+    through(&part, write)?;
+    part.rewind()?;
+    io::copy(&mut part, stream)?;
+    Ok(stream.flush()?)
+}
+
+fn through<E: From<io::Error>>(
+    file: &File,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut out = BufWriter::new(file);
+    write(&mut out)?;
+    out.into_inner().map(drop).map_err(|error| E::from(error.into_error()))
 }
 
 /// Tries whether a file can be written there, without writing it: its folder must take a temporary file. A pipe or a
@@ -128,8 +151,15 @@ pub fn is_stream(path: &Path) -> bool {
 /// [`ErrorKind::FileTooLarge`] beyond `most` bytes, [`ErrorKind::InvalidData`] if it is not UTF-8 text, and
 /// the errors of the system.
 pub fn read_text(path: &Path, most: usize) -> io::Result<String> {
-    String::from_utf8(read_bytes(path, most)?)
-        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
+    read_bytes(path, most).and_then(text)
+}
+
+/// The text of these bytes.
+///
+/// # Errors
+/// [`ErrorKind::InvalidData`] if they are not UTF-8 text.
+pub fn text(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|_| io::Error::new(ErrorKind::InvalidData, "the file is not UTF-8 text"))
 }
 
 /// Reads a file of at most `most` bytes; a larger file is not read.
@@ -147,11 +177,18 @@ pub fn read_bytes(path: &Path, most: usize) -> io::Result<Vec<u8>> {
         let reason = "is a pipe or a device: save its output in a file and name that";
         return Err(io::Error::new(ErrorKind::InvalidInput, reason));
     }
-    let file = File::open(path)?;
+    // The file may grow meanwhile, so the limit is applied while reading.
+    read_limited(File::open(path)?, most)
+}
+
+/// Reads a stream of at most `most` bytes to its end.
+///
+/// # Errors
+/// [`ErrorKind::FileTooLarge`] beyond `most` bytes, and the errors of the system.
+pub fn read_limited(stream: impl Read, most: usize) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    // The file may grow meanwhile, so the limit is applied while reading. Reading one byte more than allowed
-    // distinguishes a file that is too large from one that just fits.
-    file.take(most as u64 + 1).read_to_end(&mut bytes)?;
+    // Reading one byte more than allowed distinguishes a file that is too large from one that just fits.
+    stream.take(most as u64 + 1).read_to_end(&mut bytes)?;
     if bytes.len() > most {
         let reason = must_be("the file is too big", Count::at_most(most, Counted::Bytes).with_unit());
         return Err(io::Error::new(ErrorKind::FileTooLarge, reason));
@@ -177,7 +214,6 @@ pub fn said(error: &impl Display) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::io::Write as _;
 
     /// An empty folder for one test.
     fn folder(name: &str) -> PathBuf {
@@ -213,6 +249,26 @@ mod tests {
         assert!(put(&folder.join("taken"), b"x").is_err());
         assert_eq!(count(&folder), 2, "no part is left behind");
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_stream_gets_the_whole_or_nothing_and_may_be_gone_back_in() {
+        use std::io::{Seek as _, SeekFrom};
+        let mut stream = Vec::new();
+        write_to(&mut stream, |out| {
+            out.write_all(b"????data")?;
+            out.seek(SeekFrom::Start(0))?;
+            out.write_all(b"RIFF")
+        })
+        .unwrap();
+        assert_eq!(stream, b"RIFFdata");
+        let half = write_to(&mut stream, |out| {
+            out.write_all(&[b'x'; 100_000])?;
+            Err(io::Error::other("no more"))
+        });
+        assert_eq!((half.unwrap_err().to_string(), stream.len()), ("no more".to_owned(), 8));
+        assert_eq!(read_limited(&b"four"[..], 4).unwrap(), b"four");
+        assert_eq!(read_limited(&b"fives"[..], 4).unwrap_err().kind(), ErrorKind::FileTooLarge);
     }
 
     #[test]

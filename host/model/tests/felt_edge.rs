@@ -52,6 +52,7 @@ fn compare(name: &str, level: f64) {
             plate: &plate,
             actual: &plate,
             tones: &[(position_m, level)],
+            sounding: None,
             has_gains: true,
             seconds: None,
             solver: Solver::Line,

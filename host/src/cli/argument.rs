@@ -1,7 +1,8 @@
 //! Arguments of the command line: quantities, places, plates.
 
 use super::failure::Failure;
-use slipline_model::atomic_file::{read_text, said};
+use super::source::read_text;
+use slipline_model::atomic_file::said;
 use slipline_plate::quantity::{
     self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, only, show_range,
 };

@@ -11,7 +11,7 @@ use slipline_plate::design::{
     Design, Edge, Material, Request, Wave, design_watched, end_margin_range, start_margin_range,
 };
 use slipline_plate::limits;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{Measure, Range, show_frequency, show_si};
 use slipline_plate::{Air, AirMounting, Faces, Gas};
 use std::io::Write;
@@ -224,7 +224,7 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
             "loss",
             format!(
                 "loss factor {}; the peak is the largest amplitude up to {}",
-                plate.spec().loss_factor,
+                significant(plate.spec().loss_factor, 4),
                 with_decimals(designed.loss_factor_limit, 4)
             ),
         ),
@@ -245,7 +245,7 @@ fn summary(designed: &Design) -> Vec<(&'static str, String)> {
             format!(
                 "{} behind the drive with a loss factor of {}, R = {resistance} at its far end",
                 show_si(lead_in.length_m, "m"),
-                lead_in.loss_factor
+                significant(lead_in.loss_factor, 4)
             ),
         )),
         None => lines.push((

@@ -1,8 +1,8 @@
-//! Files that a command writes. An existing file is never replaced without permission.
+//! Files that a command writes; `-` is standard output. An existing file is never replaced without permission.
 
-use super::Failure;
+use super::{Failure, output};
 use clap::Args;
-use slipline_model::atomic_file::{self, said};
+use slipline_model::atomic_file::{self, STANDARD_STREAM, said};
 use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
@@ -23,6 +23,10 @@ pub(super) struct Destination(PathBuf);
 impl Destination {
     /// A file that may be written.
     pub(super) fn new(path: &Path, may_replace: ForceArgument) -> Result<Self, Failure> {
+        if path == Path::new(STANDARD_STREAM) {
+            output::take()?;
+            return Ok(Self(path.to_owned()));
+        }
         let name = path.display();
         match path.metadata() {
             Ok(found) if found.is_dir() => {
@@ -57,6 +61,9 @@ impl Destination {
         may_replace: ForceArgument,
     ) -> Result<Vec<Self>, Failure> {
         let name = folder.display();
+        if folder == Path::new(STANDARD_STREAM) {
+            return Err(Failure::Usage("several files do not fit standard output: name a folder".to_owned()));
+        }
         if folder.exists() && !folder.is_dir() {
             return Err(Failure::Usage(format!("{name} is a file: name a folder")));
         }
@@ -87,13 +94,23 @@ impl Destination {
         &self.0
     }
 
+    /// Whether it is standard output.
+    pub(super) fn is_standard_output(&self) -> bool {
+        self.0 == Path::new(STANDARD_STREAM)
+    }
+
     /// Writes what was measured, which cannot be had again. If the file cannot be written any more, the text goes to a
     /// file among the temporary ones, which the error names.
     pub(super) fn write_measured(&self, text: &str) -> Result<(), Failure> {
         let into = |path: &Path| {
             atomic_file::write(path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) })
         };
-        let Err(error) = into(&self.0) else { return Ok(()) };
+        let written = if self.is_standard_output() {
+            output::write(|out| -> io::Result<()> { out.write_all(text.as_bytes()) })
+        } else {
+            into(&self.0)
+        };
+        let Err(error) = written else { return Ok(()) };
         let name = self.0.file_name().unwrap_or_default().to_string_lossy();
         let kept = std::env::temp_dir().join(format!("slipline-{}-{name}", std::process::id()));
         let (file, why) = (self.0.display(), said(&error));
@@ -108,7 +125,9 @@ impl Destination {
         &self,
         write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<()>,
     ) -> Result<(), Failure> {
-        atomic_file::write(&self.0, write).map_err(|error| failed(&self.0, &error))
+        let written =
+            if self.is_standard_output() { output::write(write) } else { atomic_file::write(&self.0, write) };
+        written.map_err(|error| failed(&self.0, &error))
     }
 }
 

@@ -42,6 +42,14 @@ impl Device {
         Ok(Self { client, _ending: ending })
     }
 
+    /// Connects to a device that is observed only, which arms nothing.
+    pub(super) fn observe(port: &Port, rig: Option<&PreparedRig>) -> Result<Self, Failure> {
+        let client = Client::new(rig)?;
+        let ending = signals::stop_before_end(client.handle());
+        client.observe(port)?;
+        Ok(Self { client, _ending: ending })
+    }
+
     /// Checks that the device may be armed: its brown-out level is set and it keeps a profile of its actuator, or the user accepts that
     /// it does not.
     pub(super) fn may_be_armed(&self, arming: &ArmingArgument) -> Result<(), Failure> {

@@ -1,24 +1,21 @@
 //! `slipline drive`.
 
 use super::device::{Device, LoadedDevice};
-use super::feeling::NamedFeeling;
+use super::followed_drive::FollowedDrive;
 use super::hold::Holder;
-use super::tones::AskedTones;
-use super::{Begin, DriveArguments, Failure, argument, known_drive, output, progress, tones};
+use super::input_lines::{InputLines, Wake};
+use super::{Begin, DriveArguments, Failure, known_drive, output, progress, setup_source, source, tones};
 use crate::signals::{self, Signal};
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::limits::LEASE_MS;
-use slipline_link::{DriveRequest, LinkState, Snapshot, Sounding};
-use slipline_model::atomic_file::{read_text, said};
+use slipline_link::{LinkState, Snapshot, Sounding};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
-use slipline_model::setup::file::{self, Opened};
 use slipline_model::setup::{Setup, edit};
-use slipline_model::texture::{self, chord_of};
-use slipline_plate::{DriveTable, Plate};
-use std::sync::Arc;
+use slipline_plate::DriveTable;
+use slipline_plate::number_format::rounded;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
@@ -26,41 +23,48 @@ use std::time::{Duration, Instant};
 const GLANCE: Duration = Duration::from_millis(100);
 
 pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failure> {
-    let wanted = Wanted::of(arguments)?;
+    let wanted = arguments.sounds.read()?;
+    if arguments.stdin && source::is_standard_input_taken() {
+        let why = "--stdin follows standard input, which is a file of this command already";
+        return Err(Failure::Usage(why.to_owned()));
+    }
     let duration_s = arguments.duration;
     let port = &arguments.port.port;
     let rig = arguments.hold.rig(&arguments.port, &wanted.plate)?;
+    let setup = |table: &DriveTable| -> Result<Setup, Failure> {
+        let setup = wanted.setup(table)?;
+        let glide_s = if wanted.is_of_file() { setup.glide_s } else { arguments.glide };
+        Ok(Setup { glide_s, ..setup })
+    };
     let mut made = progress::table_for(&wanted.plate, SAMPLE_RATE_HZ)?;
-    let mut setup = wanted.setup(&made.0, arguments.glide)?;
+    let mut wanted_setup = setup(&made.0)?;
 
     let device = Device::connect(port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
+    if arguments.at == Begin::Trigger && device.snapshot().has_trigger_input() == Some(false) {
+        let why = "the device has no trigger input: it can begin with --at now only";
+        return Err(Failure::Failed(why.to_owned()));
+    }
     let rate_hz = device.identity()?.sample_rate_hz;
     if rate_hz != SAMPLE_RATE_HZ {
         made = device.during(|| progress::table_for(&wanted.plate, rate_hz))?;
-        setup = wanted.setup(&made.0, arguments.glide)?;
+        wanted_setup = setup(&made.0)?;
     }
     let (plate_table, table) = made;
-    let request = edit::drive(&setup);
-    let sounding = if wanted.is_of_file() {
-        let snapshot = device.snapshot();
-        let chord = chord_of(&setup, &table);
-        device.during(|| texture::sounding(&setup, chord, &table, &snapshot)).map_err(Failure::usage)?
-    } else {
-        Sounding::Drive(request.clone())
-    };
-    let is_chord = matches!(sounding, Sounding::Chord(_));
-    let gain_db = setup.chord_gain_db.filter(|_| is_chord);
-    let places = TonePlaces::of_setup(&Setup { chord_gain_db: gain_db, ..setup }, &plate_table);
-    if !is_chord {
-        table.check_sum(&at_master_level(&request)).map_err(Failure::usage)?;
+    let setup = wanted_setup;
+    let snapshot = device.snapshot();
+    let sounding = device.during(|| wanted.sounding(&setup, &table, &snapshot))?;
+    if arguments.stdin && matches!(sounding, Sounding::Chord(_)) {
+        let why = "--stdin: the setup is a chord, whose tones stand still; drive it without --stdin";
+        return Err(Failure::Usage(why.to_owned()));
     }
+    let (places, gain_db) = setup_source::places(setup.clone(), &sounding, &plate_table);
     if arguments.clear_faults {
         device.clear_faults()?;
     }
     let bench = LoadedDevice::with(&device, &wanted.plate, table)?;
     let table = &bench.table;
-    let mut holder = arguments.hold.holder(&device, &wanted.plate, table, &request)?;
+    let mut holder = arguments.hold.holder(&device, &wanted.plate, table, &edit::drive(&setup))?;
     known_drive::check(&bench, arguments.known.known(None))?;
     device.arm_for(lease(arguments))?;
     let apply = match arguments.at {
@@ -69,18 +73,15 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     };
     let at = device.play(sounding.beginning(apply))?;
     // Registered before the message that Ctrl-C ends the drive.
-    let (interrupted, interruption) = channel();
-    let stop = device.stopper();
+    let (wakes, interruption) = channel();
+    let (stop, interrupted) = (device.stopper(), wakes.clone());
     let _closing = signals::end_by(move || {
         // Sent at once, without waiting.
         stop();
-        let _ = interrupted.send(());
+        let _ = interrupted.send(Wake::Signal);
     });
 
-    let played: Vec<(&TonePlaces, f64)> = places
-        .iter()
-        .filter_map(|tone| Some((tone, table.frequency_hz(table.position(tone.turning_point_m)?))))
-        .collect();
+    let played: Vec<(&TonePlaces, f64)> = tones::played(&places, table).collect();
     if !as_json {
         output::print(false, &json!(null), |out| {
             for (tone, frequency_hz) in &played {
@@ -93,8 +94,11 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
             if arguments.at == Begin::Trigger {
                 writeln!(out, "Waiting for the trigger.")?;
             }
+            if arguments.stdin {
+                writeln!(out, "Lines of standard input change the drive, and their end stops it.")?;
+            }
             match duration_s {
-                Some(seconds) => writeln!(out, "Driving for {seconds} s."),
+                Some(seconds) => writeln!(out, "Driving for {} s.", rounded(seconds, 3)),
                 None => {
                     let most = device.snapshot().fault_text(Fault::DriveTime);
                     writeln!(out, "Driving until Ctrl-C; the device stops by itself after {most}.")
@@ -109,8 +113,25 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     if let Some((at, _)) = began.filter(|_| !as_json && arguments.at == Begin::Trigger) {
         output::print(false, &json!(null), |out| writeln!(out, "Began at sample {at}."))?;
     }
+    let pair = (&plate_table, &**table);
+    let mut followed = FollowedDrive::new(&device, pair, wanted.asked(), setup, as_json);
+    let mut end = End::Time;
     let driven_s = match began {
         Some((at, begin)) => {
+            let lines = arguments.stdin.then(|| InputLines::begin(wakes));
+            let mut follow = |wake: Wake| {
+                end = match wake {
+                    Wake::Signal => return Ok(false),
+                    Wake::End(None) => End::Input,
+                    Wake::End(Some(why)) => return Err(Failure::Failed(format!("standard input: {why}"))),
+                    Wake::Line(line) if followed.follow(&line)? => {
+                        lines.iter().for_each(InputLines::ask);
+                        return Ok(true);
+                    }
+                    Wake::Line(_) => End::Line,
+                };
+                Ok(false)
+            };
             let goes_on = match &mut holder {
                 Some(holder) => holder.begin(&device, &interruption, at)?,
                 None => true,
@@ -120,7 +141,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
                 None => Ok(()),
             };
             if goes_on {
-                hold(&device, &interruption, begin, duration_s, each)?
+                hold(&device, (&interruption, &mut follow), begin, duration_s, each)?
             } else {
                 begin.elapsed().as_secs_f64()
             }
@@ -132,14 +153,19 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let clipped_samples = device.snapshot().status.map(|status| status.counters.clips);
     // Before anything is written, because the reader of the output may be slow.
     device.disarm()?;
-    let ended_by = signals::ended_by();
+    let ended_by = signals::ended_by().map_or(end.name(), Signal::name);
+    let at_the_end = followed.places();
+    let played: Vec<_> = match &at_the_end {
+        Some(places) => tones::played(places, table).collect(),
+        None => played,
+    };
     let value = json!({
         "port": port.to_string(),
         "plate": wanted.plate.name(),
         "at_samples": began.map(|(at, _)| at),
         "stopped_at_samples": stopped_at,
         "driven_s": driven_s,
-        "ended_by": ended_by.map_or("time", Signal::name),
+        "ended_by": ended_by,
         "feeling": wanted.feeling.value(),
         "tones": played.iter().map(|(tone, frequency_hz)| tones::value(tone, *frequency_hz)).collect::<Vec<_>>(),
         "chord_gain_db": gain_db,
@@ -147,10 +173,31 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "table_crc": format!("{:08x}", table.crc()),
         "clipped_samples": clipped_samples,
     });
-    output::print(as_json, &value, |out| match ended_by {
+    output::print(as_json, &value, |out| match signals::ended_by() {
         Some(signal) => writeln!(out, "Stopped by {} after {driven_s:.3} s.", signal.name()),
         None => writeln!(out, "Stopped."),
     })
+}
+
+/// What ends a drive that no signal ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    Time,
+    /// The line `stop`.
+    Line,
+    /// The end of standard input.
+    Input,
+}
+
+impl End {
+    /// Its name in JSON.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Line => "stop",
+            Self::Input => "input",
+        }
+    }
 }
 
 /// The lease of the drive: as long as it lasts and ten seconds more. What waits for the trigger may wait for any time.
@@ -160,70 +207,16 @@ fn lease(arguments: &DriveArguments) -> Option<Duration> {
     (arguments.at == Begin::Now).then(|| Duration::from_secs_f64(lease_s))
 }
 
-/// The plate, and what is to sound on it.
-struct Wanted {
-    plate: Arc<Plate>,
-    feeling: NamedFeeling,
-    sounds: Sounds,
-}
-
-/// What is to sound: a setup of a file, or tones.
-enum Sounds {
-    Setup(Box<Setup>),
-    Tones(AskedTones),
-}
-
-impl Wanted {
-    fn of(arguments: &DriveArguments) -> Result<Self, Failure> {
-        let Some(path) = &arguments.setup else {
-            let plate = Arc::new(argument::plate(arguments.plate.as_deref().unwrap_or_default())?);
-            let asked = arguments.tones.on(&plate)?;
-            return Ok(Self { plate, feeling: asked.feeling.clone(), sounds: Sounds::Tones(asked) });
-        };
-        let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-        let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
-        match file::read(&text).map_err(|error| refused(error.to_string()))? {
-            Opened::Setup(setup) => Ok(Self {
-                plate: Arc::clone(&setup.plate),
-                feeling: NamedFeeling::of_setup(&setup, path),
-                sounds: Sounds::Setup(setup),
-            }),
-            Opened::Plate(_) => Err(refused(
-                "a plate alone: drive it with --plate and --felt-edge or --turning-point".to_owned(),
-            )),
-        }
-    }
-
-    /// Whether it is a setup of a file.
-    const fn is_of_file(&self) -> bool {
-        matches!(self.sounds, Sounds::Setup(_))
-    }
-
-    /// The setup that sounds; `table` is that of the plate. Tones on the command line glide for `glide_s`.
-    fn setup(&self, table: &DriveTable, glide_s: f64) -> Result<Setup, Failure> {
-        match &self.sounds {
-            Sounds::Setup(setup) => Ok((**setup).clone()),
-            Sounds::Tones(asked) => Ok(Setup { glide_s, ..asked.setup(&self.plate, table)? }),
-        }
-    }
-}
-
-/// The tones of a drive as (turning point in metres, level at the drive's master level).
-fn at_master_level(request: &DriveRequest) -> Vec<(f64, f64)> {
-    let master = 10.0_f64.powf(request.master_db / 20.0);
-    request.tones.iter().map(|tone| (tone.boundary_m, tone.level * master)).collect()
-}
-
 /// Waits until the drive has begun after a trigger that counts from this sample index; returns the index and
 /// time of its beginning, or `None` if the user interrupts.
 fn wait_for_trigger(
     device: &Device,
-    interruption: &Receiver<()>,
+    interruption: &Receiver<Wake>,
     from: u64,
 ) -> Result<Option<(u64, Instant)>, Failure> {
     let rate_hz = f64::from(device.identity()?.sample_rate_hz);
     let report = |snapshot: &Snapshot| snapshot.trigger.filter(|report| !report.waits);
-    let is_over = watch(device, interruption, |snapshot| {
+    let is_over = watch(device, (interruption, &mut |_| Ok(false)), |snapshot| {
         Ok(if report(snapshot).is_some() { Duration::ZERO } else { GLANCE })
     })?;
     if !is_over {
@@ -238,28 +231,31 @@ fn wait_for_trigger(
     Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
 }
 
-/// Waits until the time since `begin` is over or the user interrupts, and calls `each` at every check;
+/// What wakes the program, and what follows it: returns whether the drive goes on.
+type Wakes<'a> = (&'a Receiver<Wake>, &'a mut dyn FnMut(Wake) -> Result<bool, Failure>);
+
+/// Waits until the time since `begin` is over or what wakes the program ends the drive, and calls `each` at every check;
 /// returns the driven time in seconds.
 fn hold(
     device: &Device,
-    interruption: &Receiver<()>,
+    wakes: Wakes<'_>,
     begin: Instant,
     duration_s: Option<f64>,
     mut each: impl FnMut(&Snapshot) -> Result<(), Failure>,
 ) -> Result<f64, Failure> {
     let duration = duration_s.map(Duration::from_secs_f64);
-    watch(device, interruption, |snapshot| {
+    watch(device, wakes, |snapshot| {
         each(snapshot)?;
         Ok(duration.map_or(GLANCE, |duration| duration.saturating_sub(begin.elapsed())))
     })?;
     Ok(begin.elapsed().as_secs_f64())
 }
 
-/// Waits until no time is `left` or the user interrupts, and checks the device meanwhile; returns whether the
-/// time is over.
+/// Waits until no time is `left` or what wakes the program ends the drive, and checks the device meanwhile; returns whether
+/// the time is over.
 fn watch(
     device: &Device,
-    interruption: &Receiver<()>,
+    (interruption, follow): Wakes<'_>,
     mut left: impl FnMut(&Snapshot) -> Result<Duration, Failure>,
 ) -> Result<bool, Failure> {
     loop {
@@ -270,7 +266,11 @@ fn watch(
             return Ok(true);
         }
         match interruption.recv_timeout(left.min(GLANCE)) {
-            Ok(()) => return Ok(device.check_attended().map(|()| false)?),
+            Ok(wake) => {
+                if !follow(wake)? {
+                    return Ok(device.check_attended().map(|()| false)?);
+                }
+            }
             Err(RecvTimeoutError::Disconnected) => std::thread::sleep(GLANCE),
             Err(RecvTimeoutError::Timeout) => {}
         }

@@ -1,9 +1,10 @@
 //! The feeling of a finger by which felt edges are computed, and where it is from.
 
 use super::Failure;
+use super::source::read_text;
 use clap::Args;
 use serde_json::{Value, json};
-use slipline_model::atomic_file::{read_text, said};
+use slipline_model::atomic_file::said;
 use slipline_model::setup::Setup;
 use slipline_model::setup::file::{FILE_BYTES_MAX, feeling};
 use slipline_plate::feeling::Feeling;

@@ -2,9 +2,9 @@
 
 use super::Failure;
 use super::destination::{Destination, ForceArgument};
-use slipline_model::atomic_file::is_stream;
+use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};
 use slipline_model::export::figures::{Drawing, Format};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The destination and format of a figure.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,12 +13,12 @@ pub(super) struct FigureFile {
     format: Format,
 }
 
-/// A file whose extension names its format. A pipe or a device, which has no extension, gets a PNG file.
+/// A file whose extension names its format. A pipe, a device or standard output, which has no extension, gets a PNG file.
 pub(super) fn figure_file(text: &str) -> Result<FigureFile, String> {
     let path = PathBuf::from(text);
     let format = match Format::of(&path) {
         Some(format) => format,
-        None if is_stream(&path) => Format::Png,
+        None if is_stream(&path) || path == Path::new(STANDARD_STREAM) => Format::Png,
         None => return Err("must end in .svg or .png".to_owned()),
     };
     Ok(FigureFile { path, format })

@@ -2,6 +2,7 @@
 
 use super::argument::{self, Typed};
 use super::device::Device;
+use super::input_lines::Wake;
 use super::measuring::place_on;
 use super::{Failure, PortArgument, output};
 use clap::Args;
@@ -96,7 +97,7 @@ impl Holder {
     pub(super) fn begin(
         &mut self,
         device: &Device,
-        interruption: &Receiver<()>,
+        interruption: &Receiver<Wake>,
         at: u64,
     ) -> Result<bool, Failure> {
         self.holding.switch_on(&self.plate, self.plan.max_rise_db, Some(at));

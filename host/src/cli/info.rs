@@ -43,7 +43,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         status.iter().flat_map(|s| s.faults.iter().map(|fault| snapshot.fault_text(fault))).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
     let round_trip_s = snapshot.round_trip.average.as_secs_f64();
-    let value = json!({
+    let mut value = json!({
         "port": port.to_string(),
         "compatibility": compatibility,
         "board": identity.map(|it| it.board.as_str()),
@@ -99,6 +99,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         "worst_block": snapshot.worst_block(),
         "round_trip_s": round_trip_s,
     });
+    value["trigger_input"] = json!(snapshot.has_trigger_input());
     output::print(as_json, &value, |out| {
         let mut lines = vec![("Port", port.to_string())];
         if let Some(it) = identity {
@@ -109,8 +110,8 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             let rate = f64::from(it.sample_rate_hz) / 1e3;
             lines.push(("Samples", format!("{rate} kS/s, {} bits, blocks of {}", it.dac_bits, it.block)));
             lines.push(("Tones", format!("{}", it.tones)));
-            lines.push(("Last reset", format!("{:?}", it.reset)));
-            lines.push(("Kept in flash", format!("{:?}", it.stored)));
+            lines.push(("Last reset", words(&it.reset)));
+            lines.push(("Kept in flash", words(&it.stored)));
         }
         if let Some(it) = maintenance {
             lines.push(("Flash erased", upkeep::wear(it)));
@@ -130,7 +131,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         lines.extend(inputs.map(|it| ("Inputs", slipline_link::upkeep::inputs(it))));
         lines.push(("Versions", compatibility.to_owned()));
         if let Some(it) = status {
-            lines.push(("State", format!("{:?}", it.state)));
+            lines.push(("State", words(&it.state)));
             lines.push(("Faults", snapshot.faults_text(it.faults)));
             if it.counters.max_cycles > 0 {
                 let share =
@@ -152,4 +153,14 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         lines.push(("Round trip", format!("{} ms", with_decimals(round_trip_s * 1e3, 2))));
         output::lines(out, &lines)
     })
+}
+
+/// A name of the protocol as words: `PowerOn` is `power on`.
+fn words(name: &impl std::fmt::Debug) -> String {
+    let name = format!("{name:?}");
+    let letters = name.char_indices().flat_map(|(at, letter)| {
+        let space = (at > 0 && letter.is_ascii_uppercase()).then_some(' ');
+        space.into_iter().chain([letter.to_ascii_lowercase()])
+    });
+    letters.collect()
 }

@@ -10,6 +10,7 @@ use slipline_instrument::measure::circuit::{
 use slipline_instrument::measure::{DriveChecking, KnownDrive};
 use slipline_instrument::rig::PreparedRig;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
+use slipline_plate::number_format::significant;
 use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
 
 /// The circuit from the DAC to the drive, from data sheets: all values or none.
@@ -69,7 +70,7 @@ pub(super) fn check(
         check if check.is_on() => Ok(Some(check)),
         check @ DriveCheck::TooQuiet { .. } => Err(Failure::Failed(format!(
             "{check} They are at {} of full scale already: leave out --amplifier to play without this check",
-            found.level
+            significant(found.level, 3)
         ))),
         check => Err(Failure::Failed(check.to_string())),
     }

@@ -11,6 +11,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use slipline_instrument::measure::{Measured, Sensor, current_sensor};
 use slipline_instrument::rig::RigOptions;
+use slipline_model::atomic_file::STANDARD_STREAM;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind};
 use slipline_plate::number_format::with_decimals;
@@ -38,7 +39,7 @@ pub struct MeasureArguments {
     /// Largest sum of all tones, over full scale, 0.001 to 1.
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
-    /// Write the measurement as CSV (.csv), universal file (.uff, .unv) or .frd.
+    /// Write the measurement as CSV (.csv), universal file (.uff, .unv) or .frd; - is CSV.
     #[arg(long, value_name = "FILE", value_parser = measurement_file)]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -78,6 +79,8 @@ fn measurement_file(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match form(&path) {
         Some(_) => Ok(path),
+        // A stream without an ending gets CSV.
+        None if path == Path::new(STANDARD_STREAM) => Ok(path),
         None => Err(must_be("its ending", ".csv, .uff, .unv or .frd")),
     }
 }

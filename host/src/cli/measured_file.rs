@@ -2,12 +2,13 @@
 
 use super::Failure;
 use super::argument::{self, Typed};
+use super::source::{read_bytes, read_text};
 use clap::Args;
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
 use slipline_instrument::measured_file::{
     BYTES_MAX, ForeignError, ForeignMetadata, Opened, RecordingMetadata, measurement, recorded,
 };
-use slipline_model::atomic_file::{read_bytes, read_text, said};
+use slipline_model::atomic_file::said;
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Foreign, Measurement, SNR, SNR_DB, SensorKind};

@@ -4,6 +4,7 @@ use super::argument::{self, Typed};
 use super::device::{Device, LoadedDevice, run};
 use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::SensorArgument;
+use super::source::is_standard_input_taken;
 use super::{ArmingArgument, Failure, PortArgument};
 use clap::Args;
 use slipline_instrument::measure::{
@@ -180,6 +181,10 @@ pub(super) fn at_places(
     }
     let options = RigOptions { place_m, sensor: kind, ..RigOptions::default() };
     let rig = by.port.rig_with_sensor(plate, &options)?;
+    if rig.is_none() && is_standard_input_taken() {
+        let why = "the sensor's places are confirmed on standard input, which is a file of this command: name a file";
+        return Err(Failure::Usage(why.to_owned()));
+    }
     let device = by.connect(rig.as_ref())?;
     let measurer = Measurer::new(&device, plate, by.band, by.level)?;
     known_drive::check(&measurer.bench, by.known.known(rig.as_ref()))?;

@@ -14,12 +14,15 @@ mod destination;
 mod device;
 mod differs;
 mod drive;
+mod envelope_file;
 mod failure;
 mod feeling;
 mod figure_file;
 mod figures;
+mod followed_drive;
 mod hold;
 mod info;
+mod input_lines;
 mod known_drive;
 mod measure;
 mod measured_file;
@@ -30,17 +33,21 @@ mod presets;
 mod profile;
 mod progress;
 mod record;
+mod renamed;
 mod respond;
 mod rig;
 mod sensor_places;
 mod serve;
+mod setup_source;
 mod simulate;
+mod source;
 mod sweep;
 mod table;
 mod texture;
 mod tones;
 mod trim;
 mod verify;
+mod watch;
 
 pub use calibrate::CalibrateArguments;
 pub use design::DesignArguments;
@@ -57,20 +64,23 @@ pub use trim::TrimArguments;
 use crate::signals;
 use argument::{FingerArgument, PlaceArgument, Typed};
 use clap::{Args, CommandFactory as _, Parser, Subcommand, ValueEnum};
+use envelope_file::EnvelopeArgument;
 use figure_file::{FigureFile, figure_file};
+use setup_source::SetupArgument;
 use slipline_link::Port;
 use slipline_link::protocol::limits::MAX_TONES;
+use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};
 use slipline_model::field::simulation::MAX_SECONDS;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::{KNOTS_MAX, POINTS_MAX, POINTS_MIN, nearest};
-use std::path::PathBuf;
-use tones::{GoneArgument, TonesArgument};
+use std::path::{Path, PathBuf};
+use tones::GoneArgument;
 
 /// Longest drive of one command, in seconds: the device's own limit is ten minutes.
 const DRIVE_S: f64 = 600.0;
 
 const EXIT_CODES: &str = "\
-Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they\nend any other; serve, whose only end they are, ends with 0.";
+Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they\nend any other; serve and watch, whose only end they are, end with 0.\nA file named - is standard input or standard output; ./- is a file of this name.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
 const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; for 1 and 2 see slipline --help.";
 
@@ -96,8 +106,8 @@ pub struct Cli {
     /// Print JSON: SI numbers, field names that end in their unit.
     #[arg(long, global = true, display_order = 998)]
     pub json: bool,
-    /// Write every frame between this program and the device to this file, one line each. An existing file is replaced with
-    /// --force only.
+    /// Write every frame between this program and the device to this file (- is standard output), one line each. An existing
+    /// file is replaced with --force only.
     #[arg(long, global = true, value_name = "FILE", display_order = 999)]
     pub trace: Option<PathBuf>,
 }
@@ -118,6 +128,8 @@ pub enum Command {
         #[command(flatten)]
         force: ForceArgument,
     },
+    /// Print the device's status as lines of JSON, five times a second, until it is interrupted. Arms nothing.
+    Watch(WatchArguments),
     /// Show or write the profile of a board's actuator: the limits that the device itself keeps, for every program.
     Profile(ProfileArguments),
     /// Put a table on a device and drive it.
@@ -158,6 +170,15 @@ pub enum Command {
     Figures(FiguresArguments),
 }
 
+/// `watch`.
+#[derive(Debug, Args)]
+pub struct WatchArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    #[command(flatten)]
+    force: ForceArgument,
+}
+
 /// The port of the device.
 #[derive(Debug, Args)]
 pub struct PortArgument {
@@ -194,21 +215,20 @@ pub struct PlateArgument {
 pub struct DriveArguments {
     #[command(flatten)]
     port: PortArgument,
-    /// A preset's name or a TOML file.
-    #[arg(long, value_name = "PLATE", required_unless_present = "setup")]
-    plate: Option<String>,
-    /// Plate, tones, master level and glide from a setup file, as the app and `slipline texture` write it.
-    #[arg(long, value_name = "SETUP.toml", conflicts_with_all = ["plate", "felt_edges", "turning_points", "boundary", "tone", "level", "feeling", "glide"])]
-    setup: Option<PathBuf>,
     #[command(flatten)]
-    tones: TonesArgument,
+    sounds: SetupArgument,
     /// Duration of the drive, up to 600s; by default, until Ctrl-C, or 10 minutes: then the device stops by
     /// itself.
     #[arg(long = "for", value_name = "TIME", value_parser = argument::seconds(0.0, DRIVE_S), allow_hyphen_values = true)]
     duration: Option<f64>,
     /// Duration of the change, 5ms to 10s.
-    #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.005, 10.0), allow_hyphen_values = true, default_value = "20ms")]
+    #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.005, 10.0), allow_hyphen_values = true, default_value = "20ms", conflicts_with = "setup")]
     glide: f64,
+    /// Follow lines of standard input while driving, without silence between them, until they end: felt-edge 210mm,
+    /// turning-point 160mm, level 0.5, glide 20ms, stop. Further values are those of the next tones. A line that is refused
+    /// changes nothing.
+    #[arg(long, conflicts_with = "hold")]
+    stdin: bool,
     /// When to begin: now, or with the first block of samples after the device's trigger input rises. Until
     /// then the device waits, armed; Ctrl-C cancels the drive.
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = Begin::Now)]
@@ -257,8 +277,8 @@ pub struct RespondArguments {
     /// All values are illustrative.
     #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
     finger: Option<FingerArgument>,
-    /// Draw the amplitude over x, as SVG or PNG by the file's extension.
-    #[arg(long, value_name = "F", value_parser = figure_file)]
+    /// Draw the amplitude over x (.svg, .png; -).
+    #[arg(long = "out", alias = "figure", value_name = "FILE", value_parser = figure_file)]
     figure: Option<FigureFile>,
     #[command(flatten)]
     force: ForceArgument,
@@ -286,17 +306,16 @@ pub struct TableArguments {
 #[derive(Debug, Args)]
 pub struct SimulateArguments {
     #[command(flatten)]
-    plate: PlateArgument,
-    /// The plate on which the waves run, if it differs from the table's plate.
-    #[arg(long, value_name = "PLATE2")]
+    sounds: SetupArgument,
+    /// The plate on which the waves run, if it differs from the table's plate. A preset's name, a TOML file, or
+    /// secret:SEED (a plate whose values all deviate by a few per cent).
+    #[arg(long, value_name = "TRUTH")]
     actual_plate: Option<String>,
-    #[command(flatten)]
-    tones: TonesArgument,
     /// Longest drive, 10ms to 600s: it ends when the plate has settled and been measured for 2s.
-    #[arg(long, value_name = "S", value_parser = argument::seconds(0.01, MAX_SECONDS), allow_hyphen_values = true)]
-    seconds: Option<f64>,
-    /// Leave out the table's gains: every tone has the same DAC amplitude.
-    #[arg(long)]
+    #[arg(long = "for", alias = "seconds", value_name = "TIME", value_parser = argument::seconds(0.01, MAX_SECONDS), allow_hyphen_values = true)]
+    duration: Option<f64>,
+    /// Leave out the table's gains: every tone has the same DAC amplitude. Not with a setup file.
+    #[arg(long, conflicts_with = "setup")]
     no_table: bool,
     /// Run the whole sheet in two dimensions instead of the first width mode, and show where the two differ. For membranes
     /// and shear waves only.
@@ -306,12 +325,8 @@ pub struct SimulateArguments {
     /// All values are illustrative.
     #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
     finger: Option<FingerArgument>,
-    /// Write the envelope over x as CSV.
-    #[arg(long, value_name = "F")]
-    csv: Option<PathBuf>,
-    /// Draw the envelope over x, as SVG or PNG by the file's extension.
-    #[arg(long, visible_alias = "png", value_name = "F", value_parser = figure_file)]
-    figure: Option<FigureFile>,
+    #[command(flatten)]
+    files: EnvelopeArgument,
     #[command(flatten)]
     force: ForceArgument,
 }
@@ -320,17 +335,25 @@ pub struct SimulateArguments {
 #[derive(Debug, Args)]
 pub struct RecordArguments {
     #[command(flatten)]
-    plate: PlateArgument,
-    #[command(flatten)]
-    tones: TonesArgument,
+    sounds: SetupArgument,
     /// Duration of the recording, 1ms to 600s.
-    #[arg(long, value_name = "S", value_parser = argument::seconds(0.001, MAX_SECONDS), allow_hyphen_values = true, default_value = "1s")]
-    seconds: f64,
-    /// The WAV file: one channel, 16 bits, at the device's sample rate.
-    #[arg(long, value_name = "F")]
-    wav: PathBuf,
+    #[arg(long = "for", alias = "seconds", value_name = "TIME", value_parser = argument::seconds(0.001, MAX_SECONDS), allow_hyphen_values = true, default_value = "1s")]
+    duration: f64,
+    /// The WAV file (.wav; -): one channel, 16 bits, at the device's sample rate.
+    #[arg(long, value_name = "FILE", value_parser = wav_file, required_unless_present = "wav")]
+    out: Option<PathBuf>,
+    #[arg(long, hide = true, value_name = "F", conflicts_with = "out")]
+    wav: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArgument,
+}
+
+/// A file whose name ends in .wav, or a stream.
+fn wav_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_wav = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("wav"));
+    let is_allowed = is_wav || is_stream(&path) || path == Path::new(STANDARD_STREAM);
+    is_allowed.then_some(path).ok_or_else(|| "must end in .wav".to_owned())
 }
 
 /// `verify`.
@@ -425,6 +448,12 @@ impl Cli {
 }
 
 impl Cli {
+    /// Whether standard output has JSON.
+    #[must_use]
+    pub const fn prints_json(&self) -> bool {
+        self.json || matches!(self.command, Some(Command::Watch(_)))
+    }
+
     /// Whether existing files may be replaced, the trace included.
     #[must_use]
     pub fn may_replace(&self) -> bool {
@@ -438,6 +467,7 @@ impl Cli {
                 | Command::Profile(_),
             ) => ForceArgument::default(),
             Some(Command::Info { force, .. }) => *force,
+            Some(Command::Watch(arguments)) => arguments.force,
             Some(Command::Drive(arguments)) => arguments.force,
             Some(Command::Respond(arguments)) => arguments.force,
             Some(Command::Table(arguments)) => arguments.force,
@@ -457,6 +487,15 @@ impl Cli {
     }
 }
 
+/// Takes standard output for the trace: the command's text goes to standard error then.
+///
+/// # Errors
+/// [`Failure::Usage`] with JSON, which needs standard output, too.
+pub fn trace_to_standard_output(json: bool) -> Result<(), Failure> {
+    output::begin(json);
+    output::take()
+}
+
 impl Command {
     /// Runs the command and prints its result.
     ///
@@ -464,10 +503,12 @@ impl Command {
     /// [`Failure`]: the reason and the exit code.
     pub fn run(self, json: bool) -> Result<(), Failure> {
         signals::before_exit(progress::wipe_for_good);
+        output::begin(json);
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
             Self::Info { port, .. } => info::run(&port, json),
+            Self::Watch(arguments) => watch::run(&arguments),
             Self::Profile(arguments) => profile::run(&arguments, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
             Self::Respond(arguments) => respond::run(&arguments, json),

@@ -1,26 +1,88 @@
-//! The output of a command: aligned lines for people, JSON for programs.
+//! The output of a command: aligned lines for people, JSON for programs. Where a file of the command is standard output,
+//! the lines go to standard error.
 
 use super::failure::Failure;
-use slipline_model::atomic_file::said;
-use std::io::{BufWriter, Write};
+use slipline_model::atomic_file::{self, said};
+use std::fs::File;
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Whether standard output has the command's JSON, or one of its files.
+static HAS_JSON: AtomicBool = AtomicBool::new(false);
+static HAS_FILE: AtomicBool = AtomicBool::new(false);
+
+/// States whether standard output has the command's JSON, before its files are named.
+pub(super) fn begin(as_json: bool) {
+    HAS_JSON.store(as_json, Ordering::Relaxed);
+}
+
+/// Takes standard output for a file.
+pub(super) fn take() -> Result<(), Failure> {
+    if HAS_JSON.load(Ordering::Relaxed) {
+        let why = "--json and a file named - both need standard output: name another file";
+        return Err(Failure::Usage(why.to_owned()));
+    }
+    if HAS_FILE.swap(true, Ordering::Relaxed) {
+        let why = "two files named - both need standard output: name another file";
+        return Err(Failure::Usage(why.to_owned()));
+    }
+    Ok(())
+}
+
+/// Writes a file to standard output, as [`atomic_file::write_to`].
+pub(super) fn write<E: From<io::Error>>(
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
+) -> Result<(), E> {
+    atomic_file::write_to(&mut Unbroken(io::stdout().lock()), write)
+}
+
+/// A stream whose reader may leave, as that of `slipline table --out - | head`: what follows is dropped.
+struct Unbroken<W>(W);
+
+impl<W: Write> Write for Unbroken<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self.0.write(bytes) {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(bytes.len()),
+            written => written,
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self.0.flush() {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            flushed => flushed,
+        }
+    }
+}
+
+/// Prints one line of JSON; returns whether its reader is still there.
+pub(super) fn line(value: &serde_json::Value) -> Result<bool, Failure> {
+    let mut out = io::stdout().lock();
+    match writeln!(out, "{value}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        written => written.map(|()| true).map_err(|error| unwritten(&error)),
+    }
+}
+
+fn unwritten(error: &io::Error) -> Failure {
+    Failure::Failed(format!("standard output: {}", said(error)))
+}
 
 /// Prints `value` as one line of JSON, or else the text of `text`.
 pub(super) fn print(
     as_json: bool,
     value: &serde_json::Value,
-    text: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let mut out = BufWriter::new(std::io::stdout().lock());
+    let stream: &mut dyn Write =
+        if HAS_FILE.load(Ordering::Relaxed) { &mut io::stderr().lock() } else { &mut io::stdout().lock() };
+    let mut out = BufWriter::new(Unbroken(stream));
     let written = if as_json { writeln!(out, "{value}") } else { text(&mut out) };
-    match written.and_then(|()| out.flush()) {
-        // The reader of the pipe has closed it, as in `slipline table | head`: no error.
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        result => result.map_err(|error| Failure::Failed(format!("standard output: {}", said(&error)))),
-    }
+    written.and_then(|()| out.flush()).map_err(|error| unwritten(&error))
 }
 
 /// Writes (name, value) lines with the values in one column.
-pub(super) fn lines(out: &mut dyn Write, lines: &[(&str, String)]) -> std::io::Result<()> {
+pub(super) fn lines(out: &mut dyn Write, lines: &[(&str, String)]) -> io::Result<()> {
     let width = lines.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     for (name, value) in lines {
         writeln!(out, "{name:<width$}  {value}")?;
@@ -29,7 +91,7 @@ pub(super) fn lines(out: &mut dyn Write, lines: &[(&str, String)]) -> std::io::R
 }
 
 /// Writes a table with a header; the first column is left-aligned, the others right.
-pub(super) fn table(out: &mut dyn Write, rows: &[Vec<String>]) -> std::io::Result<()> {
+pub(super) fn table(out: &mut dyn Write, rows: &[Vec<String>]) -> io::Result<()> {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns)
         .map(|column| rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max())

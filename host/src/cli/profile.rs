@@ -1,6 +1,7 @@
 //! `slipline profile`: the profile of a board's actuator.
 
 use super::device::Device;
+use super::source::read_text;
 use super::{Failure, PortArgument, output};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
@@ -8,7 +9,7 @@ use slipline_instrument::profile_file;
 use slipline_link::protocol::event::ProfileReport;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
-use slipline_model::atomic_file::{read_text, said};
+use slipline_model::atomic_file::said;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -1,59 +1,57 @@
 //! `slipline record`.
 
 use super::destination::Destination;
-use super::{Failure, RecordArguments, argument, output, progress, tones};
+use super::{Failure, RecordArguments, output, progress, setup_source, tones};
 use serde_json::{Value, json};
-use slipline_link::DriveRequest;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::table::DeviceTable;
+use slipline_link::{Request, Sounding};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_model::field::tone_places::TonePlaces;
-use std::sync::Arc;
+use slipline_plate::number_format::rounded;
+use std::path::Path;
 
 pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = Arc::new(argument::plate(&arguments.plate.plate)?);
-    let asked = arguments.tones.on(&plate)?;
-    let seconds = arguments.seconds;
-    let wav = Destination::new(&arguments.wav, arguments.force)?;
+    let wanted = arguments.sounds.read()?;
+    let seconds = arguments.duration;
+    let path = arguments.out.as_deref().or(arguments.wav.as_deref()).unwrap_or(Path::new(""));
+    let wav = Destination::new(path, arguments.force)?;
     let samples = (seconds * f64::from(SAMPLE_RATE_HZ)).round() as u64;
-    let (table, device_table) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
-    let setup = asked.setup(&plate, &table)?;
-    write(&wav, device_table, &tones::turning_points(&setup), samples)?;
-    let places = TonePlaces::of_setup(&setup, &table);
+    let (table, device_table) = progress::table_for(&wanted.plate, SAMPLE_RATE_HZ)?;
+    let setup = wanted.setup(&table)?;
+    let mut chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
+    let sounding = wanted.sounding(&setup, &device_table, chain.view())?;
+    let (places, gain_db) = setup_source::places(setup, &sounding, &table);
+    chain.use_table(device_table).map_err(Failure::failed)?;
+    write(&wav, chain, sounding, samples)?;
     let value = json!({
-        "wav": arguments.wav.display().to_string(),
-        "plate": plate.name(),
+        "wav": path.display().to_string(),
+        "plate": wanted.plate.name(),
         "sample_rate_hz": SAMPLE_RATE_HZ,
         "samples": samples,
         "seconds": seconds,
-        "feeling": asked.feeling.value(),
+        "feeling": wanted.feeling.value(),
         "tones": places.iter().map(|tone| tones::value(tone, tone.frequency_hz)).collect::<Vec<Value>>(),
+        "chord_gain_db": gain_db,
     });
     output::print(as_json, &value, |out| {
         for tone in &places {
             writeln!(out, "{}", tones::words(tone, tone.frequency_hz))?;
         }
-        writeln!(out, "{}", asked.feeling.words())?;
-        let (name, kilohertz) = (arguments.wav.display(), f64::from(SAMPLE_RATE_HZ) / 1e3);
+        writeln!(out, "{}", wanted.feeling.words())?;
+        if let Some(gain_db) = gain_db {
+            writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
+        }
+        let (name, kilohertz) = (path.display(), f64::from(SAMPLE_RATE_HZ) / 1e3);
+        let seconds = rounded(seconds, 6);
         writeln!(out, "{samples} codes ({seconds} s at {kilohertz} kS/s) written to {name}.")
     })
 }
 
-/// Records this many codes, from the block in which the drive begins. The tones are given by (turning point in metres,
-/// level).
-fn write(
-    wav: &Destination,
-    table: Arc<DeviceTable>,
-    tones: &[(f64, f64)],
-    samples: u64,
-) -> Result<(), Failure> {
-    table.check_sum(tones).map_err(Failure::usage)?;
-    let mut chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
-    chain.use_table(table).map_err(Failure::failed)?;
+/// Records this many codes, from the block in which the drive begins.
+fn write(wav: &Destination, mut chain: Loopback, sounding: Sounding, samples: u64) -> Result<(), Failure> {
     let begin = chain.samples();
     let mut codes = Vec::new();
-    let drive = DriveRequest::at(tones);
-    let at = chain.play(drive, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
+    let play = Request::Play(sounding);
+    let at = chain.perform(play, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
 
     let spec = hound::WavSpec {
         channels: 1,

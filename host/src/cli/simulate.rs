@@ -1,8 +1,10 @@
 //! `slipline simulate`.
 
-use super::destination::Destination;
-use super::{Failure, SimulateArguments, argument, differs, output, progress, tones};
+use super::envelope_file::Form;
+use super::rig::actual_plate;
+use super::{Failure, SimulateArguments, differs, output, progress, setup_source, tones};
 use serde_json::{Value, json};
+use slipline_link::simulator::loopback::Loopback;
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
@@ -13,56 +15,62 @@ use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
 use slipline_plate::{Plate, SheetError, table_sensitivity};
 use std::io::Write;
-use std::sync::Arc;
 use std::thread::available_parallelism;
 
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = Arc::new(argument::plate(&arguments.plate.plate)?);
-    let actual = arguments.actual_plate.as_deref().map(argument::plate).transpose()?;
-    let asked = arguments.tones.on(&plate)?;
-    if arguments.no_table && asked.has_felt_edge() {
+    let wanted = arguments.sounds.read()?;
+    let plate = &wanted.plate;
+    let actual = arguments.actual_plate.as_deref();
+    let actual = actual.map(|text| actual_plate(text, Some(plate))).transpose()?;
+    if arguments.no_table && wanted.has_felt_edge() {
         let why = "--felt-edge is by the table's gains: with --no-table name a --turning-point";
         return Err(Failure::Usage(why.to_owned()));
     }
     let finger = arguments.finger.and_then(|argument| argument.0);
-    let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(&plate))? } else { Solver::Line };
-    let csv_file = Destination::perhaps(arguments.csv.as_deref(), arguments.force)?;
-    let figure = arguments.figure.as_ref();
-    let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
-    if csv_file.as_ref().zip(figure_file.as_ref()).is_some_and(|(csv, figure)| csv.is(figure)) {
-        return Err(Failure::Usage("--csv and --figure name the same file".to_owned()));
-    }
-    let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
-    let setup = asked.setup(&plate, &table)?;
-    let turning_points = tones::turning_points(&setup);
-    let places = TonePlaces::of_setup(&setup, &table);
+    let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(plate))? } else { Solver::Line };
+    let files = arguments.files.destinations(arguments.force)?;
+    let (table, device_table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
+    let setup = wanted.setup(&table)?;
+    let chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
+    // Without gains the sum is another; it is checked with that table.
+    let sounding =
+        wanted.is_of_file().then(|| wanted.sounding(&setup, &device_table, chain.view())).transpose()?;
+    let (places, gain_db) = match &sounding {
+        Some(sounding) => setup_source::places(setup, sounding, &table),
+        None => (TonePlaces::of_setup(&setup, &table), None),
+    };
+    let turning_points: Vec<(f64, f64)> =
+        places.iter().map(|tone| (tone.turning_point_m, tone.level)).collect();
     let sensitivity = actual
         .as_ref()
-        .map(|actual| table_sensitivity(&table, &plate, actual))
+        .map(|actual| table_sensitivity(&table, plate, actual))
         .transpose()
         .map_err(Failure::usage)?;
     let simulation = Simulation {
-        plate: &plate,
-        actual: actual.as_ref().unwrap_or(&plate),
+        plate,
+        actual: actual.as_ref().unwrap_or(plate),
         tones: &turning_points,
+        sounding,
         has_gains: !arguments.no_table,
-        seconds: arguments.seconds,
+        seconds: arguments.duration,
         solver,
         finger,
     };
     let what = if arguments.sheet { "sheet" } else { "plate" };
     let result = progress::watched(what, |progress| simulation.run_watched(&table, progress))?;
-    if let Some(file) = csv_file {
-        file.write(|out| Ok(csv(&result, out)?))?;
-    }
-    if let Some((figure, file)) = figure.zip(figure_file) {
-        figure.write(&file, &envelope_figure(&result, plate.name()))?;
+    for file in &files {
+        match &file.form {
+            Form::Csv => file.destination.write(|out| Ok(csv(&result, out)?))?,
+            Form::Figure(figure) => {
+                figure.write(&file.destination, &envelope_figure(&result, plate.name()))?;
+            }
+        }
     }
 
     // Without gains the peaks are not those of the table, by which the felt edges are computed.
     let places = Places { places: &places, has_gains: simulation.has_gains };
     // The felt edges are computed from the measured fields, too; illustrative.
-    let feeling = asked.feeling.feeling;
+    let feeling = wanted.feeling.feeling;
     let felt_edge_m = |felt: &Option<Felt>| felt.as_ref().and_then(|felt| felt.edge.place_m());
     let by_person_m = |felt: &Option<Felt>| {
         felt.as_ref().map(|felt| [felt.by_person.near.place_m(), felt.by_person.far.place_m()])
@@ -82,9 +90,10 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
     if let Value::Object(fields) = &mut value {
         let mut put = |name: &str, value: Value| drop(fields.insert(name.to_owned(), value));
         put("plate", json!(plate.name()));
-        put("feeling", asked.feeling.value());
+        put("feeling", wanted.feeling.value());
         put("actual_plate", json!(simulation.actual.name()));
         put("has_table_gains", json!(simulation.has_gains));
+        put("chord_gain_db", json!(gain_db));
         put("clipped_samples", json!(result.clipped_samples));
         put("simulated_s", json!(result.seconds));
         put("measured_s", json!(result.window_s));
@@ -100,12 +109,17 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
             put("tones", json!(result.tones.iter().enumerate().map(of_tone).collect::<Vec<_>>()));
         }
     }
+    let waves_run_on = match (&arguments.actual_plate, simulation.actual.name()) {
+        // A plate near the command's has its name.
+        (Some(text), name) if name == plate.name() => format!("{name} ({text})"),
+        (_, name) => name.to_owned(),
+    };
     output::print(as_json, &value, |out| {
         output::lines(
             out,
             &[
                 ("Plate", plate.name().to_owned()),
-                ("Waves run on", simulation.actual.name().to_owned()),
+                ("Waves run on", waves_run_on),
                 ("Simulated", format!("{:.3} s, the last {:.3} s measured", result.seconds, result.window_s)),
                 ("Clipped", format!("{} samples", result.clipped_samples)),
             ],
@@ -119,7 +133,10 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         }
         writeln!(out)?;
         places.print(out)?;
-        writeln!(out, "{}", asked.feeling.words())?;
+        writeln!(out, "{}", wanted.feeling.words())?;
+        if let Some(gain_db) = gain_db {
+            writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
+        }
         writeln!(out)?;
         output::table(out, &rows(&result))?;
         writeln!(out)?;

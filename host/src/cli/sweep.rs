@@ -24,7 +24,7 @@ pub struct SweepArguments {
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
     /// Duration of one sweep, 10ms to 10s.
-    #[arg(long, value_name = "TIME", value_parser = argument::seconds(SWEEP_S.low, SWEEP_S.high), allow_hyphen_values = true, default_value = "4s")]
+    #[arg(long = "for", alias = "time", value_name = "TIME", value_parser = argument::seconds(SWEEP_S.low, SWEEP_S.high), allow_hyphen_values = true, default_value = "4s")]
     time: f64,
     /// Write the description of the sweep, which `calibrate --played` needs with each recording.
     #[arg(long, value_name = "SWEEP.toml")]

@@ -1,11 +1,12 @@
 //! `slipline texture`.
 
 use super::destination::Destination;
+use super::source::{read_bytes, read_text};
 use super::{Failure, ForceArgument, PlateArgument, argument, output, progress, tones};
 use argument::{Beat, Typed};
 use clap::Args;
 use serde_json::{Value, json};
-use slipline_model::atomic_file::{read_bytes, read_text, said};
+use slipline_model::atomic_file::said;
 use slipline_model::field::felt::by_person_words;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
@@ -213,7 +214,10 @@ fn lines(
     let mut lines = vec![("Plate", plate.name().to_owned()), ("Texture", what.clone())];
     for tone in &made.tones {
         let (place, frequency) = (show_place(tone.position_m), show_frequency(tone.frequency_hz));
-        lines.push(("Tone", format!("{place}, {frequency}, level {}", with_decimals(tone.level, 3))));
+        lines.push((
+            "Tone",
+            format!("turning point at {place}, {frequency}, level {}", with_decimals(tone.level, 3)),
+        ));
     }
     if let Some(fitted) = &made.fitted {
         let Fitted { worst, texture, rest, .. } = fitted;

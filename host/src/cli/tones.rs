@@ -10,6 +10,7 @@ use super::argument::{self, PlaceArgument, level};
 use super::feeling::{FeelingArgument, NamedFeeling};
 use clap::Args;
 use serde_json::{Value, json};
+use slipline_link::DeviceTable;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::edge_reach::{NoFeltEdge, turning_point_of};
 use slipline_model::field::tone_places::TonePlaces;
@@ -20,6 +21,9 @@ use slipline_plate::quantity::{
 };
 use slipline_plate::{DriveTable, Plate};
 use std::sync::Arc;
+
+/// What an option begins with; the words of lines have no dashes.
+const OPTION: &str = "--";
 
 /// The tones.
 #[derive(Debug, Args)]
@@ -51,7 +55,7 @@ pub(super) struct ToneArgument {
 }
 
 /// Parses `120mm` or `120mm:0.5`, a place or a frequency, and a level.
-fn tone(text: &str) -> Result<ToneArgument, String> {
+pub(super) fn tone(text: &str) -> Result<ToneArgument, String> {
     let (at, level) = match text.rsplit_once(':') {
         Some((at, loudness)) => (at, Some(level(loudness).map_err(|error| format!("its level: {error}"))?)),
         None => (text, None),
@@ -82,6 +86,33 @@ impl GoneArgument {
     }
 }
 
+/// Which of its two places defines a tone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PlaceKind {
+    FeltEdge,
+    TurningPoint,
+}
+
+impl PlaceKind {
+    /// Its word, in options and in lines.
+    pub(super) const fn word(self) -> &'static str {
+        match self {
+            Self::FeltEdge => "felt-edge",
+            Self::TurningPoint => "turning-point",
+        }
+    }
+
+    /// What is asked for; an error names `option`. A frequency is the tone of this frequency, whatever its places are.
+    fn of(self, at: &PlaceArgument, plate: &Plate, option: &str) -> Result<AskedPlace, Failure> {
+        Ok(match (self, at.value) {
+            (Self::FeltEdge, PlaceOrFrequency::Place(place_m)) => AskedPlace::FeltEdge(place_m),
+            (Self::FeltEdge, PlaceOrFrequency::Frequency(_)) | (Self::TurningPoint, _) => {
+                AskedPlace::TurningPoint(at.turning_point_on(plate, option)?)
+            }
+        })
+    }
+}
+
 /// What is asked of one tone.
 #[derive(Clone, Debug)]
 struct AskedTone {
@@ -98,6 +129,7 @@ enum AskedPlace {
 }
 
 /// The tones of a command, which fit the plate's span as far as that is known without a table.
+#[derive(Clone)]
 pub(super) struct AskedTones {
     tones: Vec<AskedTone>,
     pub(super) feeling: NamedFeeling,
@@ -108,11 +140,12 @@ impl TonesArgument {
     pub(super) fn on(&self, plate: &Plate) -> Result<AskedTones, Failure> {
         self.gone.refuse("--felt-edge X")?;
         let feeling = self.feeling.read()?;
-        let felt_edges = self.felt_edges.iter().map(|tone| self.felt_edge(plate, tone));
-        let turning_points = self.turning_points.iter().map(|tone| {
-            let place_m = tone.at.turning_point_on(plate, "--turning-point")?;
-            Ok(self.asked(tone, AskedPlace::TurningPoint(place_m)))
-        });
+        let asked = |kind: PlaceKind, tone: &ToneArgument| {
+            let at = kind.of(&tone.at, plate, &format!("{OPTION}{}", kind.word()))?;
+            Ok(AskedTone { at, level: tone.level.unwrap_or(self.level), text: tone.text.clone() })
+        };
+        let felt_edges = self.felt_edges.iter().map(|tone| asked(PlaceKind::FeltEdge, tone));
+        let turning_points = self.turning_points.iter().map(|tone| asked(PlaceKind::TurningPoint, tone));
         let tones = felt_edges.chain(turning_points).collect::<Result<Vec<_>, Failure>>()?;
         match tones.len() {
             0 => Err(Failure::Usage("name a --felt-edge or a --turning-point".to_owned())),
@@ -123,21 +156,6 @@ impl TonesArgument {
             _ => Ok(AskedTones { tones, feeling }),
         }
     }
-
-    fn asked(&self, tone: &ToneArgument, at: AskedPlace) -> AskedTone {
-        AskedTone { at, level: tone.level.unwrap_or(self.level), text: tone.text.clone() }
-    }
-
-    fn felt_edge(&self, plate: &Plate, tone: &ToneArgument) -> Result<AskedTone, Failure> {
-        let at = match tone.at.value {
-            PlaceOrFrequency::Place(place_m) => AskedPlace::FeltEdge(place_m),
-            // A frequency is the tone of this frequency, whatever its places are.
-            PlaceOrFrequency::Frequency(_) => {
-                AskedPlace::TurningPoint(tone.at.turning_point_on(plate, "--felt-edge")?)
-            }
-        };
-        Ok(self.asked(tone, at))
-    }
 }
 
 impl AskedTones {
@@ -146,38 +164,104 @@ impl AskedTones {
         self.tones.iter().any(|tone| matches!(tone.at, AskedPlace::FeltEdge(_)))
     }
 
+    /// The tones of a setup, by their turning points.
+    pub(super) fn of_setup(setup: &Setup, feeling: NamedFeeling) -> Self {
+        let asked = |tone: &ToneSetup| AskedTone {
+            at: AskedPlace::TurningPoint(tone.position_m),
+            level: tone.level,
+            text: String::new(),
+        };
+        Self { tones: setup.tones.iter().map(asked).collect(), feeling }
+    }
+
+    /// These tones with other places, in their order; those after the last place stay.
+    pub(super) fn moved(
+        mut self,
+        plate: &Plate,
+        kind: PlaceKind,
+        places: &[ToneArgument],
+    ) -> Result<Self, Failure> {
+        self.allow(places.len(), "places")?;
+        for (tone, place) in self.tones.iter_mut().zip(places) {
+            tone.at = kind.of(&place.at, plate, kind.word())?;
+            tone.level = place.level.unwrap_or(tone.level);
+            tone.text.clone_from(&place.text);
+        }
+        Ok(self)
+    }
+
+    /// These tones with other levels, in their order; those after the last level stay. A tone that was asked for by its
+    /// felt edge keeps it.
+    pub(super) fn at_levels(mut self, levels: &[f64]) -> Result<Self, Failure> {
+        self.allow(levels.len(), "levels")?;
+        self.tones.iter_mut().zip(levels).for_each(|(tone, level)| tone.level = *level);
+        Ok(self)
+    }
+
+    fn allow(&self, count: usize, what: &str) -> Result<(), Failure> {
+        match self.tones.len() {
+            most if (1..=most).contains(&count) => Ok(()),
+            most => Err(Failure::Usage(must_be(
+                format_args!("{count} {what}"),
+                format_args!("1 to {most}: of the tones, in their order"),
+            ))),
+        }
+    }
+
     /// The setup of these tones; `table` is that of the plate. An error names the felt edges that can be had.
     pub(super) fn setup(&self, plate: &Arc<Plate>, table: &DriveTable) -> Result<Setup, Failure> {
         let feeling = self.feeling.feeling;
         let mut setup = Setup { feeling, tones: Vec::new(), ..Setup::new(Arc::clone(plate)) };
         for (slot, tone) in (0..).zip(&self.tones) {
-            let position_m = match tone.at {
-                AskedPlace::TurningPoint(place_m) => place_m,
-                AskedPlace::FeltEdge(place_m) => turning_point_of(&setup, tone.level, table, place_m)
-                    .map_err(|refusal| refused(&tone.text, place_m, plate, &refusal))?,
-            };
+            let position_m = tone.turning_point_m(&setup, table, OPTION)?;
             setup.tones.push(ToneSetup { slot, position_m, level: tone.level, phase_turns: 0.0 });
+        }
+        Ok(setup)
+    }
+
+    /// A setup of these tones in the slots of `before`, with its master level and glide.
+    pub(super) fn after(&self, before: &Setup, table: &DriveTable) -> Result<Setup, Failure> {
+        let mut setup = before.without_chord();
+        for (tone, asked) in setup.tones.iter_mut().zip(&self.tones) {
+            (tone.position_m, tone.level) = (asked.turning_point_m(before, table, "")?, asked.level);
         }
         Ok(setup)
     }
 }
 
-/// The refusal of a felt edge that no tone has, with the turning point that plays the frequency of this place.
-fn refused(text: &str, place_m: f64, plate: &Plate, refusal: &NoFeltEdge) -> Failure {
-    let (start_m, end_m) = plate.span_m();
-    let turns = if (start_m..=end_m).contains(&place_m) {
-        let frequency = show_frequency(plate.frequency_for_boundary_hz(place_m));
-        format!("--turning-point {text} plays {frequency}, whose wave turns there")
-    } else {
-        format!("--turning-point takes {}", show_range(start_m, end_m, Measure::Length))
-    };
-    let refused = refusal.sentence(format_args!("invalid value '{text}' for '--felt-edge'"));
-    Failure::Usage(format!("{refused}; {turns}"))
+impl AskedTone {
+    /// Its turning point on the plate of a setup, for its feeling, in metres; words of the refusal begin with `dashes`.
+    fn turning_point_m(&self, setup: &Setup, table: &DriveTable, dashes: &str) -> Result<f64, Failure> {
+        match self.at {
+            AskedPlace::TurningPoint(place_m) => Ok(place_m),
+            AskedPlace::FeltEdge(place_m) => turning_point_of(setup, self.level, table, place_m)
+                .map_err(|refusal| self.refused(place_m, &setup.plate, &refusal, dashes)),
+        }
+    }
+
+    /// The refusal of a felt edge that no tone has, with the turning point that plays the frequency of this place.
+    fn refused(&self, place_m: f64, plate: &Plate, refusal: &NoFeltEdge, dashes: &str) -> Failure {
+        let text = &self.text;
+        let (start_m, end_m) = plate.span_m();
+        let turns = if (start_m..=end_m).contains(&place_m) {
+            let frequency = show_frequency(plate.frequency_for_boundary_hz(place_m));
+            format!("{dashes}turning-point {text} plays {frequency}, whose wave turns there")
+        } else {
+            format!("{dashes}turning-point takes {}", show_range(start_m, end_m, Measure::Length))
+        };
+        let refused = refusal.sentence(format_args!("invalid value '{text}' for '{dashes}felt-edge'"));
+        Failure::Usage(format!("{refused}; {turns}"))
+    }
 }
 
-/// The tones of a setup as (turning point in metres, level).
-pub(super) fn turning_points(setup: &Setup) -> Vec<(f64, f64)> {
-    setup.tones.iter().map(|tone| (tone.position_m, tone.level)).collect()
+/// The tones of a device that holds this table, each with the frequency that it plays, in Hz.
+pub(super) fn played<'a>(
+    places: &'a [TonePlaces],
+    table: &DeviceTable,
+) -> impl Iterator<Item = (&'a TonePlaces, f64)> {
+    places
+        .iter()
+        .filter_map(move |tone| Some((tone, table.frequency_hz(table.position(tone.turning_point_m)?))))
 }
 
 /// Both places of a tone, its frequency and its level, as JSON. `frequency_hz` is what the device plays.

@@ -42,7 +42,7 @@ pub struct TrimArguments {
     level: f64,
     /// Repeat with one comb of tones for this time, up to 24h, print the wave speed each time, and write it to --out; Ctrl-C
     /// ends it before.
-    #[arg(long, value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
+    #[arg(long = "for", alias = "watch", value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
     watch: Option<f64>,
     /// Write the plate file with the last wave speed.
     #[arg(long, value_name = "TRIMMED.toml")]
@@ -67,8 +67,11 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     let first = measurer.measure(sensor)?.measurement;
     let trim = SpeedTrim::new(&plate, &first).map_err(Failure::failed)?;
     let save = |plate: &Plate| out.iter().try_for_each(|out| out.write_measured(&plate.to_toml()));
+    // Standard output takes the last plate only.
+    let is_kept = out.as_ref().is_some_and(Destination::is_standard_output);
+    let save_now = |plate: &Plate| if is_kept { Ok(()) } else { save(plate) };
     let closing = signals::end_by(device.stopper());
-    save(&trim.begin().plate)?;
+    save_now(&trim.begin().plate)?;
     let begun = Instant::now();
     let (short, mut later) = (measurer.short(), Vec::new());
     while arguments.watch.is_some_and(|watch_s| begun.elapsed().as_secs_f64() < watch_s) {
@@ -82,7 +85,7 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
         if !as_json {
             eprintln!("after {} s: {}", with_decimals(after_s, 1), interval(&now));
         }
-        save(&now.plate)?;
+        save_now(&now.plate)?;
         later.push((after_s, now));
         if signals::ended_by().is_some() {
             break;
@@ -94,6 +97,9 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     }
     drop(closing);
     let last = later.last().map_or(trim.begin(), |(_, now)| now);
+    if is_kept {
+        save(&last.plate)?;
+    }
     let moved_m =
         departure(&plate, &last.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?.boundary_m;
     let value = json!({
@@ -128,6 +134,14 @@ fn interval(trimmed: &Trimmed) -> String {
     format!("{share} times the file's ({low} to {high})")
 }
 
+/// How well one speed explains the phases.
+fn fit(trimmed: &Trimmed) -> String {
+    let times = with_decimals(trimmed.chi2_per_n.sqrt(), 2);
+    format!(
+        "phases {times} times their noise from this speed (RMS): about 1 where nothing but the speed has changed"
+    )
+}
+
 fn lines(
     plate: &Plate,
     place_m: f64,
@@ -140,7 +154,7 @@ fn lines(
         ("Plate", plate.name().to_owned()),
         ("Sensor", show_place(place_m)),
         ("Wave speed", interval(last)),
-        ("chi^2 per answer", with_decimals(last.chi2_per_n, 2)),
+        ("Fit", fit(last)),
         ("By the file", format!("turning points are up to {} off over the span", show_length(moved_m))),
     ];
     lines.extend(trim.caution().map(|sentence| ("Note", sentence)));

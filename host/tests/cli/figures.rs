@@ -41,8 +41,8 @@ fn every_figure_of_the_paper_and_of_the_physics_is_written_as_vectors_as_a_pictu
 
 #[test]
 fn the_ending_says_what_is_written_and_others_are_refused_before_the_work() {
-    let simulate = ["simulate", "--plate", "membrane", "--turning-point", "120mm", "--figure"];
-    let respond = ["respond", "--plate", "membrane", "--freq", "126Hz", "--figure"];
+    let simulate = ["simulate", "--plate", "membrane", "--turning-point", "120mm", "--out"];
+    let respond = ["respond", "--plate", "membrane", "--freq", "126Hz", "--out"];
     for (name, command) in [("envelope", &simulate[..]), ("response", &respond[..])] {
         let (svg, png, pdf) = (format!("{name}.svg"), format!("{name}.PNG"), format!("{name}.pdf"));
         let write = |name: &str| {
@@ -59,7 +59,7 @@ fn the_ending_says_what_is_written_and_others_are_refused_before_the_work() {
         assert!(write(&png).starts_with(b"\x89PNG"));
         let path = file(&pdf);
         let message = failure(&[command, &[path.to_str().unwrap()]].concat(), 2);
-        assert!(message.contains("--figure <F>") && message.contains(".svg or .png"), "{message}");
+        assert!(message.contains("--out <FILE>") && message.contains(".svg or .png"), "{message}");
         assert!(!path.exists());
     }
     // The first name of the option still works, and two kinds of output never share one file.

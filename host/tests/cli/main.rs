@@ -5,6 +5,8 @@ mod calibrate;
 mod felt_edges;
 mod figures;
 mod files;
+#[cfg(unix)]
+mod following;
 mod held_up;
 mod holding;
 mod lights;
@@ -13,12 +15,15 @@ mod no_display;
 mod profile;
 mod progress;
 mod refusals;
+mod renamed;
 #[cfg(unix)]
 mod serve;
 #[cfg(unix)]
 mod served;
+mod setups;
 #[cfg(unix)]
 mod signals;
+mod streams;
 mod sweep;
 mod terminal;
 mod textures;
@@ -32,6 +37,8 @@ mod trim;
 mod unarmed;
 #[cfg(unix)]
 mod upkeep;
+#[cfg(unix)]
+mod watch;
 mod words;
 
 use serde_json::Value;

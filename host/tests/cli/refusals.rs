@@ -32,8 +32,8 @@ fn bad_usage_ends_with_2_and_names_field_and_range() {
             &["level", "0 to 1"],
         ),
         (
-            &["simulate", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "9999s"],
-            &["'9999s' for '--seconds", "10 ms to 600 s"],
+            &["simulate", "--plate", "membrane", "--turning-point", "120mm", "--for", "9999s"],
+            &["'9999s' for '--for", "10 ms to 600 s"],
         ),
         (&["simulate", "--plate", "membrane", "--turning-point", "90mm:2"], &["its level", "0 to 1"]),
         (

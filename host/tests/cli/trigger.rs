@@ -2,6 +2,8 @@
 
 use super::json;
 use super::served::Served;
+use super::signals::Socket;
+use slipline_link::protocol::{Command as Message, Event};
 use slipline_link::simulator::Options;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -45,4 +47,38 @@ fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
         "1ms",
     ]);
     assert!(again["at_samples"].as_u64() > raised_at, "and without the option it waits for nothing");
+}
+
+/// Makes a device one without a trigger input, which the link does not arm by itself.
+fn without_trigger_input(event: &mut Event) {
+    match event {
+        Event::Board(board) => board.trigger_input = false,
+        Event::Hello(identity) => identity.simulated = false,
+        _ => {}
+    }
+}
+
+#[test]
+fn a_device_without_a_trigger_input_is_not_armed_for_it() {
+    let socket = Socket::serve_altered("no-trigger", without_trigger_input);
+    let port = format!("unix:{}", socket.path.display());
+    let drive = "drive --despite-no-profile --plate membrane --turning-point 120mm --at trigger --port";
+    let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
+        .args(drive.split(' ').chain([port.as_str()]))
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let is_armed = || socket.sent().iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_)));
+    // It would wait without end.
+    while child.try_wait().unwrap().is_none() && !is_armed() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let _ = child.kill();
+    let output = child.wait_with_output().unwrap();
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(!is_armed(), "{:?}", socket.sent());
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("the device has no trigger input"), "{message}");
+    std::fs::remove_file(&socket.path).unwrap();
+    assert_eq!(json(&["info", "--port", "sim"])["trigger_input"], true);
 }

@@ -49,6 +49,7 @@ fn a_change_of_the_speed_is_told_watched_and_written() {
     for wanted in ["Wave speed", "times the file's", "34.0 mm", "Note"] {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
+    assert!(text.contains("times their noise from this speed") && !text.contains("chi"), "{text}");
     let message =
         failure(&["trim", "--port", "sim", "--plate", "al-bending", "--sensor", "34mm", "--points", "16"], 1);
     assert!(message.contains("holds no calibration"), "{message}");

@@ -219,12 +219,14 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
         mute_resistor: MuteResistor::Present,
         user_button: UserButton::Released,
         stop_input: StopInput::Closed,
+        trigger_input: true,
     };
     let bare = BoardReport {
         core_hz: u32::MAX,
         mute_resistor: MuteResistor::Missing,
         user_button: UserButton::Pressed,
         stop_input: StopInput::NotInProfile,
+        trigger_input: true,
     };
     let desk_stop = Status {
         state: State::Fault,

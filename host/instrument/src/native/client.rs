@@ -127,6 +127,15 @@ impl<W: BlockingLink> Client<W> {
         }
     }
 
+    /// Connects to a device that is observed only: nothing is armed without [`Client::arm`].
+    ///
+    /// # Errors
+    /// As [`Client::connect`].
+    pub fn observe(&self, port: &Port) -> Result<(), ClientError> {
+        self.link.send(Request::Observe);
+        self.connect(port)
+    }
+
     /// The latest state of link and device.
     #[must_use]
     pub fn snapshot(&self) -> Arc<Snapshot> {

@@ -146,9 +146,11 @@ impl CommandQueue {
             Request::Capture(capture) => Job::Capture(capture),
             Request::Hold(hold) => Job::Hold(hold),
             // The connection handles these itself.
-            Request::Connect(_) | Request::Disconnect | Request::AutoReconnect(_) | Request::Note(..) => {
-                return;
-            }
+            Request::Connect(_)
+            | Request::Disconnect
+            | Request::AutoReconnect(_)
+            | Request::Observe
+            | Request::Note(..) => return,
         };
         self.tasks.push_back(Task::new(Some(ticket), job));
     }

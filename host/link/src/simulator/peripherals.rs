@@ -360,6 +360,7 @@ impl System for Peripherals {
                 (Some(true), false) => StopInput::Closed,
                 (Some(false) | None, _) => StopInput::Unused,
             },
+            trigger_input: self.has_trigger_input(),
         }
     }
 

@@ -22,7 +22,7 @@ use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
 use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
-use slipline_link::{BLOCK, DriveError, DriveRequest, OutOfRange, Request, Sounding};
+use slipline_link::{BLOCK, Change, DriveError, DriveRequest, OutOfRange, Played, Request, Sounding};
 use slipline_plate::{
     Complex64, DriveTable, Equation, Finger, LineError, Peak, Plate, Progress, RespondError, Response,
     SheetError, Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond_touched,
@@ -50,6 +50,8 @@ pub struct Simulation<'a> {
     pub actual: &'a Plate,
     /// (boundary in metres from the driven end, level 0..=1) of each tone, 1 to 16.
     pub tones: &'a [(f64, f64)],
+    /// What plays these tones; `None` for a drive of them at phase 0 and full master level.
+    pub sounding: Option<Sounding>,
     /// Whether the table's gains are used; without them every tone is driven at the same DAC amplitude.
     pub has_gains: bool,
     /// Duration of the drive, in seconds; `None` means until the plate has settled and the window is full.
@@ -221,18 +223,24 @@ impl Simulation<'_> {
     ) -> Result<Simulated, SimulationError> {
         let device_table =
             Arc::new(if self.has_gains { self::device_table(table)? } else { without_gains(table)? });
-        device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
+        if !matches!(self.sounding, Some(Sounding::Chord(_))) {
+            device_table.check_sum(self.tones).map_err(SimulationError::Sum)?;
+        }
         let mut chain = Loopback::connect(SAMPLE_RATE_HZ)?;
         chain.perform(Request::Upload(device_table.clone()), |_| ())?;
 
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
-        let sounding = self.sounding(&device_table)?;
+        let asked = self.asked(&device_table)?;
+        let played = self.sounding.clone();
+        let played = played.unwrap_or_else(|| Sounding::Drive(DriveRequest::at(self.tones)));
+        // With a travel limit the link extends the glide.
+        let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(glide_s(&played));
+        let mut begun = Vec::new();
+        chain.perform(Request::Play(played), |codes| begun.extend_from_slice(codes))?;
+        let sounding = if self.sounding.is_some() { sounding(&asked, &chain, &device_table) } else { asked };
         let frequencies: Vec<f64> = sounding.iter().map(|tone| tone.frequency_hz).collect();
         let mut waves = Waves::new(self.actual, self.finger.as_ref(), self.solver, rate_hz, &frequencies)?;
-        let drive = DriveRequest::at(self.tones);
-        // With a travel limit the link extends the glide.
-        let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(drive.glide_s);
-        chain.perform(Request::Play(Sounding::Drive(drive)), |codes| waves.push(codes))?;
+        begun.chunks(BLOCK).for_each(|codes| waves.push(codes));
 
         let settle_s = glide_s + waves.settle_time_s();
         let (settle_s, window_s) = match self.seconds {
@@ -285,8 +293,8 @@ impl Simulation<'_> {
         })
     }
 
-    /// The frequency and level that the device plays for each tone.
-    fn sounding(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, LoopbackError> {
+    /// The frequency and level that the device plays for each tone in a drive of them.
+    fn asked(&self, table: &DeviceTable) -> Result<Vec<ToneDrive>, LoopbackError> {
         let (start_m, end_m) = span_m(&table.header());
         (0..)
             .zip(self.tones)
@@ -349,6 +357,37 @@ impl Simulation<'_> {
             differs,
         })
     }
+}
+
+fn glide_s(sounding: &Sounding) -> f64 {
+    match sounding {
+        Sounding::Drive(drive) => drive.glide_s,
+        Sounding::Chord(chord) => chord.glide_s,
+        Sounding::Comb(comb) => comb.glide_s,
+    }
+}
+
+/// The frequency and level of each tone as the device has accepted it. The tones of a chord are in the order of their
+/// frequencies: each is the one whose frequency is nearest.
+fn sounding(asked: &[ToneDrive], chain: &Loopback, table: &DeviceTable) -> Vec<ToneDrive> {
+    let played =
+        chain.view().journal.iter().rev().find_map(|entry| {
+            if let Change::Play(played) = &entry.change { Some(played.clone()) } else { None }
+        });
+    let tones = played.as_ref().map_or_else(Vec::new, |played| played.tones(table));
+    let is_drive = matches!(played, Some(Played::Drive(_)));
+    let of_tone = |(number, tone): (usize, &ToneDrive)| {
+        let off_hz = |hz: f64| (hz - tone.frequency_hz).abs();
+        let nearest =
+            || tones.iter().min_by(|a, b| off_hz(a.frequency_hz).total_cmp(&off_hz(b.frequency_hz)));
+        let found = if is_drive { tones.get(number) } else { nearest() };
+        found.map_or(*tone, |found| ToneDrive {
+            frequency_hz: found.frequency_hz,
+            amplitude: found.amplitude,
+            phase_rad: 0.0,
+        })
+    };
+    asked.iter().enumerate().map(of_tone).collect()
 }
 
 /// Advances by a number of samples, rounded up to blocks, and reports the progress.

@@ -3,7 +3,16 @@ use slipline_plate::{Calibration, PlateSpec, ResponseCurve};
 
 /// Tones on the plate for which their table is made, with the table's gains.
 fn on_plate<'a>(plate: &'a Plate, tones: &'a [(f64, f64)], solver: Solver) -> Simulation<'a> {
-    Simulation { plate, actual: plate, tones, has_gains: true, seconds: None, solver, finger: None }
+    Simulation {
+        plate,
+        actual: plate,
+        tones,
+        sounding: None,
+        has_gains: true,
+        seconds: None,
+        solver,
+        finger: None,
+    }
 }
 
 #[test]

@@ -1,0 +1,80 @@
+//! Files of `slipline simulate`: the envelope over x as CSV or as a figure, by the ending of the name.
+
+use super::Failure;
+use super::destination::{Destination, ForceArgument};
+use super::figure_file::{FigureFile, figure_file};
+use clap::Args;
+use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};
+use std::path::{Path, PathBuf};
+
+/// The files.
+#[derive(Debug, Args)]
+pub(super) struct EnvelopeArgument {
+    /// Write the envelope over x: as CSV (.csv; -), or drawn (.svg, .png). Repeated for more files.
+    #[arg(long, value_name = "FILE", value_parser = envelope_file)]
+    out: Vec<EnvelopeFile>,
+    #[arg(long, hide = true, value_name = "F")]
+    csv: Option<PathBuf>,
+    #[arg(long, hide = true, alias = "png", value_name = "F", value_parser = figure_file)]
+    figure: Option<FigureFile>,
+}
+
+/// A file and its form.
+#[derive(Clone, Debug)]
+enum EnvelopeFile {
+    Csv(PathBuf),
+    Figure(FigureFile),
+}
+
+/// The form of a file that may be written.
+#[derive(Debug)]
+pub(super) enum Form {
+    Csv,
+    Figure(FigureFile),
+}
+
+/// A file that may be written.
+#[derive(Debug)]
+pub(super) struct EnvelopeDestination {
+    pub(super) destination: Destination,
+    pub(super) form: Form,
+}
+
+fn envelope_file(text: &str) -> Result<EnvelopeFile, String> {
+    let path = PathBuf::from(text);
+    let is_csv = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+    // A stream without an ending gets CSV.
+    if is_csv || is_stream(&path) || path == Path::new(STANDARD_STREAM) {
+        return Ok(EnvelopeFile::Csv(path));
+    }
+    figure_file(text).map(EnvelopeFile::Figure).map_err(|_| "must end in .csv, .svg or .png".to_owned())
+}
+
+impl EnvelopeArgument {
+    /// The files, which are different ones.
+    pub(super) fn destinations(
+        &self,
+        may_replace: ForceArgument,
+    ) -> Result<Vec<EnvelopeDestination>, Failure> {
+        let mut files = Vec::new();
+        let csv = self.csv.iter().map(|path| EnvelopeFile::Csv(path.clone()));
+        let figure = self.figure.iter().map(|figure| EnvelopeFile::Figure(figure.clone()));
+        for file in csv.chain(figure).chain(self.out.iter().cloned()) {
+            let (destination, form) = match file {
+                EnvelopeFile::Csv(path) => (Destination::new(&path, may_replace)?, Form::Csv),
+                EnvelopeFile::Figure(figure) => (figure.destination(may_replace)?, Form::Figure(figure)),
+            };
+            files.push(EnvelopeDestination { destination, form });
+        }
+        let is_twice = |(number, file): (usize, &EnvelopeDestination)| {
+            files.iter().take(number).any(|before| before.destination.is(&file.destination))
+        };
+        match files.iter().enumerate().any(is_twice) {
+            false => Ok(files),
+            true if self.out.is_empty() => {
+                Err(Failure::Usage("--csv and --figure name the same file".to_owned()))
+            }
+            true => Err(Failure::Usage("two outputs name the same file".to_owned())),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! `slipline watch`: the device's status as lines of JSON. It arms nothing and drives nothing.
+
+use super::device::Device;
+use super::{Failure, WatchArguments, output};
+use crate::signals;
+use serde_json::{Value, json};
+use slipline_link::protocol::event::Status;
+use slipline_link::{LinkState, Snapshot};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// Time between two looks for a new status; the link requests one every fifth of a second.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// Prints each status until a signal comes or the reader of the lines leaves.
+pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
+    let port = &arguments.port;
+    let ended = Arc::new(AtomicBool::new(false));
+    let is_ended = Arc::clone(&ended);
+    let device = Device::observe(&port.port, port.rig(None)?.as_ref())?;
+    let _closing = signals::end_normally_by(move || is_ended.store(true, Ordering::Relaxed));
+    let mut before = None;
+    while !ended.load(Ordering::Relaxed) {
+        let snapshot = device.snapshot();
+        if let LinkState::Lost(trouble) = &snapshot.link {
+            return Err(Failure::Failed(trouble.to_string()));
+        }
+        if let Some(status) = snapshot.status.filter(|status| before != Some(status.now)) {
+            before = Some(status.now);
+            if !output::line(&value(&port.port.to_string(), &snapshot, &status))? {
+                return Ok(());
+            }
+        }
+        device.pause(GLANCE);
+    }
+    Ok(())
+}
+
+fn value(port: &str, snapshot: &Snapshot, status: &Status) -> Value {
+    let rate_hz = snapshot.identity.as_ref().map(|identity| f64::from(identity.sample_rate_hz));
+    let faults: Vec<_> = status.faults.iter().map(|fault| snapshot.fault_text(fault)).collect();
+    json!({
+        "port": port,
+        "now_samples": status.now,
+        "now_s": rate_hz.map(|rate_hz| status.now as f64 / rate_hz),
+        "state": format!("{:?}", status.state),
+        "faults": faults,
+        "heat": f64::from(status.heat_per_mille) / 1e3,
+        "clipped_samples": status.counters.clips,
+        "underruns": status.counters.underruns,
+        "crc_errors": status.counters.crc_errors,
+        "table_crc": snapshot.table.active.map(|table| format!("{:08x}", table.crc)),
+        "round_trip_s": snapshot.round_trip.last.as_secs_f64(),
+    })
+}
