@@ -14,6 +14,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 const PROSE: &str = include_str!("protocol_page/prose.md");
+/// The session in bytes: recorded and compared by `tests/tests/transcripts.rs`.
+const SESSION_IN_BYTES: &str = include_str!("protocol_page/session.txt");
 
 /// Every example: its label, the message's id and name, and the frame.
 fn frames() -> Vec<(String, u8, Vec<u8>)> {
@@ -188,6 +190,46 @@ fn types() -> BTreeMap<&'static str, &'static Shape> {
     found
 }
 
+/// The minor of the first message or variant that carries a type.
+fn first_minor(wanted: &str) -> u8 {
+    fn visit(shape: &Shape, minor: u8, wanted: &str, found: &mut Option<u8>) {
+        match shape {
+            Shape::Option(inner) | Shape::Array(_, inner) | Shape::List(_, inner) => {
+                visit(inner, minor, wanted, found);
+            }
+            Shape::Struct(name, fields) => {
+                if *name == wanted {
+                    *found = Some(found.map_or(minor, |before| before.min(minor)));
+                }
+                fields.iter().for_each(|field| visit(field.shape, minor, wanted, found));
+            }
+            Shape::Enum(name, variants) => {
+                if *name == wanted {
+                    *found = Some(found.map_or(minor, |before| before.min(minor)));
+                }
+                for variant in *variants {
+                    let minor = minor.max(variant.since);
+                    variant.fields.iter().for_each(|field| visit(field.shape, minor, wanted, found));
+                }
+            }
+            _ => {}
+        }
+    }
+    let mut found = None;
+    rows().for_each(|row| row.body.iter().for_each(|shape| visit(shape, row.since, wanted, &mut found)));
+    found.expect("a type of a message")
+}
+
+#[test]
+fn a_type_is_as_old_as_the_first_message_that_carries_it() {
+    // `Apply` came with `Drive`, though later messages have it, too; the others came with the message named.
+    let types =
+        [("Apply", 0), ("Knot", 0), ("TravelLimit", 1), ("ChordTone", 2), ("CombTone", 3), ("HoldLoss", 3)];
+    for (name, minor) in types {
+        assert_eq!(first_minor(name), minor, "{name}");
+    }
+}
+
 fn type_name(shape: &Shape) -> String {
     match *shape {
         Shape::U8 => "u8".to_owned(),
@@ -269,15 +311,9 @@ fn message(page: &mut String, row: &MessageRow) {
         frames().into_iter().find(|(_, of, _)| of == id).expect("every message has an example");
     writeln!(page, "\nExample: `{}`", hex(&frame)).unwrap();
     let mut reader = Reader::of(&frame);
-    if let Some(shape) = body {
+    if body.is_some() {
         let body = hex(reader.body.as_slice());
-        reader.read("", shape);
-        let fields: Vec<String> = reader
-            .fields
-            .iter()
-            .map(|(path, value)| if path.is_empty() { value.clone() } else { format!("{path} = {value}") })
-            .collect();
-        writeln!(page, "\nIts body is `{body}`: {}.", fields.join(", ")).unwrap();
+        writeln!(page, "\nIts body is `{body}`: {}.", fields_of(&mut reader, row)).unwrap();
     }
 }
 
@@ -293,7 +329,9 @@ fn page() -> String {
         ("keep_alive_period_ms", limits::KEEP_ALIVE_PERIOD_MS.to_string()),
         ("dead_man_ms", limits::DEAD_MAN_MS.to_string()),
         ("dead_man_ramp_ms", limits::DEAD_MAN_RAMP_MS.to_string()),
+        ("bootloader_wait_ms", (2 * limits::TRANSMIT_TIMEOUT_MS).to_string()),
         ("transmit_timeout_ms", limits::TRANSMIT_TIMEOUT_MS.to_string()),
+        ("table_glide_ms", (4 * limits::MIN_GLIDE_MS).to_string()),
         ("stop_ramp_ms", limits::STOP_RAMP_MS.to_string()),
         ("emergency_ramp_ms", limits::EMERGENCY_RAMP_MS.to_string()),
         ("max_drive_min", (limits::MAX_DRIVE_MS / 60_000).to_string()),
@@ -314,13 +352,13 @@ fn page() -> String {
         ("foldback_periods", limits::FOLDBACK_PERIODS.to_string()),
         ("schema", hex(&SCHEMA.to_le_bytes())),
     ];
-    let mut page = PROSE.trim_end().to_owned();
+    let mut page = PROSE.trim_end().replace("{session}", session_in_bytes().trim_end());
     for (name, value) in values {
         let hole = format!("{{{name}}}");
         assert!(page.contains(&hole), "the text does not use {hole}");
         page = page.replace(&hole, &value);
     }
-    assert!(!page.contains('{'), "the text asks for a value that is not given");
+    assert!(!page.replace(CONTENTS, "").contains('{'), "the text asks for a value that is not given");
     page.push('\n');
     for (title, table) in [("Commands", Command::TABLE), ("Events", Event::TABLE)] {
         writeln!(page, "\n## {title}").unwrap();
@@ -332,11 +370,11 @@ fn page() -> String {
         let is_body = rows().any(|row| row.body == Some(shape));
         match shape {
             Shape::Struct(_, fields) if !is_body || name == "TableHeader" => {
-                writeln!(page, "\n### {name}").unwrap();
+                writeln!(page, "\n### {name}\n\nSince {MAJOR}.{}.", first_minor(name)).unwrap();
                 field_table(&mut page, fields);
             }
             Shape::Enum(_, variants) => {
-                writeln!(page, "\n### {name}").unwrap();
+                writeln!(page, "\n### {name}\n\nSince {MAJOR}.{}.", first_minor(name)).unwrap();
                 variant_table(&mut page, variants);
             }
             _ => {}
@@ -349,7 +387,90 @@ fn page() -> String {
     }
     writeln!(page, "\n## What each minor added").unwrap();
     (1..=MINOR).for_each(|minor| additions(&mut page, minor));
-    page
+    page.replace(CONTENTS, contents(&page).trim_end())
+}
+
+/// Where the contents stand in the text.
+const CONTENTS: &str = "{contents}";
+
+/// A line for each chapter, with the messages and types in it.
+fn contents(page: &str) -> String {
+    let link = |heading: &str| {
+        let text: String = heading.chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect();
+        format!("[{heading}](#{})", text.to_lowercase().replace(' ', "-"))
+    };
+    let mut contents = String::new();
+    for chapter in page.split("\n## ").skip(1) {
+        let (heading, text) = chapter.split_once('\n').unwrap_or((chapter, ""));
+        let parts: Vec<String> =
+            text.lines().filter_map(|line| line.strip_prefix("### ")).map(link).collect();
+        let parts = if parts.is_empty() { String::new() } else { format!(": {}", parts.join(", ")) };
+        writeln!(contents, "- {}{parts}", link(heading)).unwrap();
+    }
+    contents
+}
+
+#[test]
+fn the_contents_lead_to_each_chapter_and_each_message() {
+    let contents = contents(
+        "# A\n\n## A session, step by step\n\n## Commands\n\n### `01` Hello\n\n### `02` KeepAlive\n",
+    );
+    let wanted = "- [A session, step by step](#a-session-step-by-step)\n\
+                  - [Commands](#commands): [`01` Hello](#01-hello), [`02` KeepAlive](#02-keepalive)\n";
+    assert_eq!(contents, wanted);
+    let page = page();
+    for row in rows() {
+        let line = format!("[`{:02x}` {}](#{:02x}-{})", row.id, row.name, row.id, row.name.to_lowercase());
+        assert!(page.contains(&line), "{line}");
+    }
+}
+
+/// The recorded session as a table: who writes, the bytes, and what they say.
+fn session_in_bytes() -> String {
+    let mut table = "| from | bytes | meaning |\n|---|---|---|\n".to_owned();
+    for line in SESSION_IN_BYTES.lines().filter(|line| !line.starts_with('#')) {
+        let (sign, value) = line.split_once(' ').expect("a sign and a value");
+        let from = match sign {
+            "+" => {
+                writeln!(table, "| | | {value} blocks pass |").unwrap();
+                continue;
+            }
+            ">" => "host",
+            _ => "device",
+        };
+        let bytes: Vec<u8> = (0..value.len())
+            .step_by(2)
+            .map(|at| u8::from_str_radix(&value[at..at + 2], 16).expect("hexadecimal"))
+            .collect();
+        let mut decoder = Decoder::new();
+        let (session, sequence, id) = bytes
+            .iter()
+            .find_map(|&byte| decoder.push(byte, |it| (it.header.session, it.header.sequence, it.header.id)))
+            .expect("a frame");
+        let row = rows().find(|row| row.id == id).expect("a message");
+        let fields = fields_of(&mut Reader::of(&bytes), row);
+        let fields = if fields.is_empty() { fields } else { format!(": {fields}") };
+        let name = row.name;
+        writeln!(
+            table,
+            "| {from} | `{value}` | `{name}`, session {session:08x}, sequence {sequence:04x}{fields} |"
+        )
+        .unwrap();
+    }
+    table
+}
+
+/// The fields of a body with their values.
+fn fields_of(reader: &mut Reader, row: &MessageRow) -> String {
+    if let Some(shape) = row.body {
+        reader.read("", shape);
+    }
+    let fields: Vec<String> = reader
+        .fields
+        .iter()
+        .map(|(path, value)| if path.is_empty() { value.clone() } else { format!("{path} = {value}") })
+        .collect();
+    fields.join(", ")
 }
 
 /// What a minor added, a line each.

@@ -17,7 +17,7 @@ from measuring import EVERY_SLOT, listen, listened
 
 TONES, BLOCK = 16, 128
 BLOCK_PERIOD_CYCLES = 168_000_000 * BLOCK // RATE_HZ
-README = (ROOT / "README.md").read_text()
+PAGE = (ROOT / "firmware/PERFORMANCE.md").read_text()
 RING = (ROOT / "firmware/stm32/src/ring.rs").read_text()
 PRIORITIES = (ROOT / "firmware/stm32/src/priority.rs").read_text()
 # A later compiler may save or cost a few instructions.
@@ -65,8 +65,8 @@ def test_a_block_takes_no_more_cycles_than_its_goal_and_what_the_readme_says(cal
     print(f"\n{ROWS[call]}: {each:.2f} cycles per tone and sample (goal {GOALS[call]}), {share:.1f} % of a block's time")
     assert each <= GOALS[call]
     assert share < 50
-    row = re.search(rf"^\| {ROWS[call]} \| ([\d.]+) \|.*\| ([\d.]+) % \|$", README, re.M)
-    assert row, "the README's performance table has this row"
+    row = re.search(rf"^\| {ROWS[call]} \| ([\d.]+) \|.*\| ([\d.]+) % \|$", PAGE, re.M)
+    assert row, "the performance page has this row"
     assert [float(figure) for figure in row.groups()] == pytest.approx([each, share], rel=TOLERANCE)
 
 
@@ -81,8 +81,8 @@ def test_the_lock_ins_take_the_cycles_that_their_module_says(call):
 
 
 def documented(row):
-    """Cycles and shares in a row of the README's table of interrupts."""
-    cycles, *shares = re.search(rf"^\| {row} \| ([\d ]+) \| ([\d.]+) % \| ([\d.]+) % \| ([\d.]+) % \|$", README, re.M).groups()
+    """Cycles and shares in a row of the page's table of interrupts."""
+    cycles, *shares = re.search(rf"^\| {row} \| ([\d ]+) \| ([\d.]+) % \| ([\d.]+) % \| ([\d.]+) % \|$", PAGE, re.M).groups()
     return int(cycles.replace(" ", "")), *map(float, shares)
 
 
@@ -94,7 +94,7 @@ def with_wait_states(board, run, exception):
 
 
 def compare(row, board, cycles, runs, exception, limits=DEAF):
-    """Compares the worst of a handler's runs with a row of the README's table, and with what may be."""
+    """Compares the worst of a handler's runs with a row of the page's table, and with what may be."""
     share = 100 * cycles / BLOCK_PERIOD_CYCLES
     worst = map(max, zip(*(with_wait_states(board, run, exception) for run in runs)))
     f407, revision_a, g474 = (100 * most / (hz * BLOCK / RATE_HZ) for most, (_, hz) in zip(worst, CHIPS))
@@ -222,7 +222,7 @@ def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(ar
         sums[f"while it {what}"] = f407, g474 + link
     print(sums)
     for what, (f407, g474) in sums.items():
-        stated = re.search(rf"^\| {what} \| ([\d.]+) % \| ([\d.]+) % \|$", README, re.M)
+        stated = re.search(rf"^\| {what} \| ([\d.]+) % \| ([\d.]+) % \|$", PAGE, re.M)
         assert [float(share) for share in stated.groups()] == pytest.approx((f407, g474), abs=0.5), what
 
 

@@ -14,8 +14,8 @@ In a program of your own:
         device.arm()
         device.drive([Tone(slot=0, position=32768, level=30000, phase=0)], glide=4000)
 
-The files, from the wire up: `cobs`, `postcard`, `records`, `messages`, `frame`, `stream`, `channel`, `table`, this
-one.
+The files, from the wire up: `cobs`, `postcard`, `records`, `messages`, `frame`, `stream`, `channel`, `table`, this one;
+and `codes`, which computes what a device plays.
 """
 from __future__ import annotations
 
@@ -311,7 +311,9 @@ class Client:
         return self._request("Trigger", "Trigger")[1]
 
     def close(self) -> None:
-        """Stops, disarms and closes the stream; what fails on the way is left to the device's dead-man."""
+        """Stops, disarms and closes the stream; what fails on the way is left to the device's dead-man. Again does nothing."""
+        if self._closing.is_set():
+            return
         self._closing.set()
         self._keeper.join(timeout=5)
         for last in (self.stop, self.disarm):

@@ -8,15 +8,18 @@ import sys
 import time
 import unittest
 import zlib
+from dataclasses import replace
 from pathlib import Path
 
 from client import Client
+from codes import Motion, bytes_of, played
 from device_case import DeviceCase
 from errors import Closed, FieldError, Refused, SliplineError
 from messages import (
-    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ActuatorProfile, ChordTone, CoilHeat, CombTone, Drive, HoldTone,
-    Tone, TravelLimit, at, fault_names,
+    AT_TRIGGER, NEXT_BLOCK, VERSION_1_0, VERSION_1_1, VERSION_1_2, ActuatorProfile, Chord, ChordTone, CoilHeat, Comb, CombTone, DigestStart,
+    Drive, HoldTone, Kind, Tone, TravelLimit, at, fault_names,
 )  # fmt: skip
+from postcard import U8, Array
 from records import Choice
 from server import Server
 from table import Table
@@ -89,6 +92,85 @@ class AtSocket(DriveCase):
         silence = zlib.crc32(struct.pack("<H", 1 << (self.client.device.dac_bits - 1)) * count)
         self.assertNotIn(silence, digests)
         self.assertNotEqual(*digests)
+
+    def test_the_codes_of_a_glide(self) -> None:
+        # From silence, then on: a tone moves, one fades, one begins, one stays; and at last nothing moves.
+        client, rate = self.client, self.client.device.sample_rate_hz
+        table = self.make_ready()
+        before = [Tone(0, 9000, 20000, 7000), Tone(3, 30000, 30000, 0), Tone(5, 50000, 9000, 65535)]
+        after = [Tone(0, 41000, 26000, 1), Tone(5, 50000, 9000, 0), Tone(15, 65535, 12000, 40000)]
+        motions, motion = [], Motion(table)
+        for tones, glide in ((before, 2000), (after, 3333)):
+            start = client.drive(tones, glide=glide, apply=at(client.status().now + rate // 2))
+            motion = motion.drive(tones, start, glide)
+            motions.append(motion)
+            count = 40 * client.device.block
+            codes = bytes_of(list(played(motions, start, start + count)))
+            self.assertEqual(client.digest(start, count), zlib.crc32(codes))
+            self.assertEqual(client.status().foldback_per_mille, 1000)
+
+    def test_the_codes_while_a_table_is_put_in_the_place_of_another(self) -> None:
+        client, block = self.client, self.client.device.block
+        first = self.make_ready()
+        second = self.make_table(gain=0.4)
+        second = replace(second, knots=tuple(replace(knot, step=knot.step * 9 // 10) for knot in second.knots))
+        tones = [Tone(0, 9000, 20000, 7000), Tone(7, 50000, 30000, 0)]
+        motions = [Motion(first).drive(tones, client.drive(tones, glide=2000), 2000)]
+        # Again, until a change comes while codes are counted: it cannot be ordered for an index.
+        for table in (second, first) * 5:
+            client.channel.request("TableBegin", table.header)
+            for chunk in table.chunks():
+                client.channel.request("TableChunk", chunk)
+            begin = (client.status().now + client.device.sample_rate_hz // 4) // block * block
+            end = begin + 200 * block
+            client.channel.request("DigestStart", DigestStart(begin, end - begin))
+            self.wait_for(lambda status: status.now >= begin)
+            start = client.channel.request("TableCommit")[1].at
+            # 20 ms, which is longer than what the glide under way has left.
+            motions.append(motions[-1].swap(table, start, 4 * client.device.min_glide))
+            self.wait_for(lambda status: status.now > max(start, end) + client.device.sample_rate_hz // 20)
+            codes = bytes_of(list(played(motions, begin, end)))
+            self.assertEqual(client.channel.request("DigestRead")[1].crc, zlib.crc32(codes))
+            if start + 5 * client.device.min_glide < end:
+                return
+        self.fail("no change has come in time")
+
+    def test_the_codes_of_a_stop(self) -> None:
+        client, block = self.client, self.client.device.block
+        motion = Motion(self.make_ready())
+        tones = [Tone(0, 9000, 20000, 7000), Tone(7, 50000, 30000, 0)]
+        motions = [motion.drive(tones, client.drive(tones, glide=2000), 2000)]
+        begin = (client.status().now + client.device.sample_rate_hz // 4) // block * block
+        end = begin + 200 * block
+        client.channel.request("DigestStart", DigestStart(begin, end - begin))
+        self.wait_for(lambda status: status.now >= begin)
+        start = client.stop()
+        motions.append(motions[0].stop(start, 30 * client.device.sample_rate_hz // 1000))
+        self.wait_for(lambda status: status.now > end + client.device.sample_rate_hz // 20)
+        codes = bytes_of(list(played(motions, begin, end)))
+        self.assertEqual(client.channel.request("DigestRead")[1].crc, zlib.crc32(codes))
+
+    def test_one_change_at_most_stands_ahead_and_a_stop_frees_it(self) -> None:
+        client, tone, rate = self.client, Tone(0, 32768, 30000, 0), self.client.device.sample_rate_hz
+        table = self.make_ready()
+        far = client.drive([tone], apply=at(client.status().now + 59 * rate))
+        pending = Choice("Busy", value=Choice("CommitPending"))
+        for apply in (NEXT_BLOCK, at(far + rate // 2), AT_TRIGGER):
+            drive = Drive((tone,), 0, client.device.min_glide, apply)
+            self.assert_refused(pending, lambda: client.channel.request("Drive", drive))
+        self.assert_refused(pending, lambda: client.channel.request("Chord", Chord(12, (ChordTone(10, 9000, 0),), 0, 2000, NEXT_BLOCK)))
+        client.stop()
+        self.assertLess(client.drive([tone]), far)
+
+    def test_a_chord_and_a_comb_need_a_tone_and_a_drive_does_not(self) -> None:
+        client = self.client
+        self.make_ready()
+        refusal = Choice("OutOfRange", field=Choice("ToneCount"), min=1, max=16, got=0)
+        for name, value in (("Chord", Chord(12, (), 0, 2000, NEXT_BLOCK)), ("Comb", Comb(40, (), 0, 2000, NEXT_BLOCK))):
+            self.assert_refused(refusal, lambda: client.channel.request(name, value))
+        seventeen = bytes([17]) + bytes(17 * 4) + bytes([0, 0xA0, 0x1F, 0])
+        self.assert_refused(Choice("Malformed"), lambda: client.channel.request(Kind(0x12, "Drive", Array(len(seventeen), U8)), seventeen))
+        client.drive([])
 
     def test_refusals(self) -> None:
         client, tone = self.client, Tone(0, 32768, 65535, 0)

@@ -8,6 +8,7 @@ import zlib
 from typing import Any, Iterator
 
 import cobs
+import codes
 import page
 from errors import DecodeError, FieldError
 from frame import TO_DEVICE, TO_HOST, Frame, FrameReader
@@ -155,6 +156,45 @@ class Tables(unittest.TestCase):
         for kind in (*COMMANDS.values(), *EVENTS.values()):
             compare(kind.body)
         self.assertEqual(listed.keys() - compared, {"Faults"})
+
+    def test_types_have_the_minor_they_came_with(self) -> None:
+        since: dict[str, int] = {}
+
+        def carry(kind: Any, minor: int) -> None:
+            if isinstance(kind, (Fields, Enumeration)):
+                since[str(kind)] = min(minor, since.get(str(kind), minor))
+            if isinstance(kind, Fields):
+                parts = [part for _, part, _ in kind.record.layout()]
+            elif isinstance(kind, Enumeration):
+                parts = [part for _, fields in kind.variants for part in fields.values()]
+            else:
+                parts = [kind.item] if isinstance(kind, (Option, List, Array)) else []
+            for part in parts:
+                carry(part, minor)
+
+        for kind in (*COMMANDS.values(), *EVENTS.values()):
+            carry(kind.body, kind.since)
+        for section in page.sections("Types"):
+            if section.name != "Faults":
+                self.assertIn(f"\nSince 1.{since[section.name]}.\n", section.text, section.name)
+
+    def test_constants_of_the_law_of_the_codes(self) -> None:
+        constants = re.findall(r"hi\([yd], (\d{8,})\)", page.PAGE)
+        self.assertEqual([int(constant) for constant in constants], [codes._RADIANS, codes._THETA])
+
+    def test_the_session_in_bytes(self) -> None:
+        rows = re.findall(r"^\| (host|device) \| `([0-9a-f]+)` \| `(\w+)`, session ([0-9a-f]{8}), sequence ([0-9a-f]{4})", page.PAGE, re.M)
+        self.assertGreaterEqual(len(rows), 20)
+        hosts = [row for row in rows if row[0] == "host"]
+        self.assertEqual([row[2] for row in hosts[:2]], ["Hello", "TableBegin"])
+        for (_, wire, command, _, sequence), (_, answer, event, session, answered) in zip(rows[::2], rows[1::2]):
+            sent, got = only_frame(bytes.fromhex(wire)), only_frame(bytes.fromhex(answer))
+            self.assertEqual((sent.direction, sent.id, sent.sequence), (TO_DEVICE, COMMANDS[command].id, int(sequence, 16)))
+            self.assertEqual((got.id, got.session, got.sequence), (EVENTS[event].id, int(session, 16), int(answered, 16)))
+            self.assertEqual(sequence, answered)
+            for frame in (sent, got):
+                kind = kind_of(frame.id)
+                self.assertEqual(kind.encode(kind.decode(frame.body)), frame.body)
 
     def compare_fields(self, section: page.Section, record: type[Record]) -> None:
         known = [

@@ -4,13 +4,16 @@ from __future__ import annotations
 import time
 import unittest
 
+from channel import Channel
 from device_case import DeviceCase
+from errors import Refused
 from frame import TO_DEVICE, Frame
 from messages import (
     COMMANDS, VERSION_1_0, VERSION_1_1, VERSION_1_2, VERSION_1_3, Hello, KeepAlive, Kind, Tone, Version, fault_names,
 )  # fmt: skip
 from postcard import U8
 from records import Choice
+from stream import Stream
 
 
 class Sessions(DeviceCase):
@@ -37,6 +40,69 @@ class Sessions(DeviceCase):
             time.sleep(0.7)
             _, status = client.channel.request("KeepAlive", KeepAlive(beat))
             self.assertEqual(status.state.name, state, beat)
+
+    def test_beats_do_not_wrap(self) -> None:
+        client = self.client
+        client.keeps_alive = False
+        client.hello()
+        client.arm()
+        self.assertEqual(client.channel.request("KeepAlive", KeepAlive(2**32 - 1))[1].state.name, "Armed")
+        # Beats from 0 on feed nothing, however often they come.
+        beat, state, until = 0, "Armed", time.monotonic() + 5
+        while state == "Armed" and time.monotonic() < until:
+            state = client.channel.request("KeepAlive", KeepAlive(beat))[1].state.name
+            beat += 1
+            time.sleep(0.05)
+        self.assertEqual(state, "Idle")
+        # A new session begins anew.
+        client.hello()
+        client.arm()
+        self.assertEqual(client.channel.request("KeepAlive", KeepAlive(0))[1].state.name, "Armed")
+
+    def test_a_second_program_hears_that_the_device_is_in_use_and_its_stop_is_taken(self) -> None:
+        client = self.client
+        self.make_ready()
+        client.drive([Tone(0, 32768, 40000, 0)])
+        self.wait_for(lambda status: status.sum_per_mille > 0)
+        second = Channel(Stream.to_socket(self.server.path))
+        self.addCleanup(second.close)
+        nonce = b"2nd!"
+        for command, value in (("Hello", Hello(VERSION_1_3, nonce)), ("Hello", Hello(VERSION_1_0, nonce)), ("Status", None), ("Arm", None)):
+            self.assert_refused(Choice("StaleSession"), lambda: second.request(command, value, session=0))
+        # The first one's session and drive go on.
+        self.assertEqual(client.status().state.name, "Driving")
+        second.request("Stop", session=0)
+        self.wait_for(lambda status: status.state.name == "Armed" and status.sum_per_mille == 0)
+        second.request("EmergencyStop", session=0)
+        self.assertEqual(fault_names(client.status().faults), ["EmergencyStop"])
+        # Once the first one has gone, the second one is taken.
+        client.close()
+        until = time.monotonic() + 5
+        while True:
+            try:
+                frame, _ = second.request("Hello", Hello(VERSION_1_3, nonce), session=0)
+                break
+            except Refused:
+                self.assertLess(time.monotonic(), until)
+        self.assertNotEqual(frame.session, 0)
+
+    def test_a_device_that_is_sent_into_its_bootloader_starts_anew(self) -> None:
+        client = self.client
+        client.keeps_alive = False
+        session = client.channel.session
+        _, token = client.channel.request("BootloaderToken")
+        client.channel.request("BootloaderEnter", token)
+        until = time.monotonic() + 5
+        try:
+            while time.monotonic() < until:
+                client.channel.request("Status")
+                time.sleep(0.01)
+        except Refused as error:
+            self.assertEqual(error.refusal, Choice("StaleSession"))
+        device = client.hello()
+        self.assertEqual(device.reset.name, "Software")
+        self.assertNotEqual(client.channel.session, session)
+        self.assertLess(client.status().now, device.sample_rate_hz)
 
     def test_a_silent_host_is_lost(self) -> None:
         client = self.client
@@ -124,6 +190,9 @@ class Sessions(DeviceCase):
                     client.arm()
                 else:
                     self.assert_refused(Choice("VersionMismatch"), client.arm)
+                    # The refused command has used its number, and both sides speak minor 0.
+                    self.assert_refused(Choice("VersionMismatch"), client.arm)
+                    self.assert_refused(Choice("UnknownMessage", id=0x04), lambda: client.channel.request("Maintenance"))
                 client.status()
                 client.stop()
                 client.disarm()

@@ -139,6 +139,52 @@ fn a_name_of_a_file_that_is_not_there_is_found() {
     assert_eq!(links("[a](b/c.md#d) [e](https://f.rs) [g](#h)"), ["b/c.md"]);
 }
 
+/// What is wrong with the files of commands that are run in order: one that is written twice, one that is read and not there.
+fn wrong_files(commands: &[&str]) -> Vec<String> {
+    let mut written: BTreeSet<&str> = BTreeSet::new();
+    let mut wrong = Vec::new();
+    for command in commands {
+        let words: Vec<&str> = command.split_whitespace().collect();
+        for pair in words.windows(2) {
+            let [option, file] = pair else { continue };
+            let folder = file.split('/').next().unwrap_or(file);
+            match *option {
+                "--out" | "--figure" | "--csv" | "--wav" if !written.insert(file) => {
+                    wrong.push(format!("{file} is there already: {command}"));
+                }
+                "--plate" | "--actual-plate" | "--setup" | "--data" | "--played"
+                    if file.contains('.') && !written.contains(file) && !written.contains(folder) =>
+                {
+                    wrong.push(format!("{file} is not there: {command}"));
+                }
+                _ => {}
+            }
+        }
+    }
+    wrong
+}
+
+#[test]
+fn the_readmes_commands_find_their_files_and_write_each_once() {
+    let page = fs::read_to_string(root().join("README.md")).expect("the page is there");
+    // `.ci/run readme` runs these.
+    let commands: Vec<&str> = page
+        .split("```sh\n")
+        .skip(1)
+        .filter_map(|block| block.split("```").next())
+        .flat_map(str::lines)
+        .filter_map(|line| line.strip_prefix("cargo run --release -- "))
+        .map(|line| line.split('#').next().unwrap_or(line).trim())
+        .collect();
+    assert!(commands.len() > 10, "{commands:?}");
+    assert!(wrong_files(&commands).is_empty(), "{:#?}", wrong_files(&commands));
+    let bad = ["measure --out a.csv", "sweep --out a.csv", "calibrate --plate my.toml --data b.csv"];
+    assert_eq!(wrong_files(&bad).len(), 3);
+    assert!(
+        wrong_files(&["design --out d", "check --plate d/plate.toml", "check --plate membrane"]).is_empty()
+    );
+}
+
 #[test]
 fn the_version_stands_in_one_place() {
     // `.ci/release` changes it there, and every crate, the firmware among them, takes it from there.

@@ -65,6 +65,8 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
             Because(
                 "a device in real time: three of them are longer than its dead-man, one is shorter by 0.3 s",
             ),
+            Polls,
+            Polls,
             Because("a status does not feed the dead-man: between two of them, until its time is over"),
         ],
     ),

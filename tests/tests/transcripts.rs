@@ -3,10 +3,14 @@
 use std::sync::{Arc, Mutex};
 
 use slipline_link::Outcome;
+use slipline_protocol::command::{Apply, Drive, Hello, KeepAlive, TableChunk, TableHeader, Tone};
 use slipline_protocol::event::{Event, Identity};
 use slipline_protocol::frame::encode;
-use slipline_protocol::version::Version;
+use slipline_protocol::table::{Knot, digest};
+use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
+use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Header, Refusal};
+use slipline_tests::source_tree::root;
 use slipline_tests::transcript::{Line, Parts, Scripted, device, parse, parts, play, requests, split};
 
 /// A host of each released minor with a device of the same.
@@ -162,6 +166,93 @@ fn this_builds_host_gets_along_with_the_devices_of_older_minors() {
                 !matches!(outcome, Outcome::NotConnected | Outcome::DeviceTooOld),
                 "{request:?}: {outcome:?}"
             );
+        }
+    }
+}
+
+/// The session in bytes on the protocol's page: what passes before each command, and the command.
+fn session_in_bytes() -> Vec<(u64, Command)> {
+    let gain = Gain(1 << 30);
+    let knots =
+        [2000.0, 500.0].map(|hz: f64| Knot { step: (hz / 4e5 * 4_294_967_296.0).round() as u32, gain });
+    let header = TableHeader {
+        knots: 2,
+        span_start_um: 50_000,
+        span_end_um: 250_000,
+        sample_rate_hz: 400_000,
+        crc: digest(50_000, 250_000, 400_000, 2, |index| knots[usize::from(index)]),
+    };
+    let chunk = TableChunk { first: 0, knots: heapless::Vec::from_slice(&knots).expect("two") };
+    let tone = Tone { slot: 0, position: Position(32_768), level: Level(30_000), phase: Phase(0) };
+    let drive = |tones: &[Tone]| {
+        let tones = heapless::Vec::from_slice(tones).expect("one");
+        Command::Drive(Drive { tones, master: CentiDecibel(-600), glide: 4000, apply: Apply::Next })
+    };
+    vec![
+        (0, Command::Hello(Hello { version: Version::OURS, nonce: *b"page" })),
+        (1, Command::TableBegin(header)),
+        (1, Command::TableChunk(chunk)),
+        (1, Command::TableCommit),
+        (4, Command::Arm),
+        (100, Command::KeepAlive(KeepAlive { beat: 0 })),
+        (1, drive(&[tone])),
+        (100, Command::Status),
+        (1, Command::Stop),
+        (100, Command::Disarm),
+    ]
+}
+
+#[test]
+fn the_session_in_bytes_on_the_protocols_page_is_what_a_device_answers() {
+    let path = root().join("shared/tests/protocol_page/session.txt");
+    let stands = std::fs::read_to_string(&path).expect("the page's session");
+    let mut device = device();
+    let (mut session, mut sequence) = (0, 1);
+    let mut lines: Vec<Line> = Vec::new();
+    for (blocks, command) in session_in_bytes() {
+        device.advance(blocks, |_| {});
+        if blocks > 0 {
+            lines.push(Line::Blocks(blocks));
+        }
+        // What is not numbered has numbers far from the others.
+        let number = if command.is_sequenced() { sequence } else { 0x8000 };
+        sequence += u16::from(command.is_sequenced());
+        let is_first = lines.is_empty();
+        let frame = command.frame_for(Minor::OURS, session, number).expect("known");
+        let bytes = if is_first { [&[0], &frame[..]].concat() } else { frame.to_vec() };
+        device.feed(&bytes);
+        lines.push(Line::Host(bytes));
+        let mut answer = Vec::new();
+        device.take(&mut answer);
+        session = parts(&answer).header.session;
+        lines.push(Line::Device(answer));
+    }
+    let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    if std::env::var_os("SLIPLINE_BLESS").is_some() {
+        let remark = stands.lines().next().unwrap_or_default();
+        let text = lines.iter().map(|line| match line {
+            Line::Blocks(blocks) => format!("+ {blocks}\n"),
+            Line::Host(bytes) => format!("> {}\n", hex(bytes)),
+            Line::Device(bytes) => format!("< {}\n", hex(bytes)),
+        });
+        std::fs::write(&path, format!("{remark}\n{}", text.collect::<String>())).expect("written");
+        return;
+    }
+    let recorded = parse(&stands);
+    assert_eq!(recorded.len(), lines.len());
+    for (recorded, line) in recorded.iter().zip(&lines) {
+        match (recorded, line) {
+            (Line::Device(recorded), Line::Device(answer)) if parts(answer).header.id == 0x81 => {
+                // Of the hello's answer the firmware's version and build are those of the day.
+                let identity = |bytes: &[u8]| match Event::decode(0x81, &parts(bytes).body) {
+                    Ok(Event::Hello(identity)) => {
+                        Identity { firmware: (0, 0, 0), build: heapless::String::new(), ..identity }
+                    }
+                    other => panic!("{other:?}"),
+                };
+                assert_eq!(identity(recorded), identity(answer));
+            }
+            _ => assert_eq!(recorded, line),
         }
     }
 }

@@ -347,10 +347,14 @@ impl Channel {
 
     /// Matches a reply with its command.
     fn match_reply(&mut self, sequence: u16, reply: Reply, now: Duration) -> Option<Answer> {
+        // A device takes every hello; where another program has the device, the hello is refused in its place.
+        let is_taken =
+            matches!(&reply, Reply::Event(event) if **event == Event::Refused(Refusal::StaleSession));
         let is_hello = matches!(reply, Reply::Hello(..));
         let lane = [Lane::Ordered, Lane::Urgent, Lane::Periodic].into_iter().find(|&lane| {
             self.lane_mut(lane).as_ref().is_some_and(|pending| {
-                pending.sequence == sequence && is_hello == matches!(pending.command, Command::Hello(_))
+                let is_pending = matches!(pending.command, Command::Hello(_));
+                pending.sequence == sequence && (is_hello == is_pending || is_taken && is_pending)
             })
         })?;
         let pending = self.lane_mut(lane).take()?;

@@ -1,4 +1,4 @@
-//! Figures of merit, against other parts of the crate and against the table in the README.
+//! Figures of merit, against other parts of the crate and against the table in PERFORMANCE.md.
 
 use slipline_plate::merit::Merit;
 use slipline_plate::number_format::with_decimals;
@@ -76,7 +76,7 @@ fn the_bits_are_those_of_the_distances_and_of_the_time() {
     assert!((0.7..1.3).contains(&(merit.edge_width_m / alone_m)), "{}", merit.edge_width_m);
 }
 
-/// A row of the README's table: each preset's boundary in the middle of its span.
+/// A row of the page's table: each preset's boundary in the middle of its span.
 fn row(plate: &Plate) -> String {
     let (start_m, end_m) = plate.span_m();
     let merit = merit(plate, 0.5 * (start_m + end_m));
@@ -95,7 +95,7 @@ fn row(plate: &Plate) -> String {
 
 #[test]
 fn the_readme_has_these_figures() {
-    let readme = include_str!("../../../README.md");
+    let page = include_str!("../PERFORMANCE.md");
     let missing: Vec<String> = presets()
         .iter()
         .map(|preset| preset.plate().expect("valid"))
@@ -107,7 +107,7 @@ fn the_readme_has_these_figures() {
                 .is_ok()
         })
         .map(|plate| row(&plate))
-        .filter(|row| !readme.contains(row.as_str()))
+        .filter(|row| !page.contains(row.as_str()))
         .collect();
-    assert!(missing.is_empty(), "not in README.md:\n{}", missing.join("\n"));
+    assert!(missing.is_empty(), "not in PERFORMANCE.md:\n{}", missing.join("\n"));
 }

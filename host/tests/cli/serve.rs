@@ -4,6 +4,7 @@
 use crate::{failure, file, json, signal};
 use serde_json::Value;
 use slipline_link::native::Worker;
+use slipline_link::protocol::event::State;
 use slipline_link::{Outcome, Port, Request};
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -71,6 +72,28 @@ fn a_device_at_a_socket_serves_one_program_after_the_other_and_ends_with_its_fil
     assert!(message.contains("another program already serves"), "{message}");
     assert_eq!(serving.end().code(), Some(0));
     assert!(!path.exists());
+}
+
+#[test]
+fn a_second_program_at_a_taken_device_hears_that_it_is_in_use_and_disturbs_nothing() {
+    let path = file("taken.sock");
+    let serving = Serving::start(&["--socket", path.to_str().unwrap()]);
+    let worker = Worker::spawn(|| ()).unwrap();
+    let done = |request: Request| {
+        let outcome = worker.wait(worker.send(request), PATIENCE);
+        assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
+    };
+    done(Request::Connect(serving.port()));
+    done(Request::Arm);
+    let port = serving.port().to_string();
+    let message =
+        failure(&["drive", "--port", &port, "--plate", "membrane", "--felt-edge", "250mm", "--for", "1s"], 1);
+    assert!(message.contains(&format!("{port} is in use by another program")), "{message}");
+    // The first one's session has not ended.
+    done(Request::Refresh);
+    assert!(worker.snapshot().status.is_some_and(|status| status.state == State::Armed));
+    drop(worker);
+    assert_eq!(talk(serving.port()), None);
 }
 
 #[test]

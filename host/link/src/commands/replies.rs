@@ -49,7 +49,9 @@ impl CommandQueue {
             Reply::Event(event) => *event,
         };
         if event == Event::Refused(refusal::Refusal::StaleSession) {
-            return Next::Lose(LinkError::SessionEnded);
+            // A device refuses no hello: another program has it.
+            let taken = recorder.view.port.clone().filter(|_| self.stage == Stage::Hello);
+            return Next::Lose(taken.map_or(LinkError::SessionEnded, LinkError::Busy));
         }
         if matches!(command, Command::Stop | Command::EmergencyStop) {
             self.stopped(&command, &event, recorder);

@@ -2,6 +2,8 @@
 
 mod handle;
 mod opener;
+#[cfg(unix)]
+mod second_program;
 pub mod serial;
 mod serial_ports;
 #[cfg(unix)]

@@ -3,24 +3,29 @@
 //! ```text
 //! other program ==bytes==> socket or terminal --> Server --> simulator::realtime --> the device application
 //! ```
-//! One program at a time is connected to the device, as with a cable. The device keeps its state between programs.
+//! One program at a time has the device, as with a cable: the first one that sends something, until it disconnects. What
+//! others at the socket hear meanwhile: `second_program.rs`. The device keeps its state between programs.
 
+use super::second_program::SecondProgram;
 use crate::simulator::realtime::{RealtimeDevice, RealtimeLine};
-use crate::transport::{Transport, Waker};
+use crate::transport::Waker;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Read, Write};
 use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::thread::sleep;
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::thread::{self, sleep};
 use std::time::Duration;
 
 /// Time limit of a read; afterwards the server checks whether it must end.
 const READ_PATIENCE: Duration = Duration::from_millis(20);
 /// Time after which the remaining bytes are written to a stream that is full now.
 const WRITE_PAUSE: Duration = Duration::from_millis(1);
+/// How long a program's command waits for the program before it to be gone: less than a host waits for an answer.
+const SEAT_PATIENCE: Duration = Duration::from_millis(150);
+const SEAT_PAUSE: Duration = Duration::from_millis(5);
 
 /// Why the device cannot be served at a path.
 #[derive(Debug, thiserror::Error)]
@@ -98,30 +103,44 @@ impl Server {
     /// Serves the device until `ended` is set. Other holders of the shared device may set its pins meanwhile.
     ///
     /// # Errors
-    /// The system's error when listening fails; a program that disconnects is no error.
+    /// The system's error when listening fails, which sets `ended`; a program that disconnects is no error.
     pub fn serve(&mut self, device: Arc<Mutex<RealtimeDevice>>, ended: &AtomicBool) -> io::Result<()> {
-        // The line is read right after it is written.
-        let mut line = RealtimeLine::new(device, Waker::new(|| ()));
-        while !ended.load(Ordering::Relaxed) {
-            match &mut self.place {
-                Place::Terminal(master) => {
-                    carry(master, &mut line, ended);
+        let line = || RealtimeLine::new(Arc::clone(&device), Waker::new(|| ()));
+        match &mut self.place {
+            Place::Terminal(master) => {
+                let mut line = line();
+                while !ended.load(Ordering::Relaxed) {
+                    carry(master, ended, |bytes, answers| line.exchange(bytes, answers));
                     // No program has the terminal open.
                     sleep(READ_PATIENCE);
                 }
-                Place::Socket(listener) => match listener.accept() {
-                    Ok((mut stream, _)) => {
-                        stream.set_nonblocking(false)?;
-                        stream.set_read_timeout(Some(READ_PATIENCE))?;
-                        stream.set_write_timeout(Some(READ_PATIENCE))?;
-                        carry(&mut stream, &mut line, ended);
+                Ok(())
+            }
+            Place::Socket(listener) => {
+                let seat = Mutex::new(());
+                thread::scope(|programs| {
+                    while !ended.load(Ordering::Relaxed) {
+                        let accepted = listener.accept().and_then(|(stream, _)| {
+                            stream.set_nonblocking(false)?;
+                            stream.set_read_timeout(Some(READ_PATIENCE))?;
+                            stream.set_write_timeout(Some(READ_PATIENCE))?;
+                            let (line, seat) = (line(), &seat);
+                            let attend = move || attend(stream, line, seat, ended);
+                            thread::Builder::new().spawn_scoped(programs, attend).map(drop)
+                        });
+                        match accepted {
+                            Ok(()) => {}
+                            Err(error) if is_not_yet(&error) => sleep(READ_PATIENCE),
+                            Err(error) => {
+                                ended.store(true, Ordering::Relaxed);
+                                return Err(error);
+                            }
+                        }
                     }
-                    Err(error) if is_not_yet(&error) => sleep(READ_PATIENCE),
-                    Err(error) => return Err(error),
-                },
+                    Ok(())
+                })
             }
         }
-        Ok(())
     }
 }
 
@@ -134,23 +153,50 @@ impl Drop for Server {
     }
 }
 
-/// Transfers bytes between one program and the device until the program disconnects. While the program does
-/// not read the device's replies, no more bytes are read from it.
-fn carry(stream: &mut (impl Read + Write), line: &mut RealtimeLine, ended: &AtomicBool) {
+/// Answers one program at the socket until it disconnects: for the device while it has the seat, else as a second program.
+fn attend(mut stream: UnixStream, mut line: RealtimeLine, seat: &Mutex<()>, ended: &AtomicBool) {
+    let mut held = None;
+    let mut second = SecondProgram::default();
+    carry(&mut stream, ended, |bytes, answers| {
+        if held.is_none() {
+            second.receive(bytes);
+            let patience = if second.stops() { Duration::ZERO } else { SEAT_PATIENCE };
+            held = take_seat(seat, patience);
+        }
+        if held.is_some() {
+            line.exchange(bytes, answers);
+        } else {
+            second.answer(&mut line, answers);
+        }
+    });
+}
+
+/// The seat, if it is free or becomes so within this time.
+fn take_seat(seat: &Mutex<()>, patience: Duration) -> Option<MutexGuard<'_, ()>> {
+    let mut left = patience;
+    loop {
+        match seat.try_lock() {
+            Ok(guard) => return Some(guard),
+            Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) if left.is_zero() => return None,
+            Err(TryLockError::WouldBlock) => sleep(SEAT_PAUSE),
+        }
+        left = left.saturating_sub(SEAT_PAUSE);
+    }
+}
+
+/// Transfers bytes between one program and whatever answers it, until the program disconnects. While the program does not
+/// read the replies, no more bytes are read from it.
+fn carry(stream: &mut (impl Read + Write), ended: &AtomicBool, mut answer: impl FnMut(&[u8], &mut Vec<u8>)) {
     let mut buffer = [0; 1024];
     let mut answers: Vec<u8> = Vec::new();
     while !ended.load(Ordering::Relaxed) {
         if answers.is_empty() {
-            let received = match stream.read(&mut buffer) {
+            match stream.read(&mut buffer) {
                 Ok(0) => return,
-                Ok(count) => buffer.get(..count).unwrap_or_default(),
-                Err(error) if is_not_yet(&error) => continue,
+                Ok(count) => answer(buffer.get(..count).unwrap_or_default(), &mut answers),
+                Err(error) if is_not_yet(&error) => {}
                 Err(_) => return,
-            };
-            // A simulated device accepts all bytes.
-            let _ = line.write(received);
-            while let Ok(count) = line.read(&mut buffer) {
-                answers.extend_from_slice(buffer.get(..count).unwrap_or_default());
             }
         } else {
             match stream.write(&answers) {

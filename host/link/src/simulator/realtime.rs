@@ -3,10 +3,13 @@
 //! The device sends only replies, and its samples are known from the mirror. So a host cannot distinguish a
 //! device that renders its samples in time from one that renders them at the next command. This one renders
 //! at the next command: it needs no thread and no timer, and at rest it works only for the keep-alives.
+//!
+//! Where a host has sent it into its bootloader it restarts, as a board that is not flashed there.
 
 use super::device::SimulatedDevice;
 use crate::transport::{Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
+use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -69,6 +72,10 @@ impl RealtimeDevice {
         let due = blocks_in((self.clock)().saturating_sub(self.since)).saturating_sub(self.blocks);
         self.device.advance(due.min(blocks_in(LONGEST_CATCH_UP)), |_| {});
         self.blocks += due;
+        if self.device.is_in_bootloader() {
+            // Nothing is flashed, so the chip starts the same image again.
+            self.device.restart(ResetCause::Software);
+        }
     }
 }
 
@@ -85,6 +92,14 @@ impl RealtimeLine {
     pub const fn new(device: Arc<Mutex<RealtimeDevice>>, waker: Waker) -> Self {
         Self { device, received: Vec::new(), waker }
     }
+
+    /// Passes bytes to the device and appends its replies to `replies`.
+    pub fn exchange(&mut self, bytes: &[u8], replies: &mut Vec<u8>) {
+        let mut paced = self.device.lock().unwrap_or_else(PoisonError::into_inner);
+        paced.catch_up();
+        paced.device.feed(bytes);
+        paced.device.take(replies);
+    }
 }
 
 impl Transport for RealtimeLine {
@@ -93,10 +108,9 @@ impl Transport for RealtimeLine {
     }
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let mut paced = self.device.lock().unwrap_or_else(PoisonError::into_inner);
-        paced.catch_up();
-        paced.device.feed(bytes);
-        paced.device.take(&mut self.received);
+        let mut received = std::mem::take(&mut self.received);
+        self.exchange(bytes, &mut received);
+        self.received = received;
         if !self.received.is_empty() {
             self.waker.wake();
         }

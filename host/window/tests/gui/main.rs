@@ -31,6 +31,7 @@ mod known_tables;
 mod light_marks;
 mod measure;
 mod measuring;
+mod moving_picture;
 mod notices;
 mod openings;
 mod painter;
