@@ -1,4 +1,7 @@
 """A board with a host on its cable, and what a test asks of the codes that it plays."""
+from unicorn import UC_HOOK_CODE
+
+from boards import RENDERER_IRQ
 from host import BLOCK, DISARM, DRIVE, RATE_HZ, STORE, TABLE_DIGEST, TABLE_REPLY, Host, Reader, drive
 
 MID = 2048
@@ -10,16 +13,27 @@ BEFORE_FIRST = 1 + 2 * BLOCK
 
 
 class Rig:
-    """`initial`: what the image's memory holds from the first instruction on, instead of what the linker has put there,
-    by the address in the flash."""
+    """`initial`: what memory holds when the renderer has its first turn, instead of what the start has put there, by address."""
 
     def __init__(self, facts, image, initial=None):
         self.facts = facts
         self.board = facts.chip(image)
-        for address, data in (initial or {}).items():
-            self.board.cpu.mem_write(address, data)
+        if initial:
+            self.change(initial)
         self.cable = facts.cable(self.board)
         self.host = Host(self.board, self.cable)
+
+    def change(self, initial):
+        """Changes memory when the renderer's interrupt is entered for the first time."""
+        board = self.board
+        vector = board.cpu.mem_read(board.FLASH_START + 4 * (16 + RENDERER_IRQ), 4)
+        handler = int.from_bytes(vector, "little") & ~1
+
+        def on_entry(*_):
+            while initial:
+                board.cpu.mem_write(*initial.popitem())
+
+        board.cpu.hook_add(UC_HOOK_CODE, on_entry, begin=handler, end=handler + 1)
 
     def codes(self, start, until):
         """The codes the DAC has played for the samples start..until."""

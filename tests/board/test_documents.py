@@ -18,6 +18,8 @@ ALLOCATED, NO_BITS = 2, "SHT_NOBITS"
 # A table in the documents may lag a little behind the code; the stack's by some words only.
 TOLERANCE, STACK_TOLERANCE = 0.10, 64
 FLASH = range(0x08000000, 0x08200000)
+# Bytes of variables whose initial values lie in the flash: embassy's are some hundred.
+MOST_DATA = 512
 
 
 def sizes(path):
@@ -47,6 +49,15 @@ def test_the_sizes_in_the_documents_are_the_images(board):
     stated = documented(board)
     print(f"{board}: {flash} bytes of flash, {ram} bytes of RAM")
     assert agrees(stated[0], flash) and agrees(stated[1], ram), f"documented {stated}, built {flash}, {ram}"
+
+
+@pytest.mark.parametrize("board", BOARDS)
+def test_no_image_keeps_zeros_for_its_variables_in_the_flash(board):
+    """A large state that is zero but for some bytes is set up by the start."""
+    with open(firmware(board), "rb") as file:
+        data = ELFFile(file).get_section_by_name(".data").data()
+    print(f"{board}: {len(data)} bytes of .data, {len(data) - data.count(0)} of them not zero")
+    assert len(data) < MOST_DATA
 
 
 @on_f407

@@ -7,9 +7,10 @@ ten; what is sent between two of them is later than both by their distance at mo
 """
 import pytest
 
+from boards import on_serial
 from copies import on_copy
 from host import (
-    ACCEPTED, ACCEPTED_UNTIL, BLOCK, CHUNK_KNOTS, DRIVE, EMERGENCY_STOP, RATE_HZ, SET_TRAVEL_LIMIT, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT,
+    ACCEPTED, ACCEPTED_UNTIL, BLOCK, CHUNK_KNOTS, DRIVE, EMERGENCY_STOP, RATE_HZ, SET_TRAVEL_LIMIT, STATUS, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT,
     TABLE_DIGEST, TRAVEL_LIMIT_REPLY, UNSEQUENCED, Reader, drive, frame, table, varint,
 )  # fmt: skip
 from measuring import listen, listened
@@ -141,6 +142,53 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
     seen = [on_copy(rig, lambda copy: stop(copy, phase)) for phase in phases]
     print(f"emergency stop behind {ahead}{', measured' * measures}: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
     assert max(seen) + 1 / count <= STOP_BLOCKS
+
+
+@on_serial
+@pytest.mark.every_image
+@WHILE_MEASURING
+@pytest.mark.parametrize("flood", ["requests", "no frame's end"])
+def test_an_emergency_stop_in_a_line_that_never_rests_is_at_the_pin_as_soon(rig, flood, measures):
+    """R-69: no byte takes an interrupt, and the line is full before the stop and after it."""
+    host, cable = rig.host, rig.cable
+    host.connect()
+    host.upload(MOST_KNOTS)
+    host.arm()
+    host.accept(DRIVE, sweep(0))
+    if measures:
+        measure(rig)
+    # Bytes without a frame's end are looked at with each tick of the link only.
+    ahead = full_line(rig) * 12 if flood == "requests" else b"\x55" * 600 + b"\0"
+    after = full_line(rig) * 20
+
+    def stop(copy, phase):
+        wait_phase(copy, phase)
+        cable.send(ahead + frame(host.session, STOPS_SEQUENCE, EMERGENCY_STOP, b"") + after)
+        copy.board.run_until(lambda: len(cable.to_device) <= len(after), 0.05, step=2e-6)
+        played = copy.played()
+        blocks = (accepted(copy, STOPS_SEQUENCE) - played) / BLOCK
+        copy.board.run_until(lambda: not cable.to_device, 0.05)
+        copy.board.run(0.003)
+        host.inbox.clear()
+        cable.receive()
+        check_blocks(host)
+        assert host.status()["first_fault"] == "emergency stop"
+        return blocks
+
+    seen = [on_copy(rig, lambda copy: stop(copy, phase / STOP_PHASES)) for phase in range(STOP_PHASES)]
+    print(f"emergency stop in a line full of {flood}{', measured' * measures}: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
+    assert max(seen) + 1 / STOP_PHASES <= STOP_BLOCKS
+
+
+def full_line(rig):
+    """Bytes whose repetition leaves neither direction of a serial line a pause: a request that is as long as its answer."""
+    request = frame(rig.host.session, 9, STATUS, b"")
+    rig.cable.receive()
+    rig.cable.send(request)
+    rig.board.run(0.005)
+    answer = rig.cable.receive()
+    assert len(answer) > len(request)
+    return request + b"\0" * (len(answer) - len(request))
 
 
 def prepare(host, ahead):

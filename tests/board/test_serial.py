@@ -4,9 +4,15 @@ import random
 import pytest
 
 from boards import on_serial
-from core.uart import FRAMING, NOISE, levels, sampled
+from core import dma_channels
+from core.uart import FRAMING, NOISE, OVERRUN, SerialHost, levels, sampled
 from host import DISARM, EMERGENCY_STOP, STATUS, STOP, frame
 from rig import MILLISECOND, is_silent, start
+
+# The link's two channels of DMA1, counted from 0: USART2's receiver and transmitter.
+RECEIVES, SENDS = 2, 3
+# A byte's time on the line.
+BYTE = 10 / SerialHost.BAUD
 
 # Of the rates that a host's program may have been set to, those that the gate tries.
 SOME, OTHERS = [115_200, 1_000_000], [9_600, 57_600, 230_400, 460_800, 1_500_000, 1_843_200, 2_000_000, 3_000_000]
@@ -101,6 +107,96 @@ def test_a_byte_with_a_noisy_bit_counts_as_it_was_voted(sounding):
     sounding.board.run(5e-3)
     assert len(list(host.replies())) == 1
     is_undisturbed(sounding)
+
+
+@on_serial
+@pytest.mark.every_image
+@pytest.mark.parametrize("place", ["at its begin", "within it", "at its end", "alone"])
+@pytest.mark.parametrize("leaves_errors_out", [True, False], ids=["the DMA leaves it out", "the DMA takes it"])
+def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, place, leaves_errors_out):
+    """By the manual the DMA does not take it, and its frame is lost. If it does take it the frame's own CRC decides. Either way something is
+    counted as damaged, and the next frame is answered."""
+    uart, host = sounding.board.uart, sounding.host
+    uart.leaves_errors_out = leaves_errors_out
+    before = host.status()["crc_errors"]
+    data = frame(host.session, 9, STATUS, b"")
+    bad = {"at its begin": 0, "within it": 5, "at its end": len(data) - 1, "alone": len(data)}[place]
+    for i, byte in enumerate(data + b"\x7f"):
+        sounding.board.at(sounding.board.now + (i + 1) * BYTE * sounding.board.CORE_HZ, uart.take, byte, FRAMING if i == bad else 0)
+    sounding.board.run(5e-3)
+    answers = len(list(host.replies()))
+    # The last byte belongs to what follows.
+    assert answers <= (place == "alone" or not leaves_errors_out)
+    assert is_undisturbed(sounding)["crc_errors"] > before
+
+
+@on_serial
+@pytest.mark.every_image
+def test_an_overrun_is_counted_and_the_link_goes_on(sounding):
+    """The DMA is kept from the bus for longer than the receiver's FIFO has room: it receives nothing while the flag stands."""
+    board, host = sounding.board, sounding.host
+    before = host.status()["crc_errors"]
+    board.dma[1].blocked.add(RECEIVES)
+    sounding.cable.send(frame(host.session, 9, STATUS, b"") * 3)
+    board.run_until(lambda: board.uart.flags & OVERRUN, 0.002, step=1e-5)
+    board.dma[1].blocked.clear()
+    board.run(0.01)
+    assert not board.uart.flags & OVERRUN
+    sounding.cable.receive()
+    assert is_undisturbed(sounding)["crc_errors"] > before
+
+
+@on_serial
+@pytest.mark.every_image
+@pytest.mark.parametrize("milliseconds", [2, 4, 6, 15])
+def test_a_thread_that_is_late_loses_no_byte_in_silence_and_has_those_that_came_last(sounding, milliseconds):
+    """While nobody reads the ring takes half of it, 2.8 ms of the line's time."""
+    board, host, cable = sounding.board, sounding.host, sounding.cable
+    before = host.status()["crc_errors"]
+    request = frame(host.session, 9, STATUS, b"")
+    board.is_thread_frozen = True
+    cable.send(request * int(milliseconds * 1e-3 / BYTE / len(request)))
+    board.run_until(lambda: not cable.to_device, 0.1, step=1e-4)
+    board.run(1e-4)
+    board.is_thread_frozen = False
+    board.run(0.012)
+    answers = len(list(host.replies()))
+    status = is_undisturbed(sounding)
+    # What waits for its turn is bounded, too; what is dropped there is counted there.
+    assert answers > 0
+    assert (status["crc_errors"] > before) == (milliseconds > 2.8)
+
+
+@on_serial
+@pytest.mark.every_image
+def test_a_sending_dma_that_fails_ends_its_reply_and_the_next_one_is_sent(sounding):
+    board, host, cable = sounding.board, sounding.host, sounding.cable
+    cable.send(frame(host.session, 9, STATUS, b""))
+    channel = board.dma[1].streams[SENDS]
+    board.run_until(lambda: channel.control & 1 and channel.left, 0.005, step=1e-5)
+    fail(board, SENDS)
+    board.run(0.005)
+    cable.receive()
+    is_undisturbed(sounding)
+
+
+@on_serial
+@pytest.mark.every_image
+def test_a_receiving_dma_that_fails_costs_what_it_had_and_the_link_goes_on(sounding):
+    host = sounding.host
+    before = host.status()["crc_errors"]
+    fail(sounding.board, RECEIVES)
+    # Until the link's next tick.
+    sounding.cable.send(frame(host.session, 9, STATUS, b""))
+    sounding.board.run(0.005)
+    sounding.cable.receive()
+    assert is_undisturbed(sounding)["crc_errors"] > before
+
+
+def fail(board, channel):
+    """A bus error: the channel switches itself off (RM0440 chapter 12, DMA error management)."""
+    board.dma[1].streams[channel].control &= ~1
+    board.dma[1].set_flag(channel, dma_channels.ERROR)
 
 
 @on_serial

@@ -42,6 +42,7 @@ mod stop;
 mod stopping;
 mod view;
 
+use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_sync::blocking_mutex::Mutex;
@@ -108,6 +109,24 @@ impl<M: RawMutex> Mailbox<M> {
             tick: Signal::new(),
             stopped: Signal::new(),
             pulses: [const { AtomicU32::new(0) }; 3],
+        }
+    }
+
+    /// As [`Mailbox::new`], in its place: the table slots alone would take more stack than a small chip has.
+    #[expect(unsafe_code, reason = "listed in firmware/UNSAFE.md")]
+    #[inline(never)]
+    pub fn new_in(place: &mut MaybeUninit<Self>) -> &mut Self {
+        let at = place.as_mut_ptr();
+        // SAFETY: every field is written. The slots consist of atomics, of which any bits are a value; zeros are empty slots, as in
+        // `TableSlots::new`.
+        unsafe {
+            (&raw mut (*at).shared).write(Mutex::new(Shared::new()));
+            (&raw mut (*at).motions).write([const { MotionCell::silent() }; 2]);
+            (&raw mut (*at).slots).write_bytes(0, 1);
+            (&raw mut (*at).tick).write(Signal::new());
+            (&raw mut (*at).stopped).write(Signal::new());
+            (&raw mut (*at).pulses).write([const { AtomicU32::new(0) }; 3]);
+            place.assume_init_mut()
         }
     }
 

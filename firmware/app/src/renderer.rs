@@ -84,14 +84,16 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer whose first sample has index 0.
+    /// A renderer whose first sample has index 0. Always inlined: a small chip's stack has room for one copy of it.
     #[must_use]
+    #[inline(always)]
     pub const fn new(timing: Timing) -> Self {
         Self::starting_at(timing, 0)
     }
 
-    /// A renderer whose first sample has the index given, rounded down to a block.
+    /// A renderer whose first sample has the index given, rounded down to a block. Inlined as [`Renderer::new`].
     #[must_use]
+    #[inline(always)]
     pub const fn starting_at(timing: Timing, index: SampleIndex) -> Self {
         let index = index.saturating_sub(index % BLOCK_SAMPLES);
         let limit_due = match index.checked_rem(timing.limit_period) {

@@ -21,7 +21,8 @@
 //! | `SYSTEM_MEMORY` | the ROM bootloader's vector table |
 //! | `DMA_INTERRUPT`, `SUPPLY_INTERRUPT` and their handlers | interrupts of the DAC's DMA and the supply detector |
 //! | `Link` | the link's peripheral and pins: `usb_link`'s type, or with `link-uart` its own, which opens a UART |
-//! | `UART_INTERRUPT` (`link-uart`) | the interrupt of that UART |
+//! | `LINK_UART`, `RECEIVE_WAY`, `SEND_WAY` (`link-uart`) | that UART and its two ways of the DMA |
+//! | `UART_INTERRUPT`, `SEND_INTERRUPT` (`link-uart`) | the interrupts of that UART and of the sending way, and their handlers |
 //! | `config()` | the clocks and the DMA interrupts' priority, for embassy |
 //! | `tune_flash()`, `tune_dac()` | the settings of flash and DAC that embassy does not make |
 //! | `admit_break_pin()` | lets the pin with the mute timer's break function through to its break, where there is a gate |

@@ -1,5 +1,8 @@
 //! The start-up, and the tasks.
 
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+
 use cortex_m::peripheral::DWT;
 use embassy_executor::{Executor, InterruptExecutor};
 use embassy_stm32::gpio::{Flex, Output, Pull};
@@ -12,7 +15,7 @@ use slipline_app::planning::chord::Candidate;
 use slipline_app::ports::{BoardReport, CycleCounter, MuteResistor, RendererPorts, StopInput, System};
 use slipline_app::safety::boot::{Boot, STABLE_AFTER_MS};
 use slipline_app::{Device, Link, Mailbox, Renderer, Supervisor, Timing, release};
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::StaticCell;
 
 use crate::board;
 use crate::button::{self, UserButton};
@@ -28,10 +31,41 @@ use crate::uart_link::{FromHost, ToHost, start as start_link};
 use crate::usb_link::{FromHost, ToHost, start as start_link};
 use crate::{bootloader, crash, fast, guard, pin_lock, priority, supply, watchdog};
 
+type SharedMailbox = Mailbox<CriticalSectionRawMutex>;
+
+// The large states are set up by the start: initial values would take their room in the flash, though nearly all of it is zero. The
+// mailbox is set up in its place, and each other one by a function of its own (`set_up`): one more of them on the stack is less than
+// the link takes later.
 /// The state that thread and interrupt share. Where the memory map puts it.
-// SAFETY: what lies there is copied from the flash before the mailbox is used (`fast::load`), or before the program begins.
-#[unsafe(link_section = ".data.mailbox")]
-static MAILBOX: Mailbox<CriticalSectionRawMutex> = Mailbox::new();
+// SAFETY: what lies there is zeroed before the mailbox is set up (`fast::load`), or before the program begins.
+#[unsafe(link_section = ".bss.mailbox")]
+static MAILBOX: Place<SharedMailbox> = Place::new();
+
+/// The memory in which chords are proven. Where the memory map puts it.
+// SAFETY: as the mailbox's.
+#[unsafe(link_section = ".bss.candidate")]
+static CANDIDATE: Place<Candidate> = Place::new();
+
+static RENDERER: Place<Renderer> = Place::new();
+static LISTENER: Place<Listener<'static>> = Place::new();
+
+/// The memory of a state. Tasks find it at its address: to hand them a reference would cost every block of the renderer time.
+struct Place<T>(UnsafeCell<MaybeUninit<T>>);
+
+// SAFETY: a state is written by `main` before any task runs. From then on the mailbox is shared, and each other state is one task's.
+unsafe impl<T: Send> Sync for Place<T> {}
+
+impl<T> Place<T> {
+    const fn new() -> Self {
+        Self(UnsafeCell::new(MaybeUninit::uninit()))
+    }
+}
+
+/// The mailbox, for the tasks.
+fn mailbox() -> &'static SharedMailbox {
+    // SAFETY: `main` has set it up, and nobody has it mutably from then on.
+    unsafe { (*MAILBOX.0.get()).assume_init_ref() }
+}
 
 /// The captured values. Where the memory map puts it; it is not cleared at the start, because no value is read that has not
 /// been written.
@@ -67,6 +101,11 @@ fn main() -> ! {
     fast::load();
     let boot = crash::boot();
     supply::watch();
+    // SAFETY: no task runs yet.
+    Mailbox::new_in(unsafe { &mut *MAILBOX.0.get() });
+    set_up(&RENDERER, || Renderer::new(const { Timing::at(board::SAMPLE_RATE_HZ) }));
+    set_up(&LISTENER, || Listener::starting_at(0, &CAPTURED));
+    set_up(&CANDIDATE, Candidate::new);
     start_cycle_counter();
 
     board::DMA_INTERRUPT.set_priority(priority::DAC);
@@ -85,7 +124,8 @@ fn main() -> ! {
 
     interrupt::UART5.set_priority(priority::RENDERER);
     let above = RENDERER_EXECUTOR.start(interrupt::UART5);
-    if let Ok(task) = render(dac, mute, trigger, button, inputs) {
+    let ports = Ports { dac, mute, trigger, button, cycles: Cycles, sense: inputs };
+    if let Ok(task) = render(ports) {
         above.spawn(task);
     }
 
@@ -106,10 +146,18 @@ fn main() -> ! {
             spawner.spawn(task);
         }
         let (read, write) = start_link(spawner, board.link);
-        if let Ok(task) = talk(read, write, boot, store, Facts::new(has_mute_resistor, board.stop_input)) {
+        let facts = Facts::new(has_mute_resistor, board.stop_input);
+        if let Ok(task) = talk(read, write, boot, store, facts) {
             spawner.spawn(task);
         }
     })
+}
+
+/// Sets a state up before any task runs. Not inlined: the stack has room for one state at a time.
+#[inline(never)]
+fn set_up<T>(place: &'static Place<T>, state: impl FnOnce() -> T) {
+    // SAFETY: no task runs yet.
+    unsafe { &mut *place.0.get() }.write(state());
 }
 
 /// Starts DWT's free-running cycle counter (ARMv7-M, DWT_CYCCNT). It needs the trace unit, and a Cortex-M7 ignores
@@ -122,26 +170,24 @@ fn start_cycle_counter() {
     core.DWT.enable_cycle_counter();
 }
 
+/// What the renderer has of this board.
+type Ports = RendererPorts<Dac, MutePin, TriggerPins, UserButton, Cycles, Inputs>;
+
 /// Runs the renderer at interrupt priority; never ends.
 #[embassy_executor::task]
-async fn render(dac: Dac, mute: MutePin, trigger: TriggerPins, button: UserButton, inputs: Inputs) {
-    // Built at compile time: built here, they would take 16 KiB of stack for a moment, more than all other code needs.
-    static RENDERER: ConstStaticCell<Renderer> =
-        ConstStaticCell::new(Renderer::new(Timing::at(board::SAMPLE_RATE_HZ)));
-    static LISTENER: ConstStaticCell<Listener<'static>> =
-        ConstStaticCell::new(Listener::starting_at(0, &CAPTURED));
-    let ports = RendererPorts { dac, mute, trigger, button, cycles: Cycles, sense: inputs };
-    RENDERER.take().run(&MAILBOX, ports, LISTENER.take()).await;
+async fn render(ports: Ports) {
+    // SAFETY: `main` has set both up, and this is the only task that uses them; it runs once.
+    let (renderer, listener) =
+        unsafe { ((*RENDERER.0.get()).assume_init_mut(), (*LISTENER.0.get()).assume_init_mut()) };
+    renderer.run(mailbox(), ports, listener).await;
 }
 
 #[embassy_executor::task]
 async fn talk(read: FromHost, write: ToHost, boot: Boot, store: Store, facts: Facts) {
-    // In RAM from the start, not on the stack; where the memory map puts it.
-    // SAFETY: what lies there is copied from the flash before the program begins, as other variables are.
-    #[unsafe(link_section = ".data.candidate")]
-    static CANDIDATE: ConstStaticCell<Candidate> = ConstStaticCell::new(Candidate::new());
-    let mut link = Link::new(identity(), boot, store, facts, CANDIDATE.take(), &CAPTURED);
-    link.run(&MAILBOX, read, write).await;
+    // SAFETY: `main` has set it up, and this is the only task that uses it; it runs once.
+    let candidate = unsafe { (*CANDIDATE.0.get()).assume_init_mut() };
+    let mut link = Link::new(identity(), boot, store, facts, candidate, &CAPTURED);
+    link.run(mailbox(), read, write).await;
 }
 
 /// This device's identity in the hello.
@@ -166,7 +212,7 @@ async fn supervise(mut light: Output<'static>, standing: Option<Lamp>) {
         // Not a ticker: after an erasure of the flash it would make up for its turns at once, and the tasks would not have
         // run between them.
         Timer::after_millis(watchdog::SUPERVISION_MS.into()).await;
-        if supervisor.may_feed(MAILBOX.pulses()) {
+        if supervisor.may_feed(mailbox().pulses()) {
             watchdog::feed();
         } else {
             mute::off();

@@ -1,7 +1,7 @@
-//! A way of the DMA between a ring of words in memory and one register of a peripheral, without an end.
+//! A way of the DMA between memory and one register of a peripheral: a ring without an end, or a reply of the link's.
 //!
 //! `dma/streams.rs` is the DMA with streams (F4, H7), `dma/channels.rs` the one with channels behind a DMAMUX (G4). The
-//! board's file names the ways: one feeds the DAC, one empties the ADC.
+//! board's file names the ways: one feeds the DAC, one empties the ADC, and two are a UART's.
 
 #[cfg_attr(feature = "dma-channels", path = "dma/channels.rs")]
 #[cfg_attr(feature = "dma-streams", path = "dma/streams.rs")]
@@ -28,6 +28,12 @@ pub(crate) enum Purpose {
     Feed,
     /// Words from a peripheral to memory; no interrupt.
     Collect,
+    /// Bytes from a peripheral to memory; no interrupt.
+    #[cfg(feature = "link-uart")]
+    Receive,
+    /// Bytes from memory to a peripheral, once, behind all other ways; an interrupt when all have been read.
+    #[cfg(feature = "link-uart")]
+    Send,
 }
 
 /// The flags that a way's interrupt found.

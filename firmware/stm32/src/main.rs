@@ -50,6 +50,8 @@ mod pin_lock;
 mod places;
 #[cfg(target_arch = "arm")]
 mod priority;
+#[cfg(any(all(target_arch = "arm", feature = "link-uart"), test))]
+mod received;
 #[cfg(any(target_arch = "arm", test))]
 mod reset;
 #[cfg(any(target_arch = "arm", test))]

@@ -5,10 +5,10 @@
 //! | level | interrupt | longest run | reason |
 //! |---|---|---|---|
 //! | 1 | DAC's DMA stream, DAC underrun, supply dip | one line over a block, about 2 % of a block | the ring's deadline, and muting |
-//! | 2 | UART bytes (boards without USB) | one byte, under 2 us | 10.9 us per byte at 921600 baud; a rendered block may take longer |
 //! | 3 | renderer (interrupt executor) | one block, under half the block's period | above everything that may take long |
 //! | 4 | time driver | a few us | wakes thread tasks only |
 //! | 5 | USB | one packet | may wait: the host gets NAK |
+//! | 5 | UART and its sending DMA (boards without USB) | a few us | wake the link only: the DMA moves the bytes |
 //! | thread | session, USB control, supervisor, flash | unbounded | only the host and the watchdog wait for it |
 //!
 //! Critical sections mask all of them. A test measures the longest after the start on the register-level board
@@ -17,16 +17,12 @@
 //! 134 cycles: the mailbox copies a report or the renderer's orders, never a motion (see `slipline_app::mailbox`).
 //!
 //! The masked interrupts can wait longer than that: the DMA's one block (320 us), and the mute pin falls by itself if it
-//! waits for longer than 4 ms (`mute`); the UART's until its receive FIFO is full, which embassy switches on: eight bytes
-//! on the G474 (RM0440, 37.5.4), that is 8 x 10.9 us = 87 us.
+//! waits for longer than 4 ms (`mute`).
 
 use embassy_stm32::interrupt::Priority;
 
 /// The DAC's DMA stream, its underrun, and the supply detector.
 pub(crate) const DAC: Priority = Priority::P1;
-/// The link's UART.
-#[cfg(feature = "link-uart")]
-pub(crate) const UART: Priority = Priority::P2;
 /// The renderer's executor.
 pub(crate) const RENDERER: Priority = Priority::P3;
 /// embassy-time's timer.
@@ -34,3 +30,6 @@ pub(crate) const TIME: Priority = Priority::P4;
 /// The USB core.
 #[cfg(feature = "link-usb")]
 pub(crate) const USB: Priority = Priority::P5;
+/// The link's UART and its sending DMA.
+#[cfg(feature = "link-uart")]
+pub(crate) const UART: Priority = Priority::P5;

@@ -26,13 +26,13 @@ use slipline_app::bank::code::MID_SCALE;
 use slipline_app::safety::fade::fade;
 
 /// A block is late if the DMA enters its half in fewer samples. Copying it takes about 600 cycles, at most 900 with the
-/// interrupts that may come between (a byte or two of the UART), twice that with the flash's wait states: 1800 cycles
+/// interrupts that may come between, twice that with the flash's wait states: 1800 cycles
 /// are 4.3 samples on the F407, 4.2 on the G474. The DMA holds one code more ready than its counter says.
 pub(crate) const MARGIN: usize = 8;
 
 /// A block that has been handed over can be revised if the DMA enters its half in no fewer samples. Until the new codes are
 /// handed over the renderer takes 5130 cycles (F407) or 6010 cycles (G474), wait states included: 14.2 samples
-/// (`tests/board/test_speed.py` compares). Bytes of the UART that come between take 3 more, and [`MARGIN`] comes on top.
+/// (`tests/board/test_speed.py` compares). The DMA's interrupt may come between and take 3 more, and [`MARGIN`] comes on top.
 pub(crate) const REVISION: usize = 28;
 
 /// The block came too late.

@@ -16,6 +16,9 @@ class Channel:
 class Channels(Dma):
     NEW = Channel
 
+    # Called when a channel has been enabled: a peripheral may be asking already.
+    on_enabled = staticmethod(lambda: None)
+
     def reset(self):
         super().reset()
         self.flags = [0] * STREAMS
@@ -66,12 +69,15 @@ class Channels(Dma):
         c = self.streams[number]
         register //= 4
         if register == 0:
-            if value & ENABLED and not c.control & ENABLED:
+            begins = value & ENABLED and not c.control & ENABLED
+            if begins:
                 assert not self.flags[number], "a channel is enabled with old flags"
                 c.position = c.count - c.left
                 self.find_memory(c, 1 << (value >> 8 & 3))
             c.control = value
             self.pend(number)
+            if begins:
+                self.on_enabled()
             return
         assert not c.control & ENABLED, "a channel's registers are locked while it is enabled (RM0440 12.6.3)"
         if register == 1:

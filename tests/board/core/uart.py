@@ -1,16 +1,24 @@
 """USART with FIFOs (RM0440 chapter 37), and the host's end of the line: on the Nucleo the ST-LINK's serial port.
 
 Bytes take their time on the line, in both directions; a receiver at another rate than the sender's reads noise.
+
+With DMAR it asks the DMA for a transfer while there is a received byte, with DMAT while the transmit FIFO has room (continuous communication using DMA). What the
+manual leaves open is the worst here: while an overrun's flag stands nothing is received.
 """
 
 CR1, CR2, CR3, BRR, RQR, ISR, ICR, RDR, TDR, PRESC = 0x00, 0x04, 0x08, 0x0C, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C
-ENABLED, RECEIVES, TRANSMITS, FIFOS = 1 << 0, 1 << 2, 1 << 3, 1 << 29
+ENABLED, RECEIVES, TRANSMITS, MATCH_INTERRUPT, FIFOS = 1 << 0, 1 << 2, 1 << 3, 1 << 14, 1 << 29
+# CR3. DDRE stays 0 and OVRDIS, which bypasses the receive FIFO, too.
+ERROR_INTERRUPT, ASKS_TO_RECEIVE, ASKS_TO_SEND, ONE_BIT, NO_OVERRUN, STOPS_AT_ERRORS = (
+    1 << 0, 1 << 6, 1 << 7, 1 << 11, 1 << 12, 1 << 13,
+)  # fmt: skip
 FRAMING, NOISE, OVERRUN, IDLE, NOT_EMPTY, COMPLETE, NOT_FULL, ACKNOWLEDGED = (
     1 << 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7, 0b11 << 21,
 )  # fmt: skip
+# A received byte was CR2.ADD.
+MATCH = 1 << 17
 # Flags whose interrupt is enabled by the same bit of CR1.
 OWN_ENABLES = IDLE | NOT_EMPTY | COMPLETE | NOT_FULL
-ERROR_INTERRUPT = 1 << 0
 # A start bit, eight data bits, a stop bit.
 FRAME_BITS, DEPTH = 10, 8
 # A receiver samples a frame's last bit in time if the rates differ by no more (RM0440 37.5.7, with some for the sender).
@@ -18,10 +26,13 @@ TOLERANCE = 0.02
 
 
 class Uart:
-    """`transmit` and `receive` are its pins."""
+    """`transmit` and `receive` are its pins; `name` begins those of its requests to the DMA."""
 
-    def __init__(self, board, irq, bus, transmit, receive, function):
-        self.board, self.irq, self.bus = board, irq, bus
+    # By the manual a byte with an error never gets to the DMA while DDRE is 0 (USART_CR3). A test may let it.
+    leaves_errors_out = True
+
+    def __init__(self, board, name, irq, bus, transmit, receive, function):
+        self.board, self.name, self.irq, self.bus = board, name, irq, bus
         self.transmit, self.receive, self.function = transmit, receive, function
         self.peer = None
         board.add_line(irq, self.is_pending)
@@ -60,14 +71,28 @@ class Uart:
         """A frame has been sampled; its errors come with it."""
         if not self.is_on(RECEIVES, self.receive) or not self.baud():
             return
-        self.flags |= flags
-        if len(self.incoming) >= self.depth():
+        control = self.registers[CR3]
+        if control & ONE_BIT:
+            flags &= ~NOISE
+        if self.flags & OVERRUN or len(self.incoming) >= self.depth():
             self.flags |= OVERRUN
-        else:
+        elif not (flags and control & ASKS_TO_RECEIVE and self.leaves_errors_out):
             self.incoming.append(byte)
+            if byte == self.registers[CR2] >> 24:
+                self.flags |= MATCH
+        self.flags |= flags
+        self.ask()
         self.last = self.board.now
         self.board.at(self.board.now + self.frame(), self.rest, self.generation, self.last)
         self.raise_interrupt()
+
+    def ask(self):
+        """Asks the DMA, as long as there is something to be moved and it answers."""
+        control = self.registers[CR3] if self.registers[CR1] & ENABLED else 0
+        while control & ASKS_TO_RECEIVE and self.incoming and self.board.request_dma(f"{self.name}_RX"):
+            pass
+        while control & ASKS_TO_SEND and len(self.outgoing) < self.depth() and self.board.request_dma(f"{self.name}_TX"):
+            pass
 
     def frame(self):
         return FRAME_BITS / self.baud() * self.board.CORE_HZ
@@ -93,6 +118,7 @@ class Uart:
         if not self.outgoing:
             self.flags |= COMPLETE
         self.send_next()
+        self.ask()
         self.raise_interrupt()
 
     # --- registers
@@ -106,7 +132,8 @@ class Uart:
         status, control = self.status(), self.registers[CR1]
         errors = status & (FRAMING | NOISE | OVERRUN) and self.registers[CR3] & ERROR_INTERRUPT
         overrun = status & OVERRUN and control & NOT_EMPTY
-        return bool(control & ENABLED and (status & control & OWN_ENABLES or errors or overrun))
+        match = status & MATCH and control & MATCH_INTERRUPT
+        return bool(control & ENABLED and (status & control & OWN_ENABLES or match or errors or overrun))
 
     def raise_interrupt(self):
         if self.is_pending():
@@ -136,12 +163,15 @@ class Uart:
         else:
             assert offset in self.registers, f"the USART has no modelled register {offset:#x}"
             is_running = self.registers[CR1] & ENABLED
-            assert offset == CR1 or not is_running or value == self.registers[offset], (
-                "the format is changed while the USART runs (RM0440 37.8)"
-            )
+            changed = value ^ self.registers[offset]
+            if offset == CR3:
+                assert not value & (NO_OVERRUN | STOPS_AT_ERRORS), "these are not modelled"
+                changed &= ~(ASKS_TO_RECEIVE | ASKS_TO_SEND | ERROR_INTERRUPT)
+            assert offset == CR1 or not is_running or not changed, "the format is changed while the USART runs (RM0440 37.8)"
             self.registers[offset] = value
             if offset == CR1:
                 self.send_next()
+            self.ask()
         self.raise_interrupt()
 
 
@@ -150,12 +180,12 @@ def levels(data):
     return [level for byte in data for level in (0, *(byte >> bit & 1 for bit in range(8)), 1)]
 
 
-def sampled(line, sent_baud, baud):
+def sampled(line, sent_baud, baud, one_bit=False):
     """What a receiver at `baud` makes of a line whose levels change at `sent_baud`, and which rests before and after: of
     each frame when it is over, in seconds, its byte and its errors.
 
     It begins at a falling edge and samples each bit three times around its middle (RM0440 37.5.6): if they differ, it is
-    noise, and two of three count."""
+    noise, and two of three count. With `one_bit` the one in the middle counts, and there is no noise."""
 
     def level(seconds):
         return line[int(seconds * sent_baud)] if 0 <= seconds * sent_baud < len(line) else 1
@@ -166,7 +196,7 @@ def sampled(line, sent_baud, baud):
         if edge is None:
             return frames
         samples = [
-            sum(level(edge / sent_baud + (bit + 0.5 + third / 16) / baud) for third in (-1, 0, 1))
+            sum(level(edge / sent_baud + (bit + 0.5 + third / 16) / baud) for third in ((0, 0, 0) if one_bit else (-1, 0, 1)))
             for bit in range(FRAME_BITS)
         ]
         bits = [sample >= 2 for sample in samples]
@@ -224,7 +254,8 @@ class SerialHost:
 
     def move_line(self, line, baud):
         """Moves the line as it likes, a level a bit, instead of sending bytes."""
-        for seconds, byte, errors in sampled(line, baud, self.uart.baud()):
+        one_bit = bool(self.uart.registers[CR3] & ONE_BIT)
+        for seconds, byte, errors in sampled(line, baud, self.uart.baud(), one_bit):
             self.board.at(self.board.now + seconds * self.board.CORE_HZ, self.uart.take, byte, errors)
 
     def hear(self, byte, baud):

@@ -23,7 +23,9 @@ TIMERS = {
 # TSEL1 of DAC1 (RM0440 table 186): the timer whose TRGO it is.
 DAC_TRIGGERS = {1: 8, 2: 7, 3: 15, 4: 2, 5: 4, 7: 6, 8: 3}
 # Inputs of the DMAMUX (RM0440 table 93).
-REQUESTS = {"ADC1": 5, "DAC1": 6, "TIM6_UP": 8, "TIM1_UP": 46, "TIM8_UP": 53, "TIM17_UP": 85}
+REQUESTS = {
+    "ADC1": 5, "DAC1": 6, "TIM6_UP": 8, "USART2_RX": 26, "USART2_TX": 27, "TIM1_UP": 46, "TIM8_UP": 53, "TIM17_UP": 85,
+}  # fmt: skip
 # DS12288 table 13.
 ALTERNATES = {
     ("PA13", 0): "SWDIO", ("PA14", 0): "SWCLK", ("PA15", 0): "JTDI", ("PB3", 0): "JTDO", ("PB4", 0): "NJTRST",
@@ -109,7 +111,8 @@ class Board(board.Board):
         self.dma[1].settle = self.adc.settle
         self.mux = dmamux.Dmamux()
         functions = {"PA2": "USART2_TX", "PA3": "USART2_RX"}
-        self.uart = uart.Uart(self, self.UART_IRQ, 1, "PA2", "PA3", functions)
+        self.uart = uart.Uart(self, "USART2", self.UART_IRQ, 1, "PA2", "PA3", functions)
+        self.dma[1].on_enabled = self.uart.ask
         self.watchdog = watchdog.Watchdog(self)
         self.debug = debug.Debug(self, REVISION_X, FREEZES)
         self.others = self.mux, self.uart, self.system

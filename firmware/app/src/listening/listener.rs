@@ -190,7 +190,10 @@ impl<'a> Listener<'a> {
             Some(Ok(())) => {
                 let inputs = self.codes.get(..stream.inputs().min(INPUTS)).unwrap_or_default();
                 self.lock_in.take_block(self.next, inputs, self.history.at(self.next));
-                self.capture.take_block(self.next, inputs);
+                // To call it for nothing would cost every block that is measured some ten cycles.
+                if self.capture.progress() == Progress::Capturing {
+                    self.capture.take_block(self.next, inputs);
+                }
                 self.next = self.next.saturating_add(BLOCK_SAMPLES);
             }
         }

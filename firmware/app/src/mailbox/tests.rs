@@ -1,6 +1,7 @@
 //! Programs handed over, late, twice, or stopped on the way.
 
 use std::boxed::Box;
+use std::format;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use slipline_protocol::limits::MAX_TONES;
@@ -29,6 +30,17 @@ fn mailbox() -> Box<Local> {
         mailbox.write_knot(SlotIndex::Second, index, Knot { step, gain: Gain::FULL });
     }
     mailbox
+}
+
+#[test]
+fn one_that_is_set_up_in_its_place_is_as_a_new_one_whatever_was_there() {
+    let (used, _) = sounding();
+    let mut place = Box::new(MaybeUninit::new(*used));
+    let (set_up, new) = (Local::new_in(&mut place), Local::new());
+    assert_eq!(format!("{:?}", set_up.view()), format!("{:?}", new.view()));
+    assert_eq!(set_up.slots().knot(SlotIndex::Second, 1), Knot::default());
+    assert_eq!((set_up.pulses(), set_up.digest()), (new.pulses(), new.digest()));
+    assert_eq!(set_up.slot_is_free(SlotIndex::First), new.slot_is_free(SlotIndex::First));
 }
 
 /// A tone that starts from silence at full scale.

@@ -11,14 +11,14 @@ use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPreDiv, PllRDiv, PllSource, Sysclk,
 };
 use embassy_stm32::time::Hertz;
-use embassy_stm32::usart::{self, BufferedUart};
-use embassy_stm32::{Config, Peri, Peripherals, bind_interrupts, interrupt, peripherals, rcc};
+use embassy_stm32::usart::{self, Uart};
+use embassy_stm32::{Config, Peri, Peripherals, interrupt, peripherals, rcc};
 use slipline_app::ports::INPUTS;
 
 use super::{Board, MutedPin, low};
 use crate::dma::{Purpose, Way};
 use crate::reset::ResetFlags;
-use crate::{dac, priority, supply};
+use crate::{dac, priority, supply, uart_link};
 
 pub(crate) const NAME: &str = "NUCLEO-G474RE";
 
@@ -78,6 +78,14 @@ pub(crate) const SENSE_WAY: Way =
     Way { controller: pac::DMA1, number: 1, request: 5, purpose: Purpose::Collect };
 pub(crate) type SenseDma = peripherals::DMA1_CH2;
 
+/// The link's UART. DMA1 channels 3 and 4; DMAMUX inputs 26 and 27 are USART2's receiver and transmitter (RM0440 table 93; also in
+/// embassy-stm32's table of the chip).
+pub(crate) const LINK_UART: pac::usart::Usart = pac::USART2;
+pub(crate) const RECEIVE_WAY: Way =
+    Way { controller: pac::DMA1, number: 2, request: 26, purpose: Purpose::Receive };
+pub(crate) const SEND_WAY: Way =
+    Way { controller: pac::DMA1, number: 3, request: 27, purpose: Purpose::Send };
+
 // The ADCs' clock is the AHB's divided by 4, 42.5 MHz: at most 52 MHz with several ADCs and a supply of 2.7 V or more (DS12288
 // table 66). 47.5 cycles of sampling and 12.5 of conversion, after 2.125 of latency (DS12288 table 66, CKMODE = 11), are
 // 1.46 us of 2.5 us. 47.5 cycles charge the 5 pF through more than 20 kOhm to a quarter of a code.
@@ -121,9 +129,15 @@ pub(crate) const ERASURE_WATCHDOG_MS: u32 = 2_000;
 /// System memory (AN2606, bootloader V13.x: USART, I2C, SPI, USB DFU on PA11/PA12).
 pub(crate) const SYSTEM_MEMORY: u32 = 0x1fff_0000;
 
-bind_interrupts!(struct Irqs {
-    USART2 => usart::BufferedInterruptHandler<peripherals::USART2>;
-});
+#[interrupt]
+fn USART2() {
+    uart_link::on_uart();
+}
+
+#[interrupt]
+fn DMA1_CHANNEL4() {
+    uart_link::on_sent();
+}
 
 #[interrupt]
 fn DMA1_CHANNEL1() {
@@ -138,6 +152,7 @@ fn PVD_PVM() {
 pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_PVM;
 pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_CHANNEL1;
 pub(crate) const UART_INTERRUPT: interrupt::Interrupt = interrupt::USART2;
+pub(crate) const SEND_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_CHANNEL4;
 
 /// On the internal oscillator, 16 MHz: `take` raises the clocks.
 pub(crate) fn config() -> Config {
@@ -204,6 +219,7 @@ pub(crate) struct Link {
     uart: Peri<'static, peripherals::USART2>,
     receive: Peri<'static, peripherals::PA3>,
     transmit: Peri<'static, peripherals::PA2>,
+    channels: (Peri<'static, peripherals::DMA1_CH3>, Peri<'static, peripherals::DMA1_CH4>),
 }
 
 pub(crate) fn take(mut p: Peripherals) -> Board {
@@ -229,24 +245,24 @@ pub(crate) fn take(mut p: Peripherals) -> Board {
         button: Flex::new(p.PC13),
         stop_input: Flex::new(p.PB7),
         flash: p.FLASH,
-        link: Link { uart: p.USART2, receive: p.PA3, transmit: p.PA2 },
+        link: Link { uart: p.USART2, receive: p.PA3, transmit: p.PA2, channels: (p.DMA1_CH3, p.DMA1_CH4) },
     }
 }
 
 impl Link {
     /// USART2 on PA2 and PA3 (alternate function 7), which the board wires to the ST-LINK. UM2505 names LPUART1 for
     /// them (alternate function 12); both peripherals can use these pins. The clock is APB1: 170 MHz / 184 = 923913
-    /// baud, 0.25 % from 921600. Panics if the pins or the rate are impossible, which does not depend on outside data.
-    pub(crate) fn open(
-        self,
-        transmit: &'static mut [u8],
-        receive: &'static mut [u8],
-        config: usart::Config,
-    ) -> BufferedUart<'static> {
-        match BufferedUart::new(self.uart, self.receive, self.transmit, transmit, receive, Irqs, config) {
-            Ok(uart) => uart,
+    /// baud, 0.25 % from 921600. embassy-stm32 sets up pins, clock, rate and FIFOs and enables the interrupt; the rest of the UART is the
+    /// link's. Panics if the pins or the rate are impossible, which does not depend on outside data.
+    pub(crate) fn open(self, config: usart::Config) {
+        let Self { uart, receive, transmit, channels } = self;
+        match Uart::new_blocking(uart, receive, transmit, config) {
+            // A driver that is dropped switches its UART off.
+            Ok(uart) => core::mem::forget(uart),
             Err(error) => panic!("USART2: {error:?}"),
         }
+        // They are the link's from now on.
+        let _ = channels;
     }
 }
 

@@ -1,5 +1,8 @@
 //! A DMA with streams (F4, H7): RM0090 chapter 10, and the DMA chapter of RM0433.
 
+#[cfg(feature = "link-uart")]
+compile_error!("these ways carry words: the bytes of a UART take a DMA with channels (`dma-channels`)");
+
 use super::{Flags, Purpose, Way};
 use crate::board::route_dma;
 use embassy_stm32::pac::dma::{regs, vals};
