@@ -51,7 +51,7 @@ class Files(unittest.TestCase):
     def test_every_table_has_the_columns_of_its_head(self):
         run("figures", "--out", self.folder / "figures")
         envelope = self.folder / "envelope.csv"
-        run("simulate", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "20ms", "--csv", envelope)
+        run("simulate", "--plate", "membrane", "--turning-point", "120mm", "--for", "20ms", "--out", envelope)
         tables = [*sorted((self.folder / "figures").glob("*.csv")), envelope, *self.csv]
         self.assertGreater(len(tables), 10)
         for path in tables:
@@ -108,7 +108,7 @@ class Files(unittest.TestCase):
             self.assertGreater(len(drawing.modelspace()), 0, name)
             self.assertFalse(drawing.audit().has_errors, name)
         wav = self.folder / "drive.wav"
-        run("record", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "100ms", "--wav", wav)
+        run("record", "--plate", "membrane", "--turning-point", "120mm", "--for", "100ms", "--out", wav)
         codes, rate = soundfile.read(wav, dtype="int16")
         self.assertEqual((rate, len(codes)), (400_000, 40_000))
         self.assertGreater(np.abs(codes).max(), 1000)

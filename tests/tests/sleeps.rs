@@ -29,10 +29,11 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
         )],
     ),
     ("host/tests/cli/files.rs", &[Polls]),
+    ("host/tests/cli/following.rs", &[Polls]),
     ("host/tests/cli/held_up.rs", &[Polls]),
     ("host/tests/cli/progress.rs", &[Polls]),
     ("host/tests/cli/signals.rs", &[Polls, Polls]),
-    ("host/tests/cli/trigger.rs", &[Polls]),
+    ("host/tests/cli/trigger.rs", &[Polls, Polls]),
     ("host/tests/cli/trim.rs", &[Polls]),
     ("host/window/src/sound/tests.rs", &[Polls]),
     (

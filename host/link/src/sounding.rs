@@ -19,6 +19,12 @@ pub enum Sounding {
     Comb(CombRequest),
 }
 
+impl From<DriveRequest> for Sounding {
+    fn from(drive: DriveRequest) -> Self {
+        Self::Drive(drive)
+    }
+}
+
 impl Sounding {
     /// The same with another beginning.
     #[must_use]

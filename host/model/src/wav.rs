@@ -49,7 +49,7 @@ pub enum WavError {
     #[error("{0}")]
     Values(String),
     /// A number is outside its range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// It has no such channel.
     #[error("{0}")]

@@ -1,10 +1,11 @@
 //! Arguments of the command line: quantities, places, plates.
 
 use super::failure::Failure;
+use super::refusal::{Refusal, WholeNumber};
 use super::source::read_text;
 use slipline_model::atomic_file::said;
 use slipline_plate::quantity::{
-    self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, only, show_range,
+    self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, show_range,
 };
 use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
 use std::path::Path;
@@ -24,21 +25,45 @@ pub(super) type PlaceArgument = Typed<PlaceOrFrequency>;
 pub(super) fn typed<T>(
     text: &str,
     parse: fn(&str) -> Result<T, QuantityError>,
+    likely: &'static str,
     not_a_number: T,
 ) -> Result<Typed<T>, QuantityError> {
-    let value = match parse(text) {
+    let value = match has_unit(text, likely).and_then(|()| parse(text)) {
         Err(QuantityError::TooLarge(_) | QuantityError::NoNumber(_)) => not_a_number,
         parsed => parsed?,
     };
     Ok(Typed { text: text.trim().to_owned(), value })
 }
 
+/// Refuses a number of a dimension without its unit, which is probably `likely`. In the window the unit stands in the field.
+fn has_unit(text: &str, likely: &'static str) -> Result<(), QuantityError> {
+    match quantity::bare(text)? {
+        Some(_) => Err(QuantityError::NoUnit { given: text.trim().to_owned(), likely }),
+        None => Ok(()),
+    }
+}
+
+/// The unit that was probably meant: the first by which the number is in its range.
+fn likely_unit(measure: Measure, number: f64, (low, high): (f64, f64)) -> Option<&'static str> {
+    let units: &[(&str, f64)] = match measure {
+        Measure::Length => &[("mm", 1e-3), ("um", 1e-6), ("m", 1.0)],
+        Measure::Frequency => &[("Hz", 1.0), ("kHz", 1e3)],
+        Measure::Time => &[("s", 1.0), ("ms", 1e-3)],
+        Measure::Plain("F") => &[("nF", 1e-9)],
+        // A level needs no unit: it is a factor, or decibels.
+        Measure::Plain("" | "dB") => return None,
+        Measure::Plain(unit) => return Some(unit),
+    };
+    let fits = |(_, size): &&(&str, f64)| (low..=high).contains(&(number * size));
+    units.iter().find(fits).or(units.first()).map(|(unit, _)| *unit)
+}
+
 pub(super) fn place_or_frequency(text: &str) -> Result<PlaceArgument, QuantityError> {
-    typed(text, quantity::place_or_frequency, PlaceOrFrequency::Place(f64::NAN))
+    typed(text, quantity::place_or_frequency, "mm", PlaceOrFrequency::Place(f64::NAN))
 }
 
 pub(super) fn place(text: &str) -> Result<Typed<f64>, QuantityError> {
-    typed(text, quantity::length_m, f64::NAN)
+    typed(text, quantity::length_m, "mm", f64::NAN)
 }
 
 /// The place and frequency of a beat.
@@ -72,11 +97,11 @@ pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
 }
 
 pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
-    typed(text, quantity::frequency_hz, f64::NAN)
+    typed(text, quantity::frequency_hz, "Hz", f64::NAN)
 }
 
 pub(super) fn time(text: &str) -> Result<Typed<f64>, QuantityError> {
-    typed(text, quantity::time_s, f64::NAN)
+    typed(text, quantity::time_s, "s", f64::NAN)
 }
 
 /// A parser of a quantity with a fixed range.
@@ -87,7 +112,10 @@ pub(super) fn within(
 ) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
     move |text| {
         let allowed = TypedRange { low, high, measure };
-        match parse(text) {
+        let bare = quantity::bare(text).ok().flatten();
+        let likely = bare.and_then(|number| likely_unit(measure, number, (low, high)));
+        let has_unit = likely.map_or(Ok(()), |likely| has_unit(text, likely));
+        match has_unit.and_then(|()| parse(text)) {
             Ok(value) if (low..=high).contains(&value) => Ok(value),
             Ok(_) | Err(QuantityError::TooLarge(_)) => Err(NotAllowed { mistake: None, allowed }),
             Err(mistake) => Err(NotAllowed { mistake: Some(mistake), allowed }),
@@ -122,15 +150,16 @@ pub(super) fn length(
 pub(super) fn count(
     low: usize,
     high: usize,
-) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync + 'static {
+) -> impl Fn(&str) -> Result<usize, NotAllowed<WholeNumber>> + Clone + Send + Sync + 'static {
     move |text| {
         let parsed = text.trim().parse().ok().filter(|count| (low..=high).contains(count));
-        parsed.ok_or_else(|| only(format_args!("a whole number, {low} to {high}")))
+        parsed.ok_or(NotAllowed { mistake: None, allowed: WholeNumber { low, high } })
     }
 }
 
+/// A level: a factor (0.8), a share (80%) or decibels (-6dB).
 pub(super) fn level(text: &str) -> Result<f64, NotAllowed<TypedRange>> {
-    within(|text| quantity::plain(text, ""), Measure::Plain(""), (0.0, 1.0))(text)
+    within(quantity::level, Measure::Plain(""), (0.0, 1.0))(text)
 }
 
 impl Typed<f64> {
@@ -146,8 +175,7 @@ impl Typed<f64> {
         if range.contains(self.value) {
             return Ok(self.value);
         }
-        let allowed = show_range(range.low, range.high, measure);
-        Err(Failure::value(option, &self.text, format!("{allowed}{more}")))
+        Err(Failure::outside(option, &self.text, range, measure, more))
     }
 }
 
@@ -172,7 +200,12 @@ impl PlaceArgument {
                 }
                 PlaceOrFrequency::Frequency(_) => frequencies,
             };
-            Failure::value(option, &self.text, format!("{allowed}, on the plate {:?}", plate.name()))
+            let range = match self.value {
+                PlaceOrFrequency::Place(_) => Refusal::range(start_m, end_m, "m"),
+                PlaceOrFrequency::Frequency(_) => Refusal::range(low_hz, high_hz, "Hz"),
+            };
+            let allowed = format_args!("{allowed}, on the plate {:?}", plate.name());
+            Failure::value(option, &self.text, allowed).with_range(range)
         })
     }
 }
@@ -187,7 +220,11 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
     let form = "write PLACE:KIND, such as 120mm:light; the kinds are none, light, firm, or R,M,WIDTH such as \
                 0.5Ns/m,0.1g,10mm";
     let (place, kind) = text.split_once(':').ok_or(form)?;
-    let place_m = quantity::length_m(place).map_err(|error| format!("its place: {error}"))?;
+    let with_unit = |text: &str, likely, parse: fn(&str) -> Result<f64, QuantityError>| {
+        has_unit(text, likely).and_then(|()| parse(text))
+    };
+    let place_m =
+        with_unit(place, "mm", quantity::length_m).map_err(|error| format!("its place: {error}"))?;
     let finger = match kind.trim() {
         "none" => None,
         "light" => Some(Finger::light(place_m)),
@@ -198,12 +235,10 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
             let resistance = resistance.replace(' ', "");
             Some(Finger {
                 place_m,
-                resistance_n_s_per_m: quantity::plain(&resistance, "Ns/m")
+                resistance_n_s_per_m: with_unit(&resistance, "Ns/m", |text| quantity::plain(text, "Ns/m"))
                     .map_err(|error| format!("its resistance: {error}"))?,
-                mass_kg: mass_kg(mass).map_err(|error| format!("its mass: {error}"))?,
-                // In metres without a unit, as the other values are SI.
-                contact_m: quantity::plain(width, "m")
-                    .or_else(|_| quantity::length_m(width))
+                mass_kg: with_unit(mass, "g", mass_kg).map_err(|error| format!("its mass: {error}"))?,
+                contact_m: with_unit(width, "mm", quantity::length_m)
                     .map_err(|error| format!("its width: {error}"))?,
             })
         }
@@ -211,7 +246,7 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
     Ok(FingerArgument(finger))
 }
 
-/// Parses a mass; without a unit it is in kilograms.
+/// Parses a mass.
 fn mass_kg(text: &str) -> Result<f64, QuantityError> {
     let scaled = [("mg", 1e-6), ("kg", 1.0), ("g", 1e-3)];
     match scaled.iter().find(|(unit, _)| text.ends_with(unit)) {
@@ -239,5 +274,5 @@ pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
         }
         _ => in_file(said(&error)),
     })?;
-    Plate::from_toml(&text).map_err(|error| in_file(error.to_string()))
+    Plate::from_toml(&text).map_err(|error| Failure::because(format!("{shown}: {error}"), &error))
 }

@@ -73,7 +73,7 @@ pub struct CalibrateArguments {
     #[command(flatten)]
     calipers: CalipersArgument,
     /// Write the plate file with the measured numbers, their intervals and the measured gain.
-    #[arg(long, value_name = "FITTED.toml")]
+    #[arg(long, value_name = "FITTED.toml", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -81,6 +81,7 @@ pub struct CalibrateArguments {
 
 /// Earlier measurements.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Measurements")]
 struct MeasuredArgument {
     /// A measurement of the same sensor at one place. Give two files, of two places; a single one needs a
     /// model of the source and is less accurate. A CSV file of PLATES.md is complete by itself. Also read are
@@ -123,6 +124,7 @@ enum CurrentOf {
 
 /// The plate's widths and length by calipers and a rule: all three or none.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Calipers")]
 struct CalipersArgument {
     /// Half of the width at the driven end, by calipers.
     #[arg(long, value_name = "W0", value_parser = argument::length(limits::HALF_WIDTH), allow_hyphen_values = true, requires = "end_half_width", requires = "length")]
@@ -148,11 +150,17 @@ impl CalipersArgument {
         };
         let tolerance_m = self.calipers_tolerance;
         let calipers = Calipers { half_width_m, end_half_width_m, length_m, tolerance_m };
-        calipers.applied_to(&plate).map_err(|error| Failure::Usage(format!("by calipers: {error}")))
+        calipers.applied_to(&plate).map_err(|error| Failure::because(format!("by calipers: {error}"), &error))
     }
 }
 
 pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), Failure> {
+    let MeasuredArgument { data, touches, .. } = &arguments.measured;
+    if arguments.port.is_some() && (arguments.plan || !data.is_empty() || !touches.is_empty()) {
+        // The parser refuses --port itself beside these.
+        let why = "--actual-plate selects the plate of the simulated device: it requires --port sim";
+        return Err(Failure::Usage(why.to_owned()));
+    }
     let file = argument::plate(&arguments.plate.plate)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let feeling_out = Destination::perhaps(arguments.feeling_out.as_deref(), arguments.force)?;
@@ -196,7 +204,7 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         let text = feeling::write(&felt);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    finish(&file, found, out.as_ref(), as_json)
+    finish(&file, found, out.as_ref(), feeling_out.as_ref(), as_json)
 }
 
 /// The two sensor places given with --plan.

@@ -98,6 +98,7 @@ pub(super) fn finish(
     file: &Plate,
     found: Result<CalibrationReport, CalibrateError>,
     out: Option<&Destination>,
+    feeling_out: Option<&Destination>,
     as_json: bool,
 ) -> Result<(), Failure> {
     let found = match found {
@@ -109,12 +110,13 @@ pub(super) fn finish(
             return Err(Failure::failed(error));
         }
     };
-    let before = departure(file, &found.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?;
+    let before = departure(file, &found.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::refused)?;
     if let Some(out) = out {
         let text = named_calibrated(&found.plate).to_toml();
         out.write_measured(&text)?;
     }
-    output::print(as_json, &value(file, &found, &before), |writer| {
+    let files = Destination::names(out.into_iter().chain(feeling_out));
+    output::print(as_json, &value(file, &found, &before, &files), |writer| {
         output::lines(writer, &lines(file, &found, &before, out))
     })
 }
@@ -127,19 +129,38 @@ fn refused(file: &Plate, error: &CalibrateError) -> Value {
         }
         _ => None,
     };
+    let mut value = empty(file);
+    value["accepted"] = json!(false);
+    value["reason"] = json!(error.to_string());
+    value["chi2_per_n"] = json!(chi2_per_n);
+    value
+}
+
+/// Every field of a calibration, unknown.
+fn empty(file: &Plate) -> Value {
     json!({
         "plate": file.name(),
-        "accepted": false,
-        "reason": error.to_string(),
-        "chi2_per_n": chi2_per_n,
+        "accepted": null,
+        "reason": null,
+        "by": null,
         "parameters": [],
+        "chi2_per_n": null,
+        "misfit": null,
+        "turning_point_tolerance_m": null,
+        "turning_point_per_place": null,
+        "felt_edge_tolerance_m": null,
+        "level_tolerance_db": null,
+        "caution": null,
+        "before": null,
+        "files": [],
     })
 }
 
-fn value(file: &Plate, found: &CalibrationReport, before: &Departure) -> Value {
+fn value(file: &Plate, found: &CalibrationReport, before: &Departure, files: &[String]) -> Value {
     json!({
         "plate": file.name(),
         "accepted": true,
+        "reason": null,
         "by": found.way.word(),
         "parameters": found.parameters.iter().map(|it| json!({
             "name": it.name,
@@ -151,13 +172,14 @@ fn value(file: &Plate, found: &CalibrationReport, before: &Departure) -> Value {
         "misfit": found.misfit.as_ref().map(|it| it.0),
         "turning_point_tolerance_m": found.turning_point.as_ref().map(|it| it.0),
         "turning_point_per_place": found.turning_point.as_ref().map(|it| &it.1),
-        "edge_tolerance_m": found.edge_tolerance_m,
+        "felt_edge_tolerance_m": found.edge_tolerance_m,
         "level_tolerance_db": found.level_tolerance_db,
         "caution": found.caution,
         "before": {
             "turning_point_error_m": before.boundary_m,
             "level_error_db": found.level_tolerance_db.map(|_| before.level_db),
         },
+        "files": files,
     })
 }
 

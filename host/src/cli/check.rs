@@ -1,8 +1,15 @@
 //! `slipline check`.
 
 use super::{CheckArguments, Failure, argument, output, progress};
-use serde_json::json;
-use slipline_plate::check::{Checker, Colour, Conditions};
+use serde_json::{Value, json};
+use slipline_plate::check::{Checker, Colour, Conditions, Report};
+
+/// The JSON of a report: its lights and the worst colour.
+pub(super) fn value(report: &Report) -> Value {
+    let mut value = json!(report);
+    value["worst"] = json!(report.worst());
+    value
+}
 
 pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
@@ -19,16 +26,8 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
             None => checker.over_span_watched(&mut progress.part(0.2, 1.0)),
         }
     })
-    .map_err(Failure::usage)?;
-    let value = serde_json::to_value(&report).map_err(Failure::failed)?;
-    let value = match value {
-        serde_json::Value::Object(mut fields) => {
-            fields.insert("worst".to_owned(), json!(report.worst()));
-            serde_json::Value::Object(fields)
-        }
-        other => other,
-    };
-    output::print(as_json, &value, |out| {
+    .map_err(Failure::refused)?;
+    output::print(as_json, &value(&report), |out| {
         if let Some(known) = report.known() {
             writeln!(out, "By its calibration {known} (95 %).")?;
         }

@@ -3,7 +3,7 @@
 use super::argument::{self, Typed};
 use super::design_argument::{band, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
-use super::{Failure, output, progress};
+use super::{Failure, check, output, progress};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
@@ -73,7 +73,7 @@ pub struct DesignArguments {
     name: String,
     /// Write plate.toml and the cut files of plate and frame (SVG, DXF) into this folder; they contain the
     /// mounting instructions.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -157,8 +157,8 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         .map(|folder| Destination::folder(folder, &FILES, arguments.force))
         .transpose()?
         .unwrap_or_default();
-    let designed =
-        progress::watched("design", |progress| design_watched(&request, progress)).map_err(Failure::usage)?;
+    let designed = progress::watched("design", |progress| design_watched(&request, progress))
+        .map_err(Failure::refused)?;
     // A band above the range of the usual device is still designed; only its lights are missing.
     let lights = progress::watched("check", |progress| {
         Checker::watched(&designed.plate, Conditions::default(), &mut progress.part(0.0, 0.2))?
@@ -172,8 +172,8 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         "rate_per_m": designed.rate_per_m,
         "half_width_m": designed.plate.half_width_m(0.0),
         "end_half_width_m": designed.plate.half_width_m(designed.plate.length_m()),
-        "low": designed.low,
-        "high": designed.high,
+        "lowest": designed.low,
+        "highest": designed.high,
         "loss_factor": designed.plate.spec().loss_factor,
         "loss_factor_limit": designed.loss_factor_limit,
         "single_turning_point_to_m": designed.single_boundary_to_m,
@@ -182,9 +182,9 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         "damper": designed.damper,
         "tension_n_per_m": designed.tension_n_per_m,
         "mounting": designed.mounting.sentence(),
-        "lights": lights.as_ref().ok(),
+        "check": lights.as_ref().ok().map(check::value),
         "not_checked": lights.as_ref().err(),
-        "files": files,
+        "files": Destination::names(&free),
     });
     output::print(as_json, &value, |out| {
         // The summary is written as comments, so that the output is a valid plate file.

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Whether files may be replaced.
 #[derive(Clone, Copy, Debug, Default, Args)]
+#[command(next_help_heading = "Output")]
 pub struct ForceArgument {
     /// Replace existing files; without it, the command writes nothing if one exists.
     #[arg(long)]
@@ -97,6 +98,11 @@ impl Destination {
     /// Whether it is standard output.
     pub(super) fn is_standard_output(&self) -> bool {
         self.0 == Path::new(STANDARD_STREAM)
+    }
+
+    /// The names of written files, for the JSON.
+    pub(super) fn names<'a>(files: impl IntoIterator<Item = &'a Self>) -> Vec<String> {
+        files.into_iter().map(|file| file.0.display().to_string()).collect()
     }
 
     /// Writes what was measured, which cannot be had again. If the file cannot be written any more, the text goes to a

@@ -170,7 +170,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "tones": played.iter().map(|(tone, frequency_hz)| tones::value(tone, *frequency_hz)).collect::<Vec<_>>(),
         "chord_gain_db": gain_db,
         "hold": hold,
-        "table_crc": format!("{:08x}", table.crc()),
+        "table": { "crc": format!("{:08x}", table.crc()) },
         "clipped_samples": clipped_samples,
     });
     output::print(as_json, &value, |out| match signals::ended_by() {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Args)]
 pub(super) struct EnvelopeArgument {
     /// Write the envelope over x: as CSV (.csv; -), or drawn (.svg, .png). Repeated for more files.
-    #[arg(long, value_name = "FILE", value_parser = envelope_file)]
+    #[arg(long, value_name = "FILE", value_parser = envelope_file, help_heading = "Output")]
     out: Vec<EnvelopeFile>,
     #[arg(long, hide = true, value_name = "F")]
     csv: Option<PathBuf>,

@@ -25,7 +25,7 @@ impl FeelingArgument {
         let Some(path) = &self.feeling else { return Ok(NamedFeeling::usual()) };
         let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
         let text = read_text(path, FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
-        let feeling = feeling::read(&text).map_err(|error| refused(error.to_string()))?;
+        let feeling = feeling::read(&text).map_err(|error| Failure::in_file(path, error))?;
         Ok(NamedFeeling { feeling, from: Some(path.display().to_string()) })
     }
 }

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 #[derive(Debug, Args)]
 pub struct FiguresArguments {
     /// The folder to write into; it is created if needed.
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: PathBuf,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -36,17 +36,20 @@ pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Fai
         svg.write(|out| Ok(out.write_all(drawing.svg().as_bytes())?))?;
         png.write(|out| Ok(out.write_all(&painted)?))?;
         csv.write(|out| Ok(out.write_all(figure.to_csv().as_bytes())?))?;
-        written.push((figure, [svg.path(), png.path(), csv.path()]));
+        written.push((figure, [svg, png, csv].map(|file| file.path().display().to_string())));
     }
     let entries = written.iter().map(|(figure, [svg, png, csv])| {
         json!({ "number": figure.number, "name": figure.stem, "title": figure.title, "svg": svg, "png": png, "csv": csv })
     });
-    let value = json!({ "figures": entries.collect::<Vec<_>>() });
+    let value = json!({
+        "figures": entries.collect::<Vec<_>>(),
+        "files": Destination::names(&files),
+    });
     output::print(as_json, &value, |out| {
         for (figure, paths) in &written {
             writeln!(out, "{}", figure.heading())?;
             for path in paths {
-                writeln!(out, "  {}", path.display())?;
+                writeln!(out, "  {path}")?;
             }
         }
         Ok(())

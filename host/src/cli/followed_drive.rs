@@ -79,11 +79,13 @@ impl<'a> FollowedDrive<'a> {
 
     /// Reports a line that changes nothing; the drive goes on.
     fn refused(&self, refusal: &Failure) -> bool {
-        let (line, message) = (self.lines, refusal.to_string());
+        let line = self.lines;
         if self.as_json {
-            eprintln!("{}", json!({ "line": line, "error": message }));
+            let mut value = refusal.json();
+            value["line"] = json!(line);
+            eprintln!("{value}");
         } else {
-            eprintln!("slipline: line {line}: {message}");
+            eprintln!("slipline: line {line}: {refusal}");
         }
         true
     }

@@ -14,6 +14,7 @@ use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::protocol::hold::{Held, HoldProgress};
 use slipline_link::{DeviceTable, DriveRequest, Snapshot, ToneRequest};
 use slipline_plate::Plate;
+use slipline_plate::number_format::signed;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -28,6 +29,7 @@ const SENSOR_SHARE: f64 = 0.1;
 
 /// Whether the levels are held.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Level hold")]
 pub(super) struct HoldArgument {
     /// Hold each tone at the level that a sensor on the plate measures first, independent of the absorption
     /// of a finger. Touch the plate only when the levels are held. Not with a setup file.
@@ -140,7 +142,8 @@ impl Holder {
         output::print(false, &json!(null), |out| {
             for tone in words(held) {
                 let place = self.turning_point_m(tone.slot).map_or_else(String::new, show_place);
-                writeln!(out, "Turning point at {place}: {}, {:+.1} dB.", tone.words, tone.correction_db)?;
+                let correction = signed(tone.correction_db, 1);
+                writeln!(out, "Turning point at {place}: {}, {correction} dB.", tone.words)?;
             }
             if has_ended { writeln!(out, "{}.", progress_words(held.progress)) } else { Ok(()) }
         })
@@ -164,7 +167,7 @@ impl Holder {
         json!({
             "window_s": self.plan.window_s(),
             "time_constant_s": self.plan.time_constant_s,
-            "windows": self.latest.as_ref().map(|held| held.windows),
+            "measured_windows": self.latest.as_ref().map(|held| held.windows),
             "tones": tones.collect::<Vec<_>>(),
         })
     }

@@ -1,5 +1,6 @@
 //! `slipline ports` and `slipline info`.
 
+use super::defaults::{Chosen, Origin, defaults};
 use super::device::Device;
 use super::{Failure, PortArgument, output};
 use serde_json::json;
@@ -20,7 +21,7 @@ pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
             })
         })
         .collect();
-    output::print(as_json, &json!(list), |out| {
+    output::print(as_json, &json!({ "ports": list }), |out| {
         let names: Vec<String> = ports.iter().map(|info| info.port.to_string()).collect();
         let lines: Vec<_> =
             names.iter().zip(&ports).map(|(name, info)| (name.as_str(), info.label.clone())).collect();
@@ -28,7 +29,7 @@ pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     })
 }
 
-pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure> {
+pub(super) fn run(argument: &PortArgument, is_port_given: bool, as_json: bool) -> Result<(), Failure> {
     let port = &argument.port;
     let device = Device::connect(port, argument.rig(None)?.as_ref())?;
     let snapshot = device.snapshot();
@@ -43,6 +44,10 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         status.iter().flat_map(|s| s.faults.iter().map(|fault| snapshot.fault_text(fault))).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
     let round_trip_s = snapshot.round_trip.average.as_secs_f64();
+    let defaults = defaults();
+    let option = Chosen { value: port.to_string(), from: Origin::Option };
+    let of_port = if is_port_given { &option } else { &defaults.port };
+    let settings_file = defaults.file.as_ref().map(|file| file.display().to_string());
     let mut value = json!({
         "port": port.to_string(),
         "compatibility": compatibility,
@@ -55,7 +60,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         "sample_rate_hz": identity.map(|it| it.sample_rate_hz),
         "block_samples": identity.map(|it| it.block),
         "dac_bits": identity.map(|it| it.dac_bits),
-        "tones": identity.map(|it| it.tones),
+        "max_tones": identity.map(|it| it.tones),
         "max_knots": identity.map(|it| it.max_knots),
         "dead_man_s": identity.map(|it| f64::from(it.dead_man_ms) / 1e3),
         "reset": identity.map(|it| format!("{:?}", it.reset)),
@@ -67,9 +72,9 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         "mute_resistor": board.map(|it| format!("{:?}", it.mute_resistor)),
         "user_button": board.map(|it| format!("{:?}", it.user_button)),
         "stop_input": board.map(|it| format!("{:?}", it.stop_input)),
-        "profile": snapshot.profile.as_ref().map(|it| it.profile.as_ref().map(|profile| profile.name.as_str())),
+        "profile_name": snapshot.profile.as_ref().map(|it| it.profile.as_ref().map(|profile| profile.name.as_str())),
         "inputs": inputs.map(|it| json!({
-            "inputs": it.inputs,
+            "count": it.inputs,
             "lock_ins": it.lock_ins,
             "delay_s": it.delay_ns as f64 * 1e-9,
             "lost_blocks": it.lost_blocks,
@@ -81,7 +86,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         "heat": status.map(|it| f64::from(it.heat_per_mille) / 1e3),
         "table": table.map(|it| json!({
             "crc": format!("{:08x}", it.crc),
-            "knots": it.knots,
+            "knot_count": it.knots,
             "span_start_m": f64::from(it.span_start_um) * 1e-6,
             "span_end_m": f64::from(it.span_end_um) * 1e-6,
             "sample_rate_hz": it.sample_rate_hz,
@@ -93,15 +98,21 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             "duplicates": it.counters.duplicates,
             "dropped": it.counters.dropped,
             "underruns": it.counters.underruns,
-            "clips": it.counters.clips,
+            "clipped_samples": it.counters.clips,
             "max_cycles": it.counters.max_cycles,
         })),
         "worst_block": snapshot.worst_block(),
         "round_trip_s": round_trip_s,
     });
     value["trigger_input"] = json!(snapshot.has_trigger_input());
+    value["defaults"] = json!({
+        "port": of_port.value(),
+        "plate": defaults.plate.value(),
+        "settings_file": settings_file,
+    });
     output::print(as_json, &value, |out| {
-        let mut lines = vec![("Port", port.to_string())];
+        let mut lines = vec![("Port", of_port.words()), ("Default plate", defaults.plate.words())];
+        lines.extend(settings_file.map(|file| ("Settings file", file)));
         if let Some(it) = identity {
             lines.push(("Board", it.board.to_string()));
             lines.push(("Firmware", format!("{} ({})", firmware.unwrap_or_default(), it.build)));

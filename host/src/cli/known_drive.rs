@@ -15,6 +15,7 @@ use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedR
 
 /// The circuit from the DAC to the drive, from data sheets: all values or none.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Drive circuit")]
 #[command(group = ArgGroup::new("load").args(["coil", "piezo"]))]
 pub(super) struct KnownDriveArgument {
     /// The amplitude of the amplifier's voltage at the DAC's full scale (2V), 1mV to 10kV. With --coil or --piezo, and --shunt,

@@ -40,7 +40,7 @@ pub struct MeasureArguments {
     #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "0.5")]
     level: f64,
     /// Write the measurement as CSV (.csv), universal file (.uff, .unv) or .frd; - is CSV.
-    #[arg(long, value_name = "FILE", value_parser = measurement_file)]
+    #[arg(long, value_name = "FILE", value_parser = measurement_file, help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -111,7 +111,7 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
         let text = form(out.path()).unwrap_or(Measurement::to_csv)(&measured.measurement);
         out.write_measured(&text)?;
     }
-    output::print(as_json, &value(&report), |writer| {
+    output::print(as_json, &value(&report, out.as_ref()), |writer| {
         output::lines(writer, &lines(&report, out.as_ref()))?;
         if out.is_none() {
             writeln!(writer)?;
@@ -159,24 +159,25 @@ struct Report<'a> {
     measured: &'a Measured,
 }
 
-fn value(&Report { plate, input, drive, measured }: &Report<'_>) -> Value {
+fn value(&Report { plate, input, drive, measured }: &Report<'_>, out: Option<&Destination>) -> Value {
     let measurement = &measured.measurement;
     let points = || measurement.points.iter();
     json!({
         "plate": plate.name(),
         "place_m": measurement.place_m,
         "input": if input == Input::Current { "current" } else { "sensor" },
-        "sensor": (input == Input::Sensor).then(|| measurement.sensor.word()),
+        "kind": (input == Input::Sensor).then(|| measurement.sensor.word()),
         "sample_rate_hz": measurement.sample_rate_hz,
         "frequency_hz": points().map(|it| it.frequency_hz).collect::<Vec<_>>(),
         "response": points().map(|it| json!({ "re": it.response.re, "im": it.response.im })).collect::<Vec<_>>(),
         "noise": points().map(|it| it.noise).collect::<Vec<_>>(),
         "headroom_db": points().map(|it| it.headroom_db).collect::<Vec<_>>(),
         "least_headroom_db": measured.headroom_db,
-        "headroom_light": measured.light().name(),
+        "headroom_colour": measured.light().name(),
         "noise_codes": measured.noise_codes,
         "drive": drive.map(|drive| drive.to_string()),
         "warnings": warnings(measured),
+        "files": Destination::names(out),
     })
 }
 

@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 
 /// Properties that a file of another program does not state.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Sensor")]
 pub(super) struct SensorArgument {
     /// Place of the sensor, from the driven end (30mm): one or two with --port, and one for each file of
     /// another program, in their order. One place with --port needs a model of the source.
@@ -36,6 +37,7 @@ pub(super) struct SensorArgument {
 
 /// Properties that a recording of a sweep does not state.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Sensor")]
 pub(super) struct RecordingArgument {
     /// The description of the recorded sweep, as written by `slipline sweep`: once for all WAV files, or once
     /// for each, in their order. Record with the same gain at both places.

@@ -17,6 +17,7 @@ use slipline_plate::quantity::{Measure, Range, must_be, show_place};
 
 /// The measured frequencies.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Frequencies")]
 pub(super) struct FrequenciesArgument {
     /// The lowest frequency; by default, that of the band that calibrates the plate.
     #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true)]
@@ -31,6 +32,7 @@ pub(super) struct FrequenciesArgument {
 
 /// The measured frequencies, and the method.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Frequencies")]
 pub(super) struct BandArgument {
     #[command(flatten)]
     frequencies: FrequenciesArgument,
@@ -87,7 +89,7 @@ impl<'a> Measurer<'a> {
     ) -> Result<Self, Failure> {
         let refused = |error: MeasureError| match error {
             MeasureError::NoInputs => Failure::failed(error),
-            error => Failure::usage(error),
+            error => Failure::refused(error),
         };
         let wanted = band.wanted(plate, level);
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
@@ -202,7 +204,7 @@ pub(super) fn at_places(
 /// Moves the sensor to a place, or asks the user to.
 fn put_sensor(device: &Device, rig: Option<&PreparedRig>, place_m: f64) -> Result<(), Failure> {
     if let Some(rig) = rig {
-        return rig.hand().put_sensor(place_m).map_err(Failure::usage);
+        return rig.hand().put_sensor(place_m).map_err(Failure::refused);
     }
     eprintln!("Put the sensor at {} from the driven end, and press Enter.", show_place(place_m));
     let mut line = String::new();

@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let palette = Palette::new(&plate, &table);
     let merits = match one {
-        Some(turning_point_m) => vec![Merit::of(&palette, turning_point_m).map_err(Failure::usage)?],
+        Some(turning_point_m) => vec![Merit::of(&palette, turning_point_m).map_err(Failure::refused)?],
         None => over_span(&plate, &palette)?,
     };
     let value = json!({
@@ -86,11 +86,11 @@ fn over_span(plate: &Plate, palette: &Palette<'_>) -> Result<Vec<Merit>, Failure
         match Merit::of(palette, turning_point_m) {
             Ok(merit) => found.push(merit),
             Err(error @ TextureError::TooShort { .. }) => refused = Some(error),
-            Err(error) => return Err(Failure::usage(error)),
+            Err(error) => return Err(Failure::refused(error)),
         }
     }
     match refused {
-        Some(error) if found.is_empty() => Err(Failure::usage(error)),
+        Some(error) if found.is_empty() => Err(Failure::refused(error)),
         _ => Ok(found),
     }
 }

@@ -7,7 +7,10 @@
 mod argument;
 mod calibrate;
 mod calibrated;
+mod call;
 mod check;
+mod completions;
+mod defaults;
 mod design;
 mod design_argument;
 mod destination;
@@ -15,6 +18,7 @@ mod device;
 mod differs;
 mod drive;
 mod envelope_file;
+mod examples;
 mod failure;
 mod feeling;
 mod figure_file;
@@ -33,9 +37,11 @@ mod presets;
 mod profile;
 mod progress;
 mod record;
+mod refusal;
 mod renamed;
 mod respond;
 mod rig;
+mod schema;
 mod sensor_places;
 mod serve;
 mod setup_source;
@@ -50,13 +56,17 @@ mod verify;
 mod watch;
 
 pub use calibrate::CalibrateArguments;
+pub use call::asks_for_json;
+pub use completions::CompletionsArguments;
 pub use design::DesignArguments;
 pub use destination::ForceArgument;
+pub use examples::EXAMPLES;
 pub use failure::Failure;
 pub use figures::FiguresArguments;
 pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
 pub use profile::ProfileArguments;
+pub use schema::SCHEMA;
 pub use sweep::SweepArguments;
 pub use texture::TextureArguments;
 pub use trim::TrimArguments;
@@ -80,13 +90,20 @@ use tones::GoneArgument;
 const DRIVE_S: f64 = 600.0;
 
 const EXIT_CODES: &str = "\
-Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was\nchecked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they\nend any other; serve and watch, whose only end they are, end with 0.\nA file named - is standard input or standard output; ./- is a file of this name.";
+Defaults of --port and --plate: the option, else SLIPLINE_PORT and SLIPLINE_PLATE of the environment, else port and plate of \
+the settings file, else sim and membrane. slipline info shows them, each with its source, and the settings file's place.
+
+Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was \
+checked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they end any other; \
+serve and watch, whose only end they are, end with 0.
+
+A file named - is standard input or standard output; ./- is a file of this name.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
 const DESIGN_EXIT_CODES: &str = "Exit code: 0 designed, also where lights are red: they are printed, and slipline check of the plate ends with 3; for 1 and 2 see slipline --help.";
 
 /// Drag the boundary on a tapered plate. With no command, the app opens its window.
 #[derive(Debug, Parser)]
-#[command(name = "slipline", version, max_term_width = 110, after_help = EXIT_CODES)]
+#[command(name = "slipline", version = env!("SLIPLINE_VERSION"), max_term_width = 110, after_help = EXIT_CODES)]
 pub struct Cli {
     /// What to do.
     #[command(subcommand)]
@@ -103,12 +120,13 @@ pub struct Cli {
     /// that they change is kept.
     #[arg(long)]
     pub kiosk: bool,
-    /// Print JSON: SI numbers, field names that end in their unit.
-    #[arg(long, global = true, display_order = 998)]
+    /// Print JSON: SI numbers, field names that end in their unit; host/JSON.md lists every field. An error is one line of JSON
+    /// on the error stream.
+    #[arg(long, global = true, display_order = 998, help_heading = "Output")]
     pub json: bool,
     /// Write every frame between this program and the device to this file (- is standard output), one line each. An existing
     /// file is replaced with --force only.
-    #[arg(long, global = true, value_name = "FILE", display_order = 999)]
+    #[arg(long, global = true, value_name = "FILE", display_order = 999, help_heading = "Output")]
     pub trace: Option<PathBuf>,
 }
 
@@ -119,7 +137,7 @@ pub enum Command {
     Presets,
     /// List the ports where a device can be: sim, Slipline devices, then other serial ports.
     Ports,
-    /// Show the device's identity and state.
+    /// Show the device's identity and state, and where the defaults of --port and --plate are from.
     Info {
         /// Which device.
         #[command(flatten)]
@@ -127,6 +145,9 @@ pub enum Command {
         /// Whether the trace may be replaced.
         #[command(flatten)]
         force: ForceArgument,
+        /// Whether the port is that of the option, not a default.
+        #[arg(skip)]
+        is_port_given: bool,
     },
     /// Print the device's status as lines of JSON, five times a second, until it is interrupted. Arms nothing.
     Watch(WatchArguments),
@@ -168,6 +189,8 @@ pub enum Command {
     Trim(TrimArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(FiguresArguments),
+    /// Print the script by which a shell completes words of this program.
+    Completions(CompletionsArguments),
 }
 
 /// `watch`.
@@ -181,9 +204,11 @@ pub struct WatchArguments {
 
 /// The port of the device.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Device")]
 pub struct PortArgument {
-    /// sim, a serial port's name, or unix:PATH.
-    #[arg(long, value_name = "P")]
+    /// sim, a serial port's name, or unix:PATH. Without this option: SLIPLINE_PORT of the environment, else port = "..." of the
+    /// settings file, else sim.
+    #[arg(long, value_name = "P", default_value = defaults::port(), hide_default_value = true)]
     port: Port,
     /// With --port sim: the plate under the simulated device, if it differs from the plate of the command. A
     /// preset's name, a TOML file, or secret:SEED (a plate whose values all deviate by a few per cent).
@@ -193,6 +218,7 @@ pub struct PortArgument {
 
 /// Permission to arm a board without a brown-out level.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Device")]
 pub struct ArmingArgument {
     /// Arm a board although it reports that its brown-out level is not set.
     #[arg(long)]
@@ -204,9 +230,11 @@ pub struct ArmingArgument {
 
 /// The plate.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Plate")]
 pub struct PlateArgument {
-    /// A preset's name or a TOML file.
-    #[arg(long, value_name = "PLATE")]
+    /// A preset's name or a TOML file. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
+    /// settings file, else membrane.
+    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true)]
     plate: String,
 }
 
@@ -273,12 +301,12 @@ pub struct RespondArguments {
     /// differs.
     #[arg(long = "2d")]
     two_dimensions: bool,
-    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).
+    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm).
     /// All values are illustrative.
     #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
     finger: Option<FingerArgument>,
     /// Draw the amplitude over x (.svg, .png; -).
-    #[arg(long = "out", alias = "figure", value_name = "FILE", value_parser = figure_file)]
+    #[arg(long = "out", alias = "figure", value_name = "FILE", value_parser = figure_file, help_heading = "Output")]
     figure: Option<FigureFile>,
     #[command(flatten)]
     force: ForceArgument,
@@ -296,7 +324,7 @@ pub struct TableArguments {
     #[arg(long, value_parser = argument::count(2, KNOTS_MAX), allow_hyphen_values = true, default_value = "1025")]
     knots: usize,
     /// Write the JSON to this file.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArgument,
@@ -321,7 +349,7 @@ pub struct SimulateArguments {
     /// and shear waves only.
     #[arg(long)]
     sheet: bool,
-    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm; without units N s/m, kg, m).
+    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm).
     /// All values are illustrative.
     #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
     finger: Option<FingerArgument>,
@@ -340,7 +368,7 @@ pub struct RecordArguments {
     #[arg(long = "for", alias = "seconds", value_name = "TIME", value_parser = argument::seconds(0.001, MAX_SECONDS), allow_hyphen_values = true, default_value = "1s")]
     duration: f64,
     /// The WAV file (.wav; -): one channel, 16 bits, at the device's sample rate.
-    #[arg(long, value_name = "FILE", value_parser = wav_file, required_unless_present = "wav")]
+    #[arg(long, value_name = "FILE", value_parser = wav_file, required_unless_present = "wav", help_heading = "Output")]
     out: Option<PathBuf>,
     #[arg(long, hide = true, value_name = "F", conflicts_with = "out")]
     wav: Option<PathBuf>,
@@ -361,8 +389,9 @@ fn wav_file(text: &str) -> Result<PathBuf, String> {
 pub struct VerifyArguments {
     #[command(flatten)]
     port: PortArgument,
-    /// The plate whose table is used.
-    #[arg(long, value_name = "PLATE", default_value = "membrane")]
+    /// The plate whose table is used. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
+    /// settings file, else membrane.
+    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true, help_heading = "Plate")]
     plate: String,
     /// Number of tones, 1 to 16.
     #[arg(long, value_parser = argument::count(1, MAX_TONES), allow_hyphen_values = true, default_value = "16")]
@@ -431,6 +460,9 @@ impl Cli {
             let text = "FILE and --port before a command are for the window: give a command's own after it";
             return Err(Failure::Usage(text.to_owned()));
         }
+        if self.command.is_some() {
+            defaults::check()?;
+        }
         if self.command.is_some() && self.kiosk {
             return Err(Failure::Usage("--kiosk is for the window: it stands without a command".to_owned()));
         }
@@ -464,7 +496,8 @@ impl Cli {
                 | Command::Ports
                 | Command::Check(_)
                 | Command::Merit(_)
-                | Command::Profile(_),
+                | Command::Profile(_)
+                | Command::Completions(_),
             ) => ForceArgument::default(),
             Some(Command::Info { force, .. }) => *force,
             Some(Command::Watch(arguments)) => arguments.force,
@@ -507,7 +540,7 @@ impl Command {
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
-            Self::Info { port, .. } => info::run(&port, json),
+            Self::Info { port, is_port_given, .. } => info::run(&port, is_port_given, json),
             Self::Watch(arguments) => watch::run(&arguments),
             Self::Profile(arguments) => profile::run(&arguments, json),
             Self::Drive(arguments) => drive::run(&arguments, json),
@@ -526,6 +559,7 @@ impl Command {
             Self::Calibrate(arguments) => calibrate::run(&arguments, json),
             Self::Trim(arguments) => trim::run(&arguments, json),
             Self::Figures(arguments) => figures::run(&arguments, json),
+            Self::Completions(arguments) => completions::run(&arguments, json),
         }
     }
 }

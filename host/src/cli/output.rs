@@ -2,6 +2,8 @@
 //! the lines go to standard error.
 
 use super::failure::Failure;
+use super::schema::finished;
+use serde_json::Value;
 use slipline_model::atomic_file::{self, said};
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
@@ -56,9 +58,9 @@ impl<W: Write> Write for Unbroken<W> {
 }
 
 /// Prints one line of JSON; returns whether its reader is still there.
-pub(super) fn line(value: &serde_json::Value) -> Result<bool, Failure> {
+pub(super) fn line(value: &Value) -> Result<bool, Failure> {
     let mut out = io::stdout().lock();
-    match writeln!(out, "{value}").and_then(|()| out.flush()) {
+    match writeln!(out, "{}", finished(value)).and_then(|()| out.flush()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
         written => written.map(|()| true).map_err(|error| unwritten(&error)),
     }
@@ -71,13 +73,13 @@ fn unwritten(error: &io::Error) -> Failure {
 /// Prints `value` as one line of JSON, or else the text of `text`.
 pub(super) fn print(
     as_json: bool,
-    value: &serde_json::Value,
+    value: &Value,
     text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
     let stream: &mut dyn Write =
         if HAS_FILE.load(Ordering::Relaxed) { &mut io::stderr().lock() } else { &mut io::stdout().lock() };
     let mut out = BufWriter::new(Unbroken(stream));
-    let written = if as_json { writeln!(out, "{value}") } else { text(&mut out) };
+    let written = if as_json { writeln!(out, "{}", finished(value)) } else { text(&mut out) };
     written.and_then(|()| out.flush()).map_err(|error| unwritten(&error))
 }
 

@@ -9,7 +9,7 @@ pub(super) fn run(as_json: bool) -> Result<(), Failure> {
         .iter()
         .map(|preset| json!({ "name": preset.name, "description": preset.description() }))
         .collect();
-    output::print(as_json, &json!(list), |out| {
+    output::print(as_json, &json!({ "presets": list }), |out| {
         let lines: Vec<_> = presets.iter().map(|preset| (preset.name, preset.description())).collect();
         output::lines(out, &lines)
     })

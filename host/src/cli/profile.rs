@@ -18,7 +18,7 @@ use std::sync::Arc;
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct ProfileArguments {
     #[command(flatten)]
-    port: Option<PortArgument>,
+    port: PortArgument,
     #[command(subcommand)]
     change: Option<Change>,
 }
@@ -42,11 +42,10 @@ enum Change {
 }
 
 pub(super) fn run(arguments: &ProfileArguments, as_json: bool) -> Result<(), Failure> {
-    let (port, change) = match (&arguments.change, &arguments.port) {
-        (Some(Change::Write { file, port }), _) => (port, Some(Some(read(file)?))),
-        (Some(Change::Erase { port }), _) => (port, Some(None)),
-        (None, Some(port)) => (port, None),
-        (None, None) => return Err(Failure::Usage("--port says which board".to_owned())),
+    let (port, change) = match &arguments.change {
+        Some(Change::Write { file, port }) => (port, Some(Some(read(file)?))),
+        Some(Change::Erase { port }) => (port, Some(None)),
+        None => (&arguments.port, None),
     };
     let device = Device::connect(&port.port, port.rig(None)?.as_ref())?;
     if let Some(profile) = change {
@@ -63,7 +62,7 @@ pub(super) fn run(arguments: &ProfileArguments, as_json: bool) -> Result<(), Fai
 fn read(file: &Path) -> Result<ActuatorProfile, Failure> {
     let refused = |message: String| Failure::Usage(format!("{}: {message}", file.display()));
     let text = read_text(file, profile_file::BYTES_MAX).map_err(|error| refused(said(&error)))?;
-    profile_file::read(&text).map_err(|error| refused(error.to_string()))
+    profile_file::read(&text).map_err(|error| Failure::in_file(file, error))
 }
 
 fn show(report: &Arc<ProfileReport>, as_json: bool) -> Result<(), Failure> {

@@ -3,8 +3,8 @@
 use super::destination::Destination;
 use super::{Failure, RecordArguments, output, progress, setup_source, tones};
 use serde_json::{Value, json};
+use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{Request, Sounding};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::number_format::rounded;
 use std::path::Path;
@@ -23,11 +23,11 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
     chain.use_table(device_table).map_err(Failure::failed)?;
     write(&wav, chain, sounding, samples)?;
     let value = json!({
-        "wav": path.display().to_string(),
         "plate": wanted.plate.name(),
         "sample_rate_hz": SAMPLE_RATE_HZ,
         "samples": samples,
-        "seconds": seconds,
+        "recorded_s": seconds,
+        "files": Destination::names([&wav]),
         "feeling": wanted.feeling.value(),
         "tones": places.iter().map(|tone| tones::value(tone, tone.frequency_hz)).collect::<Vec<Value>>(),
         "chord_gain_db": gain_db,
@@ -50,8 +50,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
 fn write(wav: &Destination, mut chain: Loopback, sounding: Sounding, samples: u64) -> Result<(), Failure> {
     let begin = chain.samples();
     let mut codes = Vec::new();
-    let play = Request::Play(sounding);
-    let at = chain.perform(play, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
+    let at = chain.play(sounding, |block| codes.extend_from_slice(block)).map_err(Failure::failed)?;
 
     let spec = hound::WavSpec {
         channels: 1,

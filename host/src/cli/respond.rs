@@ -1,5 +1,6 @@
 //! `slipline respond`.
 
+use super::destination::Destination;
 use super::{Failure, RespondArguments, argument, differs, output};
 use serde_json::{Value, json};
 use slipline_model::export::figures::response_figure;
@@ -31,15 +32,15 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
     let figure_file = figure.map(|figure| figure.destination(arguments.force)).transpose()?;
     let finger = arguments.finger.and_then(|argument| argument.0);
     let one_mode = respond_touched(&plate, finger.as_ref(), frequency_hz, arguments.points, equation)
-        .map_err(Failure::usage)?;
+        .map_err(Failure::refused)?;
     let (response, differs) = if arguments.two_dimensions {
         let (response, differs) = in_two_dimensions(&plate, finger, one_mode, arguments.points)?;
         (response, Some(differs))
     } else {
         (one_mode, None)
     };
-    if let Some((figure, file)) = figure.zip(figure_file) {
-        figure.write(&file, &response_figure(&response, plate.name()))?;
+    if let Some((figure, file)) = figure.zip(figure_file.as_ref()) {
+        figure.write(file, &response_figure(&response, plate.name()))?;
     }
     let peak = response.peak;
     let mut value = json!({
@@ -54,6 +55,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
         "peak_position_m": peak.map(|peak| peak.position_m),
         "peak_amplitude": peak.map(|peak| peak.amplitude),
         "edge_width_m": response.edge_width_m,
+        "files": Destination::names(&figure_file),
     });
     if let Some(differs) = &differs {
         value["two_dimensions"] = differs.as_json();
@@ -97,8 +99,8 @@ fn in_two_dimensions(
 ) -> Result<(Response, Differs), Failure> {
     let setup = plane::Setup { finger, ..plane::Setup::of(plate) };
     let frequency_hz = one_mode.frequency_hz;
-    let response = plane::respond(plate, frequency_hz, points, &setup).map_err(Failure::usage)?;
-    let in_plane = plane::reflection(plate, frequency_hz, &setup).map_err(Failure::usage)?;
+    let response = plane::respond(plate, frequency_hz, points, &setup).map_err(Failure::refused)?;
+    let in_plane = plane::reflection(plate, frequency_hz, &setup).map_err(Failure::refused)?;
     let reflection = [reflection(plate, frequency_hz), Some(in_plane)].map(|r| r.map(Complex64::norm));
     let comparison = plane::Comparison::of(&one_mode, &response);
     Ok((response, Differs { comparison, reflection }))

@@ -53,13 +53,13 @@ pub(super) fn actual_plate(text: &str, nominal: Option<&Plate>) -> Result<Plate,
             "--actual-plate {text} is drawn near the plate of the command, and this command has none"
         ))
     })?;
-    secret(nominal, seed).map_err(|error| Failure::Usage(format!("--actual-plate {text}: {error}")))
+    secret(nominal, seed).map_err(|error| Failure::because(format!("--actual-plate {text}: {error}"), &error))
 }
 
 /// A rig on this plate, for the simulated device.
 pub(super) fn prepared(truth: &Plate, options: &RigOptions) -> Result<PreparedRig, Failure> {
     let rate_hz = f64::from(Options::default().sample_rate_hz);
-    PreparedRig::new(truth, options, rate_hz).map_err(Failure::usage)
+    PreparedRig::new(truth, options, rate_hz).map_err(Failure::refused)
 }
 
 /// The seed of `secret` or `secret:SEED`; `None` for the name of a plate.
@@ -103,7 +103,7 @@ mod tests {
     fn a_plate_for_another_port_a_bad_seed_and_a_secret_near_nothing_are_bad_usage() {
         let nominal = slipline_plate::preset("membrane").unwrap();
         let refused = |argument: PortArgument, nominal: Option<&Plate>| match argument.rig(nominal) {
-            Err(Failure::Usage(message)) => message,
+            Err(failure) if failure.exit_code() == 2 => failure.to_string(),
             other => panic!("{other:?}"),
         };
         let message = refused(port("/dev/ttyACM0", Some("membrane")), Some(&nominal));

@@ -14,7 +14,7 @@ pub(super) fn print(
     asked: Option<[f64; 2]>,
     as_json: bool,
 ) -> Result<(), Failure> {
-    let places = SensorPlaces::of(plate, placing).map_err(Failure::usage)?;
+    let places = SensorPlaces::of(plate, placing).map_err(Failure::refused)?;
     let asked = asked.map(|places_m| Asked::of(&places, places_m)).transpose()?;
     output::print(as_json, &value(plate, &places, asked.as_ref()), |writer| {
         output::lines(writer, &lines(plate, &places, asked.as_ref()))?;
@@ -33,7 +33,7 @@ impl Asked {
     fn of(places: &SensorPlaces, places_m: [f64; 2]) -> Result<Self, Failure> {
         let mut warnings = Vec::new();
         for place_m in places_m {
-            warnings.extend(places.warning(place_m).map_err(Failure::usage)?);
+            warnings.extend(places.warning(place_m).map_err(Failure::refused)?);
         }
         Ok(Self { reach: places.reach(places_m), warnings })
     }
@@ -51,12 +51,12 @@ fn of_pair(pair: &PairReach) -> Value {
 fn value(plate: &Plate, places: &SensorPlaces, asked: Option<&Asked>) -> Value {
     json!({
         "plate": plate.name(),
-        "nearest_m": places.nearest_m,
+        "nearest_place_m": places.nearest_m,
         "nearest_by": limit(places.limit),
         "best": of_pair(&places.best),
         "pairs": places.pairs.iter().map(of_pair).collect::<Vec<_>>(),
         "asked": asked.map(|asked| json!({
-            "reach": asked.reach.as_ref().map(of_pair),
+            "pair": asked.reach.as_ref().map(of_pair),
             "warnings": asked.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         })),
     })

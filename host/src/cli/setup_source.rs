@@ -9,7 +9,7 @@
 use super::feeling::NamedFeeling;
 use super::source::read_text;
 use super::tones::{AskedTones, TonesArgument};
-use super::{Failure, argument};
+use super::{Failure, argument, defaults};
 use clap::Args;
 use slipline_link::{DeviceTable, Snapshot, Sounding};
 use slipline_model::atomic_file::said;
@@ -24,8 +24,9 @@ use std::sync::Arc;
 /// The plate and the tones.
 #[derive(Debug, Args)]
 pub(super) struct SetupArgument {
-    /// A preset's name or a TOML file.
-    #[arg(long, value_name = "PLATE", required_unless_present = "setup")]
+    /// A preset's name or a TOML file. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
+    /// settings file, else membrane.
+    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true, help_heading = "Plate")]
     plate: Option<String>,
     /// Plate, tones, master level and glide from a setup file, as the app and `slipline texture` write it.
     #[arg(long, value_name = "SETUP.toml", conflicts_with_all = ["plate", "felt_edges", "turning_points", "boundary", "tone", "level", "feeling"])]
@@ -44,7 +45,7 @@ impl SetupArgument {
         };
         let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
         let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
-        match file::read(&text).map_err(|error| refused(error.to_string()))? {
+        match file::read(&text).map_err(|error| Failure::in_file(path, error))? {
             Opened::Setup(setup) => Ok(SetupSource {
                 plate: Arc::clone(&setup.plate),
                 feeling: NamedFeeling::of_setup(&setup, path),
@@ -109,7 +110,7 @@ impl SetupSource {
         device: &Snapshot,
     ) -> Result<Sounding, Failure> {
         let sounding = if self.is_of_file() {
-            texture::sounding(setup, chord_of(setup, table), table, device).map_err(Failure::usage)?
+            texture::sounding(setup, chord_of(setup, table), table, device).map_err(Failure::refused)?
         } else {
             Sounding::Drive(edit::drive(setup))
         };

@@ -1,5 +1,6 @@
 //! `slipline simulate`.
 
+use super::destination::Destination;
 use super::envelope_file::Form;
 use super::rig::actual_plate;
 use super::{Failure, SimulateArguments, differs, output, progress, setup_source, tones};
@@ -45,7 +46,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         .as_ref()
         .map(|actual| table_sensitivity(&table, plate, actual))
         .transpose()
-        .map_err(Failure::usage)?;
+        .map_err(Failure::refused)?;
     let simulation = Simulation {
         plate,
         actual: actual.as_ref().unwrap_or(plate),
@@ -102,12 +103,11 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         put("peak_at_full_scale_m", json!(result.peak_at_full_scale_m));
         put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
         put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
-        if result.tones.len() > 1 {
-            let felt = result.felt(simulation.actual, &feeling);
-            put("measured_felt_edge_of_all_m", json!(felt_edge_m(&felt)));
-            put("measured_felt_edge_of_all_by_person_m", json!(by_person_m(&felt)));
-            put("tones", json!(result.tones.iter().enumerate().map(of_tone).collect::<Vec<_>>()));
-        }
+        let felt = result.felt(simulation.actual, &feeling);
+        put("measured_felt_edge_of_all_m", json!(felt_edge_m(&felt)));
+        put("measured_felt_edge_of_all_by_person_m", json!(by_person_m(&felt)));
+        put("tones", json!(result.tones.iter().enumerate().map(of_tone).collect::<Vec<_>>()));
+        put("files", json!(Destination::names(files.iter().map(|file| &file.destination))));
     }
     let waves_run_on = match (&arguments.actual_plate, simulation.actual.name()) {
         // A plate near the command's has its name.

@@ -27,7 +27,7 @@ pub struct SweepArguments {
     #[arg(long = "for", alias = "time", value_name = "TIME", value_parser = argument::seconds(SWEEP_S.low, SWEEP_S.high), allow_hyphen_values = true, default_value = "4s")]
     time: f64,
     /// Write the description of the sweep, which `calibrate --played` needs with each recording.
-    #[arg(long, value_name = "SWEEP.toml")]
+    #[arg(long, value_name = "SWEEP.toml", help_heading = "Output")]
     out: PathBuf,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -44,16 +44,16 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     let wanted = arguments.frequencies.wanted(&plate, Some(arguments.level));
     let bench = LoadedDevice::new(&device, &plate)?;
     let sweep = PlayedSweep::new(&plate, &bench.table, &wanted, bench.rate_hz, arguments.time);
-    let playing = Playing::new(sweep.map_err(Failure::usage)?, bench.table);
+    let playing = Playing::new(sweep.map_err(Failure::refused)?, bench.table);
     let played = run(&device, "sweep", playing.map_err(Failure::failed)?)?;
     let text = played.to_toml();
     out.write_measured(&text)?;
-    output::print(as_json, &value(&plate, &played), |writer| {
+    output::print(as_json, &value(&plate, &played, &out), |writer| {
         output::lines(writer, &lines(plate.name(), &played, &out))
     })
 }
 
-fn value(plate: &slipline_plate::Plate, played: &PlayedSweep) -> Value {
+fn value(plate: &slipline_plate::Plate, played: &PlayedSweep, out: &Destination) -> Value {
     let chirp = played.chirp();
     json!({
         "plate": plate.name(),
@@ -63,7 +63,8 @@ fn value(plate: &slipline_plate::Plate, played: &PlayedSweep) -> Value {
         "levels": [played.level(), QUIETER * played.level()],
         "sweep_s": chirp.samples as f64 / chirp.rate_hz,
         "apart_s": played.apart_s(),
-        "seconds": played.seconds(),
+        "played_s": played.seconds(),
+        "files": Destination::names([out]),
     })
 }
 

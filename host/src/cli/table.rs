@@ -1,6 +1,7 @@
 //! `slipline table`.
 
 use super::destination::Destination;
+use super::schema::finished;
 use super::{Failure, TableArguments, argument, output, progress};
 use serde_json::json;
 use slipline_model::field::simulation;
@@ -21,8 +22,8 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         let sensitivity = sensitivity_per_percent_of(&table, &plate, &mut progress.part(0.8, 1.0))?;
         Ok((table, sensitivity))
     })
-    .map_err(|error: TableError| Failure::usage(error))?;
-    let device_table = simulation::device_table(&table).map_err(Failure::usage)?;
+    .map_err(|error: TableError| Failure::refused(error))?;
+    let device_table = simulation::device_table(&table).map_err(Failure::refused)?;
     let value = json!({
         "plate": plate.name(),
         "sample_rate_hz": rate_hz,
@@ -44,9 +45,10 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         "sensitivity_db_per_percent": sensitivity.worst_db,
         "sensitivity_at_m": sensitivity.worst_at_m,
         "crc": format!("{:08x}", device_table.crc()),
+        "files": Destination::names(&file),
     });
     if let Some(file) = &file {
-        file.write(|out| Ok(writeln!(out, "{value}")?))?;
+        file.write(|out| Ok(writeln!(out, "{}", finished(&value))?))?;
     }
     output::print(as_json, &value, |out| {
         let frequency = |knot: Option<&slipline_plate::Knot>| {

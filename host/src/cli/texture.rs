@@ -14,7 +14,7 @@ use slipline_model::setup::file;
 use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, Wish};
 use slipline_plate::feeling::Feeling;
 use slipline_plate::number_format::with_decimals;
-use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place, show_range};
+use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
 use slipline_plate::texture::{
     CHORD_PERIOD, ChordTexture, Figures, Flutter, Palette, TONES_MAX, TextureError,
 };
@@ -34,7 +34,7 @@ pub struct TextureArguments {
     #[arg(long, value_parser = argument::count(1, TONES_MAX), allow_hyphen_values = true, default_value = "16")]
     tones: usize,
     /// Write a setup file that the app opens and `drive --setup` plays.
-    #[arg(long, value_name = "SETUP.toml")]
+    #[arg(long, value_name = "SETUP.toml", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
         let text = file::write(&setup);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    output::print(as_json, &value(&plate, &named.made, &places), |writer| {
+    output::print(as_json, &value(&plate, &named.made, &places, out.as_ref()), |writer| {
         output::lines(writer, &lines(&plate, &named, arguments.tones, out.as_ref()))
     })
 }
@@ -127,11 +127,13 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
         Ok(made) => Ok(Named { what, made }),
         Err(error) => Err(match (from, error) {
             (Source::Option(option, text), TextureError::OutOfRange(error)) => {
-                let range = show_range(error.range.low, error.range.high, Measure::of(error.range.unit));
-                Failure::value(option, &text, format!("{range} on the plate {:?}", plate.name()))
+                let more = format!(" on the plate {:?}", plate.name());
+                Failure::outside(option, &text, error.range, Measure::of(error.range.unit), &more)
             }
-            (Source::Option(option, text), error) => Failure::Usage(format!("{option} {text}: {error}")),
-            (Source::File(path), error) => Failure::Usage(format!("{}: {error}", path.display())),
+            (Source::Option(option, text), error) => {
+                Failure::because(format!("{option} {text}: {error}"), &error)
+            }
+            (Source::File(path), error) => Failure::in_file(path, error),
         }),
     }
 }
@@ -156,7 +158,7 @@ fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Pat
 }
 
 /// The JSON of a texture; `places` are those of its setup, whose tones stand the other way round.
-fn value(plate: &Plate, made: &Made, places: &[TonePlaces]) -> Value {
+fn value(plate: &Plate, made: &Made, places: &[TonePlaces], out: Option<&Destination>) -> Value {
     let Made { tones, fitted, stripes_m, stripes_felt_db } = made;
     let figures = |it: &Fitted| it.texture.figures;
     let rest = fitted.as_ref().and_then(|it| it.rest.as_ref());
@@ -191,11 +193,12 @@ fn value(plate: &Plate, made: &Made, places: &[TonePlaces]) -> Value {
         "rms_m": fitted.as_ref().map(|it| &it.texture.rms_m),
         "stripes_m": stripes_m,
         "stripes_felt_db": stripes_felt_db,
+        "files": Destination::names(out),
         "chord": rest.and_then(|rest| rest.chord.as_ref()).map(|(chord, is_used)| json!({
             "is_used": is_used,
             "base_frequency_hz": f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
             "harmonics": chord.harmonics,
-            "gain_db": made.chord_gain_db(),
+            "chord_gain_db": made.chord_gain_db(),
             "headroom_db": chord.gain_db,
             "rms_error": chord.texture.figures.rms_error,
             "ripple_db": chord.texture.figures.ripple_db,

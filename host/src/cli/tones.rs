@@ -27,6 +27,7 @@ const OPTION: &str = "--";
 
 /// The tones.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Tones")]
 pub(super) struct TonesArgument {
     /// A tone by its felt edge, the place where a finger feels it end (250mm), or by its frequency (126Hz); with a level
     /// of its own after a colon (250mm:0.5). Repeated for more tones, up to 16.

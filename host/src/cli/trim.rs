@@ -45,7 +45,7 @@ pub struct TrimArguments {
     #[arg(long = "for", alias = "watch", value_name = "TIME", value_parser = argument::seconds(0.0, WATCH_S), allow_hyphen_values = true)]
     watch: Option<f64>,
     /// Write the plate file with the last wave speed.
-    #[arg(long, value_name = "TRIMMED.toml")]
+    #[arg(long, value_name = "TRIMMED.toml", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) force: ForceArgument,
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
         save(&last.plate)?;
     }
     let moved_m =
-        departure(&plate, &last.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::usage)?.boundary_m;
+        departure(&plate, &last.plate, f64::from(SAMPLE_RATE_HZ)).map_err(Failure::refused)?.boundary_m;
     let value = json!({
         "plate": plate.name(),
         "place_m": place_m,
@@ -114,6 +114,7 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
         "turning_point_error_m": moved_m,
         "ended_by": ended_by.map_or("time", Signal::name),
         "caution": trim.caution(),
+        "files": Destination::names(&out),
     });
     output::print(as_json, &value, |writer| {
         output::lines(writer, &lines(&plate, place_m, &trim, last, moved_m, out.as_ref()))

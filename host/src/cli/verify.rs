@@ -66,7 +66,7 @@ impl Compared {
 
 pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate)?;
-    let count = u8::try_from(arguments.tones).map_err(Failure::usage)?;
+    let count = u8::try_from(arguments.tones).map_err(Failure::refused)?;
     let port = &arguments.port.port;
     let device = Device::connect(port, arguments.port.rig(Some(&plate))?.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
@@ -178,7 +178,7 @@ fn report(port: String, compared: &[Compared], as_json: bool) -> Result<(), Fail
         .map(|it| {
             json!({
                 "stage": it.stage.name(),
-                "from_samples": it.digest.from,
+                "at_samples": it.digest.from,
                 "samples": it.digest.count,
                 "device_crc": it.digest.crc.map(|crc| format!("{crc:08x}")),
                 "mirror_crc": format!("{:08x}", it.mirror),

@@ -50,7 +50,7 @@ fn value(port: &str, snapshot: &Snapshot, status: &Status) -> Value {
         "clipped_samples": status.counters.clips,
         "underruns": status.counters.underruns,
         "crc_errors": status.counters.crc_errors,
-        "table_crc": snapshot.table.active.map(|table| format!("{:08x}", table.crc)),
+        "table": { "crc": snapshot.table.active.map(|table| format!("{:08x}", table.crc)) },
         "round_trip_s": snapshot.round_trip.last.as_secs_f64(),
     })
 }

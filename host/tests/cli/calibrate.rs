@@ -108,7 +108,10 @@ fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     let value = planned(&[]);
     let best = &value["best"];
     let place_mm = |i: usize| 1e3 * best["places_m"][i].as_f64().unwrap();
-    assert!(place_mm(0) >= 1e3 * number(&value, "nearest_m") && place_mm(1) > place_mm(0) + 20.0, "{value}");
+    assert!(
+        place_mm(0) >= 1e3 * number(&value, "nearest_place_m") && place_mm(1) > place_mm(0) + 20.0,
+        "{value}"
+    );
     assert!((place_mm(0) - place_mm(0).round()).abs() < 1e-6, "whole millimetres: {value}");
     assert_eq!((&value["nearest_by"], &value["asked"]), (&Value::from("width mode 3"), &Value::Null));
     assert!(value["pairs"].as_array().unwrap().len() > 50, "{value}");
@@ -118,7 +121,7 @@ fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     assert!(warnings[0].as_str().unwrap().contains("width mode 3"), "{asked}");
     assert!(warnings[1].as_str().unwrap().contains("cannot see"), "{asked}");
     let level_db = |value: &Value| number(value, "level_tolerance_db");
-    assert!(level_db(&asked["reach"]) > level_db(best), "{asked} {best}");
+    assert!(level_db(&asked["pair"]) > level_db(best), "{asked} {best}");
     let off_centre = planned(&["--off-centre"]);
     assert_eq!(off_centre["nearest_by"], "width mode 2");
 
@@ -267,7 +270,7 @@ fn two_touches_give_places_and_no_levels() {
     // With an unknown drive the same touches leave wider intervals.
     let unknown = [&arguments[..5], &arguments[7..13]].concat();
     let open = json(&unknown);
-    let edge_m = |value: &Value| number(value, "edge_tolerance_m");
+    let edge_m = |value: &Value| number(value, "felt_edge_tolerance_m");
     assert!(edge_m(&open) > 3.0 * edge_m(&value) && edge_m(&value) < 2e-3, "{open} {value}");
     let text = String::from_utf8(slipline(&unknown).stdout).unwrap();
     assert!(text.contains("of an unknown drive") && text.contains("Felt edge"), "{text}");

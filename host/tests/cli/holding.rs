@@ -12,7 +12,10 @@ fn a_drive_that_is_held_tells_each_tones_state_and_correction() {
     let tones = hold["tones"].as_array().unwrap_or_else(|| panic!("{value}"));
     assert_eq!((tones.len(), &tones[0]["state"]), (1, &serde_json::json!("held")), "{value}");
     assert!(number(&tones[0], "correction_db").abs() < 0.3, "nothing touches the plate: {value}");
-    assert!(number(&tones[0], "amplitude_codes") > 10.0 && number(hold, "windows") >= 1.0, "{value}");
+    assert!(
+        number(&tones[0], "amplitude_codes") > 10.0 && number(hold, "measured_windows") >= 1.0,
+        "{value}"
+    );
     assert!((number(&tones[0], "turning_point_m") - 0.247).abs() < 1e-9);
     // Without it there is none.
     let value = json(&[&DRIVE[..], &["--for", "0s"]].concat());

@@ -6,7 +6,11 @@ use super::{failure, json, slipline};
 fn red_lights_end_a_check_with_3_and_are_counted() {
     for (arguments, code, last) in [
         (&["check", "--plate", "al-sh"][..], 3, "slipline: 3 of 19 lights are red\n"),
-        (&["check", "--plate", "al-sh", "--json"], 3, "slipline: 3 of 19 lights are red\n"),
+        (
+            &["check", "--plate", "al-sh", "--json"],
+            3,
+            "{\"error\":\"3 of 19 lights are red\",\"exit_code\":3,\"field\":null,\"range\":null,\"schema\":1,\"value\":null}\n",
+        ),
         (&["check", "--plate", "membrane"], 0, ""),
         (&["check", "--plate", "membrane", "--turning-point", "120mm"], 0, ""),
     ] {
@@ -44,7 +48,7 @@ fn a_design_ends_with_0_though_lights_are_red_and_its_help_says_so() {
         "--length",
         "1m",
     ]);
-    let lights = designed["lights"]["lights"].as_array().unwrap();
+    let lights = designed["check"]["lights"].as_array().unwrap();
     assert!(lights.iter().any(|light| light["colour"] == "red"), "{lights:?}");
     assert!(designed["mounting"].as_str().unwrap().contains("Cut the frame twice"));
     let help = String::from_utf8(slipline(&["design", "--help"]).stdout).unwrap();

@@ -2,16 +2,21 @@
 
 mod answers;
 mod calibrate;
+mod defaults;
 mod felt_edges;
 mod figures;
 mod files;
 #[cfg(unix)]
 mod following;
 mod held_up;
+mod help;
 mod holding;
+mod json_errors;
+mod json_page;
 mod lights;
 mod measure;
 mod no_display;
+mod numbers;
 mod profile;
 mod progress;
 mod refusals;
@@ -70,7 +75,10 @@ impl Drop for Sensed {
 
 fn slipline(arguments: &[&str]) -> Output {
     let _running = arguments.contains(&"--sensor").then(Sensed::begin);
-    Command::new(env!("CARGO_BIN_EXE_slipline")).args(arguments).output().unwrap()
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
+    // Without the defaults of whoever runs the tests.
+    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
+    command.env("XDG_CONFIG_HOME", env!("CARGO_TARGET_TMPDIR")).args(arguments).output().unwrap()
 }
 
 fn json(arguments: &[&str]) -> Value {

@@ -26,7 +26,7 @@ fn a_measurement_has_a_response_its_noise_and_the_headroom_at_each_frequency() {
     let size = |it: &Value| number(it, "re").hypot(number(it, "im"));
     let loudest = responses.iter().map(size).fold(0.0, f64::max);
     assert!(noise.iter().all(|it| it.as_f64().unwrap() < 0.02 * loudest), "{noise:?} {loudest}");
-    assert_eq!(value["headroom_light"], "green");
+    assert_eq!(value["headroom_colour"], "green");
     assert!((6.0..40.0).contains(&number(&value, "least_headroom_db")));
 
     let Ok(File::Own(written)) = File::read(&std::fs::read(&out).unwrap()) else { panic!("the own form") };
@@ -98,6 +98,9 @@ fn what_cannot_be_measured_is_named_with_what_is_allowed() {
         let message = failure(&[&["calibrate", "--port", "sim", "--plate", "membrane"], more].concat(), 2);
         assert!(message.contains(expected), "{more:?}: {message}");
     }
+    // Without --port there is no device.
+    let data = ["calibrate", "--plate", "membrane", "--data", "x.csv", "--actual-plate", "secret:1"];
+    assert!(failure(&data, 2).contains("it requires --port sim"));
 }
 
 #[test]
@@ -106,7 +109,7 @@ fn a_sweep_measures_the_current_and_the_plate_is_calibrated_by_it_alone() {
     let out = file("current.csv");
     let more = ["--input", "current", "--sweep", "--out", out.to_str().unwrap()];
     let value = json(&[&["measure"], &ALUMINIUM[..], &more].concat());
-    assert_eq!((&value["input"], &value["sensor"]), (&Value::from("current"), &Value::Null), "{value}");
+    assert_eq!((&value["input"], &value["kind"]), (&Value::from("current"), &Value::Null), "{value}");
     assert_eq!(value["drive"], "The drive is connected and takes the current that it should.");
     let responses = value["response"].as_array().unwrap();
     // The shunt's range is 1.25 times the largest current of the band.

@@ -33,7 +33,7 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
     let value = json(&[&PLAYED[..], &["--level", "0.4", "--out", text(&out)]].concat());
     assert_eq!(value["levels"].as_array().unwrap().len(), 2);
     assert!((number(&value, "sweep_s") - 0.15).abs() < 1e-4, "{value}");
-    assert!(number(&value, "apart_s") > 1.0 && number(&value, "seconds") < 4.0, "{value}");
+    assert!(number(&value, "apart_s") > 1.0 && number(&value, "played_s") < 4.0, "{value}");
     assert!(std::fs::read_to_string(&out).unwrap().contains("slipline_sweep = 1"));
     let message = failure(&[&PLAYED[..], &["--out", text(&out)]].concat(), 2);
     assert!(message.contains("--force"), "{message}");

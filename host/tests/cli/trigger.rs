@@ -69,8 +69,9 @@ fn a_device_without_a_trigger_input_is_not_armed_for_it() {
         .spawn()
         .unwrap();
     let is_armed = || socket.sent().iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_)));
+    let begun = Instant::now();
     // It would wait without end.
-    while child.try_wait().unwrap().is_none() && !is_armed() {
+    while begun.elapsed() < Duration::from_secs(60) && child.try_wait().unwrap().is_none() && !is_armed() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let _ = child.kill();

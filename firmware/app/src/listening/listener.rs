@@ -194,7 +194,8 @@ impl<'a> Listener<'a> {
                 if self.capture.progress() == Progress::Capturing {
                     self.capture.take_block(self.next, inputs);
                 }
-                self.next = self.next.saturating_add(BLOCK_SAMPLES);
+                // 64 bits of samples last for a million years.
+                self.next = self.next.wrapping_add(BLOCK_SAMPLES);
             }
         }
         true

@@ -222,7 +222,8 @@ impl LockIn {
         if self.state != State::Measuring || index < self.window.begin {
             return;
         }
-        let due = self.window.begin.saturating_add(BLOCK_SAMPLES * u64::from(self.reading.blocks));
+        // 64 bits of samples last for a million years.
+        let due = self.window.begin.wrapping_add(BLOCK_SAMPLES * u64::from(self.reading.blocks));
         let Some(played) = played.filter(|played| played.index == index && index == due) else {
             self.state = State::Broken { at: due };
             return;

@@ -7,7 +7,7 @@ use slipline_plate::{LineError, SenseError};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RigError {
     /// An option is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// The plate cannot be simulated in time.
     #[error(transparent)]

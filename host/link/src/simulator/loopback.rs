@@ -9,7 +9,6 @@
 use super::device::{Options, SimulatedDevice};
 use super::peripherals::MemoryFlash;
 use crate::connection::Connection;
-use crate::drive::DriveRequest;
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
 use crate::refusal::Refusal;
@@ -134,12 +133,16 @@ impl Loopback {
         self.perform(Request::Upload(table), |_| ()).map(drop)
     }
 
-    /// Plays these tones; returns the index at which they begin. `sink` receives the codes until then.
+    /// Plays this; returns the index at which it begins. `sink` receives the codes until then.
     ///
     /// # Errors
     /// [`LoopbackError`], as for every request.
-    pub fn play(&mut self, drive: DriveRequest, sink: impl FnMut(&[u16])) -> Result<u64, LoopbackError> {
-        self.perform(Request::Play(Sounding::Drive(drive)), sink)
+    pub fn play(
+        &mut self,
+        sounding: impl Into<Sounding>,
+        sink: impl FnMut(&[u16]),
+    ) -> Result<u64, LoopbackError> {
+        self.perform(Request::Play(sounding.into()), sink)
     }
 
     /// Disarms the device, which otherwise does not write its flash, and stores its table there.

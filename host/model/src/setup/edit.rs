@@ -77,7 +77,7 @@ pub enum Edit {
 pub enum EditError {
     /// A value is outside its range, or not a number. The field has the name that the user sees.
     #[error("{}", .0.in_suitable_units())]
-    OutOfRange(OutOfRange),
+    OutOfRange(#[source] OutOfRange),
     /// There is no tone in this slot.
     #[error("there is no tone {}", u16::from(*.0) + 1)]
     NoTone(u8),

@@ -62,7 +62,7 @@ pub enum SetupFileError {
     Value(#[from] EditError),
     /// A tone's place is not on the span of the file's plate.
     #[error("{0}, the plate's span")]
-    OffSpan(OutOfRange),
+    OffSpan(#[source] OutOfRange),
     /// The number of tones is wrong.
     #[error(transparent)]
     Tones(WrongCount),

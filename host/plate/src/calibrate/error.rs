@@ -11,7 +11,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum CalibrateError {
     /// A number of a measurement or of what was known beforehand is outside its range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// A measurement has too few points or too many.
     #[error(transparent)]

@@ -73,10 +73,8 @@ pub struct Light {
     pub value: Option<f64>,
     /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for an uncalibrated one, and
     /// where the number does not depend on the measurement.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub low: Option<f64>,
     /// The highest `value` at these ends.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub high: Option<f64>,
     /// Unit of `value`; empty for a plain number.
     pub unit: &'static str,
@@ -121,12 +119,12 @@ pub struct Report {
     pub boundary_m: Option<f64>,
     /// Half of the 95 % interval of the boundary, the largest over the checked ones, metres; `None` for an
     /// uncalibrated plate.
-    #[serde(rename = "turning_point_tolerance_m", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "turning_point_tolerance_m")]
     pub boundary_tolerance_m: Option<f64>,
     /// Half of the 95 % interval of the peak level, dB; `None` where no levels were measured.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub level_tolerance_db: Option<f64>,
     /// Lowest and highest frequency of the checked boundaries, Hz.
+    #[serde(rename = "band_hz")]
     pub frequency_hz: (f64, f64),
     /// The lights, always in the same order.
     pub lights: Vec<Light>,

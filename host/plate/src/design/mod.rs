@@ -100,7 +100,7 @@ pub fn design(request: &Request) -> Result<Design, PlateError> {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DesignError {
     /// The request cannot be met.
-    #[error(transparent)]
+    #[error("{0}")]
     Plate(#[from] PlateError),
     /// The caller stopped the computation.
     #[error(transparent)]

@@ -29,7 +29,7 @@ pub enum RespondError {
     #[error("{0}")]
     Unstated(PlateError),
     /// The number of points or of width modes, the sample rate, or a field of the finger, is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
 }
 

@@ -12,11 +12,11 @@ pub enum PlaneError {
     #[error(transparent)]
     Respond(#[from] RespondError),
     /// A number of the setup is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// A number of the lead-in is out of range, or a force in newtons acts on a membrane or SH plate whose tension or
     /// thickness is not stated.
-    #[error(transparent)]
+    #[error("{0}")]
     Plate(#[from] PlateError),
     /// A lead-in on a membrane or SH plate.
     #[error("{}", must_be("drive.lead_in on a plate that is not in bending", "absent"))]

@@ -1,6 +1,6 @@
 //! Numbers with units as displayed to users, each in the unit that suits its size.
 
-use super::number_format::{at_least, at_most, typed};
+use super::number_format::{at_least, at_most, fixed, typed};
 use std::fmt;
 
 /// The quantity of a range, which determines the units of its ends.
@@ -112,7 +112,7 @@ pub fn show_length(metres: f64) -> String {
 /// A place on the plate: always millimetres with one decimal.
 #[must_use]
 pub fn show_place(metres: f64) -> String {
-    format!("{:.1} mm", metres * 1e3)
+    format!("{} mm", fixed(metres * 1e3, 1))
 }
 
 /// A frequency in the unit that suits it: `126.4 Hz`, `40.00 kHz`.
@@ -122,7 +122,7 @@ pub fn show_frequency(hertz: f64) -> String {
         f if !f.is_finite() => "–".to_owned(),
         f if f >= 10_000.0 => format!("{:.2} kHz", hertz / 1e3),
         f if f >= 1000.0 => format!("{:.3} kHz", hertz / 1e3),
-        _ => format!("{hertz:.1} Hz"),
+        _ => format!("{} Hz", fixed(hertz, 1)),
     }
 }
 
@@ -165,6 +165,7 @@ mod tests {
     #[test]
     fn lengths_and_frequencies_are_shown_in_the_unit_that_suits_them() {
         assert_eq!(show_place(0.12), "120.0 mm");
+        assert_eq!((show_place(-1e-5), show_frequency(-0.01)), ("0.0 mm".to_owned(), "0.0 Hz".to_owned()));
         assert_eq!(show_length(4.2e-6), "4.20 µm");
         assert_eq!(show_length(1.2e-4), "120 µm");
         assert_eq!(show_frequency(126.44), "126.4 Hz");

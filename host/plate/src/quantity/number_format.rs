@@ -14,7 +14,7 @@ pub fn typed(value: f64) -> String {
 /// `0.23`, `12.50`, `0.0034`.
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let size = value.abs();
-    let plain = format!("{value:.decimals$}");
+    let plain = fixed(value, decimals);
     if size == 0.0
         || !size.is_finite()
         || plain.contains(|digit: char| digit.is_ascii_digit() && digit != '0')
@@ -25,6 +25,21 @@ pub fn with_decimals(value: f64, decimals: usize) -> String {
         return format!("{value:.1e}");
     }
     format!("{value:.*}", usize::try_from(1 - size.log10().floor() as i32).unwrap_or(decimals))
+}
+
+/// A number with `decimals` decimals, never a negative zero: `-0.0` is written `0.0`.
+pub fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.bytes().all(|byte| matches!(byte, b'0' | b'.')) => size.to_owned(),
+        _ => text,
+    }
+}
+
+/// A number with its sign and `decimals` decimals: `+0.5`, `-1.2`; what rounds to zero is `+0.0`.
+pub fn signed(value: f64, decimals: usize) -> String {
+    let text = fixed(value, decimals);
+    if text.starts_with('-') { text } else { format!("+{text}") }
 }
 
 /// A number rounded to `decimals` decimals, without trailing zeros and never `-0`: `0.5`, `20`.
@@ -92,9 +107,16 @@ mod tests {
             (-0.00344, "-0.0034"),
             (2e-9, "2.0e-9"),
             (0.0, "0.00"),
+            (-0.0, "0.00"),
         ] {
             assert_eq!(with_decimals(value, 2), wanted);
         }
+    }
+
+    #[test]
+    fn what_rounds_to_zero_has_no_minus() {
+        assert_eq!([fixed(-0.04, 1), fixed(-0.06, 1), fixed(0.0, 0)], ["0.0", "-0.1", "0"]);
+        assert_eq!([signed(-0.04, 1), signed(-0.06, 1), signed(2.0, 1)], ["+0.0", "-0.1", "+2.0"]);
     }
 
     #[test]

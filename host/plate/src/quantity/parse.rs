@@ -1,7 +1,8 @@
 //! Numbers with units, parsed from the text of a user.
 //!
 //! A number may have a decimal comma or a decimal point, a space before its unit, and an SI prefix of the units
-//! listed here. Nothing else is accepted.
+//! listed here. Nothing else is accepted; a comma before exactly three digits could divide thousands, and is refused unless the
+//! number begins with 0.
 
 use super::refusal::QuantityError;
 
@@ -37,6 +38,12 @@ fn split(text: &str) -> Result<(f64, &str), QuantityError> {
         c.is_ascii_digit() || matches!(c, '.' | ',') || exponent || after_exponent
     };
     let end = text.char_indices().find(|&at| !is_numeric(at)).map_or(text.len(), |(index, _)| index);
+    if let Some((before, after)) = text[..end].split_once(',')
+        && !before.trim_start_matches(['+', '-']).starts_with('0')
+        && after.chars().take_while(char::is_ascii_digit).count() == 3
+    {
+        return Err(QuantityError::Comma(text.to_owned()));
+    }
     let number: f64 = text[..end].replace(',', ".").replace(MINUS, "-").parse().map_err(|_| refuse())?;
     // Zero has no sign: -0 is never displayed or sent.
     match number.abs() {
@@ -64,6 +71,16 @@ fn frequency_unit(unit: &str) -> Option<f64> {
         _ if unit == "MHz" => Some(1e6),
         _ => None,
     }
+}
+
+/// The number of a text without a unit; `None` for a text with one, and for zero, which needs none.
+///
+/// # Errors
+/// [`QuantityError`] for a text without a number.
+pub fn bare(text: &str) -> Result<Option<f64>, QuantityError> {
+    Ok(Some(split(text)?)
+        .filter(|(number, unit)| unit.is_empty() && *number != 0.0)
+        .map(|(number, _)| number))
 }
 
 /// A length in metres; a bare number is in millimetres.
@@ -196,6 +213,18 @@ mod tests {
         for text in ["", "mm", "nan", "inf Hz", "1.2.3", "--1", &"9".repeat(400)] {
             assert!(matches!(place_or_frequency(text), Err(QuantityError::NoNumber(_))), "{text}");
         }
+        for (text, thousands, decimals) in [
+            ("1,000ms", "1000ms", "1.000ms"),
+            ("1,000", "1000", "1.000"),
+            ("-12,125 m", "-12125 m", "-12.125 m"),
+        ] {
+            let refused = place_or_frequency(text).unwrap_err();
+            assert_eq!(refused, QuantityError::Comma(text.to_owned()));
+            assert_eq!(refused.to_string(), format!("did you mean {thousands} or {decimals}?"));
+        }
+        assert!((length_m("0,125 m").unwrap() - 0.125).abs() < 1e-12, "no thousands begin with 0");
+        assert!((length_m("1,0005 m").unwrap() - 1.0005).abs() < 1e-12, "four digits are no thousands");
+        assert_eq!((bare("160"), bare("0"), bare("160 mm")), (Ok(Some(160.0)), Ok(None), Ok(None)));
         for text in ["1e999", "-1e999 Hz", "1e305 kHz"] {
             assert_eq!(place_or_frequency(text), Err(QuantityError::TooLarge(text.to_owned())));
         }

@@ -128,6 +128,9 @@ pub struct NotAllowed<A> {
 impl<A: fmt::Display> fmt::Display for NotAllowed<A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.mistake {
+            Some(question @ (QuantityError::Comma(_) | QuantityError::NoUnit { .. })) => {
+                write!(f, "{question} ({})", only(&self.allowed))
+            }
             Some(mistake) => write!(f, "{mistake}; {}", only(&self.allowed)),
             None => f.write_str(&only(&self.allowed)),
         }
@@ -145,6 +148,17 @@ pub enum QuantityError {
     /// The number is too large for an f64.
     #[error("{0:?} is too large a number")]
     TooLarge(String),
+    /// A comma before exactly three digits: thousands or decimals.
+    #[error("did you mean {} or {}?", .0.replace(',', ""), .0.replace(',', "."))]
+    Comma(String),
+    /// A number without a unit, where several are valid.
+    #[error("did you mean {given}{likely}?")]
+    NoUnit {
+        /// The text.
+        given: String,
+        /// The unit that was probably meant.
+        likely: &'static str,
+    },
     /// The unit is not valid here.
     #[error("{got:?} is no unit that fits here: {}", if .allowed.is_empty() { "write the number alone" } else { "use " }.to_owned() + .allowed)]
     Unit {
@@ -198,5 +212,8 @@ mod tests {
         let unread = NotAllowed { mistake: Some(mistake), allowed };
         assert_eq!(unread.to_string(), "\"x\" does not begin with a number; must be 0 to 1");
         assert_eq!(NotAllowed { mistake: None, allowed }.to_string(), "must be 0 to 1");
+        let mistake = QuantityError::NoUnit { given: "20".to_owned(), likely: "ms" };
+        let asked = NotAllowed { mistake: Some(mistake), allowed: "5 ms to 10 s" };
+        assert_eq!(asked.to_string(), "did you mean 20ms? (must be 5 ms to 10 s)");
     }
 }

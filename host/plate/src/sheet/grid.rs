@@ -192,7 +192,7 @@ pub enum SheetError {
     #[error(transparent)]
     Finger(RespondError),
     /// A field of [`SheetGrid`] or `sample_rate_hz` is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// The grid has more than [`CELLS_MAX`] cells.
     #[error(transparent)]

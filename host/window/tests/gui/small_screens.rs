@@ -123,6 +123,8 @@ fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
             let menu = if page == "Copy diagnostics" { "File" } else { "Help" };
             app.window.get_by_label(menu).click();
             app.wait(200);
+            app.window.get_by_label_contains(page).scroll_to_me();
+            app.wait(300);
             app.window.get_by_label_contains(page).click();
             app.wait(200);
             stop_is_on_the_screen(&app, size, page);

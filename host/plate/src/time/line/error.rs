@@ -16,7 +16,7 @@ pub enum LineError {
     #[error(transparent)]
     Drive(#[from] DriveCurveError),
     /// The number of positions or the width mode is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// The finger is not possible on this plate.
     #[error(transparent)]

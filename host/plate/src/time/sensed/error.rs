@@ -14,7 +14,7 @@ pub(super) const CLAMPED_ERROR_MAX: f64 = 0.1;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SenseError {
     /// The place or the delay is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// A strain sensor on a membrane or a shear wave.
     #[error(

@@ -30,7 +30,7 @@ pub enum PlayedFileError {
     #[error("not a description of a sweep, as slipline sweep writes it: {0}")]
     Text(String),
     /// A number is outside its range.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// A newer or older format.
     #[error("{0}")]

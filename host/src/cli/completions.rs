@@ -1,0 +1,22 @@
+//! `slipline completions`: the completion of words in a shell.
+
+use super::{Cli, Failure, output};
+use clap::{Args, CommandFactory as _};
+use clap_complete::Shell;
+use serde_json::json;
+
+/// `completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArguments {
+    /// The shell: its script goes to the standard output.
+    #[arg(value_name = "SHELL", value_enum)]
+    shell: Shell,
+}
+
+pub(super) fn run(arguments: &CompletionsArguments, as_json: bool) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, &mut Cli::command(), "slipline", &mut script);
+    let script = String::from_utf8(script).map_err(Failure::failed)?;
+    let value = json!({ "shell": arguments.shell.to_string(), "script": script });
+    output::print(as_json, &value, |out| write!(out, "{script}"))
+}

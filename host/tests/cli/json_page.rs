@@ -1,0 +1,202 @@
+//! `host/JSON.md` and the output of every command have the same fields; every example of the help runs.
+//! `SLIPLINE_BLESS=1 cargo test -p slipline --test cli json_page` writes the page anew.
+#![cfg(unix)]
+
+#[path = "json_page/names.rs"]
+mod names;
+
+use super::served::Served;
+use super::{Sensed, file, signal};
+use names::{NAMES, UNITS};
+use serde_json::Value;
+use slipline::cli::{EXAMPLES, SCHEMA};
+use slipline_link::simulator::Options;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// What the examples leave out: objects that are null in them.
+const MORE: &[(&str, &str)] = &[
+    ("drive", "drive --plate al-bending --turning-point 247mm --level 30% --hold --sensor 210mm --for 500ms"),
+    ("simulate", "simulate --plate membrane --turning-point 160mm --sheet --for 50ms"),
+    ("check", "check --plate al-sh"),
+    ("texture", "texture --plate al-bending --profile profile.csv"),
+    ("calibrate --plan", "calibrate --plate membrane --plan --sensor 32mm --sensor 310mm"),
+    ("profile", "profile write coil.toml"),
+];
+const COIL: &str = "name = \"coil\"\nmax_sum = 0.4\nlongest_drive_s = 60\n[travel]\nresonance_hz = 60\nquality = 2\nstatic_travel = 0.5\n";
+
+/// Fields by their paths, each with the type of its values other than null.
+type Fields = BTreeMap<String, BTreeSet<&'static str>>;
+
+fn collect(value: &Value, path: &str, fields: &mut Fields) {
+    let mut leaf = |kind| fields.entry(path.to_owned()).or_default().extend(kind);
+    match value {
+        Value::Object(inner) => inner.iter().for_each(|(name, value)| {
+            let dot = if path.is_empty() { "" } else { "." };
+            collect(value, &format!("{path}{dot}{name}"), fields);
+        }),
+        Value::Array(values) if values.is_empty() => leaf(None),
+        Value::Array(values) => values.iter().for_each(|value| {
+            let list = if path.ends_with("[]") { path.to_owned() } else { format!("{path}[]") };
+            collect(value, &list, fields);
+        }),
+        Value::Null => leaf(None),
+        Value::Bool(_) => leaf(Some("true or false")),
+        Value::Number(_) => leaf(Some("number")),
+        Value::String(_) => leaf(Some("text")),
+    }
+}
+
+/// Runs a line of words in a folder and returns its JSON.
+fn run(folder: &Path, line: &str) -> Value {
+    let _running = line.contains("--sensor").then(Sensed::begin);
+    let output = program(folder, line).output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{line}: {error}");
+    assert!(!text.contains("-0.0,") && !text.contains("-0.0}") && !text.contains("-0.0]"), "{line}");
+    let value: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{line}: {error}: {text}"));
+    assert_eq!(value["schema"], SCHEMA, "{line}");
+    for name in value["files"].as_array().into_iter().flatten() {
+        assert!(folder.join(name.as_str().unwrap()).is_file(), "{line}: {name}");
+    }
+    value
+}
+
+fn program(folder: &Path, line: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
+    let words = line.split(' ').filter(|word| *word != "slipline" && *word != "--json");
+    command.args(words).arg("--json").current_dir(folder).env("XDG_CONFIG_HOME", folder);
+    command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
+    command
+}
+
+/// The example of `serve`, and what `info` says of the device that it offers.
+fn served(folder: &Path, line: &str) -> [Value; 2] {
+    let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut first = String::new();
+    BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut first).unwrap();
+    let offered: Value = serde_json::from_str(&first).unwrap();
+    let info = run(folder, &format!("info --port {}", offered["port"].as_str().unwrap()));
+    signal(child.id(), "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    [offered, info]
+}
+
+/// What a drive that follows one line says of it.
+fn followed(folder: &Path, line: &str) -> Value {
+    let mut command = program(folder, "drive --plate membrane --felt-edge 250mm --stdin");
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(line.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    serde_json::from_str(text.lines().next().unwrap()).unwrap()
+}
+
+/// The example of `watch`: its first line.
+fn watched(folder: &Path, line: &str) -> Value {
+    let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
+    let mut first = String::new();
+    BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
+    signal(child.id(), "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    serde_json::from_str(&first).unwrap()
+}
+
+/// The fields of all commands, in the order of the examples.
+fn fields_of_all() -> Vec<(&'static str, Fields)> {
+    let folder = file("json-page");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut all: Vec<(&str, Fields)> = Vec::new();
+    let mut add = |label: &'static str, value: &Value| {
+        let at = all.iter().position(|(name, _)| *name == label).unwrap_or_else(|| {
+            all.push((label, Fields::new()));
+            all.len() - 1
+        });
+        collect(value, "", &mut all[at].1);
+    };
+    for (command, lines) in EXAMPLES {
+        for line in *lines {
+            match *command {
+                "serve" => {
+                    let [offered, info] = served(&folder, line);
+                    add("serve", &offered);
+                    add("info", &info);
+                }
+                "watch" => add("watch", &watched(&folder, line)),
+                "calibrate" if line.contains("--plan") => add("calibrate --plan", &run(&folder, line)),
+                command => add(command, &run(&folder, line)),
+            }
+        }
+    }
+    std::fs::write(folder.join("profile.csv"), "0,0\n0.1,1\n0.25,1\n0.3,0\n").unwrap();
+    std::fs::write(folder.join("coil.toml"), COIL).unwrap();
+    let board = Served::new("json-page.sock", Options::default());
+    board.device.lock().unwrap().press_button(true);
+    for (label, line) in MORE {
+        let port = if *label == "profile" { format!(" --port {}", board.port) } else { String::new() };
+        add(label, &run(&folder, &format!("{line}{port}")));
+    }
+    add("drive --stdin", &followed(&folder, "turning-point 160mm\n"));
+    std::fs::remove_dir_all(&folder).unwrap();
+    for (_, fields) in &mut all {
+        // What is null in one run and an object in another is an object.
+        let paths: Vec<String> = fields.keys().cloned().collect();
+        let is_object = |path: &str| {
+            paths.iter().any(|other| {
+                other.strip_prefix(path).is_some_and(|rest| rest.starts_with('.') || rest.starts_with("[]"))
+            })
+        };
+        fields.retain(|path, kinds| !(kinds.is_empty() && is_object(path)));
+    }
+    all
+}
+
+/// The unit and the meaning of a field.
+fn meaning(command: &str, path: &str) -> (&'static str, &'static str) {
+    let name = path.trim_end_matches("[]").rsplit('.').next().unwrap();
+    let own = format!("{command}:{name}");
+    let found = |wanted: &str| NAMES.iter().find(|(name, ..)| *name == wanted);
+    let (name, unit, meaning) =
+        found(&own).or_else(|| found(name)).unwrap_or_else(|| panic!("{command}: {path} has no meaning"));
+    let ending = UNITS.iter().find(|(ending, _)| name.ends_with(ending)).map(|(_, unit)| *unit);
+    assert!(unit.is_empty() == (ending.is_some() && *unit != "bit/s"), "{name}: {unit}");
+    (if unit.is_empty() { ending.unwrap() } else { unit }, meaning)
+}
+
+fn page() -> String {
+    let mut page = include_str!("json_page/prose.md").to_owned();
+    let mut used = BTreeSet::new();
+    for (command, fields) in fields_of_all() {
+        let _ = write!(page, "\n## `slipline {command}`\n\n| Field | Unit | Meaning |\n|---|---|---|\n");
+        for (path, kinds) in fields {
+            let (unit, meaning) = meaning(command, &path);
+            let wanted = if matches!(unit, "text" | "true or false") { unit } else { "number" };
+            assert!(kinds.iter().all(|kind| *kind == wanted), "{command}: {path} is {kinds:?}, not {unit}");
+            let _ = writeln!(page, "| `{path}` | {unit} | {meaning} |");
+            used.insert(meaning);
+        }
+    }
+    let unused: Vec<_> = NAMES.iter().filter(|(.., meaning)| !used.contains(meaning)).collect();
+    assert!(unused.is_empty(), "no command has these: {unused:?}");
+    page
+}
+
+#[test]
+fn every_example_runs_and_the_page_lists_every_field_of_every_command() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("JSON.md");
+    let page = page();
+    if std::env::var_os("SLIPLINE_BLESS").is_some() {
+        std::fs::write(&path, &page).unwrap();
+    }
+    let stands = std::fs::read_to_string(&path).unwrap();
+    for (number, (is, wanted)) in (1..).zip(stands.lines().zip(page.lines())) {
+        assert_eq!(is, wanted, "JSON.md:{number}: write it anew with SLIPLINE_BLESS=1");
+    }
+    assert_eq!(stands.lines().count(), page.lines().count(), "JSON.md: write it anew with SLIPLINE_BLESS=1");
+}
