@@ -40,7 +40,7 @@ fn places(app: &TestApp) -> Places {
             access.labelled_by().next().and_then(|label| label.label().or_else(|| label.value()))
         });
         let name = (format!("{:?}", access.role()), name.unwrap_or_default());
-        // A message has its own line and goes by itself.
+        // A message has its own line and disappears by itself.
         if name.1 != "Dismiss" {
             found.entry(name).or_default().push(node.rect());
         }
