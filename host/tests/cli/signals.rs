@@ -218,9 +218,11 @@ fn a_shell_loop_of_drives_ends_at_the_first_ctrl_c() {
     let program = env!("CARGO_BIN_EXE_slipline");
     let drive = "drive --plate membrane --turning-point 120mm --for 60s --port";
     let script = format!("while :; do {program} {drive} unix:{}; echo again; done", socket.path.display());
-    // The shell gets the terminal as its own, whose Ctrl-C goes to all that run in it.
+    // The shell gets the terminal as its own, whose Ctrl-C goes to all that run in it. It does not ignore Ctrl-C, even if
+    // the tests do: a script has started them in the background.
     let mut command = Command::new("setsid");
-    command.args(["--ctty", "bash", "-c", &script]).stdin(theirs.try_clone().unwrap());
+    let shell = ["--ctty", "env", "--default-signal=INT", "bash", "-c", &script];
+    command.args(shell).stdin(theirs.try_clone().unwrap());
     let mut child = command.stdout(theirs.try_clone().unwrap()).stderr(theirs).spawn().unwrap();
     drop(command);
     let (sends, shown) = channel();
