@@ -210,7 +210,7 @@ fn half_of_a_membranes_wave_is_given_back_within_five_time_constants() {
 }
 
 #[test]
-#[ignore = "the property of the test before on another plate: .ci/run long_tests"]
+#[ignore = "the property of the test before on another plate: .ci/run statistics"]
 fn what_a_finger_on_aluminium_takes_is_given_back_within_five_time_constants() {
     comes_and_goes(FINGER);
 }

@@ -51,14 +51,14 @@ fn a_secret_plate_is_calibrated_from_two_places() {
 
 /// All twenty of each preset are a program for a nightly run: `src/bin/truths.rs`.
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "statistics: .ci/run statistics"]
 fn secret_plates_are_calibrated_from_two_places() {
     calibrates([("al-bending", 0..2), ("membrane", 0..2)]);
 }
 
 /// Between clamped edges the simulated device has a fit of the answers that the calibration computes.
 #[test]
-#[ignore = "statistics: .ci/run long_tests"]
+#[ignore = "statistics: .ci/run statistics"]
 fn a_secret_clamped_plate_is_calibrated_from_two_places() {
     calibrates([(truths::CLAMPED, 0..1)]);
 }
@@ -74,7 +74,7 @@ mod night {
 }
 
 #[test]
-#[ignore = "a rig on a clamped plate takes seconds to put together: .ci/run long_tests"]
+#[ignore = "a rig on a clamped plate takes seconds to put together: .ci/run statistics"]
 fn a_clamped_plate_is_not_refused_by_its_own_simulation() {
     let judged = truths::calibrate_itself(truths::CLAMPED, Noise::Input).expect("accepted");
     println!("{}", judged.line());

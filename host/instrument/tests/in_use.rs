@@ -120,7 +120,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
 }
 
 #[test]
-#[ignore = "the window's tests run it, too: .ci/run long_tests"]
+#[ignore = "the window's tests run it, too: .ci/run statistics"]
 fn the_script_of_a_window_runs_without_one() {
     let mut session = Session::new();
     let sent = script::play(&mut session);

@@ -73,7 +73,7 @@ fn a_felt_edge_is_the_windows_line_or_refused() {
 }
 
 #[test]
-#[ignore = "all presets, three commands each: .ci/run long_tests"]
+#[ignore = "all presets, three commands each: .ci/run statistics"]
 fn a_felt_edge_is_the_windows_line_or_refused_on_every_preset() {
     slipline_plate::presets().iter().for_each(|preset| compare(preset.name));
 }

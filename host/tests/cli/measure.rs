@@ -104,7 +104,7 @@ fn what_cannot_be_measured_is_named_with_what_is_allowed() {
 }
 
 #[test]
-#[ignore = "a second pass, by a sweep and the current: .ci/run long_tests"]
+#[ignore = "a second pass, by a sweep and the current: .ci/run statistics"]
 fn a_sweep_measures_the_current_and_the_plate_is_calibrated_by_it_alone() {
     let out = file("current.csv");
     let more = ["--input", "current", "--sweep", "--out", out.to_str().unwrap()];
@@ -130,7 +130,7 @@ fn a_sweep_measures_the_current_and_the_plate_is_calibrated_by_it_alone() {
 }
 
 #[test]
-#[ignore = "a second pass, by one place: .ci/run long_tests"]
+#[ignore = "a second pass, by one place: .ci/run statistics"]
 fn one_place_of_a_sensor_calibrates_with_a_model_of_the_source_and_says_so() {
     let found = json(&[&["calibrate"], &ALUMINIUM[..], &["--sensor", "34mm"]].concat());
     assert_eq!(

@@ -60,7 +60,7 @@ fn line_flag_fields_strip_and_trace_name_the_same_place() {
 }
 
 #[test]
-#[ignore = "a second pass, on the other presets: .ci/run long_tests"]
+#[ignore = "a second pass, on the other presets: .ci/run statistics"]
 fn line_flag_fields_strip_and_trace_name_the_same_place_on_every_preset() {
     name_the_same_place(&PLACES[2..]);
 }

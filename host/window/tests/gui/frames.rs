@@ -119,7 +119,7 @@ fn drag(app: &mut TestApp, line: Pos2) {
 }
 
 #[test]
-#[ignore = "a thousand pictures"]
+#[ignore = "a thousand pictures: .ci/run long_tests"]
 fn the_memory_of_a_driven_window_is_flat_from_drag_to_drag() {
     let mut app = dragged();
     let line = line_rect(&app).center();
