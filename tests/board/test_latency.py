@@ -105,8 +105,15 @@ def test_sixteen_tones_on_the_largest_table_begin_soon(rig, measures):
     assert max(seen) + 1 / PHASES <= limit
 
 
-@WHILE_MEASURING
-@pytest.mark.parametrize("ahead", ["nothing", "a drive", "a chunk", "a chunk whose travel is judged", "a commit", "a digest"])
+# Behind each of them while the device measures, which leaves the thread least; behind what takes long at rest, too, at night.
+@pytest.mark.parametrize(
+    "ahead, measures",
+    [
+        pytest.param(ahead, measures, id=f"{ahead}-{'while it measures' * measures}", marks=[pytest.mark.nightly] * (not measures and ahead != "nothing"))
+        for measures in (False, True)
+        for ahead in ("nothing", "a drive", "a chunk", "a chunk whose travel is judged", "a commit", "a digest")
+    ],
+)
 def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahead, measures):
     """R-69: it is found while bytes come in, and while a command is done that takes long; and as soon while the device measures."""
     host = rig.host
@@ -146,8 +153,15 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
 
 @on_serial
 @pytest.mark.every_image
-@WHILE_MEASURING
-@pytest.mark.parametrize("flood", ["requests", "no frame's end"])
+@pytest.mark.parametrize(
+    "flood, measures",
+    [
+        pytest.param("requests", True, id="requests-while it measures"),
+        pytest.param("no frame's end", False, id="no frame's end-"),
+        pytest.param("requests", False, id="requests-", marks=pytest.mark.nightly),
+        pytest.param("no frame's end", True, id="no frame's end-while it measures", marks=pytest.mark.nightly),
+    ],
+)
 def test_an_emergency_stop_in_a_line_that_never_rests_is_at_the_pin_as_soon(rig, flood, measures):
     """R-69: no byte takes an interrupt, and the line is full before the stop and after it."""
     host, cable = rig.host, rig.cable

@@ -1,11 +1,9 @@
 """Arming is a lease: a host that only keeps alive is left by the device."""
-import pytest
-
 from host import ARM_FOR, varint
 from rig import start
 
 
-@pytest.mark.every_image
+# The renderer's matter, not the chip's: the other images have it at night.
 def test_a_device_that_is_armed_on_a_lease_disarms_by_itself(armed):
     armed.host.accept(ARM_FOR, varint(1000))
     at = start(armed)

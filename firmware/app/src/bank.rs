@@ -4,13 +4,13 @@
 //! tones (step, amplitude: at the block's start and end) + exact 64-bit phases
 //!     |
 //!     +- survey: does any tone move?
-//!     |     no: basis of new steps only -> seeds at the 2 centres -> kernel    3.2 cycles per tone and sample
-//!     |    yes: basis -> seeds and corrections at the 8 centres -> kernel      9.8
+//!     |     no: basis of new steps only -> seeds at the 2 centres -> kernel    3.3 cycles per tone and sample
+//!     |    yes: basis -> seeds and corrections at the 8 centres -> kernel      9.7
 //!     v
 //! 128 samples, 27 fractional bits -> code::codes -> 128 codes of 12 bits
 //! ```
 //! (Cycles of a Cortex-M4 without wait states, all included, by a cycle model of the image `slipline-bench`. A block
-//! that re-tunes all tones at once costs 6.5. At 168 MHz and 400 kS/s a block lasts 53 760 cycles: a steady block takes
+//! that re-tunes all tones at once costs 6.6. At 168 MHz and 400 kS/s a block lasts 53 760 cycles: a steady block takes
 //! 12 % of that, a re-tuned one 25 %, the worst, gliding one 37 %.)
 //!
 //! **Phase.** A tone's step moves linearly over the block, so its phase at sample `n` is the parabola

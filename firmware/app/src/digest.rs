@@ -5,6 +5,15 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+#[expect(unsafe_code, reason = "assembly; listed in firmware/UNSAFE.md")]
+// The formatter would put each operand of an instruction on a line of its own.
+#[rustfmt::skip]
+mod cortex_m4;
+
+#[cfg(all(target_arch = "arm", target_os = "none"))]
+use self::cortex_m4::after_eights;
+
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::units::SampleIndex;
@@ -56,11 +65,18 @@ impl Remainder {
 
     #[inline]
     fn take(&mut self, codes: &[u16]) {
-        let (pairs, last) = codes.as_chunks();
-        for &[first, second] in pairs {
-            self.0 = self.after(u32::from(first) | u32::from(second) << 16);
+        let (eights, rest) = codes.as_chunks();
+        *self = after_eights(*self, eights);
+        if !rest.is_empty() {
+            self.take_rest(rest);
         }
-        if let &[code] = last {
+    }
+
+    // Rare, at a window's two ends: it takes no room among what every block runs.
+    #[cold]
+    #[inline(never)]
+    fn take_rest(&mut self, codes: &[u16]) {
+        for &code in codes {
             // The codes fill the lower two bytes only; the upper two move down.
             let Self(before) = *self;
             self.0 = (before >> 16) ^ Self(before << 16).after(u32::from(code) << 16);
@@ -78,6 +94,15 @@ impl Remainder {
     const fn digest(self) -> u32 {
         self.0 ^ CRC.algorithm.xorout
     }
+}
+
+/// The remainder after all the codes.
+#[cfg(not(all(target_arch = "arm", target_os = "none")))]
+fn after_eights(remainder: Remainder, eights: &[[u16; 8]]) -> Remainder {
+    let (pairs, _) = eights.as_flattened().as_chunks();
+    pairs.iter().fold(remainder, |remainder, &[first, second]| {
+        Remainder(remainder.after(u32::from(first) | u32::from(second) << 16))
+    })
 }
 
 #[inline(always)]

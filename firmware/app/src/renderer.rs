@@ -275,7 +275,8 @@ impl Renderer {
             listener.block_is_rendered(index, self.bank.phases(), &self.tones, mailbox);
         }
         self.bank.render(&self.tones, &mut self.samples);
-        self.clipped = code::codes(&self.samples, codes);
+        let code::Conversion { clipped, energy } = code::codes(&self.samples, codes);
+        self.clipped = clipped;
 
         if let Some(state) = self.digester.take(orders.digest, index, codes) {
             mailbox.set_digest(state);
@@ -285,7 +286,7 @@ impl Renderer {
         self.report.stopping = self.stop_ends.is_some_and(|end| next < end);
         self.report.muted = self.muted;
         self.report.clips = self.report.clips.saturating_add(self.clipped);
-        self.energy = if self.is_quiet { 0 } else { code::energy(codes) };
+        self.energy = if self.is_quiet { 0 } else { energy };
         self.report.energy = self.report.energy.wrapping_add(self.energy.into());
         mailbox.end_block(self.report);
         self.index = next;

@@ -74,6 +74,18 @@ impl Ring for Codes {
         });
     }
 
+    fn write_block(&self, half: usize, codes: &[u16; BLOCK]) {
+        let mut word = self.0.get().cast::<u32>().wrapping_add((half & 1) * BLOCK);
+        // Reads in a row take fewer cycles than reads between writes.
+        for &[a, b, c, d] in codes.as_chunks().0 {
+            for code in [a, b, c, d] {
+                // SAFETY: as above, one after the other.
+                unsafe { word.write_volatile(u32::from(code)) };
+                word = word.wrapping_add(1);
+            }
+        }
+    }
+
     fn last(&self, half: usize) -> u16 {
         let word = self.0.get().cast::<u32>().wrapping_add((half & 1) * BLOCK + BLOCK - 1);
         // SAFETY: the last word of a half of the ring.

@@ -31,7 +31,7 @@ use slipline_app::safety::fade::fade;
 pub(crate) const MARGIN: usize = 8;
 
 /// A block that has been handed over can be revised if the DMA enters its half in no fewer samples. Until the new codes are
-/// handed over the renderer takes 5130 cycles (F407) or 6010 cycles (G474), wait states included: 14.2 samples
+/// handed over the renderer takes 5130 cycles (F407) or 6250 cycles (G474), wait states included: 14.7 samples
 /// (`tests/board/test_speed.py` compares). The DMA's interrupt may come between and take 3 more, and [`MARGIN`] comes on top.
 pub(crate) const REVISION: usize = 28;
 
@@ -43,6 +43,10 @@ pub(crate) struct Late;
 pub(crate) trait Ring {
     /// Writes a half (0 or 1), first code first.
     fn write(&self, half: usize, codes: impl Iterator<Item = u16>);
+    /// As `write`, of a block.
+    fn write_block(&self, half: usize, codes: &[u16; BLOCK]) {
+        self.write(half, codes.iter().copied());
+    }
     /// The last code of a half.
     fn last(&self, half: usize) -> u16;
     /// Codes of the ring that are left until the DMA begins it again: 1 to 2 * [`BLOCK`].
@@ -153,7 +157,7 @@ impl Halves {
         let fading = self.fading.load(Relaxed) && ring.last(1 - free) != MID_SCALE;
         self.fading.store(fading, Relaxed);
         if !fading {
-            ring.write(free, codes.iter().copied());
+            ring.write_block(free, codes);
         }
         if self.unplayed() != 1 {
             return Err(self.late());
@@ -176,7 +180,7 @@ impl Halves {
             self.fading.store(true, Relaxed);
             return Err(Late);
         }
-        ring.write(self.written_last(), codes.iter().copied());
+        ring.write_block(self.written_last(), codes);
         Ok(())
     }
 

@@ -80,21 +80,30 @@ impl Codes {
     /// upper four of them are 0.
     #[inline(never)]
     fn read(&self, place: usize, input: usize, codes: &mut [u16; BLOCK]) {
-        let (place, halves) = (place % RING, self.0.get().cast::<u16>().wrapping_add(input % INPUTS));
-        // SAFETY: half of a word of the ring, for a place in it; the two runs of places end with it. Volatile, because the
+        let place = place % RING;
+        let (until_end, from_start) = codes.split_at_mut((RING - place).min(BLOCK));
+        self.read_run(place, input, until_end);
+        if !from_start.is_empty() {
+            self.read_run(0, input, from_start);
+        }
+    }
+
+    /// Reads the codes of one input from a place on; the run does not pass the ring's end.
+    // A call, so that its unrolled loops are in the fast memory once.
+    #[inline(never)]
+    fn read_run(&self, mut place: usize, input: usize, codes: &mut [u16]) {
+        let halves = self.0.get().cast::<u16>().wrapping_add(input % INPUTS);
+        // SAFETY: half of a word of the ring, for a place in it; the caller's two runs end with it. Volatile, because the
         // compiler does not know that the DMA writes it.
         let code = |place| unsafe { halves.wrapping_add(INPUTS * place).read_volatile() };
-        let (until_end, from_start) = codes.split_at_mut((RING - place).min(BLOCK));
-        for (codes, mut place) in [(until_end, place), (from_start, 0)] {
-            // Reads in a row take fewer cycles than reads between writes.
-            let (groups, rest) = codes.as_chunks_mut::<4>();
-            for codes in groups {
-                *codes = core::array::from_fn(|n| code(place + n));
-                place += codes.len();
-            }
-            for (n, rest) in rest.iter_mut().enumerate() {
-                *rest = code(place + n);
-            }
+        // Reads in a row take fewer cycles than reads between writes.
+        let (groups, rest) = codes.as_chunks_mut::<4>();
+        for codes in groups {
+            *codes = core::array::from_fn(|n| code(place + n));
+            place += codes.len();
+        }
+        for (n, rest) in rest.iter_mut().enumerate() {
+            *rest = code(place + n);
         }
     }
 }

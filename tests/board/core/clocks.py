@@ -52,8 +52,8 @@ class Clocks:
 
     def is_clocked(self, page):
         """Whether a page's peripheral has its clock; one that is not in the table always has."""
-        register, bit = self.ENABLES.get(page, (None, None))
-        return register is None or bool(self.registers.get(register, 0) >> bit & 1)
+        enable = self.ENABLES.get(page)
+        return enable is None or bool(self.registers.get(enable[0], 0) >> enable[1] & 1)
 
     def hse_hz(self):
         return self.HSE_HZ if self.has_crystal else 0.0

@@ -11,10 +11,13 @@ class Dmamux:
 
     def reset(self):
         self.routes = [0] * self.CHANNELS
+        self.reached = {}
 
     def channels(self, request):
         """The DMA channels, counted over both controllers, that a request reaches."""
-        return [channel for channel, route in enumerate(self.routes) if route & self.REQUEST == request]
+        if request not in self.reached:
+            self.reached[request] = [channel for channel, route in enumerate(self.routes) if route & self.REQUEST == request]
+        return self.reached[request]
 
     def read(self, offset):
         assert offset < 4 * self.CHANNELS, f"DMAMUX1 has no modelled register {offset:#x}"
@@ -24,3 +27,4 @@ class Dmamux:
         assert offset < 4 * self.CHANNELS, f"DMAMUX1 has no modelled register {offset:#x}"
         assert not value & ~self.REQUEST, "only the request's number is modelled"
         self.routes[offset // 4] = value
+        self.reached = {}

@@ -193,8 +193,11 @@ class Processor(Faults, Agenda):
 
     def next_exception(self):
         """Priority and number of the exception to enter now, or None."""
-        is_masked = self.cpu.reg_read(UC_ARM_REG_PRIMASK) & 1 or self.cpu.reg_read(UC_ARM_REG_FAULTMASK) & 1
         running = min((priority for priority, _ in self.active), default=256)
+        # Masks only hold back. Reading the core's registers takes much longer than looking for what may wait.
+        if not self.nvic.next(running, False):
+            return None
+        is_masked = self.cpu.reg_read(UC_ARM_REG_PRIMASK) & 1 or self.cpu.reg_read(UC_ARM_REG_FAULTMASK) & 1
         return self.nvic.next(min(running, self.cpu.reg_read(UC_ARM_REG_BASEPRI) or 256), is_masked)
 
     def enter(self, priority, exception):

@@ -134,7 +134,7 @@ class Board(board.Board):
             return False
         channels = self.mux.channels(REQUESTS[name])
         assert len(channels) <= 1, "a request reaches several channels"
-        return any(
-            self.clocks.is_clocked(self.dma[channel // 8 + 1].base) and self.dma[channel // 8 + 1].request(channel % 8)
-            for channel in channels
-        )
+        for channel in channels:
+            dma = self.dma[channel // 8 + 1]
+            return self.clocks.is_clocked(dma.base) and dma.request(channel % 8)
+        return False

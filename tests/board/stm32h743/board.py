@@ -142,7 +142,7 @@ class Board(board.Board):
     def request_dma(self, name):
         streams = self.mux.channels(REQUESTS[name])
         assert len(streams) <= 1, "a request reaches several streams"
-        return any(
-            self.clocks.is_clocked(self.dma[stream // 8 + 1].base) and self.dma[stream // 8 + 1].request(stream % 8)
-            for stream in streams
-        )
+        for stream in streams:
+            dma = self.dma[stream // 8 + 1]
+            return self.clocks.is_clocked(dma.base) and dma.request(stream % 8)
+        return False

@@ -13,15 +13,15 @@
 //! r0 the words' address, r1-r8 the sums, r9-r12 four words, lr one coefficient; s0-s31 the 16 x 2 coefficients
 //! per tone: LDM 5 cycles + 2 VMOV + 8 SMMLA = 15 cycles for 8 products, 1.875 each
 //! ```
-//! The loop over the four-sample groups is one straight run of 176 instructions, 704 bytes: it stays within the 1 KiB
-//! instruction cache of an STM32F4.
+//! A four-sample group is one straight run of 176 instructions, 704 bytes. On the chips with this core the kernels lie in RAM
+//! (`memory/fast.x`), where no jump and no cache's size matters: what is unrolled saves its loop and costs room alone.
 
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
 
 use super::block::{BLOCK, TONES, ToneBlock};
 use super::glide::{HALF_UNIT, THETA};
-use super::kernel::{Kernel, Survey};
+use super::kernel::{Converted, Kernel, Survey};
 use super::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
 use super::quantize::{CODES_PER_UNIT, MAX_CODE, MID_SCALE};
 use super::sine::{RADIANS, TABLE};
@@ -40,7 +40,8 @@ const _: () = {
     assert!(offset_of!(GlideBasis, odd) == 1536 && offset_of!(GlideSeeds, odd) == 1536);
 };
 
-/// Four samples from `{from}`, rounded, clamped (which Q remembers) and packed to `{to}`.
+/// Four samples from `{from}`, rounded, clamped (which Q remembers) and packed to `{to}`; the squares of the codes' distances
+/// from mid-scale are added to `{energy}`, which they cannot make overflow.
 macro_rules! four_codes {
     () => {
         concat!(
@@ -50,19 +51,8 @@ macro_rules! four_codes {
             "usat r2, #12, r2\nusat r3, #12, r3\nusat r4, #12, r4\nusat r5, #12, r5\n",
             "pkhbt r2, r2, r3, lsl #16\npkhbt r4, r4, r5, lsl #16\n",
             "str r4, [{to}, #4]\nstr r2, [{to}], #8\n",
-        )
-    };
-}
-
-/// Adds the squares of eight codes' distances from mid-scale, `$at` bytes on from `{from}`, to `{energy}`.
-macro_rules! eight_squares {
-    ($at:literal) => {
-        concat!(
-            "ldr r2, [{from}, #", $at, "]\nldr r3, [{from}, #", $at, " + 4]\n",
-            "ldr r4, [{from}, #", $at, " + 8]\nldr r5, [{from}, #", $at, " + 12]\n",
-            "ssub16 r2, r2, {mid}\nssub16 r3, r3, {mid}\nssub16 r4, r4, {mid}\nssub16 r5, r5, {mid}\n",
-            "smlad {energy}, r2, r2, {energy}\nsmlad {energy}, r3, r3, {energy}\n",
-            "smlad {energy}, r4, r4, {energy}\nsmlad {energy}, r5, r5, {energy}\n",
+            "ssub16 r2, r2, {mids}\nssub16 r4, r4, {mids}\n",
+            "smlad {energy}, r2, r2, {energy}\nsmlad {energy}, r4, r4, {energy}\n",
         )
     };
 }
@@ -114,14 +104,14 @@ impl Kernel for CortexM4 {
         unsafe { glide(basis, seeds, out) }
     }
 
-    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool {
+    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> Converted {
         const { assert!(MAX_CODE == 4095, "the instruction below saturates to 12 bits") };
-        let clamped: u32;
+        let (clamped, energy): (u32, u32);
         // SAFETY: eight rounds read sixteen samples and write sixteen codes each: 128 of both. The only flags changed
-        // are those of the comparison and Q, which no compiled code relies on.
+        // are those of the comparison, GE and Q, which no compiled code relies on.
         unsafe {
             asm!(
-                "msr apsr_nzcvq, {zero}",
+                "msr apsr_nzcvq, {energy}",
                 "2:",
                 four_codes!(),
                 four_codes!(),
@@ -129,41 +119,19 @@ impl Kernel for CortexM4 {
                 four_codes!(),
                 "cmp {from}, {end}",
                 "bne 2b",
-                "mrs {zero}, apsr",
-                zero = inout(reg) 0_u32 => clamped,
+                "mrs {scale}, apsr",
+                energy = inout(reg) 0_u32 => energy,
                 from = inout(reg) samples.as_ptr() => _,
                 end = in(reg) samples.as_ptr().wrapping_add(BLOCK),
                 to = inout(reg) out.as_mut_ptr() => _,
-                scale = in(reg) CODES_PER_UNIT,
+                scale = inout(reg) CODES_PER_UNIT => clamped,
                 mid = in(reg) u32::from(MID_SCALE),
+                mids = in(reg) u32::from(MID_SCALE) << 16 | u32::from(MID_SCALE),
                 out("r2") _, out("r3") _, out("r4") _, out("r5") _,
                 options(nostack),
             );
         }
-        clamped & (1 << 27) != 0
-    }
-
-    fn energy(codes: &[u16; BLOCK]) -> u32 {
-        let energy: u32;
-        // SAFETY: eight rounds read sixteen codes each: 128, two to a word, which LDR may load from any address. Beside
-        // the comparison's flags GE changes, which no compiled code relies on.
-        unsafe {
-            asm!(
-                "2:",
-                eight_squares!("0"),
-                eight_squares!("16"),
-                "add {from}, {from}, #32",
-                "cmp {from}, {end}",
-                "bne 2b",
-                energy = inout(reg) 0_u32 => energy,
-                from = inout(reg) codes.as_ptr() => _,
-                end = in(reg) codes.as_ptr().wrapping_add(BLOCK),
-                mid = in(reg) u32::from(MID_SCALE) << 16 | u32::from(MID_SCALE),
-                out("r2") _, out("r3") _, out("r4") _, out("r5") _,
-                options(nostack, readonly),
-            );
-        }
-        energy
+        Converted { is_clamped: clamped & (1 << 27) != 0, energy }
     }
 }
 
@@ -306,40 +274,41 @@ macro_rules! load_seeds {
     };
 }
 
-/// The sums of a pass of packed corrections, times `tau / 8` and scaled to those of the main pass. Sets the flags to
-/// "equal" if these were the second group's.
+/// The sums of four samples of a pass of packed corrections, times `tau / 8` and scaled to those of the main pass: `$tau` is
+/// the first sample's `2 tau` with 25 fractional bits, the others' are two more each.
 macro_rules! bends {
-    () => {
+    ($tau0:literal, $tau1:literal, $tau2:literal, $tau3:literal) => {
         concat!(
             tone!("0", "1", set "smuad"),
             other_tones!("smlad"),
-            "ldr r9, [sp, #12]\ncmp r0, r9\n",
-            // 1, 3, 5, 7 or 9, 11, 13, 15, with 25 fractional bits
-            "ite eq\nmoveq r9, #0x12000000\nmovne r9, #0x02000000\n",
-            "add r10, r9, #0x04000000\nadd r11, r10, #0x04000000\nadd r12, r11, #0x04000000\n",
+            "mov r9, #", $tau0, "\nmov r10, #", $tau1, "\nmov r11, #", $tau2, "\nmov r12, #", $tau3, "\n",
             "smmul r1, r1, r9\nsmmul r2, r2, r10\nsmmul r3, r3, r11\nsmmul r4, r4, r12\n",
             "smmul r5, r5, r9\nsmmul r6, r6, r10\nsmmul r7, r7, r11\nsmmul r8, r8, r12\n",
         )
     };
 }
 
-/// After a group whose sums' address `r9` is stored at `[sp, $slot]`, with the flags at "equal" if it was a pair's
-/// second: on by `$next` bytes to the second group at label `$group`, or on by `$onward` to the next pair at label
-/// `$pair`, until `$end`. Leaves the words' address at the start of the next pass.
-macro_rules! next_group {
-    ($slot:literal, $next:literal, $group:literal, $onward:literal, $pair:literal, $end:literal, $done:literal) => {
+/// The corrections of all pairs, at label `$pair`: the sums' address of a pair's first group is stored at `[sp, $slot]`, those
+/// of the second lie `$next` bytes on, the next pair's 128. Leaves the words' address at the start of the next pass.
+macro_rules! bends_of_all_pairs {
+    ($slot:literal, $next:literal, $second:literal, $pair:literal, $end:literal) => {
         concat!(
-            "beq ", $done, "f\n",
+            $pair, ":\n",
+            load_seeds!(),
+            bends!("1 << 25", "3 << 25", "5 << 25", "7 << 25"),
+            "ldr r9, [sp, #", $slot, "]\n",
+            store_sums!("64"),
+            bends!("9 << 25", "11 << 25", "13 << 25", "15 << 25"),
+            "ldr r9, [sp, #", $slot, "]\nldr r10, [sp, #", $end, "]\n",
             "add r9, r9, #", $next, "\n",
+            store_sums!("64"),
+            "add r9, r9, #", $second, "\n",
             "str r9, [sp, #", $slot, "]\n",
-            "b ", $group, "b\n",
-            $done, ":\n",
-            "add r9, r9, #", $onward, "\n",
-            "str r9, [sp, #", $slot, "]\n",
-            "ldr r10, [sp, #", $end, "]\n",
             "sub r0, r0, #512\n",
             "cmp r9, r10\n",
             "bne ", $pair, "b\n",
+            "sub r9, r9, #512\n",
+            "str r9, [sp, #", $slot, "]\n",
             "add r0, r0, #1024\n",
             "str r0, [sp, #12]\n",
             "sub r0, r0, #512\n",
@@ -363,22 +332,12 @@ unsafe extern "C" fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i3
         "add r3, r2, #16",
         "str r3, [sp, #4]",
         "str r1, [sp, #8]",
-        "add r3, r0, #512",
-        "str r3, [sp, #12]",
         "add r3, r2, #544",
         "str r3, [sp, #16]",
         "add r3, r2, #528",
         "str r3, [sp, #20]",
         // E's corrections
-        "2:",
-        load_seeds!(),
-        "20:",
-        bends!(),
-        "ldr r9, [sp]",
-        store_sums!("64"),
-        next_group!("0", "16", "20", "112", "2", "16", "21"),
-        "sub r9, r9, #512",
-        "str r9, [sp]",
+        bends_of_all_pairs!("0", "16", "112", "2", "16"),
         // E
         "3:",
         load_seeds!(),
@@ -391,19 +350,22 @@ unsafe extern "C" fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i3
         "ldr r10, [sp, #12]",
         "cmp r0, r10",
         store_sums!("64"),
-        next_group!("0", "16", "30", "112", "3", "16", "31"),
+        "beq 31f",
+        "add r9, r9, #16",
+        "str r9, [sp]",
+        "b 30b",
+        "31:",
+        "add r9, r9, #112",
+        "str r9, [sp]",
+        "ldr r10, [sp, #16]",
+        "sub r0, r0, #512",
+        "cmp r9, r10",
+        "bne 3b",
+        "add r0, r0, #512",
         "sub r9, r9, #512",
         "str r9, [sp]",
         // O's corrections
-        "4:",
-        load_seeds!(),
-        "40:",
-        bends!(),
-        "ldr r9, [sp, #4]",
-        store_sums!("64"),
-        next_group!("4", "-16", "40", "144", "4", "20", "41"),
-        "sub r9, r9, #512",
-        "str r9, [sp, #4]",
+        bends_of_all_pairs!("4", "-16", "144", "4", "20"),
         // O, and both
         "5:",
         load_seeds!(),
@@ -689,7 +651,7 @@ macro_rules! basis_words {
     };
 }
 
-/// `rebuild` and `seed` of `glide.rs` for sixteen tones, about 600 cycles each.
+/// `rebuild` and `seed` of `glide.rs` for sixteen tones, about 580 cycles each.
 #[unsafe(naked)]
 unsafe extern "C" fn seed_glide(
     phases: &mut [u64; TONES],
@@ -698,11 +660,10 @@ unsafe extern "C" fn seed_glide(
     seeds: &mut GlideSeeds,
 ) {
     // s0 RADIANS, s1 THETA, s2-s8 as `sub_block` says, s9 phases, s10 tones, s11 basis, s12 seeds, s13 the phases'
-    // end, s14 half the basis's step, s15 the end of half the seeds.
+    // end, s14 half the basis's step, s15 TABLE.
     naked_asm!(
         ".fpu fpv4-sp-d16",
         "push {{r4-r11, lr}}",
-        "vmov s9, r0",
         "vmov s10, r1",
         "vmov s11, r2",
         "vmov s12, r3",
@@ -714,17 +675,14 @@ unsafe extern "C" fn seed_glide(
         "movw r4, #{theta} & 0xFFFF",
         "movt r4, #{theta} >> 16",
         "vmov s1, r4",
+        "movw r4, #:lower16:{table}",
+        "movt r4, #:upper16:{table}",
+        "vmov s15, r4",
         "2:",
-        "vmov r0, s9",
         "vmov r1, s10",
         "ldr r2, [r0]",
         "ldr r3, [r0, #4]",
-        "ldr r4, [r1]",
-        "ldr r5, [r1, #4]",
-        "ldr r6, [r1, #8]",
-        "ldr r7, [r1, #12]",
-        "ldr r8, [r1, #16]",
-        "ldr r9, [r1, #20]",
+        "ldm r1!, {{r4, r5, r6, r7, r8, r9}}",
         // The next block's phase: 64 (step + step_end) on.
         "adds r10, r4, r6",
         "adc r11, r5, r7",
@@ -734,7 +692,6 @@ unsafe extern "C" fn seed_glide(
         "adc r11, r3, r11",
         "str r12, [r0], #4",
         "str r11, [r0], #4",
-        "add r1, r1, #24",
         "vmov s9, r0",
         "vmov s10, r1",
         // The change, in 2^-40 turns.
@@ -793,14 +750,10 @@ unsafe extern "C" fn seed_glide(
         "vmov s5, r8",
         "vmov r0, s12",
         "vmov r7, s0",
-        "movw r1, #:lower16:{table}",
-        "movt r1, #:upper16:{table}",
-        "add r8, r0, #256",
-        "vmov s15, r8",
+        "vmov r1, s15",
         "add r8, r0, #8",
         "vmov s12, r8",
-        // Four sub-blocks, and once more.
-        "3:",
+        // Eight sub-blocks, in one straight run: there is no loop to be paid for.
         sub_block!("0"),
         onward!(),
         sub_block!("4"),
@@ -808,13 +761,14 @@ unsafe extern "C" fn seed_glide(
         sub_block!("128"),
         onward!(),
         sub_block!("132"),
-        "vmov r8, s15",
-        "add r0, r0, #256",
-        "cmp r0, r8",
-        "bne 4f",
         onward!(),
-        "b 3b",
-        "4:",
+        sub_block!("256"),
+        onward!(),
+        sub_block!("260"),
+        onward!(),
+        sub_block!("384"),
+        onward!(),
+        sub_block!("388"),
         // The basis.
         "vmov r2, s14",
         "vmov r0, s11",

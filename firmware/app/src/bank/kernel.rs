@@ -18,6 +18,15 @@ pub(super) enum Survey {
     Gliding,
 }
 
+/// What a block's codes come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Converted {
+    /// Whether any sample had to be clamped.
+    pub(super) is_clamped: bool,
+    /// The sum of the squares of the codes' distances from mid-scale: at most `128 * 2048^2`, 29 bits.
+    pub(super) energy: u32,
+}
+
 /// The computations of one block, for one kind of processor.
 pub(super) trait Kernel {
     /// What the tones need; `inverted_steps` are the steps that the steady basis is made for, with every bit inverted.
@@ -43,8 +52,6 @@ pub(super) trait Kernel {
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]);
     /// The same for the eight sub-blocks of 16 samples of a gliding block, `E` and `O` each with their corrections.
     fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i32; BLOCK]);
-    /// The codes of a block, rounded and clamped; returns whether any had to be clamped.
-    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool;
-    /// The sum of the squares of the codes' distances from mid-scale.
-    fn energy(codes: &[u16; BLOCK]) -> u32;
+    /// The codes of a block, rounded and clamped.
+    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> Converted;
 }

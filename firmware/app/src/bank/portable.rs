@@ -1,7 +1,7 @@
 //! The kernel in portable Rust.
 
 use super::block::{BLOCK, TONES, ToneBlock};
-use super::kernel::{Kernel, Survey};
+use super::kernel::{Converted, Kernel, Survey};
 use super::layout::{
     GLIDE_HALF, GROUP, GlideBasis, GlideSeeds, PAIR, Pair, STEADY_HALF, SteadyBasis, SteadySeeds, Turn,
 };
@@ -77,18 +77,15 @@ impl Kernel for Portable {
         }
     }
 
-    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> bool {
-        let mut clipped = false;
+    fn codes(samples: &[i32; BLOCK], out: &mut [u16; BLOCK]) -> Converted {
+        let mut converted = Converted { is_clamped: false, energy: 0 };
         for (sample, code) in samples.iter().zip(out) {
-            let (value, clamped) = quantize(*sample, ROUND);
+            let (value, is_clamped) = quantize(*sample, ROUND);
             *code = value;
-            clipped |= clamped;
+            converted.is_clamped |= is_clamped;
+            converted.energy = converted.energy.wrapping_add(u32::from(value.abs_diff(MID_SCALE)).pow(2));
         }
-        clipped
-    }
-
-    fn energy(codes: &[u16; BLOCK]) -> u32 {
-        codes.iter().map(|code| u32::from(code.abs_diff(MID_SCALE)).pow(2)).sum()
+        converted
     }
 }
 

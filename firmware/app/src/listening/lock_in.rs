@@ -60,8 +60,8 @@
 //! ```
 //!
 //! **Cost** on a Cortex-M4 without wait states, sixteen tones on one input, all included, by a cycle model of the image
-//! `slipline-bench`: 3.86 cycles per tone and sample while every tone is steady (15 % of a block's time at 168 MHz and
-//! 400 kS/s), 4.93 while every tone glides (19 %). The goal is 5. Of these, the products and their turns are 1.5, a new
+//! `slipline-bench`: 3.88 cycles per tone and sample while every tone is steady (15 % of a block's time at 168 MHz and
+//! 400 kS/s), 4.95 while every tone glides (19 %). The goal is 5. Of these, the products and their turns are 1.5, a new
 //! basis 1.1, folding 0.3, and remembering how the block was rendered 0.2.
 //!
 //! **Messages.** What a protocol has to carry: *start*: a [`Window`] (first index, length in blocks, shape, slots);

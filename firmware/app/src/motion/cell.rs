@@ -3,6 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use slipline_protocol::limits::MAX_TONES;
+use slipline_protocol::table::Setting;
 use slipline_protocol::units::{FinePosition, Gain, PhaseStep, SampleIndex};
 
 use super::Motion;
@@ -109,6 +110,15 @@ impl TrajectoryCell {
         }
     }
 
+    /// The setting of a trajectory that holds.
+    #[inline(always)]
+    fn constant(&self) -> Setting {
+        Setting {
+            step: PhaseStep(joined(&self.step_upper, &self.step_lower)),
+            gain: Gain(self.gain.load(Relaxed)),
+        }
+    }
+
     fn store(&self, tone: &ToneTrajectory) {
         self.from.store(tone.from.raw(), Relaxed);
         self.to.store(tone.to.raw(), Relaxed);
@@ -151,10 +161,18 @@ impl TrajectoryRead for TrajectoryCell {
                 step_lower: self.step_lower.load(Relaxed),
                 gain: self.gain.load(Relaxed).cast_signed(),
             },
-            _ => SettingTrajectory::Hold {
-                step: PhaseStep(joined(&self.step_upper, &self.step_lower)),
-                gain: Gain(self.gain.load(Relaxed)),
-            },
+            _ => {
+                let Setting { step, gain } = self.constant();
+                SettingTrajectory::Hold { step, gain }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn held(&self) -> Option<Setting> {
+        match self.kind.load(Relaxed) {
+            ALONG | JOIN => None,
+            _ => Some(self.constant()),
         }
     }
 }

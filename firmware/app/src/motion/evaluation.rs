@@ -17,6 +17,8 @@ pub(super) trait TrajectoryRead {
     /// From which level to which.
     fn levels(&self) -> (Gain, Gain);
     fn setting(&self) -> SettingTrajectory;
+    /// The setting, if it does not move.
+    fn held(&self) -> Option<Setting>;
 }
 
 impl TrajectoryRead for ToneTrajectory {
@@ -33,6 +35,14 @@ impl TrajectoryRead for ToneTrajectory {
     #[inline(always)]
     fn setting(&self) -> SettingTrajectory {
         self.setting
+    }
+
+    #[inline(always)]
+    fn held(&self) -> Option<Setting> {
+        match self.setting {
+            SettingTrajectory::Hold { step, gain } => Some(Setting { step, gain }),
+            SettingTrajectory::Along | SettingTrajectory::Join { .. } => None,
+        }
     }
 }
 
@@ -57,9 +67,9 @@ pub(super) fn place(
         place.level = between_levels(from, to, s);
     }
     for (place, tone) in places.iter_mut().zip(tones) {
-        place.setting = match tone.setting() {
-            SettingTrajectory::Hold { step, gain } => Setting { step, gain },
-            SettingTrajectory::Along | SettingTrajectory::Join { .. } => table.evaluate(place.position),
+        place.setting = match tone.held() {
+            Some(setting) => setting,
+            None => table.evaluate(place.position),
         };
     }
     let left = ONE.saturating_sub(s);

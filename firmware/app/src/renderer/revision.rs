@@ -44,14 +44,13 @@ impl Renderer {
         // First what the DAC waits for; for the rest there is time.
         let ramp = Outline::fading(&self.here, first, self.ramp(stop), self.outline.table);
         self.lead_to(ramp.share_left(self.index, &self.shape));
-        let clipped = code::codes(&self.samples, codes);
+        let code::Conversion { clipped, energy } = code::codes(&self.samples, codes);
         let handed_over = hand_over(codes);
 
         self.fade_from(first, self.ramp(stop), mailbox);
         self.end_at_the_ramp(mailbox);
         self.report.clips = self.report.clips.saturating_sub(self.clipped).saturating_add(clipped);
         self.clipped = clipped;
-        let energy = code::energy(codes);
         let change = u64::from(energy).wrapping_sub(self.energy.into());
         self.report.energy = self.report.energy.wrapping_add(change);
         self.energy = energy;

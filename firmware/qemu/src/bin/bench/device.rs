@@ -66,7 +66,7 @@ impl CycleBench {
             (Some(true), [_, down]) => down,
         };
         self.bank.render(tones, &mut self.samples);
-        self.clipped = self.clipped.wrapping_add(codes(&self.samples, &mut self.codes));
+        self.clipped = self.clipped.wrapping_add(codes(&self.samples, &mut self.codes).clipped);
     }
 }
 
