@@ -241,6 +241,7 @@ impl App {
         let intents = view::show(ui, &scene, &mut view);
         self.view = view;
         self.perform(&ui.ctx().clone(), intents);
+        self.view.is_stopped = false;
     }
 }
 

@@ -43,9 +43,16 @@ impl App {
                     self.instrument.perform_device(asked);
                 }
                 Intent::Connect(port) => self.connect(port),
+                Intent::Start if self.view.is_stopped => {}
                 Intent::Start => self.instrument.start(),
-                Intent::Stop => self.instrument.press_stop(),
-                Intent::StopKey => self.instrument.press_stop_key(),
+                Intent::Stop => {
+                    self.view.is_stopped = true;
+                    self.instrument.press_stop();
+                }
+                Intent::StopKey => {
+                    self.view.is_stopped = true;
+                    self.instrument.press_stop_key();
+                }
                 Intent::Disarm => self.instrument.disarm(),
                 Intent::HoldLevel(is_on) => self.instrument.switch_hold(is_on),
                 Intent::MaxRise(decibels) => self.instrument.choose_max_rise(decibels),

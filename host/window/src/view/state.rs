@@ -58,6 +58,8 @@ pub(crate) struct ViewState {
     pub(crate) pressing: Pressing,
     /// The brush of the envelope: it is there while the page Texture is open.
     pub(crate) brush: Brush,
+    /// STOP was pressed since the last picture: a Drive of the same picture, before it or after it, is not carried out.
+    pub(crate) is_stopped: bool,
     /// Whether the Tab key was pressed while nothing had the focus: it begins with the line.
     pub(crate) begins_by_tab: bool,
     /// The line whose knob was pressed and is still under the pointer.

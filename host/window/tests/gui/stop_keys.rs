@@ -284,3 +284,17 @@ fn two_keys_on_a_silent_real_device_are_an_emergency_stop_as_ever() {
         assert_eq!(sent(&link), "SDE", "{state:?}");
     }
 }
+
+#[test]
+fn stop_wins_over_drive_in_the_same_picture_whichever_was_pressed_first() {
+    let press =
+        |key, modifiers| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+    let (drive, stop) = (press(Key::Enter, Modifiers::COMMAND), press(Key::Escape, Modifiers::NONE));
+    for keys in [[drive.clone(), stop.clone()], [stop, drive]] {
+        let link = real_device(State::Armed);
+        let mut window = show(&link);
+        window.input_mut().events.extend(keys);
+        window.run_steps(3);
+        assert_eq!(sent(&link), "SD");
+    }
+}
