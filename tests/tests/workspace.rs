@@ -47,6 +47,7 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         "slipline-model",
         "slipline-instrument",
         "slipline-plate",
+        "slipline-python",
         "slipline-window",
         "slipline-tests",
         // The same sources as the three of these names, with the protocol's next minor.
@@ -71,6 +72,10 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         ("slipline", "slipline-model"),
         ("slipline", "slipline-plate"),
         ("slipline", "slipline-window"),
+        ("slipline-python", "slipline-instrument"),
+        ("slipline-python", "slipline-link"),
+        ("slipline-python", "slipline-model"),
+        ("slipline-python", "slipline-plate"),
         ("slipline-window", "slipline-instrument"),
         ("slipline-window", "slipline-link"),
         ("slipline-window", "slipline-model"),
