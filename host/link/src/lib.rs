@@ -56,6 +56,7 @@ mod sounding;
 pub mod table;
 mod trace;
 pub mod transport;
+mod trigger_outcome;
 mod undecided;
 pub mod upkeep;
 
@@ -78,6 +79,7 @@ pub use snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, Uploa
 pub use sounding::Sounding;
 pub use table::{DeviceTable, DeviceTableError};
 pub use trace::{FRAMES, FRAMES_KEPT, TracedFrame, TracedMessage};
+pub use trigger_outcome::TriggerOutcome;
 
 /// Codes of one block: the device takes up changes between blocks.
 pub use slipline_app::BLOCK;

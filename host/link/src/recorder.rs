@@ -72,6 +72,8 @@ impl Recorder {
 
     /// Records a drive or a chord that waits for the trigger input; a rise counts from this index on.
     pub(crate) fn wait_for_trigger(&mut self, from: SampleIndex, drive: Change) {
+        // The last report is about an earlier drive.
+        self.view.trigger = None;
         self.undecided.wait(from, drive);
     }
 
