@@ -4,6 +4,7 @@ use super::defaults::{Chosen, Origin, defaults};
 use super::device::Device;
 use super::{Failure, PortArgument, output};
 use serde_json::json;
+use slipline_instrument::device_info::DeviceInfo;
 use slipline_link::native::list_ports;
 use slipline_link::upkeep;
 use slipline_plate::number_format::with_decimals;
@@ -40,71 +41,13 @@ pub(super) fn run(argument: &PortArgument, is_port_given: bool, as_json: bool) -
     let inputs = snapshot.inputs.as_ref();
     let board = snapshot.board.as_ref();
     let table = snapshot.table.active;
-    let faults: Vec<_> =
-        status.iter().flat_map(|s| s.faults.iter().map(|fault| snapshot.fault_text(fault))).collect();
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
     let round_trip_s = snapshot.round_trip.average.as_secs_f64();
     let defaults = defaults();
     let option = Chosen { value: port.to_string(), from: Origin::Option };
     let of_port = if is_port_given { &option } else { &defaults.port };
     let settings_file = defaults.file.as_ref().map(|file| file.display().to_string());
-    let mut value = json!({
-        "port": port.to_string(),
-        "compatibility": compatibility,
-        "board": identity.map(|it| it.board.as_str()),
-        "firmware": firmware,
-        "build": identity.map(|it| it.build.as_str()),
-        "protocol": identity.map(|it| format!("{}.{}", it.version.major, it.version.minor)),
-        "unit": snapshot.unit(),
-        "simulated": identity.map(|it| it.simulated),
-        "sample_rate_hz": identity.map(|it| it.sample_rate_hz),
-        "block_samples": identity.map(|it| it.block),
-        "dac_bits": identity.map(|it| it.dac_bits),
-        "max_tones": identity.map(|it| it.tones),
-        "max_knots": identity.map(|it| it.max_knots),
-        "dead_man_s": identity.map(|it| f64::from(it.dead_man_ms) / 1e3),
-        "reset": identity.map(|it| format!("{:?}", it.reset)),
-        "stored": identity.map(|it| format!("{:?}", it.stored)),
-        "flash_erasures": maintenance.map(|it| it.erasures),
-        "flash_erasures_promised": maintenance.map(|it| it.erasures_promised),
-        "brown_out_guarded": maintenance.map(|it| it.brown_out_guarded),
-        "core_hz": board.map(|it| it.core_hz).filter(|&hz| hz > 0),
-        "mute_resistor": board.map(|it| format!("{:?}", it.mute_resistor)),
-        "user_button": board.map(|it| format!("{:?}", it.user_button)),
-        "stop_input": board.map(|it| format!("{:?}", it.stop_input)),
-        "profile_name": snapshot.profile.as_ref().map(|it| it.profile.as_ref().map(|profile| profile.name.as_str())),
-        "inputs": inputs.map(|it| json!({
-            "count": it.inputs,
-            "lock_ins": it.lock_ins,
-            "delay_s": it.delay_ns as f64 * 1e-9,
-            "lost_blocks": it.lost_blocks,
-        })),
-        "crash": identity.map(|it| it.crash.as_str()).filter(|text| !text.is_empty()),
-        "state": status.map(|it| format!("{:?}", it.state)),
-        "faults": faults,
-        "now_samples": status.map(|it| it.now),
-        "heat": status.map(|it| f64::from(it.heat_per_mille) / 1e3),
-        "table": table.map(|it| json!({
-            "crc": format!("{:08x}", it.crc),
-            "knot_count": it.knots,
-            "span_start_m": f64::from(it.span_start_um) * 1e-6,
-            "span_end_m": f64::from(it.span_end_um) * 1e-6,
-            "sample_rate_hz": it.sample_rate_hz,
-        })),
-        "counters": status.map(|it| json!({
-            "frames": it.counters.frames,
-            "crc_errors": it.counters.crc_errors,
-            "overlong": it.counters.overlong,
-            "duplicates": it.counters.duplicates,
-            "dropped": it.counters.dropped,
-            "underruns": it.counters.underruns,
-            "clipped_samples": it.counters.clips,
-            "max_cycles": it.counters.max_cycles,
-        })),
-        "worst_block": snapshot.worst_block(),
-        "round_trip_s": round_trip_s,
-    });
-    value["trigger_input"] = json!(snapshot.has_trigger_input());
+    let mut value = json!(DeviceInfo::of(port, &snapshot));
     value["defaults"] = json!({
         "port": of_port.value(),
         "plate": defaults.plate.value(),

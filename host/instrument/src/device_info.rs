@@ -1,0 +1,231 @@
+//! What a device reports of itself, under the names and in the units that every shell gives it.
+
+use serde::Serialize;
+use slipline_link::protocol::command::TableHeader;
+use slipline_link::protocol::event::{Identity, Status};
+use slipline_link::protocol::listen::InputsReport;
+use slipline_link::{Port, Snapshot};
+use std::fmt::Debug;
+
+/// The identity and state of a device; `None` where it does not report a value.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DeviceInfo {
+    /// The port, as it is written.
+    pub port: String,
+    /// Whether firmware and program are compatible, as a sentence.
+    pub compatibility: &'static str,
+    /// The board.
+    pub board: Option<String>,
+    /// The firmware's version: `1.2.3`.
+    pub firmware: Option<String>,
+    /// The firmware's build.
+    pub build: Option<String>,
+    /// The protocol's version: `1.3`.
+    pub protocol: Option<String>,
+    /// The chip's unique id in hexadecimal.
+    pub unit: Option<String>,
+    /// Whether the device is simulated.
+    pub simulated: Option<bool>,
+    /// Samples of the DAC per second.
+    pub sample_rate_hz: Option<u32>,
+    /// Samples in a block.
+    pub block_samples: Option<u16>,
+    /// Bits of the DAC.
+    pub dac_bits: Option<u8>,
+    /// Tones at once.
+    pub max_tones: Option<u8>,
+    /// Knots of a table.
+    pub max_knots: Option<u16>,
+    /// Time without a sign of the computer after which the device stops.
+    pub dead_man_s: Option<f64>,
+    /// Why it was reset last.
+    pub reset: Option<String>,
+    /// What is stored in its flash.
+    pub stored: Option<String>,
+    /// Erasures of the flash until now.
+    pub flash_erasures: Option<u32>,
+    /// Erasures that its data sheet guarantees.
+    pub flash_erasures_promised: Option<u32>,
+    /// Whether the brown-out level is set.
+    pub brown_out_guarded: Option<bool>,
+    /// The processor's clock.
+    pub core_hz: Option<u32>,
+    /// The resistor at the mute pin.
+    pub mute_resistor: Option<String>,
+    /// The user button.
+    pub user_button: Option<String>,
+    /// The stop input.
+    pub stop_input: Option<String>,
+    /// The name of the actuator's profile; the inner `None` where the board keeps no profile.
+    pub profile_name: Option<Option<String>>,
+    /// Its inputs.
+    pub inputs: Option<InputsInfo>,
+    /// The text of its last crash.
+    pub crash: Option<String>,
+    /// Its state.
+    pub state: Option<String>,
+    /// The faults in force, in words.
+    pub faults: Vec<String>,
+    /// The present sample index.
+    pub now_samples: Option<u64>,
+    /// Heat of the actuator over its limit.
+    pub heat: Option<f64>,
+    /// Its table.
+    pub table: Option<TableInfo>,
+    /// Its counters.
+    pub counters: Option<CountersInfo>,
+    /// Share of a block's time that the longest block took.
+    pub worst_block: Option<f64>,
+    /// Average time from a command to its reply.
+    pub round_trip_s: f64,
+    /// Whether a drive can wait for its trigger input.
+    pub trigger_input: Option<bool>,
+}
+
+/// The inputs of a device.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InputsInfo {
+    /// Number of inputs.
+    pub count: u8,
+    /// Tones that are measured at once.
+    pub lock_ins: u8,
+    /// Delay of an input behind the DAC.
+    pub delay_s: f64,
+    /// Blocks that were lost since the reset.
+    pub lost_blocks: u32,
+}
+
+/// The table in force.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TableInfo {
+    /// Its CRC-32 in hexadecimal.
+    pub crc: String,
+    /// Number of knots.
+    pub knot_count: u16,
+    /// The first place of the span.
+    pub span_start_m: f64,
+    /// The last place of the span.
+    pub span_end_m: f64,
+    /// The sample rate for which it was made.
+    pub sample_rate_hz: u32,
+}
+
+/// The counters of a device since its reset.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CountersInfo {
+    /// Valid frames received.
+    pub frames: u32,
+    /// Frames with a wrong CRC.
+    pub crc_errors: u32,
+    /// Frames that were too long.
+    pub overlong: u32,
+    /// Repeated commands.
+    pub duplicates: u32,
+    /// Frames that were dropped.
+    pub dropped: u32,
+    /// Codes that were not ready in time.
+    pub underruns: u32,
+    /// Samples beyond the DAC's range.
+    pub clipped_samples: u32,
+    /// Cycles of the longest block.
+    pub max_cycles: u32,
+}
+
+impl DeviceInfo {
+    /// What the device at this port has reported, by the latest snapshot.
+    #[must_use]
+    pub fn of(port: &Port, snapshot: &Snapshot) -> Self {
+        let identity = snapshot.identity.as_deref();
+        let status = snapshot.status.as_ref();
+        let maintenance = snapshot.maintenance.as_ref();
+        let board = snapshot.board.as_ref();
+        let text = |of: fn(&Identity) -> &str| identity.map(|it| of(it).to_owned());
+        Self {
+            port: port.to_string(),
+            compatibility: snapshot.compatibility.map_or("", |compatibility| compatibility.sentence()),
+            board: text(|it| it.board.as_str()),
+            firmware: identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2)),
+            build: text(|it| it.build.as_str()),
+            protocol: identity.map(|it| format!("{}.{}", it.version.major, it.version.minor)),
+            unit: snapshot.unit(),
+            simulated: identity.map(|it| it.simulated),
+            sample_rate_hz: identity.map(|it| it.sample_rate_hz),
+            block_samples: identity.map(|it| it.block),
+            dac_bits: identity.map(|it| it.dac_bits),
+            max_tones: identity.map(|it| it.tones),
+            max_knots: identity.map(|it| it.max_knots),
+            dead_man_s: identity.map(|it| f64::from(it.dead_man_ms) / 1e3),
+            reset: identity.map(|it| name(&it.reset)),
+            stored: identity.map(|it| name(&it.stored)),
+            flash_erasures: maintenance.map(|it| it.erasures),
+            flash_erasures_promised: maintenance.map(|it| it.erasures_promised),
+            brown_out_guarded: maintenance.map(|it| it.brown_out_guarded),
+            core_hz: board.map(|it| it.core_hz).filter(|&hz| hz > 0),
+            mute_resistor: board.map(|it| name(&it.mute_resistor)),
+            user_button: board.map(|it| name(&it.user_button)),
+            stop_input: board.map(|it| name(&it.stop_input)),
+            profile_name: snapshot
+                .profile
+                .as_ref()
+                .map(|it| it.profile.as_ref().map(|profile| profile.name.as_str().to_owned())),
+            inputs: snapshot.inputs.as_ref().map(InputsInfo::of),
+            crash: text(|it| it.crash.as_str()).filter(|text| !text.is_empty()),
+            state: status.map(|it| name(&it.state)),
+            faults: status
+                .iter()
+                .flat_map(|it| it.faults.iter().map(|fault| snapshot.fault_text(fault).into_owned()))
+                .collect(),
+            now_samples: status.map(|it| it.now),
+            heat: status.map(|it| f64::from(it.heat_per_mille) / 1e3),
+            table: snapshot.table.active.as_ref().map(TableInfo::of),
+            counters: status.map(CountersInfo::of),
+            worst_block: snapshot.worst_block(),
+            round_trip_s: snapshot.round_trip.average.as_secs_f64(),
+            trigger_input: snapshot.has_trigger_input(),
+        }
+    }
+}
+
+impl InputsInfo {
+    fn of(report: &InputsReport) -> Self {
+        Self {
+            count: report.inputs,
+            lock_ins: report.lock_ins,
+            delay_s: report.delay_ns as f64 * 1e-9,
+            lost_blocks: report.lost_blocks,
+        }
+    }
+}
+
+impl TableInfo {
+    fn of(header: &TableHeader) -> Self {
+        Self {
+            crc: format!("{:08x}", header.crc),
+            knot_count: header.knots,
+            span_start_m: f64::from(header.span_start_um) * 1e-6,
+            span_end_m: f64::from(header.span_end_um) * 1e-6,
+            sample_rate_hz: header.sample_rate_hz,
+        }
+    }
+}
+
+impl CountersInfo {
+    fn of(status: &Status) -> Self {
+        let counters = &status.counters;
+        Self {
+            frames: counters.frames,
+            crc_errors: counters.crc_errors,
+            overlong: counters.overlong,
+            duplicates: counters.duplicates,
+            dropped: counters.dropped,
+            underruns: counters.underruns,
+            clipped_samples: counters.clips,
+            max_cycles: counters.max_cycles,
+        }
+    }
+}
+
+/// The protocol's name of a value.
+fn name(of: &impl Debug) -> String {
+    format!("{of:?}")
+}
