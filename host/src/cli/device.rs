@@ -70,10 +70,15 @@ impl Device {
         }
     }
 
-    /// Uploads the plate's table, made for the device's sample rate.
-    pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
+    /// The plate's table, made for the device's sample rate.
+    pub(super) fn make_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
         let rate_hz = self.identity()?.sample_rate_hz;
-        let (_, table) = self.during(|| progress::table_for(plate, rate_hz))?;
+        Ok(self.during(|| progress::table_for(plate, rate_hz))?.1)
+    }
+
+    /// Makes and uploads the plate's table.
+    pub(super) fn use_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
+        let table = self.make_table(plate)?;
         self.use_made(table.clone())?;
         Ok(table)
     }
@@ -130,11 +135,5 @@ pub(super) fn run<P: Procedure>(
     what: &'static str,
     procedure: P,
 ) -> Result<P::Found, Failure> {
-    progress::watched(what, |progress| {
-        // The progress bar never requests an early end.
-        device.run(procedure, |share| {
-            let _ = progress.at(share);
-        })
-    })
-    .map_err(Failure::from)
+    Ok(progress::reported(what, |progress| device.run(procedure, progress))?)
 }

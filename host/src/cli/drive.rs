@@ -10,7 +10,7 @@ use serde_json::json;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::limits::LEASE_MS;
-use slipline_link::{LinkState, Snapshot, Sounding};
+use slipline_link::{Snapshot, Sounding, TriggerOutcome};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, edit};
@@ -215,17 +215,16 @@ fn wait_for_trigger(
     from: u64,
 ) -> Result<Option<(u64, Instant)>, Failure> {
     let rate_hz = f64::from(device.identity()?.sample_rate_hz);
-    let report = |snapshot: &Snapshot| snapshot.trigger.filter(|report| !report.waits);
     let is_over = watch(device, (interruption, &mut |_| Ok(false)), |snapshot| {
-        Ok(if report(snapshot).is_some() { Duration::ZERO } else { GLANCE })
+        Ok(if snapshot.trigger_outcome(from) == TriggerOutcome::Waits { GLANCE } else { Duration::ZERO })
     })?;
     if !is_over {
         return Ok(None);
     }
     let snapshot = device.snapshot();
-    let began = report(&snapshot).and_then(|report| report.began).filter(|&began| began > from);
-    let began =
-        began.ok_or_else(|| Failure::Failed("the device dropped the drive before the trigger".to_owned()))?;
+    let TriggerOutcome::Began(began) = snapshot.trigger_outcome(from) else {
+        return Err(Failure::Failed("the device dropped the drive before the trigger".to_owned()));
+    };
     let now = snapshot.status.map_or(began, |status| status.now);
     let since = Duration::from_secs_f64(now.saturating_sub(began) as f64 / rate_hz);
     Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
@@ -260,7 +259,7 @@ fn watch(
 ) -> Result<bool, Failure> {
     loop {
         // Checked first, so that a drive that failed is not reported as complete.
-        check(device)?;
+        device.check_drives()?;
         let left = left(&device.snapshot())?;
         if left.is_zero() {
             return Ok(true);
@@ -275,21 +274,5 @@ fn watch(
             Err(RecvTimeoutError::Timeout) => {}
         }
         device.sign_of_life();
-    }
-}
-
-/// Fails if the device no longer carries out the drive.
-fn check(device: &Device) -> Result<(), Failure> {
-    device.check_attended()?;
-    let snapshot = device.snapshot();
-    if let LinkState::Lost(trouble) = &snapshot.link {
-        return Err(Failure::Failed(trouble.to_string()));
-    }
-    match snapshot.status.filter(|status| !status.faults.is_empty()) {
-        Some(status) => {
-            let faults = snapshot.faults_text(status.faults);
-            Err(Failure::Failed(format!("the device stopped: {faults}")))
-        }
-        None => Ok(()),
     }
 }

@@ -7,9 +7,7 @@ use super::measuring::place_on;
 use super::{Failure, PortArgument, output};
 use clap::Args;
 use serde_json::{Value, json};
-use slipline_instrument::hold::{
-    HoldPlan, Holding, MAX_RISE, Standing, USUAL_RISE_DB, progress_words, words,
-};
+use slipline_instrument::hold::{HoldPlan, Holding, MAX_RISE, USUAL_RISE_DB, progress_words, words};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::protocol::hold::{Held, HoldProgress};
 use slipline_link::{DeviceTable, DriveRequest, Snapshot, ToneRequest};
@@ -18,10 +16,7 @@ use slipline_plate::number_format::signed;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
-use std::time::Duration;
 
-/// Time between two checks of the device.
-const GLANCE: Duration = Duration::from_millis(50);
 /// Change of a correction that is printed, dB.
 const PRINTED_STEP_DB: f64 = 0.5;
 /// Default place of the simulated sensor, as a share of the plate's length.
@@ -102,25 +97,8 @@ impl Holder {
         interruption: &Receiver<Wake>,
         at: u64,
     ) -> Result<bool, Failure> {
-        self.holding.switch_on(&self.plate, self.plan.max_rise_db, Some(at));
-        loop {
-            if interruption.try_recv().is_ok() {
-                return Ok(device.check_attended().map(|()| false)?);
-            }
-            device.turn_hold(&mut self.holding, &self.plate);
-            let snapshot = device.snapshot();
-            match self.holding.standing(&snapshot) {
-                Standing::Holding(_) => return Ok(true),
-                Standing::Off(end) => {
-                    device.check_attended()?;
-                    let end = end.map_or_else(|| "nothing is held".to_owned(), ToString::to_string);
-                    return Err(Failure::Failed(end));
-                }
-                Standing::Waiting | Standing::Silent | Standing::Changing | Standing::Listening(_) => {}
-            }
-            device.check_attended()?;
-            device.pause(GLANCE);
-        }
+        let goes_on = || interruption.try_recv().is_err();
+        Ok(device.hold(&mut self.holding, &self.plate, self.plan.max_rise_db, Some(at), goes_on)?)
     }
 
     /// Prints changes of the hold.

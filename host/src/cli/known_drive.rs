@@ -1,13 +1,14 @@
 //! The drive circuit given by the arguments, and the check that this drive is on.
 
-use super::Failure;
 use super::argument::within;
-use super::device::{LoadedDevice, run};
+use super::device::LoadedDevice;
+use super::{Failure, progress};
 use clap::{ArgGroup, Args};
+use slipline_instrument::measure::KnownDrive;
 use slipline_instrument::measure::circuit::{
     AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt,
 };
-use slipline_instrument::measure::{DriveChecking, KnownDrive};
+use slipline_instrument::native::ClientError;
 use slipline_instrument::rig::PreparedRig;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
 use slipline_plate::number_format::significant;
@@ -63,16 +64,18 @@ pub(super) fn check(
     known: Option<KnownDrive>,
 ) -> Result<Option<DriveCheck>, Failure> {
     let Some(known) = known else { return Ok(None) };
-    let inputs = bench.inputs();
-    let checking = DriveChecking::new(bench.plate, known, bench.table.clone(), bench.rate_hz, &inputs)
-        .map_err(Failure::failed)?;
-    let found = run(bench.device, "drive", checking)?;
-    match found.check {
-        check if check.is_on() => Ok(Some(check)),
-        check @ DriveCheck::TooQuiet { .. } => Err(Failure::Failed(format!(
-            "{check} They are at {} of full scale already: leave out --amplifier to play without this check",
-            significant(found.level, 3)
-        ))),
-        check => Err(Failure::Failed(check.to_string())),
+    let found = progress::reported("drive", |progress| {
+        bench.device.check_drive(bench.plate, &bench.table, known, progress)
+    });
+    match found {
+        Ok(found) => Ok(Some(found.check)),
+        Err(ClientError::NotOn(found)) if matches!(found.check, DriveCheck::TooQuiet { .. }) => {
+            Err(Failure::Failed(format!(
+                "{} They are at {} of full scale already: leave out --amplifier to play without this check",
+                found.check,
+                significant(found.level, 3)
+            )))
+        }
+        Err(error) => Err(error.into()),
     }
 }

@@ -1,15 +1,14 @@
 //! Measurements with a device, for `measure` and `calibrate`.
 
 use super::argument::{self, Typed};
-use super::device::{Device, LoadedDevice, run};
+use super::device::{Device, LoadedDevice};
 use super::known_drive::{self, KnownDriveArgument};
 use super::measured_file::SensorArgument;
 use super::source::is_standard_input_taken;
-use super::{ArmingArgument, Failure, PortArgument};
+use super::{ArmingArgument, Failure, PortArgument, progress};
 use clap::Args;
-use slipline_instrument::measure::{
-    MeasureError, Measured, Measuring, POINTS, Plan, Sensor, SweepPlan, Sweeping, Wanted, current_sensor,
-};
+use slipline_instrument::measure::{MeasureError, Measured, POINTS, Sensor, Wanted, current_sensor};
+use slipline_instrument::native;
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Measurement, SensorKind, check_places};
@@ -67,16 +66,12 @@ pub(super) fn place_on(plate: &Plate, place: &Typed<f64>) -> Result<f64, Failure
     place.within("--sensor", on_plate, Measure::Length, ", on the plate")
 }
 
-/// The method of a measurement.
-enum Method {
-    Steps(Plan),
-    Sweep(SweepPlan),
-}
-
 /// A device, and its method of measurement.
 pub(super) struct Measurer<'a> {
     pub(super) bench: LoadedDevice<'a>,
-    method: Method,
+    measurer: native::Measurer<'a>,
+    /// The method's word beside the progress.
+    word: &'static str,
 }
 
 impl<'a> Measurer<'a> {
@@ -91,44 +86,23 @@ impl<'a> Measurer<'a> {
             MeasureError::NoInputs => Failure::failed(error),
             error => Failure::refused(error),
         };
-        let wanted = band.wanted(plate, level);
-        let rate_hz = f64::from(device.identity()?.sample_rate_hz);
-        let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
+        let table = device.make_table(plate)?;
         // Refused before the table is uploaded.
-        let steps = Plan::new(plate, &wanted, rate_hz, lock_ins).map_err(refused);
-        let steps = if band.sweep { None } else { Some(steps?) };
-        let bench = LoadedDevice::new(device, plate)?;
-        let method = match steps {
-            Some(plan) => Method::Steps(plan),
-            None => Method::Sweep(SweepPlan::new(plate, &bench.table, &wanted, rate_hz).map_err(refused)?),
-        };
-        Ok(Self { bench, method })
+        let measurer = native::Measurer::new(device, plate, &table, &band.wanted(plate, level), band.sweep);
+        let measurer = measurer.map_err(refused)?;
+        let bench = LoadedDevice::with(device, plate, table)?;
+        Ok(Self { bench, measurer, word: if band.sweep { "sweep" } else { "measuring" } })
     }
 
     /// The same device with one comb only, over the whole band, or with the same sweep: for repeated
     /// measurements.
     pub(super) fn short(&self) -> Self {
-        let method = match &self.method {
-            Method::Steps(plan) => Method::Steps(plan.of_one_comb()),
-            Method::Sweep(plan) => Method::Sweep(plan.clone()),
-        };
-        Self { bench: self.bench.clone(), method }
+        Self { bench: self.bench.clone(), measurer: self.measurer.short(), word: self.word }
     }
 
     /// Arms the device, measures, and disarms it.
     pub(super) fn measure(&self, sensor: Sensor) -> Result<Measured, Failure> {
-        let LoadedDevice { device, table, .. } = &self.bench;
-        let inputs = self.bench.inputs();
-        match &self.method {
-            Method::Steps(plan) => {
-                let measuring = Measuring::new(plan.clone(), table.clone(), sensor, &inputs);
-                run(device, "measuring", measuring.map_err(Failure::failed)?)
-            }
-            Method::Sweep(plan) => {
-                let sweeping = Sweeping::new(plan.clone(), table.clone(), sensor, &inputs);
-                run(device, "sweep", sweeping.map_err(Failure::failed)?)
-            }
-        }
+        Ok(progress::reported(self.word, |progress| self.measurer.measure(sensor, progress))?)
     }
 }
 

@@ -62,6 +62,16 @@ pub(super) fn watched<R>(what: &'static str, compute: impl FnOnce(&mut Progress<
     result
 }
 
+/// Runs a procedure that reports its progress, 0 to 1, and that nothing but its device ends early.
+pub(super) fn reported<R>(what: &'static str, run: impl FnOnce(&mut dyn FnMut(f64)) -> R) -> R {
+    watched(what, |progress| {
+        run(&mut |share| {
+            // The bar never requests an early end.
+            let _ = progress.at(share);
+        })
+    })
+}
+
 /// [`simulation::table_for`] with a progress bar.
 pub(super) fn table_for(
     plate: &Plate,

@@ -3,7 +3,6 @@
 
 use super::ClientError;
 use crate::Link;
-use crate::hold::Holding;
 use crate::measure::{Procedure, Run};
 use crate::rig::PreparedRig;
 use slipline_link::native::{Handle, SystemOpener, Worker};
@@ -13,11 +12,10 @@ use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Outcome, Port, Request, SIGN_PERIOD, Snapshot, Sounding, Ticket, upkeep};
-use slipline_plate::Plate;
-use std::cell::Cell;
+use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket, upkeep};
 use std::panic::resume_unwind;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
@@ -32,7 +30,7 @@ pub const LEASE: Duration = Duration::from_secs(60);
 /// The longest lease, for procedures.
 const LONGEST_LEASE: Duration = Duration::from_millis(LEASE_MS.1 as u64);
 /// Time between two updates of the device's state.
-const GLANCE: Duration = Duration::from_millis(50);
+pub(super) const GLANCE: Duration = Duration::from_millis(50);
 /// Updates within which the drive must have faded.
 const FADING: usize = 100;
 
@@ -44,6 +42,10 @@ pub trait BlockingLink: Link {
     fn pause(&self, time: Duration);
     /// Signals that this program is alive.
     fn sign_of_life(&self);
+    /// Whether the user has interrupted the call under way, once for each interruption.
+    fn take_interruption(&self) -> bool {
+        false
+    }
 }
 
 impl Link for Worker {
@@ -74,9 +76,9 @@ impl BlockingLink for Worker {
 pub struct Client<W = Worker> {
     link: W,
     /// Number of stalls of this program when the device was armed.
-    stalls_before: Cell<u32>,
+    stalls_before: AtomicU32,
     /// Number of leases that were over then.
-    leases_before: Cell<u32>,
+    leases_before: AtomicU32,
 }
 
 impl Client {
@@ -85,11 +87,7 @@ impl Client {
     /// # Errors
     /// [`ClientError::Thread`].
     pub fn new(rig: Option<&PreparedRig>) -> Result<Self, ClientError> {
-        let opener = rig
-            .cloned()
-            .map_or_else(SystemOpener::default, |rig| SystemOpener::with_inputs(move || rig.inputs()));
-        let worker = Worker::spawn_with(opener, || ())?;
-        Ok(Self::over(worker))
+        Ok(Self::over(wired(rig)?))
     }
 
     /// A handle of the link, for another thread.
@@ -107,10 +105,26 @@ impl Client {
     }
 }
 
+/// The link's thread; its simulated device is wired to `rig`, if there is one.
+pub(super) fn wired(rig: Option<&PreparedRig>) -> std::io::Result<Worker> {
+    let opener = rig
+        .cloned()
+        .map_or_else(SystemOpener::default, |rig| SystemOpener::with_inputs(move || rig.inputs()));
+    Worker::spawn_with(opener, || ())
+}
+
 impl<W: BlockingLink> Client<W> {
     /// A client on this link.
     pub const fn over(link: W) -> Self {
-        Self { link, stalls_before: Cell::new(0), leases_before: Cell::new(0) }
+        Self { link, stalls_before: AtomicU32::new(0), leases_before: AtomicU32::new(0) }
+    }
+
+    pub(super) const fn link(&self) -> &W {
+        &self.link
+    }
+
+    pub(super) fn send(&self, request: Request) -> Ticket {
+        self.link.send(request)
     }
 
     /// Connects to a device. A lost link is not reconnected.
@@ -123,7 +137,7 @@ impl<W: BlockingLink> Client<W> {
         match self.link.wait(ticket, CONNECTING) {
             Some(Outcome::Done { .. }) => Ok(()),
             Some(Outcome::Refused(refusal)) => Err(refusal.into()),
-            _ => Err(ClientError::NoAnswer(port.clone())),
+            _ => Err(self.interrupted_or(ClientError::NoAnswer(port.clone()))),
         }
     }
 
@@ -161,7 +175,7 @@ impl<W: BlockingLink> Client<W> {
                 compute()
             });
             self.sign_of_life();
-            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(SIGN_PERIOD) {
+            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(GLANCE) {
                 self.sign_of_life();
             }
             work.join().unwrap_or_else(|panic| resume_unwind(panic))
@@ -221,8 +235,8 @@ impl<W: BlockingLink> Client<W> {
     /// A request's error: refused, lost, late, held up.
     pub fn arm_for(&self, lease: Option<Duration>) -> Result<(), ClientError> {
         let snapshot = self.snapshot();
-        self.stalls_before.set(snapshot.driver_stalls);
-        self.leases_before.set(snapshot.leases_over);
+        self.stalls_before.store(snapshot.driver_stalls, Ordering::Relaxed);
+        self.leases_before.store(snapshot.leases_over, Ordering::Relaxed);
         self.perform(lease.map_or(Request::Arm, Request::ArmFor)).map(drop)
     }
 
@@ -298,7 +312,7 @@ impl<W: BlockingLink> Client<W> {
         match self.link.wait(ticket, patience) {
             Some(Outcome::Digest(digest)) => Ok(digest),
             Some(Outcome::Refused(refusal)) => Err(ClientError::Refused(refusal).into()),
-            _ => Err(ClientError::NoDigest.into()),
+            _ => Err(self.interrupted_or(ClientError::NoDigest).into()),
         }
     }
 
@@ -314,8 +328,13 @@ impl<W: BlockingLink> Client<W> {
     ) -> Result<P::Found, ClientError> {
         self.arm_for(Some(LONGEST_LEASE))?;
         let mut run = Run::of(procedure);
+        let mut is_interrupted = false;
         loop {
             let snapshot = self.snapshot();
+            if self.link.take_interruption() {
+                is_interrupted = true;
+                run.cancel();
+            }
             if !run.turn(&snapshot, |request| self.link.send(request)) {
                 break;
             }
@@ -324,31 +343,30 @@ impl<W: BlockingLink> Client<W> {
                 let _ = self.link.wait(ticket, GLANCE);
             }
         }
+        if is_interrupted {
+            return Err(ClientError::Interrupted);
+        }
         self.check_attended()?;
         let found = run.finish()?;
         self.disarm()?;
         Ok(found)
     }
 
-    /// Sends the pending requests of a level hold whose tones rest.
-    pub fn turn_hold(&self, holding: &mut Holding, plate: &Arc<Plate>) {
-        while let Some(request) = holding.turn(&self.snapshot(), plate, true) {
-            holding.sent(self.link.send(request));
-        }
-    }
-
-    /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up, or if the
-    /// device has disarmed itself at the end of its lease.
+    /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up, if the device
+    /// has disarmed itself at the end of its lease, or if the user has interrupted the call under way.
     ///
     /// # Errors
-    /// [`ClientError::HeldUp`] and [`ClientError::LeaseOver`].
+    /// [`ClientError::HeldUp`], [`ClientError::LeaseOver`] and [`ClientError::Interrupted`].
     pub fn check_attended(&self) -> Result<(), ClientError> {
+        if self.link.take_interruption() {
+            return Err(ClientError::Interrupted);
+        }
         let snapshot = self.snapshot();
-        if snapshot.driver_stalls != self.stalls_before.get() {
+        if snapshot.driver_stalls != self.stalls_before.load(Ordering::Relaxed) {
             return Err(ClientError::HeldUp);
         }
         match snapshot.lease_over {
-            Some(lease) if snapshot.leases_over != self.leases_before.get() => {
+            Some(lease) if snapshot.leases_over != self.leases_before.load(Ordering::Relaxed) => {
                 Err(ClientError::LeaseOver(lease))
             }
             _ => Ok(()),
@@ -370,8 +388,13 @@ impl<W: BlockingLink> Client<W> {
                 Err(error.map_or(ClientError::Gone, ClientError::Lost))
             }
             Some(outcome) => Ok(outcome),
-            None => Err(ClientError::Late),
+            None => Err(self.interrupted_or(ClientError::Late)),
         }
+    }
+
+    /// Why nothing came: an interruption, or this.
+    fn interrupted_or(&self, error: ClientError) -> ClientError {
+        if self.link.take_interruption() { ClientError::Interrupted } else { error }
     }
 
     /// Sends a request and returns the sample index at which its effect begins.
@@ -392,7 +415,7 @@ impl<W: BlockingLink> Client<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipline_link::SIGN_PATIENCE;
+    use slipline_link::{SIGN_PATIENCE, SIGN_PERIOD};
 
     #[test]
     fn what_takes_longer_than_the_links_patience_is_computed_without_losing_the_device() {

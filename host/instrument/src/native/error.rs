@@ -1,6 +1,8 @@
 //! Errors of the client.
 
-use crate::measure::MeasureError;
+use crate::hold::HoldEnd;
+use crate::measure::{CheckedDrive, MeasureError};
+use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE, upkeep};
 use std::time::Duration;
@@ -50,6 +52,27 @@ pub enum ClientError {
     /// The digest of a window of codes was not received.
     #[error("the device gave no digest")]
     NoDigest,
+    /// The user has interrupted the call; the drive is stopped.
+    #[error("interrupted: the drive was stopped")]
+    Interrupted,
+    /// The levels are not held, for this reason.
+    #[error("{}", .0.as_ref().map_or_else(|| "nothing is held".to_owned(), ToString::to_string))]
+    NotHeld(Option<HoldEnd>),
+    /// The drive is not on, or not as stated.
+    #[error("{}", .0.check)]
+    NotOn(Box<CheckedDrive>),
+    /// The mirror does not know the device's codes: the device stopped by itself, with this fault, or changes are missing.
+    #[error("{}", .0.map_or_else(
+        || "not every change in the window reached this program, so its codes cannot be compared".to_owned(),
+        |fault| format!("the device stopped by itself, so its codes cannot be compared: {}", fault.text())
+    ))]
+    NotComparable(Option<Fault>),
+    /// The device stopped by itself, with these faults.
+    #[error("the device stopped: {0}")]
+    Stopped(String),
+    /// The drive was dropped before the trigger input rose.
+    #[error("the device dropped the drive before the trigger")]
+    Dropped,
     /// A procedure failed.
     #[error(transparent)]
     Procedure(#[from] MeasureError),

@@ -2,6 +2,14 @@
 
 mod client;
 mod error;
+mod hold;
+mod interruptible;
+mod measurer;
+mod verify;
+mod wait;
 
 pub use client::{BlockingLink, Client, LEASE};
 pub use error::ClientError;
+pub use interruptible::InterruptibleLink;
+pub use measurer::Measurer;
+pub use verify::{Verified, VerifiedWindow, verify_windows_s};

@@ -116,11 +116,13 @@ fn a_client_sends_what_an_instrument_sends() {
     client.arm().unwrap();
     let at = client.play(Sounding::Drive(edit::drive(setup))).unwrap();
     let mut holding = Holding::default();
-    holding.switch_on(&setup.plate, 12.0, Some(at));
-    for _ in 0..100 {
-        client.turn_hold(&mut holding, &setup.plate);
-        client.pause(Duration::from_millis(50));
-    }
+    let mut turns_left = 100;
+    let mut goes_on = || {
+        turns_left -= 1;
+        turns_left > 0
+    };
+    assert!(client.hold(&mut holding, &setup.plate, 12.0, Some(at), &mut goes_on).unwrap());
+    client.pause(Duration::from_millis(50));
     let snapshot = client.snapshot();
     let standing = holding.standing(&snapshot);
     assert!(matches!(standing, Standing::Holding(_)), "{standing:?} {:?}", snapshot.status);
