@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::refusal::{Refusal, WholeNumber};
 use super::source::read_text;
 use slipline_model::atomic_file::said;
+use slipline_model::field::asked_place::turning_point_on;
 use slipline_plate::quantity::{
     self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, show_range,
 };
@@ -183,28 +184,17 @@ impl PlaceArgument {
     /// The turning point in metres, within the plate's span: this place, or that of this frequency. An error names
     /// `option`.
     pub(super) fn turning_point_on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {
-        let (start_m, end_m) = plate.span_m();
-        let (low_hz, high_hz) = plate.band_hz();
-        let place_m = match self.value {
-            PlaceOrFrequency::Place(x_m) => Some(x_m).filter(|x_m| (start_m..=end_m).contains(x_m)),
-            PlaceOrFrequency::Frequency(hz) => plate
-                .turning_point_m(hz)
-                .filter(|_| (low_hz..=high_hz).contains(&hz))
-                .map(|x_m| x_m.clamp(start_m, end_m)),
-        };
-        place_m.ok_or_else(|| {
-            let frequencies = show_range(low_hz, high_hz, Measure::Frequency);
-            let allowed = match self.value {
+        turning_point_on(self.value, plate).map_err(|error| {
+            let show = |range: Range| show_range(range.low, range.high, Measure::of(range.unit));
+            let (low_hz, high_hz) = plate.band_hz();
+            let frequencies = match self.value {
                 PlaceOrFrequency::Place(_) => {
-                    format!("{}, or {frequencies}", show_range(start_m, end_m, Measure::Length))
+                    format!(", or {}", show_range(low_hz, high_hz, Measure::Frequency))
                 }
-                PlaceOrFrequency::Frequency(_) => frequencies,
+                PlaceOrFrequency::Frequency(_) => String::new(),
             };
-            let range = match self.value {
-                PlaceOrFrequency::Place(_) => Refusal::range(start_m, end_m, "m"),
-                PlaceOrFrequency::Frequency(_) => Refusal::range(low_hz, high_hz, "Hz"),
-            };
-            let allowed = format_args!("{allowed}, on the plate {:?}", plate.name());
+            let allowed = format_args!("{}{frequencies}, on the plate {:?}", show(error.range), plate.name());
+            let range = Refusal::range(error.range.low, error.range.high, error.range.unit);
             Failure::value(option, &self.text, allowed).with_range(range)
         })
     }

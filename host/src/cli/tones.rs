@@ -11,7 +11,8 @@ use super::feeling::{FeelingArgument, NamedFeeling};
 use clap::Args;
 use slipline_link::DeviceTable;
 use slipline_link::protocol::limits::MAX_TONES;
-use slipline_model::field::edge_reach::{NoFeltEdge, turning_point_of};
+use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
+use slipline_model::field::edge_reach::NoFeltEdge;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, ToneSetup};
 use slipline_plate::quantity::{
@@ -106,7 +107,7 @@ impl PlaceKind {
         Ok(match (self, at.value) {
             (Self::FeltEdge, PlaceOrFrequency::Place(place_m)) => AskedPlace::FeltEdge(place_m),
             (Self::FeltEdge, PlaceOrFrequency::Frequency(_)) | (Self::TurningPoint, _) => {
-                AskedPlace::TurningPoint(at.turning_point_on(plate, option)?)
+                AskedPlace::TurningPoint(PlaceOrFrequency::Place(at.turning_point_on(plate, option)?))
             }
         })
     }
@@ -118,13 +119,6 @@ struct AskedTone {
     at: AskedPlace,
     level: f64,
     text: String,
-}
-
-/// The place that defines a tone, in metres.
-#[derive(Clone, Copy, Debug)]
-enum AskedPlace {
-    TurningPoint(f64),
-    FeltEdge(f64),
 }
 
 /// The tones of a command, which fit the plate's span as far as that is known without a table.
@@ -166,7 +160,7 @@ impl AskedTones {
     /// The tones of a setup, by their turning points.
     pub(super) fn of_setup(setup: &Setup, feeling: NamedFeeling) -> Self {
         let asked = |tone: &ToneSetup| AskedTone {
-            at: AskedPlace::TurningPoint(tone.position_m),
+            at: AskedPlace::TurningPoint(PlaceOrFrequency::Place(tone.position_m)),
             level: tone.level,
             text: String::new(),
         };
@@ -231,11 +225,10 @@ impl AskedTones {
 impl AskedTone {
     /// Its turning point on the plate of a setup, for its feeling, in metres; words of the refusal begin with `dashes`.
     fn turning_point_m(&self, setup: &Setup, table: &DriveTable, dashes: &str) -> Result<f64, Failure> {
-        match self.at {
-            AskedPlace::TurningPoint(place_m) => Ok(place_m),
-            AskedPlace::FeltEdge(place_m) => turning_point_of(setup, self.level, table, place_m)
-                .map_err(|refusal| self.refused(place_m, &setup.plate, &refusal, dashes)),
-        }
+        self.at.turning_point_m(setup, self.level, table).map_err(|error| match error {
+            NoSuchTone::NoFeltEdge(place_m, refusal) => self.refused(place_m, &setup.plate, &refusal, dashes),
+            NoSuchTone::OutOfRange(refusal) => Failure::refused(refusal),
+        })
     }
 
     /// The refusal of a felt edge that no tone has, with the turning point that plays the frequency of this place.

@@ -1,5 +1,6 @@
 //! Fields on the plate: displacement over x and time, by theory and by simulation.
 
+pub mod asked_place;
 pub mod displacement_map;
 pub mod edge_reach;
 pub mod felt;
