@@ -13,6 +13,7 @@
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
+pub mod answer;
 #[cfg(feature = "native")]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
 pub mod atomic_file;

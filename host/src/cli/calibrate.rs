@@ -1,6 +1,6 @@
 //! `slipline calibrate`.
 
-use super::calibrated::{CalibrationReport, Way, finish};
+use super::calibrated::finish;
 use super::destination::Destination;
 use super::feeling::FeelingArgument;
 use super::known_drive::KnownDriveArgument;
@@ -11,6 +11,7 @@ use super::{
 };
 use argument::{PlaceArgument, TouchArgument};
 use clap::{ArgGroup, Args, ValueEnum};
+use slipline_model::answer::calibrate::{CalibrationReport, Way};
 use slipline_model::field::edge_reach::turning_point_of;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::setup::Setup;

@@ -1,93 +1,33 @@
 //! Output of `calibrate`: the calibration, or why it was refused.
 
 use super::destination::Destination;
+use super::schema::fields;
 use super::{Failure, output};
-use serde_json::{Value, json};
 use slipline_instrument::calibration::named_calibrated;
+use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, Way};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{CalibrateError, Calibrated, Departure, Parameter, departure};
-use slipline_plate::feeling::Feeling;
+use slipline_plate::calibrate::{CalibrateError, Departure, Parameter, departure};
 use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{show_length, show_place, show_si};
 
-/// The method of a calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Way {
-    TwoPlaces,
-    OneSensor,
-    Current,
-    Touches,
-    TouchesOfUnknownDrive,
-}
-
-impl Way {
-    /// The word for it in JSON.
-    const fn word(self) -> &'static str {
-        match self {
-            Self::TwoPlaces => "two places",
-            Self::OneSensor => "one sensor",
-            Self::Current => "current",
-            Self::Touches | Self::TouchesOfUnknownDrive => "touches",
+/// Accuracy of a method on simulated plates: the table of PHYSICS.md, section 9.
+const fn reaches(way: Way) -> &'static str {
+    match way {
+        Way::TwoPlaces => {
+            "two places of one sensor: on simulated plates turning points came within 0.2 mm, 0.8 mm at worst, and the level within 0.3 dB"
         }
-    }
-
-    /// Its accuracy on simulated plates: the table of PHYSICS.md, section 9.
-    const fn reaches(self) -> &'static str {
-        match self {
-            Self::TwoPlaces => {
-                "two places of one sensor: on simulated plates turning points came within 0.2 mm, 0.8 mm at worst, and the level within 0.3 dB"
-            }
-            Self::OneSensor => {
-                "one sensor and a model of the source: on simulated plates turning points came within 0.5 mm, 0.9 mm at worst, and the level within 0.5 dB; two places do not need the model"
-            }
-            Self::Current => {
-                "the current alone: on simulated plates turning points came within 0.5 mm, 1.2 mm at worst; the level is the model's and is not measured"
-            }
-            Self::Touches => {
-                "felt edges alone, of a known drive: on simulated plates the felt edge came within 1.5 mm; the level is not measured"
-            }
-            Self::TouchesOfUnknownDrive => {
-                "felt edges alone, of an unknown drive: on simulated membranes the felt edge came within 4 mm by two touches and 2 mm by six; the drive's current or one sensor gives more, and levels"
-            }
+        Way::OneSensor => {
+            "one sensor and a model of the source: on simulated plates turning points came within 0.5 mm, 0.9 mm at worst, and the level within 0.5 dB; two places do not need the model"
         }
-    }
-}
-
-/// A calibrated plate, and the reported values.
-pub(super) struct CalibrationReport {
-    pub(super) way: Way,
-    pub(super) plate: Plate,
-    pub(super) parameters: Vec<Parameter>,
-    pub(super) chi2_per_n: f64,
-    /// The finger's feeling; only of a calibration by felt edges.
-    pub(super) feeling: Option<Feeling>,
-    /// The model error with which `chi2_per_n` would be 1, and the remedy; `None` for felt edges.
-    pub(super) misfit: Option<(f64, String)>,
-    /// Half of the 95 % interval of the turning point, metres, and its shift per metre of misplacement of each sensor.
-    pub(super) turning_point: Option<(f64, Vec<f64>)>,
-    /// Half of the 95 % interval of the felt edge, metres; only of a calibration by felt edges.
-    pub(super) edge_tolerance_m: Option<f64>,
-    /// A property that no measurement determines and the user must check.
-    pub(super) caution: Option<String>,
-    /// Half of the 95 % interval of the level, dB; `None` where no levels were measured.
-    pub(super) level_tolerance_db: Option<f64>,
-}
-
-impl CalibrationReport {
-    /// The result of a calibration by measurements.
-    pub(super) fn by(way: Way, found: Calibrated) -> Self {
-        Self {
-            caution: found.caution(),
-            misfit: Some((found.misfit, found.misfit_note())),
-            way,
-            plate: found.plate,
-            parameters: found.parameters,
-            chi2_per_n: found.chi2_per_n,
-            feeling: None,
-            edge_tolerance_m: None,
-            turning_point: Some((found.boundary_tolerance_m, found.boundary_per_place)),
-            level_tolerance_db: Some(found.level_tolerance_db).filter(|db| db.is_finite()),
+        Way::Current => {
+            "the current alone: on simulated plates turning points came within 0.5 mm, 1.2 mm at worst; the level is the model's and is not measured"
+        }
+        Way::Touches => {
+            "felt edges alone, of a known drive: on simulated plates the felt edge came within 1.5 mm; the level is not measured"
+        }
+        Way::TouchesOfUnknownDrive => {
+            "felt edges alone, of an unknown drive: on simulated membranes the felt edge came within 4 mm by two touches and 2 mm by six; the drive's current or one sensor gives more, and levels"
         }
     }
 }
@@ -105,7 +45,9 @@ pub(super) fn finish(
         Ok(found) => found,
         Err(error) => {
             if as_json {
-                output::print(true, &refused(file, &error), |_| Ok(()))?;
+                output::print(true, &fields(&CalibrateAnswer::refused(file, &error), Vec::new())?, |_| {
+                    Ok(())
+                })?;
             }
             return Err(Failure::failed(error));
         }
@@ -116,71 +58,8 @@ pub(super) fn finish(
         out.write_measured(&text)?;
     }
     let files = Destination::names(out.into_iter().chain(feeling_out));
-    output::print(as_json, &value(file, &found, &before, &files), |writer| {
-        output::lines(writer, &lines(file, &found, &before, out))
-    })
-}
-
-/// The JSON of a refused calibration.
-fn refused(file: &Plate, error: &CalibrateError) -> Value {
-    let chi2_per_n = match error {
-        CalibrateError::Unlike { chi2_per_n, .. } | CalibrateError::EdgesUnlike { chi2_per_n, .. } => {
-            Some(*chi2_per_n)
-        }
-        _ => None,
-    };
-    let mut value = empty(file);
-    value["accepted"] = json!(false);
-    value["reason"] = json!(error.to_string());
-    value["chi2_per_n"] = json!(chi2_per_n);
-    value
-}
-
-/// Every field of a calibration, unknown.
-fn empty(file: &Plate) -> Value {
-    json!({
-        "plate": file.name(),
-        "accepted": null,
-        "reason": null,
-        "by": null,
-        "parameters": [],
-        "chi2_per_n": null,
-        "misfit": null,
-        "turning_point_tolerance_m": null,
-        "turning_point_per_place": null,
-        "felt_edge_tolerance_m": null,
-        "level_tolerance_db": null,
-        "caution": null,
-        "before": null,
-        "files": [],
-    })
-}
-
-fn value(file: &Plate, found: &CalibrationReport, before: &Departure, files: &[String]) -> Value {
-    json!({
-        "plate": file.name(),
-        "accepted": true,
-        "reason": null,
-        "by": found.way.word(),
-        "parameters": found.parameters.iter().map(|it| json!({
-            "name": it.name,
-            "value": it.value,
-            "low": it.low,
-            "high": it.high,
-        })).collect::<Vec<_>>(),
-        "chi2_per_n": found.chi2_per_n,
-        "misfit": found.misfit.as_ref().map(|it| it.0),
-        "turning_point_tolerance_m": found.turning_point.as_ref().map(|it| it.0),
-        "turning_point_per_place": found.turning_point.as_ref().map(|it| &it.1),
-        "felt_edge_tolerance_m": found.edge_tolerance_m,
-        "level_tolerance_db": found.level_tolerance_db,
-        "caution": found.caution,
-        "before": {
-            "turning_point_error_m": before.boundary_m,
-            "level_error_db": found.level_tolerance_db.map(|_| before.level_db),
-        },
-        "files": files,
-    })
+    let value = fields(&CalibrateAnswer::of(file, &found, &before), files)?;
+    output::print(as_json, &value, |writer| output::lines(writer, &lines(file, &found, &before, out)))
 }
 
 /// A parameter and its interval, in the units of a person. What cannot be negative is not: where its interval reaches 0, only
@@ -221,7 +100,7 @@ fn lines<'a>(
     before: &Departure,
     out: Option<&Destination>,
 ) -> Vec<(&'a str, String)> {
-    let mut lines = vec![("Plate", file.name().to_owned()), ("By", found.way.reaches().to_owned())];
+    let mut lines = vec![("Plate", file.name().to_owned()), ("By", reaches(found.way).to_owned())];
     lines.extend(found.parameters.iter().map(|it| (it.name, in_words(it))));
     if found.misfit.is_none() {
         let times = with_decimals(found.chi2_per_n.sqrt(), 2);

@@ -1,15 +1,9 @@
 //! `slipline check`.
 
 use super::{CheckArguments, Failure, argument, output, progress};
-use serde_json::{Value, json};
-use slipline_plate::check::{Checker, Colour, Conditions, Report};
-
-/// The JSON of a report: its lights and the worst colour.
-pub(super) fn value(report: &Report) -> Value {
-    let mut value = json!(report);
-    value["worst"] = json!(report.worst());
-    value
-}
+use serde_json::json;
+use slipline_model::answer::check::{CheckAnswer, check};
+use slipline_plate::check::{Colour, Conditions};
 
 pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate.plate)?;
@@ -19,15 +13,9 @@ pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failu
         turning_point_m.map(|place| place.turning_point_on(&plate, "--turning-point")).transpose()?;
     let conditions =
         Conditions { level: arguments.level, off_centre: arguments.off_centre, ..Conditions::default() };
-    let report = progress::watched("check", |progress| {
-        let checker = Checker::watched(&plate, conditions, &mut progress.part(0.0, 0.2))?;
-        match turning_point_m {
-            Some(turning_point_m) => checker.at(turning_point_m),
-            None => checker.over_span_watched(&mut progress.part(0.2, 1.0)),
-        }
-    })
-    .map_err(Failure::refused)?;
-    output::print(as_json, &value(&report), |out| {
+    let report = progress::watched("check", |progress| check(&plate, turning_point_m, conditions, progress))
+        .map_err(Failure::refused)?;
+    output::print(as_json, &json!(CheckAnswer::of(&report)), |out| {
         if let Some(known) = report.known() {
             writeln!(out, "By its calibration {known} (95 %).")?;
         }

@@ -3,13 +3,12 @@
 use super::argument::{self, Typed};
 use super::design_argument::{band, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
-use super::{Failure, check, output, progress};
+use super::schema::fields;
+use super::{Failure, output, progress};
 use clap::{ArgGroup, Args, ValueEnum};
-use serde_json::json;
-use slipline_plate::check::{Checker, Colour, Conditions, Report};
-use slipline_plate::design::{
-    Design, Edge, Material, Request, Wave, design_watched, end_margin_range, start_margin_range,
-};
+use slipline_model::answer::design::{DesignAnswer, design};
+use slipline_plate::check::{Colour, Report};
+use slipline_plate::design::{Design, Edge, Material, Request, Wave, end_margin_range, start_margin_range};
 use slipline_plate::limits;
 use slipline_plate::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{Measure, Range, show_frequency, show_si};
@@ -157,35 +156,10 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
         .map(|folder| Destination::folder(folder, &FILES, arguments.force))
         .transpose()?
         .unwrap_or_default();
-    let designed = progress::watched("design", |progress| design_watched(&request, progress))
-        .map_err(Failure::refused)?;
-    // A band above the range of the usual device is still designed; only its lights are missing.
-    let lights = progress::watched("check", |progress| {
-        Checker::watched(&designed.plate, Conditions::default(), &mut progress.part(0.0, 0.2))?
-            .over_span_watched(&mut progress.part(0.2, 1.0))
-    })
-    .map_err(|error| error.to_string());
+    let (designed, lights) =
+        progress::watched("design", |progress| design(&request, progress)).map_err(Failure::refused)?;
     let files = write_files(&designed, &free)?;
-    let value = json!({
-        "plate": designed.plate.name(),
-        "toml": designed.plate.to_toml(),
-        "rate_per_m": designed.rate_per_m,
-        "half_width_m": designed.plate.half_width_m(0.0),
-        "end_half_width_m": designed.plate.half_width_m(designed.plate.length_m()),
-        "lowest": designed.low,
-        "highest": designed.high,
-        "loss_factor": designed.plate.spec().loss_factor,
-        "loss_factor_limit": designed.loss_factor_limit,
-        "single_turning_point_to_m": designed.single_boundary_to_m,
-        "single_turning_point_off_centre_to_m": designed.single_boundary_off_centre_to_m,
-        "mode_free_travel_m": designed.mode_free_travel_m(),
-        "damper": designed.damper,
-        "tension_n_per_m": designed.tension_n_per_m,
-        "mounting": designed.mounting.sentence(),
-        "check": lights.as_ref().ok().map(check::value),
-        "not_checked": lights.as_ref().err(),
-        "files": Destination::names(&free),
-    });
+    let value = fields(&DesignAnswer::of(&designed, &lights), Destination::names(&free))?;
     output::print(as_json, &value, |out| {
         // The summary is written as comments, so that the output is a valid plate file.
         for (name, text) in summary(&designed) {

@@ -1,18 +1,7 @@
-//! Differences between the plate in two dimensions and the one-mode equation, for people and for programs.
+//! Differences between the plate in two dimensions and the one-mode equation, for people.
 
-use serde_json::{Value, json};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::plane::Comparison;
-
-/// The JSON fields of a comparison whose first field is the one-mode equation's.
-pub(super) fn value(comparison: &Comparison) -> Value {
-    json!({
-        "peak_shift_m": comparison.peak_shift_m,
-        "level_db": comparison.level_db,
-        "nodes": comparison.nodes[1],
-        "one_mode_nodes": comparison.nodes[0],
-    })
-}
 
 /// Shift and level of the peak in two dimensions.
 pub(super) fn peak(comparison: &Comparison) -> String {

@@ -11,6 +11,7 @@ use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::{Snapshot, Sounding, TriggerOutcome};
+use slipline_model::answer::ToneAnswer;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, edit};
@@ -166,8 +167,8 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         "stopped_at_samples": stopped_at,
         "driven_s": driven_s,
         "ended_by": ended_by,
-        "feeling": wanted.feeling.value(),
-        "tones": played.iter().map(|(tone, frequency_hz)| tones::value(tone, *frequency_hz)).collect::<Vec<_>>(),
+        "feeling": wanted.feeling.answer(),
+        "tones": played.iter().map(|(tone, frequency_hz)| ToneAnswer::of(tone, *frequency_hz)).collect::<Vec<_>>(),
         "chord_gain_db": gain_db,
         "hold": hold,
         "table": { "crc": format!("{:08x}", table.crc()) },

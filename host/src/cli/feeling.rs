@@ -3,7 +3,7 @@
 use super::Failure;
 use super::source::read_text;
 use clap::Args;
-use serde_json::{Value, json};
+use slipline_model::answer::feeling::FeelingAnswer;
 use slipline_model::atomic_file::said;
 use slipline_model::setup::Setup;
 use slipline_model::setup::file::{FILE_BYTES_MAX, feeling};
@@ -55,17 +55,13 @@ impl NamedFeeling {
         format!("Felt edges are those of {from} (illustrative).")
     }
 
-    /// Its source and values as JSON, with the names of a file.
-    pub(super) fn value(&self) -> Value {
-        let Feeling { threshold, friction, least_friction_change, contact_m } = self.feeling;
-        json!({
-            "from": self.from.as_deref().unwrap_or("default"),
-            "threshold": threshold,
-            "friction_scale_m": friction.scale_m,
-            "friction_residual": friction.residual,
-            "friction_exponent": friction.exponent,
-            "least_friction_change": least_friction_change,
-            "contact_m": contact_m,
-        })
+    /// Its source and values as fields.
+    pub(super) fn answer(&self) -> FeelingAnswer<'_> {
+        FeelingAnswer::of(&self.feeling, self.from.as_deref())
+    }
+
+    /// Its file.
+    pub(super) fn from(&self) -> Option<&str> {
+        self.from.as_deref()
     }
 }

@@ -13,6 +13,7 @@ use super::{Failure, output, tones};
 use serde_json::json;
 use slipline_instrument::native::ClientError;
 use slipline_link::{DeviceTable, Sounding};
+use slipline_model::answer::ToneAnswer;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, edit};
 use slipline_plate::DriveTable;
@@ -99,7 +100,7 @@ impl<'a> FollowedDrive<'a> {
             "line": self.lines,
             "at_samples": at,
             "glide_s": setup.glide_s,
-            "tones": tones.iter().map(|(tone, hz)| tones::value(tone, *hz)).collect::<Vec<_>>(),
+            "tones": tones.iter().map(|(tone, hz)| ToneAnswer::of(tone, *hz)).collect::<Vec<_>>(),
         });
         output::print(self.as_json, &value, |out| {
             let glide = show_si(setup.glide_s, "s");

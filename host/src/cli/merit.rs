@@ -5,15 +5,11 @@ use super::{Failure, PlateArgument, argument, output, progress};
 use argument::PlaceArgument;
 use clap::Args;
 use serde_json::json;
+use slipline_model::answer::merit::{MeritAnswer, rate};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_plate::Plate;
-use slipline_plate::merit::Merit;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place, show_si};
-use slipline_plate::texture::{Palette, TextureError};
-
-/// Number of turning points, each in the middle of an equal share of the span.
-const TURNING_POINTS: usize = 5;
+use slipline_plate::texture::Palette;
 
 /// `merit`.
 #[derive(Debug, Args)]
@@ -34,24 +30,9 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
     let one = one.map(|place| place.turning_point_on(&plate, "--turning-point")).transpose()?;
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let palette = Palette::new(&plate, &table);
-    let merits = match one {
-        Some(turning_point_m) => vec![Merit::of(&palette, turning_point_m).map_err(Failure::refused)?],
-        None => over_span(&plate, &palette)?,
-    };
-    let value = json!({
-        "plate": plate.name(),
-        "turning_points": merits.iter().map(|merit| json!({
-            "turning_point_m": merit.turning_point_m,
-            "frequency_hz": merit.frequency_hz,
-            "contrast_db": merit.contrast_db,
-            "ripple_db": merit.ripple_db,
-            "edge_width_m": merit.edge_width_m,
-            "switching_time_s": merit.switching_time_s,
-            "two_point_m": merit.two_point_m,
-            "bits_per_s": merit.bits_per_s,
-        })).collect::<Vec<_>>(),
-    });
-    output::print(as_json, &value, |out| {
+    let merits =
+        progress::watched("merit", |progress| rate(&palette, one, progress)).map_err(Failure::refused)?;
+    output::print(as_json, &json!(MeritAnswer::of(&plate, &merits)), |out| {
         writeln!(
             out,
             "{:>13} {:>9} {:>7} {:>8} {:>10} {:>10} {:>8}",
@@ -73,24 +54,4 @@ pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failu
         }
         Ok(())
     })
-}
-
-/// Ratings of the boundaries before which there is room for an even area; if there are none, the error of the
-/// last one.
-fn over_span(plate: &Plate, palette: &Palette<'_>) -> Result<Vec<Merit>, Failure> {
-    let (start_m, end_m) = plate.span_m();
-    let at = |i: usize| start_m + (end_m - start_m) * (i as f64 + 0.5) / TURNING_POINTS as f64;
-    let mut found = Vec::new();
-    let mut refused = None;
-    for turning_point_m in (0..TURNING_POINTS).map(at) {
-        match Merit::of(palette, turning_point_m) {
-            Ok(merit) => found.push(merit),
-            Err(error @ TextureError::TooShort { .. }) => refused = Some(error),
-            Err(error) => return Err(Failure::refused(error)),
-        }
-    }
-    match refused {
-        Some(error) if found.is_empty() => Err(Failure::refused(error)),
-        _ => Ok(found),
-    }
 }

@@ -2,9 +2,10 @@
 
 use super::destination::Destination;
 use super::{Failure, RecordArguments, output, progress, setup_source, tones};
-use serde_json::{Value, json};
+use serde_json::json;
 use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
+use slipline_model::answer::ToneAnswer;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::number_format::rounded;
 use std::path::Path;
@@ -28,8 +29,8 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
         "samples": samples,
         "recorded_s": seconds,
         "files": Destination::names([&wav]),
-        "feeling": wanted.feeling.value(),
-        "tones": places.iter().map(|tone| tones::value(tone, tone.frequency_hz)).collect::<Vec<Value>>(),
+        "feeling": wanted.feeling.answer(),
+        "tones": places.iter().map(|tone| ToneAnswer::of(tone, tone.frequency_hz)).collect::<Vec<_>>(),
         "chord_gain_db": gain_db,
     });
     output::print(as_json, &value, |out| {

@@ -3,9 +3,10 @@
 use super::destination::Destination;
 use super::envelope_file::Form;
 use super::rig::actual_plate;
+use super::schema::fields;
 use super::{Failure, SimulateArguments, differs, output, progress, setup_source, tones};
-use serde_json::{Value, json};
 use slipline_link::simulator::loopback::Loopback;
+use slipline_model::answer::simulate::SimulatedDrive;
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
@@ -68,47 +69,19 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         }
     }
 
-    // Without gains the peaks are not those of the table, by which the felt edges are computed.
-    let places = Places { places: &places, has_gains: simulation.has_gains };
-    // The felt edges are computed from the measured fields, too; illustrative.
     let feeling = wanted.feeling.feeling;
-    let felt_edge_m = |felt: &Option<Felt>| felt.as_ref().and_then(|felt| felt.edge.place_m());
-    let by_person_m = |felt: &Option<Felt>| {
-        felt.as_ref().map(|felt| [felt.by_person.near.place_m(), felt.by_person.far.place_m()])
+    let drive = SimulatedDrive {
+        plate,
+        actual: simulation.actual,
+        places: &places,
+        feeling: (&feeling, wanted.feeling.from()),
+        has_gains: simulation.has_gains,
+        chord_gain_db: gain_db,
+        sensitivity,
+        solver,
+        result: &result,
     };
-    let of_tone = |(number, tone): (usize, &ToneResult)| {
-        let mut value = tone_value(tone);
-        places.add(number, &mut value);
-        let felt = tone.felt(simulation.actual, &feeling);
-        value["measured_felt_edge_m"] = json!(felt_edge_m(&felt));
-        value["measured_felt_edge_by_person_m"] = json!(by_person_m(&felt));
-        if arguments.sheet {
-            value["two_dimensions"] = differs::value(&tone.differs);
-        }
-        value
-    };
-    let mut value = result.tones.iter().enumerate().next().map_or(json!({}), of_tone);
-    if let Value::Object(fields) = &mut value {
-        let mut put = |name: &str, value: Value| drop(fields.insert(name.to_owned(), value));
-        put("plate", json!(plate.name()));
-        put("feeling", wanted.feeling.value());
-        put("actual_plate", json!(simulation.actual.name()));
-        put("has_table_gains", json!(simulation.has_gains));
-        put("chord_gain_db", json!(gain_db));
-        put("clipped_samples", json!(result.clipped_samples));
-        put("simulated_s", json!(result.seconds));
-        put("measured_s", json!(result.window_s));
-        let beat = result.slow_beat;
-        put("slow_beat_hz", json!(beat.map(|beat| beat.between_hz.1 - beat.between_hz.0)));
-        put("peak_at_full_scale_m", json!(result.peak_at_full_scale_m));
-        put("sensitivity_db", json!(sensitivity.map(|it| it.worst_db)));
-        put("sensitivity_at_m", json!(sensitivity.map(|it| it.worst_at_m)));
-        let felt = result.felt(simulation.actual, &feeling);
-        put("measured_felt_edge_of_all_m", json!(felt_edge_m(&felt)));
-        put("measured_felt_edge_of_all_by_person_m", json!(by_person_m(&felt)));
-        put("tones", json!(result.tones.iter().enumerate().map(of_tone).collect::<Vec<_>>()));
-        put("files", json!(Destination::names(files.iter().map(|file| &file.destination))));
-    }
+    let value = fields(&drive.answer(), Destination::names(files.iter().map(|file| &file.destination)))?;
     let waves_run_on = match (&arguments.actual_plate, simulation.actual.name()) {
         // A plate near the command's has its name.
         (Some(text), name) if name == plate.name() => format!("{name} ({text})"),
@@ -132,7 +105,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
             writeln!(out, "{}", slow_beat(beat, result.window_s))?;
         }
         writeln!(out)?;
-        places.print(out)?;
+        print_places(&drive, out)?;
         writeln!(out, "{}", wanted.feeling.words())?;
         if let Some(gain_db) = gain_db {
             writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
@@ -157,34 +130,12 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
 }
 
 /// Both places of each tone by the plate of the command and its table, before anything is simulated.
-struct Places<'a> {
-    places: &'a [TonePlaces],
-    has_gains: bool,
-}
-
-impl Places<'_> {
-    /// Adds them to the JSON of a tone; without the table's gains its felt edge is not known.
-    fn add(&self, number: usize, value: &mut Value) {
-        let Some(tone) = self.places.get(number) else { return };
-        value["turning_point_m"] = json!(tone.turning_point_m);
-        for name in ["felt_edge_m", "felt_edge_by_person_m", "felt"] {
-            value[name] = Value::Null;
-        }
-        if self.has_gains
-            && let Value::Object(fields) = tones::value(tone, tone.frequency_hz)
-        {
-            for (name, field) in fields.into_iter().filter(|(name, _)| name.starts_with("felt")) {
-                value[name] = field;
-            }
-        }
+fn print_places(drive: &SimulatedDrive<'_>, out: &mut dyn Write) -> std::io::Result<()> {
+    if !drive.has_gains {
+        // The peaks are not those of the table, by which the felt edges are computed.
+        return writeln!(out, "Without the table's gains the felt edges are not known beforehand.");
     }
-
-    fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        if !self.has_gains {
-            return writeln!(out, "Without the table's gains the felt edges are not known beforehand.");
-        }
-        self.places.iter().try_for_each(|tone| writeln!(out, "{}", tones::words(tone, tone.frequency_hz)))
-    }
+    drive.places.iter().try_for_each(|tone| writeln!(out, "{}", tones::words(tone, tone.frequency_hz)))
 }
 
 /// The sheet of a plate, on all processors, or why the plate has none.
@@ -232,24 +183,6 @@ fn felt_words(felt: Option<Felt>) -> String {
             format!("A finger feels it up to {edge}{by_person} (illustrative).")
         }
     }
-}
-
-fn tone_value(tone: &ToneResult) -> Value {
-    json!({
-        "level": tone.level,
-        "frequency_hz": tone.frequency_hz,
-        "actual_turning_point_m": tone.predicted.turning_point_m,
-        "peak_position_m": tone.predicted.peak.map(|peak| peak.position_m),
-        "peak_amplitude_m": tone.predicted_peak_m,
-        "edge_width_m": tone.predicted.edge_width_m,
-        "peak_present": tone.measured.is_some() && tone.predicted.peak.is_some(),
-        "measured_turning_point_m": tone.measured_turning_point_m,
-        "measured_peak_position_m": tone.measured.map(|peak| peak.position_m),
-        "measured_peak_amplitude_m": tone.measured.map(|peak| peak.amplitude),
-        "position_m": tone.predicted.position_m,
-        "amplitude": tone.predicted.amplitude.iter().map(|f| json!({ "re": f.re, "im": f.im })).collect::<Vec<_>>(),
-        "measured_amplitude_m": tone.field_m.iter().map(|f| f.norm()).collect::<Vec<_>>(),
-    })
 }
 
 fn rows(result: &Simulated) -> Vec<Vec<String>> {

@@ -1,13 +1,12 @@
 //! `slipline table`.
 
 use super::destination::Destination;
-use super::schema::finished;
+use super::schema::{fields, finished};
 use super::{Failure, TableArguments, argument, output, progress};
-use serde_json::json;
-use slipline_model::field::simulation;
+use slipline_model::answer::table::BuiltTable;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
-use slipline_plate::{DriveTable, TableError, sample_rates, sensitivity_per_percent_of};
+use slipline_plate::sample_rates;
 use std::io::Write;
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
@@ -16,37 +15,11 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
     let why = format!(": the plate's band ends at {}", show_frequency(plate.band_hz().1));
     let rate_hz =
         arguments.sample_rate.within("--sample-rate", sample_rates(&plate), Measure::Frequency, &why)?;
-    let (table, sensitivity) = progress::watched("table", |progress| {
-        let first = &mut progress.part(0.0, 0.8);
-        let table = DriveTable::build_watched(&plate, rate_hz, arguments.knots, first)?;
-        let sensitivity = sensitivity_per_percent_of(&table, &plate, &mut progress.part(0.8, 1.0))?;
-        Ok((table, sensitivity))
-    })
-    .map_err(|error: TableError| Failure::refused(error))?;
-    let device_table = simulation::device_table(&table).map_err(Failure::refused)?;
-    let value = json!({
-        "plate": plate.name(),
-        "sample_rate_hz": rate_hz,
-        "span_start_m": table.span_start_m,
-        "span_end_m": table.span_end_m,
-        "knots": table.knots.iter().map(|knot| json!({
-            "position_m": knot.position_m,
-            "frequency_hz": knot.frequency_hz,
-            "gain": knot.gain,
-            "peak_present": knot.peak_present,
-        })).collect::<Vec<_>>(),
-        "peak_at_full_scale_m": table.peak_at_full_scale_m,
-        "worst_error_db": table.worst_error_db,
-        "worst_shift_m": table.worst_shift_m,
-        "swing_without_gain_db": table.swing_without_gain_db,
-        "travel_over_peak_travel": table.travel.map(|travel| travel.largest_share),
-        "lowered_by_travel_db": table.travel.map(|travel| travel.lowered_db()),
-        "knots_without_peak": table.knots_without_peak,
-        "sensitivity_db_per_percent": sensitivity.worst_db,
-        "sensitivity_at_m": sensitivity.worst_at_m,
-        "crc": format!("{:08x}", device_table.crc()),
-        "files": Destination::names(&file),
-    });
+    let built = progress::watched("table", |progress| {
+        BuiltTable::build(&plate, rate_hz, arguments.knots, progress).map_err(Failure::refused)
+    })?;
+    let value = fields(&built.answer(&plate), Destination::names(&file))?;
+    let BuiltTable { table, device_table, sensitivity } = &built;
     if let Some(file) = &file {
         file.write(|out| Ok(writeln!(out, "{}", finished(&value))?))?;
     }

@@ -1,11 +1,12 @@
 //! `slipline texture`.
 
 use super::destination::Destination;
+use super::schema::fields;
 use super::source::{read_bytes, read_text};
-use super::{Failure, ForceArgument, PlateArgument, argument, output, progress, tones};
+use super::{Failure, ForceArgument, PlateArgument, argument, output, progress};
 use argument::{Beat, Typed};
 use clap::Args;
-use serde_json::{Value, json};
+use slipline_model::answer::texture::{self, TextureAnswer};
 use slipline_model::atomic_file::said;
 use slipline_model::field::felt::by_person_words;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
@@ -79,7 +80,8 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
         let text = file::write(&setup);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    output::print(as_json, &value(&plate, &named.made, &places, out.as_ref()), |writer| {
+    let value = fields(&TextureAnswer::of(&plate, &named.made, &places), Destination::names(out.as_ref()))?;
+    output::print(as_json, &value, |writer| {
         output::lines(writer, &lines(&plate, &named, arguments.tones, out.as_ref()))
     })
 }
@@ -118,11 +120,7 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
         (Wish::Profile(_), Source::Option(..)) => String::new(),
     };
     let palette = Palette::new(plate, table);
-    let made = progress::watched("texture", |progress| {
-        let feeling = Feeling::default();
-        let made = textures::make(&palette, &wish, most, &feeling, &mut progress.part(0.0, 0.6))?;
-        made.finished(&palette, &feeling, &mut progress.part(0.6, 1.0))
-    });
+    let made = progress::watched("texture", |progress| texture::make(&palette, &wish, most, progress));
     match made {
         Ok(made) => Ok(Named { what, made }),
         Err(error) => Err(match (from, error) {
@@ -155,56 +153,6 @@ fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Pat
     let bytes = read_bytes(path, PROFILE_FILE_BYTES_MAX).map_err(|error| failed(path, &error))?;
     let breakpoints = textures::from_png(&bytes, plate.length_m()).map_err(|error| failed(path, &error))?;
     Ok((path, breakpoints))
-}
-
-/// The JSON of a texture; `places` are those of its setup, whose tones stand the other way round.
-fn value(plate: &Plate, made: &Made, places: &[TonePlaces], out: Option<&Destination>) -> Value {
-    let Made { tones, fitted, stripes_m, stripes_felt_db } = made;
-    let figures = |it: &Fitted| it.texture.figures;
-    let rest = fitted.as_ref().and_then(|it| it.rest.as_ref());
-    let flutter = rest.and_then(|rest| rest.flutter);
-    let reach = |Fitted { texture, .. }: &Fitted| {
-        json!({
-            "rms_error": texture.reach.rms_error,
-            "ripple_db": texture.reach.ripple_db,
-            "contrast_db": texture.reach.contrast_db,
-            "largest_square_error": rest.map(|rest| rest.largest_square_error),
-        })
-    };
-    json!({
-        "plate": plate.name(),
-        "tones": tones.iter().zip(places.iter().rev()).map(|(tone, places)| {
-            let mut value = tones::value(places, tone.frequency_hz);
-            value["level"] = json!(tone.level);
-            value["phase_turns"] = json!(tone.phase_turns);
-            value
-        }).collect::<Vec<_>>(),
-        "rms_error": fitted.as_ref().map(|it| figures(it).rms_error),
-        "ripple_db": fitted.as_ref().and_then(|it| figures(it).ripple_db),
-        "contrast_db": fitted.as_ref().and_then(|it| figures(it).contrast_db),
-        "felt_edge_by_person_m": rest.and_then(|rest| rest.by_person).map(|it| [it.near.place_m(), it.far.place_m()]),
-        "flutter_db": flutter.map(|flutter| flutter.swing_db),
-        "flutter_hz": flutter.map(|flutter| flutter.frequency_hz),
-        "worst_rms_error": fitted.as_ref().map(|it| it.worst.rms_error),
-        "worst_ripple_db": fitted.as_ref().and_then(|it| it.worst.ripple_db),
-        "reach": fitted.as_ref().map(reach),
-        "position_m": fitted.as_ref().map(|it| &it.texture.places_m),
-        "wanted_rms_m": fitted.as_ref().map(|it| &it.texture.wanted_m),
-        "rms_m": fitted.as_ref().map(|it| &it.texture.rms_m),
-        "stripes_m": stripes_m,
-        "stripes_felt_db": stripes_felt_db,
-        "files": Destination::names(out),
-        "chord": rest.and_then(|rest| rest.chord.as_ref()).map(|(chord, is_used)| json!({
-            "is_used": is_used,
-            "base_frequency_hz": f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
-            "harmonics": chord.harmonics,
-            "chord_gain_db": made.chord_gain_db(),
-            "headroom_db": chord.gain_db,
-            "rms_error": chord.texture.figures.rms_error,
-            "ripple_db": chord.texture.figures.ripple_db,
-            "contrast_db": chord.texture.figures.contrast_db,
-        })),
-    })
 }
 
 fn lines(

@@ -9,14 +9,12 @@ use super::Failure;
 use super::argument::{self, PlaceArgument, level};
 use super::feeling::{FeelingArgument, NamedFeeling};
 use clap::Args;
-use serde_json::{Value, json};
 use slipline_link::DeviceTable;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
 use slipline_model::field::edge_reach::NoFeltEdge;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, ToneSetup};
-use slipline_plate::feeling::FeltEdge;
 use slipline_plate::quantity::{
     Count, Counted, Measure, PlaceOrFrequency, must_be, show_frequency, show_place, show_range,
 };
@@ -256,19 +254,6 @@ pub(super) fn played<'a>(
     places
         .iter()
         .filter_map(move |tone| Some((tone, table.frequency_hz(table.position(tone.turning_point_m)?))))
-}
-
-/// Both places of a tone, its frequency and its level, as JSON. `frequency_hz` is what the device plays.
-pub(super) fn value(places: &TonePlaces, frequency_hz: f64) -> Value {
-    let by_person = [places.by_person.near, places.by_person.far].map(FeltEdge::place_m);
-    json!({
-        "turning_point_m": places.turning_point_m,
-        "felt_edge_m": places.felt_edge.place_m(),
-        "felt_edge_by_person_m": by_person,
-        "felt": places.felt_words(),
-        "frequency_hz": frequency_hz,
-        "level": places.level,
-    })
 }
 
 /// Both places of a tone, its frequency and its level, as a sentence.

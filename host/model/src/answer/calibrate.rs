@@ -1,0 +1,152 @@
+//! A calibration.
+
+use serde::Serialize;
+use slipline_plate::Plate;
+use slipline_plate::calibrate::{CalibrateError, Calibrated, Departure, Parameter};
+use slipline_plate::feeling::Feeling;
+
+/// The method of a calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// One sensor at two places.
+    TwoPlaces,
+    /// One sensor at one place, and a model of the source.
+    OneSensor,
+    /// The drive's current.
+    Current,
+    /// Felt edges, of a drive as the plate file states it.
+    Touches,
+    /// Felt edges, of an unknown drive.
+    TouchesOfUnknownDrive,
+}
+
+impl Way {
+    const fn word(self) -> &'static str {
+        match self {
+            Self::TwoPlaces => "two places",
+            Self::OneSensor => "one sensor",
+            Self::Current => "current",
+            Self::Touches | Self::TouchesOfUnknownDrive => "touches",
+        }
+    }
+}
+
+/// A calibrated plate, and the reported values.
+#[derive(Clone, Debug)]
+pub struct CalibrationReport {
+    /// The method.
+    pub way: Way,
+    /// The plate.
+    pub plate: Plate,
+    /// The fitted numbers of its file, and their intervals.
+    pub parameters: Vec<Parameter>,
+    /// Squared departure over variance and number of points.
+    pub chi2_per_n: f64,
+    /// The finger's feeling; only of a calibration by felt edges.
+    pub feeling: Option<Feeling>,
+    /// The model error with which `chi2_per_n` would be 1, and the remedy; `None` for felt edges.
+    pub misfit: Option<(f64, String)>,
+    /// Half of the 95 % interval of the turning point, metres, and its shift per metre of misplacement of each sensor.
+    pub turning_point: Option<(f64, Vec<f64>)>,
+    /// Half of the 95 % interval of the felt edge, metres; only of a calibration by felt edges.
+    pub edge_tolerance_m: Option<f64>,
+    /// A property that no measurement determines and the user must check.
+    pub caution: Option<String>,
+    /// Half of the 95 % interval of the level, dB; `None` where no levels were measured.
+    pub level_tolerance_db: Option<f64>,
+}
+
+impl CalibrationReport {
+    /// The result of a calibration by measurements.
+    #[must_use]
+    pub fn by(way: Way, found: Calibrated) -> Self {
+        Self {
+            caution: found.caution(),
+            misfit: Some((found.misfit, found.misfit_note())),
+            way,
+            plate: found.plate,
+            parameters: found.parameters,
+            chi2_per_n: found.chi2_per_n,
+            feeling: None,
+            edge_tolerance_m: None,
+            turning_point: Some((found.boundary_tolerance_m, found.boundary_per_place)),
+            level_tolerance_db: Some(found.level_tolerance_db).filter(|db| db.is_finite()),
+        }
+    }
+}
+
+/// The fields of `slipline calibrate --json`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct CalibrateAnswer<'a> {
+    pub plate: &'a str,
+    pub accepted: bool,
+    pub reason: Option<String>,
+    pub by: Option<&'static str>,
+    pub parameters: Vec<ParameterAnswer>,
+    pub chi2_per_n: Option<f64>,
+    pub misfit: Option<f64>,
+    pub turning_point_tolerance_m: Option<f64>,
+    pub turning_point_per_place: Option<&'a [f64]>,
+    pub felt_edge_tolerance_m: Option<f64>,
+    pub level_tolerance_db: Option<f64>,
+    pub caution: Option<&'a str>,
+    pub before: Option<BeforeAnswer>,
+}
+
+/// The fields of a fitted number.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct ParameterAnswer {
+    pub name: &'static str,
+    pub value: f64,
+    pub low: f64,
+    pub high: f64,
+}
+
+/// The fields of what the plate's file missed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct BeforeAnswer {
+    pub turning_point_error_m: f64,
+    pub level_error_db: Option<f64>,
+}
+
+impl<'a> CalibrateAnswer<'a> {
+    /// The fields of a calibration of this plate; `before` is what its file missed.
+    #[must_use]
+    pub fn of(file: &'a Plate, found: &'a CalibrationReport, before: &Departure) -> Self {
+        let parameter =
+            |&Parameter { name, value, low, high }: &Parameter| ParameterAnswer { name, value, low, high };
+        Self {
+            plate: file.name(),
+            accepted: true,
+            reason: None,
+            by: Some(found.way.word()),
+            parameters: found.parameters.iter().map(parameter).collect(),
+            chi2_per_n: Some(found.chi2_per_n),
+            misfit: found.misfit.as_ref().map(|it| it.0),
+            turning_point_tolerance_m: found.turning_point.as_ref().map(|it| it.0),
+            turning_point_per_place: found.turning_point.as_ref().map(|it| &it.1[..]),
+            felt_edge_tolerance_m: found.edge_tolerance_m,
+            level_tolerance_db: found.level_tolerance_db,
+            caution: found.caution.as_deref(),
+            before: Some(BeforeAnswer {
+                turning_point_error_m: before.boundary_m,
+                level_error_db: found.level_tolerance_db.map(|_| before.level_db),
+            }),
+        }
+    }
+
+    /// The fields of a refused calibration.
+    #[must_use]
+    pub fn refused(file: &'a Plate, error: &CalibrateError) -> Self {
+        let chi2_per_n = match error {
+            CalibrateError::Unlike { chi2_per_n, .. } | CalibrateError::EdgesUnlike { chi2_per_n, .. } => {
+                Some(*chi2_per_n)
+            }
+            _ => None,
+        };
+        Self { plate: file.name(), reason: Some(error.to_string()), chi2_per_n, ..Self::default() }
+    }
+}

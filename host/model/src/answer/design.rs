@@ -1,0 +1,74 @@
+//! A designed plate.
+
+use super::check::{self, CheckAnswer};
+use serde::Serialize;
+use slipline_plate::Progress;
+use slipline_plate::check::{CheckError, Conditions, Report};
+use slipline_plate::design::{BandEnd, Damper, Design, DesignError, Request, design_watched};
+
+/// Designs a plate, and checks it over its span.
+///
+/// A band above the range of the usual device is still designed; only its lights are missing.
+///
+/// # Errors
+/// [`DesignError`]: the unsuitable value and its range, or that the caller has cancelled it.
+pub fn design(
+    request: &Request,
+    progress: &mut Progress<'_>,
+) -> Result<(Design, Result<Report, CheckError>), DesignError> {
+    let designed = design_watched(request, &mut progress.part(0.0, 0.5))?;
+    match check::check(&designed.plate, None, Conditions::default(), &mut progress.part(0.5, 1.0)) {
+        Err(CheckError::Stopped(stopped)) => Err(stopped.into()),
+        lights => Ok((designed, lights)),
+    }
+}
+
+/// The fields of `slipline design --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct DesignAnswer<'a> {
+    pub plate: &'a str,
+    pub toml: String,
+    pub rate_per_m: f64,
+    pub half_width_m: f64,
+    pub end_half_width_m: f64,
+    pub lowest: BandEnd,
+    pub highest: BandEnd,
+    pub loss_factor: f64,
+    pub loss_factor_limit: f64,
+    pub single_turning_point_to_m: f64,
+    pub single_turning_point_off_centre_to_m: f64,
+    pub mode_free_travel_m: f64,
+    pub damper: Damper,
+    pub tension_n_per_m: Option<f64>,
+    pub mounting: &'a str,
+    pub check: Option<CheckAnswer<'a>>,
+    pub not_checked: Option<String>,
+}
+
+impl<'a> DesignAnswer<'a> {
+    /// The fields of a design and its lights.
+    #[must_use]
+    pub fn of(designed: &'a Design, lights: &'a Result<Report, CheckError>) -> Self {
+        let plate = &designed.plate;
+        Self {
+            plate: plate.name(),
+            toml: plate.to_toml(),
+            rate_per_m: designed.rate_per_m,
+            half_width_m: plate.half_width_m(0.0),
+            end_half_width_m: plate.half_width_m(plate.length_m()),
+            lowest: designed.low,
+            highest: designed.high,
+            loss_factor: plate.spec().loss_factor,
+            loss_factor_limit: designed.loss_factor_limit,
+            single_turning_point_to_m: designed.single_boundary_to_m,
+            single_turning_point_off_centre_to_m: designed.single_boundary_off_centre_to_m,
+            mode_free_travel_m: designed.mode_free_travel_m(),
+            damper: designed.damper,
+            tension_n_per_m: designed.tension_n_per_m,
+            mounting: designed.mounting.sentence(),
+            check: lights.as_ref().ok().map(CheckAnswer::of),
+            not_checked: lights.as_ref().err().map(ToString::to_string),
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Figures of merit of a plate's boundaries.
+
+use serde::Serialize;
+use slipline_plate::merit::Merit;
+use slipline_plate::texture::{Palette, TextureError};
+use slipline_plate::{Plate, Progress};
+
+/// Number of turning points, each in the middle of an equal share of the span.
+const TURNING_POINTS: usize = 5;
+
+/// Rates one boundary, or those of five over the span before which there is room for an even area; if there are none, the
+/// error is that of the last one.
+///
+/// # Errors
+/// [`TextureError`]: why a boundary cannot be rated, or that the caller has cancelled it.
+pub fn rate(
+    palette: &Palette<'_>,
+    turning_point_m: Option<f64>,
+    progress: &mut Progress<'_>,
+) -> Result<Vec<Merit>, TextureError> {
+    if let Some(turning_point_m) = turning_point_m {
+        return Ok(vec![Merit::of(palette, turning_point_m)?]);
+    }
+    let (start_m, end_m) = palette.plate().span_m();
+    let share = |i: usize| (i as f64 + 0.5) / TURNING_POINTS as f64;
+    let mut found = Vec::new();
+    let mut refused = None;
+    for i in 0..TURNING_POINTS {
+        progress.at(i as f64 / TURNING_POINTS as f64)?;
+        match Merit::of(palette, start_m + (end_m - start_m) * share(i)) {
+            Ok(merit) => found.push(merit),
+            Err(error @ TextureError::TooShort { .. }) => refused = Some(error),
+            Err(error) => return Err(error),
+        }
+    }
+    match refused {
+        Some(error) if found.is_empty() => Err(error),
+        _ => Ok(found),
+    }
+}
+
+/// The fields of `slipline merit --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct MeritAnswer<'a> {
+    pub plate: &'a str,
+    pub turning_points: Vec<BoundaryMerit>,
+}
+
+/// The fields of one boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct BoundaryMerit {
+    pub turning_point_m: f64,
+    pub frequency_hz: f64,
+    pub contrast_db: f64,
+    pub ripple_db: f64,
+    pub edge_width_m: f64,
+    pub switching_time_s: Option<f64>,
+    pub two_point_m: Option<f64>,
+    pub bits_per_s: Option<f64>,
+}
+
+impl<'a> MeritAnswer<'a> {
+    /// The fields of these ratings.
+    #[must_use]
+    pub fn of(plate: &'a Plate, merits: &[Merit]) -> Self {
+        let of_one = |merit: &Merit| BoundaryMerit {
+            turning_point_m: merit.turning_point_m,
+            frequency_hz: merit.frequency_hz,
+            contrast_db: merit.contrast_db,
+            ripple_db: merit.ripple_db,
+            edge_width_m: merit.edge_width_m,
+            switching_time_s: merit.switching_time_s,
+            two_point_m: merit.two_point_m,
+            bits_per_s: merit.bits_per_s,
+        };
+        Self { plate: plate.name(), turning_points: merits.iter().map(of_one).collect() }
+    }
+}

@@ -1,0 +1,109 @@
+//! The drive table of a plate.
+
+use crate::field::simulation;
+use serde::Serialize;
+use slipline_link::table::{DeviceTable, DeviceTableError};
+use slipline_plate::{DriveTable, Plate, Progress, Sensitivity, TableError, sensitivity_per_percent_of};
+
+/// A table, in physical and in device units, and what it loses on a plate that differs.
+#[derive(Clone, Debug)]
+pub struct BuiltTable {
+    /// The table.
+    pub table: DriveTable,
+    /// The same in the device's units.
+    pub device_table: DeviceTable,
+    /// Error of its levels for each per cent of the wave speed.
+    pub sensitivity: Sensitivity,
+}
+
+/// Why there is no table.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BuildError {
+    /// The plate has none.
+    #[error("{0}")]
+    Table(#[from] TableError),
+    /// It does not fit the device's units.
+    #[error("{0}")]
+    DeviceTable(#[from] DeviceTableError),
+}
+
+impl BuiltTable {
+    /// Builds the table of a plate.
+    ///
+    /// # Errors
+    /// [`BuildError`]: the unsuitable value and its range, or that the caller has cancelled it.
+    pub fn build(
+        plate: &Plate,
+        sample_rate_hz: f64,
+        knots: usize,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self, BuildError> {
+        let table = DriveTable::build_watched(plate, sample_rate_hz, knots, &mut progress.part(0.0, 0.8))?;
+        let sensitivity = sensitivity_per_percent_of(&table, plate, &mut progress.part(0.8, 1.0))?;
+        let device_table = simulation::device_table(&table)?;
+        Ok(Self { table, device_table, sensitivity })
+    }
+
+    /// Its fields.
+    #[must_use]
+    pub fn answer<'a>(&'a self, plate: &'a Plate) -> TableAnswer<'a> {
+        let Self { table, device_table, sensitivity } = self;
+        TableAnswer {
+            plate: plate.name(),
+            sample_rate_hz: table.sample_rate_hz,
+            span_start_m: table.span_start_m,
+            span_end_m: table.span_end_m,
+            knots: table
+                .knots
+                .iter()
+                .map(|knot| KnotAnswer {
+                    position_m: knot.position_m,
+                    frequency_hz: knot.frequency_hz,
+                    gain: knot.gain,
+                    peak_present: knot.peak_present,
+                })
+                .collect(),
+            peak_at_full_scale_m: table.peak_at_full_scale_m,
+            worst_error_db: table.worst_error_db,
+            worst_shift_m: table.worst_shift_m,
+            swing_without_gain_db: table.swing_without_gain_db,
+            travel_over_peak_travel: table.travel.map(|travel| travel.largest_share),
+            lowered_by_travel_db: table.travel.map(|travel| travel.lowered_db()),
+            knots_without_peak: table.knots_without_peak,
+            sensitivity_db_per_percent: sensitivity.worst_db,
+            sensitivity_at_m: sensitivity.worst_at_m,
+            crc: format!("{:08x}", device_table.crc()),
+        }
+    }
+}
+
+/// The fields of `slipline table --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct TableAnswer<'a> {
+    pub plate: &'a str,
+    pub sample_rate_hz: f64,
+    pub span_start_m: f64,
+    pub span_end_m: f64,
+    pub knots: Vec<KnotAnswer>,
+    pub peak_at_full_scale_m: f64,
+    pub worst_error_db: f64,
+    pub worst_shift_m: f64,
+    pub swing_without_gain_db: f64,
+    pub travel_over_peak_travel: Option<f64>,
+    pub lowered_by_travel_db: Option<f64>,
+    pub knots_without_peak: usize,
+    pub sensitivity_db_per_percent: f64,
+    pub sensitivity_at_m: f64,
+    pub crc: String,
+}
+
+/// The fields of a knot.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct KnotAnswer {
+    pub position_m: f64,
+    pub frequency_hz: f64,
+    pub gain: f64,
+    pub peak_present: bool,
+}

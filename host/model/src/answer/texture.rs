@@ -1,0 +1,144 @@
+//! Textures.
+
+use super::ToneAnswer;
+use super::tone::edges_m;
+use crate::field::simulation::SAMPLE_RATE_HZ;
+use crate::field::tone_places::TonePlaces;
+use crate::texture::{self, Fitted, Made, Rest, Wish};
+use serde::Serialize;
+use slipline_plate::feeling::Feeling;
+use slipline_plate::texture::{CHORD_PERIOD, ChordTexture, Palette, TextureError};
+use slipline_plate::{Plate, Progress};
+
+/// Makes a texture of at most `most` tones (1 to 16), the slower steps included, for a usual finger.
+///
+/// # Errors
+/// [`TextureError`]: the unsuitable value and its range, or that the caller has cancelled it.
+pub fn make(
+    palette: &Palette<'_>,
+    wish: &Wish,
+    most: usize,
+    progress: &mut Progress<'_>,
+) -> Result<Made, TextureError> {
+    let feeling = Feeling::default();
+    let made = texture::make(palette, wish, most, &feeling, &mut progress.part(0.0, 0.6))?;
+    made.finished(palette, &feeling, &mut progress.part(0.6, 1.0))
+}
+
+/// The fields of `slipline texture --json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct TextureAnswer<'a> {
+    pub plate: &'a str,
+    pub tones: Vec<TextureToneAnswer>,
+    pub rms_error: Option<f64>,
+    pub ripple_db: Option<f64>,
+    pub contrast_db: Option<f64>,
+    pub felt_edge_by_person_m: Option<[Option<f64>; 2]>,
+    pub flutter_db: Option<f64>,
+    pub flutter_hz: Option<f64>,
+    pub worst_rms_error: Option<f64>,
+    pub worst_ripple_db: Option<f64>,
+    pub reach: Option<ReachAnswer>,
+    pub position_m: Option<&'a [f64]>,
+    pub wanted_rms_m: Option<&'a [f64]>,
+    pub rms_m: Option<&'a [f64]>,
+    pub stripes_m: Option<f64>,
+    pub stripes_felt_db: Option<f64>,
+    pub chord: Option<ChordAnswer<'a>>,
+}
+
+/// The fields of a tone of a texture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct TextureToneAnswer {
+    #[serde(flatten)]
+    pub tone: ToneAnswer,
+    pub phase_turns: f64,
+}
+
+/// The fields of what any number of tones would reach.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct ReachAnswer {
+    pub rms_error: f64,
+    pub ripple_db: Option<f64>,
+    pub contrast_db: Option<f64>,
+    pub largest_square_error: Option<f64>,
+}
+
+/// The fields of a texture as a chord.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct ChordAnswer<'a> {
+    pub is_used: bool,
+    pub base_frequency_hz: f64,
+    pub harmonics: &'a [u16],
+    pub chord_gain_db: Option<f64>,
+    pub headroom_db: f64,
+    pub rms_error: f64,
+    pub ripple_db: Option<f64>,
+    pub contrast_db: Option<f64>,
+}
+
+impl<'a> TextureAnswer<'a> {
+    /// The fields of a texture; `places` are those of its setup, whose tones stand the other way round.
+    #[must_use]
+    pub fn of(plate: &'a Plate, made: &'a Made, places: &[TonePlaces]) -> Self {
+        let Made { tones, fitted, stripes_m, stripes_felt_db } = made;
+        let fitted = fitted.as_ref();
+        let rest = fitted.and_then(|it| it.rest.as_ref());
+        let flutter = rest.and_then(|rest| rest.flutter);
+        let tones = tones.iter().zip(places.iter().rev()).map(|(tone, places)| TextureToneAnswer {
+            tone: ToneAnswer { level: tone.level, ..ToneAnswer::of(places, tone.frequency_hz) },
+            phase_turns: tone.phase_turns,
+        });
+        let chord = rest.and_then(|rest| rest.chord.as_ref());
+        Self {
+            plate: plate.name(),
+            tones: tones.collect(),
+            rms_error: fitted.map(|it| it.texture.figures.rms_error),
+            ripple_db: fitted.and_then(|it| it.texture.figures.ripple_db),
+            contrast_db: fitted.and_then(|it| it.texture.figures.contrast_db),
+            felt_edge_by_person_m: rest.and_then(|rest| rest.by_person).map(edges_m),
+            flutter_db: flutter.map(|flutter| flutter.swing_db),
+            flutter_hz: flutter.map(|flutter| flutter.frequency_hz),
+            worst_rms_error: fitted.map(|it| it.worst.rms_error),
+            worst_ripple_db: fitted.and_then(|it| it.worst.ripple_db),
+            reach: fitted.map(|it| ReachAnswer::of(it, rest)),
+            position_m: fitted.map(|it| &it.texture.places_m[..]),
+            wanted_rms_m: fitted.map(|it| &it.texture.wanted_m[..]),
+            rms_m: fitted.map(|it| &it.texture.rms_m[..]),
+            stripes_m: *stripes_m,
+            stripes_felt_db: *stripes_felt_db,
+            chord: chord.map(|(chord, is_used)| ChordAnswer::of(chord, *is_used, made)),
+        }
+    }
+}
+
+impl ReachAnswer {
+    fn of(Fitted { texture, .. }: &Fitted, rest: Option<&Rest>) -> Self {
+        Self {
+            rms_error: texture.reach.rms_error,
+            ripple_db: texture.reach.ripple_db,
+            contrast_db: texture.reach.contrast_db,
+            largest_square_error: rest.map(|rest| rest.largest_square_error),
+        }
+    }
+}
+
+impl<'a> ChordAnswer<'a> {
+    fn of(chord: &'a ChordTexture, is_used: bool, made: &Made) -> Self {
+        let figures = chord.texture.figures;
+        Self {
+            is_used,
+            base_frequency_hz: f64::from(SAMPLE_RATE_HZ) / f64::from(CHORD_PERIOD),
+            harmonics: &chord.harmonics,
+            chord_gain_db: made.chord_gain_db(),
+            headroom_db: chord.gain_db,
+            rms_error: figures.rms_error,
+            ripple_db: figures.ripple_db,
+            contrast_db: figures.contrast_db,
+        }
+    }
+}
