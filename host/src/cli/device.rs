@@ -3,7 +3,7 @@
 use super::{ArmingArgument, Failure, progress};
 use crate::signals::{self, Ending};
 use slipline_instrument::measure::Procedure;
-use slipline_instrument::native::{Client, ClientError};
+use slipline_instrument::native::{ArmingConsent, Client, ClientError};
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::Port;
 use slipline_link::protocol::listen::InputsReport;
@@ -53,21 +53,19 @@ impl Device {
     /// Checks that the device may be armed: its brown-out level is set and it keeps a profile of its actuator, or the user accepts that
     /// it does not.
     pub(super) fn may_be_armed(&self, arming: &ArmingArgument) -> Result<(), Failure> {
-        match self.client.may_be_armed() {
-            Err(ClientError::Unguarded(warning)) if !arming.despite_brown_out_level => {
-                let text = format!("{warning} To arm it anyway, add --despite-brown-out-level.");
-                return Err(Failure::Failed(text));
+        let consent = ArmingConsent {
+            despite_brown_out_level: arming.despite_brown_out_level,
+            despite_no_profile: arming.despite_no_profile,
+        };
+        self.client.may_be_armed(consent).map_err(|error| match error {
+            ClientError::Unguarded(_) => {
+                Failure::Failed(format!("{error} To arm it anyway, add --despite-brown-out-level."))
             }
-            Ok(()) | Err(ClientError::Unguarded(_)) => {}
-            Err(error) => return Err(error.into()),
-        }
-        match self.client.has_profile() {
-            Err(error @ ClientError::NoProfile) if !arming.despite_no_profile => {
-                Err(Failure::Failed(format!("{error} To arm it anyway, add --despite-no-profile.")))
+            ClientError::NoProfile => {
+                Failure::Failed(format!("{error} To arm it anyway, add --despite-no-profile."))
             }
-            Ok(()) | Err(ClientError::NoProfile) => Ok(()),
-            Err(error) => Err(error.into()),
-        }
+            error => error.into(),
+        })
     }
 
     /// The plate's table, made for the device's sample rate.

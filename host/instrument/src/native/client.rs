@@ -12,7 +12,7 @@ use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
-use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket, upkeep};
+use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket};
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -25,6 +25,8 @@ const CONNECTING: Duration = Duration::from_secs(5);
 /// Time limit of a request. The longest is a table over a slow link: 47 chunks of a few milliseconds each, and
 /// repeats.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Time limit for stop and disarm before the port is closed.
+const CLOSING: Duration = Duration::from_secs(1);
 /// The lease of a device that a program arms.
 pub const LEASE: Duration = Duration::from_secs(60);
 /// The longest lease, for procedures.
@@ -195,23 +197,6 @@ impl<W: BlockingLink> Client<W> {
         }
     }
 
-    /// Checks that the device may be armed: its brown-out level is set.
-    ///
-    /// # Errors
-    /// [`ClientError::Unguarded`], with the warning for the user.
-    pub fn may_be_armed(&self) -> Result<(), ClientError> {
-        let warning = self.snapshot().maintenance.as_ref().and_then(upkeep::before_arming);
-        warning.map_or(Ok(()), |warning| Err(ClientError::Unguarded(warning)))
-    }
-
-    /// Checks that a real board keeps a profile of its actuator.
-    ///
-    /// # Errors
-    /// [`ClientError::NoProfile`]; a device that is simulated or whose firmware is older than protocol 1.3 needs none.
-    pub fn has_profile(&self) -> Result<(), ClientError> {
-        if self.snapshot().lacks_profile() { Err(ClientError::NoProfile) } else { Ok(()) }
-    }
-
     /// Writes the profile of the board's actuator, or erases it.
     ///
     /// # Errors
@@ -254,6 +239,19 @@ impl<W: BlockingLink> Client<W> {
             self.pause(GLANCE);
         }
         Ok(())
+    }
+
+    /// Sends a stop and a disarm, without waiting.
+    pub fn stop_and_disarm(&self) {
+        self.link.send(Request::Stop);
+        self.link.send(Request::Disarm);
+    }
+
+    /// Stops and disarms the device, and closes its port. A device that does not answer any more stops by itself.
+    pub fn disconnect(&self) {
+        let ticket = self.link.send(Request::Disconnect);
+        // An interruption does not shorten it.
+        while self.link.wait(ticket, CLOSING).is_none() && self.link.take_interruption() {}
     }
 
     /// Clears the faults whose causes are gone.

@@ -1,5 +1,6 @@
 //! The instrument on this computer: a blocking client of a device, for sequential programs.
 
+mod arming;
 mod client;
 mod error;
 mod hold;
@@ -8,6 +9,7 @@ mod measurer;
 mod verify;
 mod wait;
 
+pub use arming::ArmingConsent;
 pub use client::{BlockingLink, Client, LEASE};
 pub use error::ClientError;
 pub use interruptible::InterruptibleLink;

@@ -5,8 +5,8 @@ use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use crate::session::{Session, setup};
 use slipline_instrument::Link as _;
 use slipline_instrument::hold::{Holding, Standing};
-use slipline_instrument::measure::{Measuring, Plan, Sensor, Wanted};
-use slipline_instrument::native::{BlockingLink, Client};
+use slipline_instrument::measure::{Sensor, Wanted};
+use slipline_instrument::native::{BlockingLink, Client, Measurer};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::{Outcome, Port, Request, Sounding, Ticket};
 use slipline_model::field::simulation::table_for;
@@ -100,8 +100,6 @@ fn a_client_sends_what_an_instrument_sends() {
     let client = Client::over(SteppedLink(Rc::clone(&worker)));
     client.connect(&Port::Simulated).unwrap();
     let identity = client.identity().unwrap();
-    let rate_hz = f64::from(identity.sample_rate_hz);
-    let inputs = client.snapshot().inputs.unwrap_or_default();
     let table = table_for(&setup.plate, identity.sample_rate_hz).unwrap().1;
     client.use_table(table.clone()).unwrap();
     client.arm().unwrap();
@@ -109,10 +107,9 @@ fn a_client_sends_what_an_instrument_sends() {
     client.pause(Duration::from_secs(1));
     client.stop().unwrap();
     client.disarm().unwrap();
-    let plan =
-        Plan::new(&setup.plate, &Wanted::of(&setup.plate), rate_hz, usize::from(inputs.lock_ins)).unwrap();
+    let measurer = Measurer::new(&client, &setup.plate, &table, &Wanted::of(&setup.plate), false).unwrap();
     let sensor = Sensor { place_m: 0.03, kind: SensorKind::Displacement, input: 0 };
-    client.run(Measuring::new(plan, table, sensor, &inputs).unwrap(), |_| ()).unwrap();
+    measurer.measure(sensor, |_| ()).unwrap();
     client.arm().unwrap();
     let at = client.play(Sounding::Drive(edit::drive(setup))).unwrap();
     let mut holding = Holding::default();
