@@ -21,6 +21,9 @@ pub mod colour_map;
 pub mod export;
 pub mod field;
 pub mod jobs;
+#[cfg(feature = "native")]
+pub mod named_plate;
+pub mod refused_value;
 pub mod response;
 pub mod scenes;
 pub mod setup;

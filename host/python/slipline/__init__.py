@@ -1,9 +1,29 @@
 """Slipline: drag the boundary on a tapered plate.
 
-All quantities are SI numbers, and the name of each ends in its unit.
+>>> import slipline
+>>> plate = slipline.Plate("membrane")
+>>> plate.respond(126.0).peak_position_m          # metres from the driven end
+>>> plate.table().frequency_hz                    # a numpy array
+
+All quantities are SI numbers, and the name of each ends in its unit. The fields of a result are those of the command of the
+same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
-from ._slipline import __version__
+from ._slipline import VERSION as __version__
+from ._slipline import Measurement, Plate, Result, design, presets
 from .errors import BadFile, Error, LinkLost, OutOfRange, Refused, Unattended
 
-__all__ = ["BadFile", "Error", "LinkLost", "OutOfRange", "Refused", "Unattended", "__version__"]
+__all__ = [
+    "BadFile",
+    "Error",
+    "LinkLost",
+    "Measurement",
+    "OutOfRange",
+    "Plate",
+    "Refused",
+    "Result",
+    "Unattended",
+    "__version__",
+    "design",
+    "presets",
+]

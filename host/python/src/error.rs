@@ -2,40 +2,91 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyType;
+use slipline_model::refused_value::{Given, RefusedValue};
+use slipline_plate::quantity::{OutOfRange, must_be};
+use std::error::Error;
 use std::fmt::Display;
+
+/// Why a call failed. It is made without the interpreter, and becomes an exception where the call returns.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Failure {
+    /// `slipline.OutOfRange`.
+    OutOfRange {
+        /// The sentence.
+        message: String,
+        /// The argument, or the field of a file.
+        field: String,
+        /// The number that was given; NaN where it was none.
+        value: f64,
+        /// The ends of the allowed range.
+        range: (f64, f64),
+    },
+    /// An exception of a message alone.
+    Because(Exception, String),
+}
 
 /// An exception of a message alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Exception {
     /// It cannot be done with this plate, these values or this device.
     Refused,
-    /// No connection to the device.
-    LinkLost,
-    /// Nobody called for too long.
-    Unattended,
     /// A file that cannot be read.
     BadFile,
+    /// Arguments that do not belong together: Python's own `TypeError`.
+    Type,
 }
 
-impl Exception {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Refused => "Refused",
-            Self::LinkLost => "LinkLost",
-            Self::Unattended => "Unattended",
-            Self::BadFile => "BadFile",
+impl Failure {
+    /// Why a computation was refused: `OutOfRange` where its error, or a source of it, names a number and a range.
+    pub(crate) fn of(error: &(dyn Error + 'static)) -> Self {
+        let message = error.to_string();
+        match RefusedValue::of(error) {
+            Some((RefusedValue { field, value: Some(value), range: Some((low, high, _)) }, _)) => {
+                let value = match value {
+                    Given::Number(number) => number,
+                    Given::Count(count) => count as f64,
+                    Given::Text(_) => f64::NAN,
+                };
+                Self::OutOfRange { message, field, value, range: (low, high) }
+            }
+            _ => Self::Because(Exception::Refused, message),
         }
     }
 
-    /// It with this message.
-    pub(crate) fn because(self, message: impl Display) -> PyErr {
-        raised(self.name(), message.to_string())
+    /// A number out of its range, with the name of its argument.
+    pub(crate) fn out_of_range(refused: &OutOfRange) -> Self {
+        let OutOfRange { field, value, range } = *refused;
+        let message = refused.to_string();
+        Self::OutOfRange { message, field: field.to_owned(), value, range: (range.low, range.high) }
+    }
+
+    /// `slipline.Refused`.
+    pub(crate) fn refused(message: impl Display) -> Self {
+        Self::Because(Exception::Refused, message.to_string())
+    }
+
+    /// `slipline.BadFile`: the file's name and the reason.
+    pub(crate) fn bad_file(name: impl Display, why: impl Display) -> Self {
+        Self::Because(Exception::BadFile, format!("{name}: {why}"))
+    }
+
+    /// `TypeError`: what was given and what is allowed.
+    pub(crate) fn wrong_arguments(given: impl Display, allowed: impl Display) -> Self {
+        Self::Because(Exception::Type, must_be(given, allowed))
     }
 }
 
-/// `slipline.OutOfRange`: an argument or a field of a file, the value given, and the ends of the allowed range.
-pub(crate) fn out_of_range(message: impl Display, field: &str, value: f64, (low, high): (f64, f64)) -> PyErr {
-    raised("OutOfRange", (message.to_string(), field.to_owned(), value, low, high))
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::OutOfRange { message, field, value, range: (low, high) } => {
+                raised("OutOfRange", (message, field, value, low, high))
+            }
+            Failure::Because(Exception::Type, message) => pyo3::exceptions::PyTypeError::new_err(message),
+            Failure::Because(Exception::Refused, message) => raised("Refused", (message,)),
+            Failure::Because(Exception::BadFile, message) => raised("BadFile", (message,)),
+        }
+    }
 }
 
 /// The exception of this name; the interpreter's own error where the package is not whole.

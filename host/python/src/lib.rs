@@ -9,15 +9,34 @@
 #![forbid(unsafe_code)]
 #![warn(clippy::expect_used, clippy::unwrap_used)]
 
+mod actual;
+mod calibrate;
+mod design;
 mod error;
+mod feeling;
+mod field;
+mod finger;
+mod measurement;
+mod options;
+mod place;
+mod plate;
+mod result;
+mod simulate;
+mod texture;
+mod waiting;
 
 /// The compiled part of the package `slipline`.
 #[pyo3::pymodule]
 mod _slipline {
-    use pyo3::prelude::*;
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-    #[pymodule_init]
-    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
-        module.add("__version__", env!("CARGO_PKG_VERSION"))
-    }
+    #[pymodule_export]
+    use crate::design::design;
+    #[pymodule_export]
+    use crate::measurement::Measurement;
+    #[pymodule_export]
+    use crate::plate::{Plate, presets};
+    #[pymodule_export]
+    use crate::result::Answer;
 }

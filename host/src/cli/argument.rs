@@ -3,12 +3,12 @@
 use super::failure::Failure;
 use super::refusal::{Refusal, WholeNumber};
 use super::source::read_text;
-use slipline_model::atomic_file::said;
 use slipline_model::field::asked_place::turning_point_on;
+use slipline_model::named_plate::named_plate;
 use slipline_plate::quantity::{
     self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, show_range,
 };
-use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate, nearest, preset, presets};
+use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate};
 use std::path::Path;
 
 /// A value whose range depends on the plate or the device, with the typed text.
@@ -247,22 +247,6 @@ fn mass_kg(text: &str) -> Result<f64, QuantityError> {
 
 /// A plate by the name of a preset, or from a TOML file.
 pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
-    if let Some(plate) = preset(name) {
-        return Ok(plate);
-    }
-    let shown = name.replace(char::is_control, "\u{fffd}");
-    let in_file = |message: String| Failure::Usage(format!("{shown}: {message}"));
-    let text = read_text(Path::new(name), PLATE_FILE_BYTES_MAX).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => {
-            let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
-            let meant = nearest(name, names.iter().copied())
-                .map_or_else(|| "; the".to_owned(), |meant| format!("; did you mean {meant}? The"));
-            Failure::Usage(format!(
-                "{name:?} is neither a preset nor a file{meant} presets are {}",
-                names.join(", ")
-            ))
-        }
-        _ => in_file(said(&error)),
-    })?;
-    Plate::from_toml(&text).map_err(|error| Failure::because(format!("{shown}: {error}"), &error))
+    let read = || read_text(Path::new(name), PLATE_FILE_BYTES_MAX);
+    named_plate(name, read).map_err(Failure::refused)
 }

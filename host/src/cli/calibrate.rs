@@ -11,27 +11,21 @@ use super::{
 };
 use argument::{PlaceArgument, TouchArgument};
 use clap::{ArgGroup, Args, ValueEnum};
-use slipline_model::answer::calibrate::{CalibrationReport, Way};
+use slipline_model::answer::calibrate::{
+    CALIPERS_TOLERANCE, CalibrationReport, Measured, TOUCH_LEVEL, TOUCH_TOLERANCE, by_measurements, by_touches, touch,
+};
 use slipline_model::field::edge_reach::turning_point_of;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::setup::Setup;
 use slipline_model::setup::file::feeling;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, Touch, TouchedDrive, Transducer,
-    check_source, from_one_sensor, from_ratio, from_shunt, from_touches,
+    CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, TouchedDrive, Transducer, check_source,
 };
 use slipline_plate::quantity::{Measure, PlaceOrFrequency, Range, must_be};
 use slipline_plate::{DriveTable, Plate, limits};
 use std::io::Write as _;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// The default level of touched tones, equal to that of `drive`.
-const TOUCH_LEVEL: f64 = 0.8;
-/// Allowed standard deviation of a felt edge's position, metres.
-const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
-/// Allowed standard deviation of calipers, metres.
-const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 
 /// `calibrate`.
 #[derive(Debug, Args)]
@@ -180,25 +174,17 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         return sensor_places::print(&nominal, &placing, asked, as_json);
     }
     let found = match &arguments.measured.touches[..] {
-        [] => match (&measured(&nominal, arguments)?[..], arguments.measured.current) {
-            ([one], Some(drive)) => {
-                let transducer = match drive {
-                    CurrentOf::Coil => Transducer::Coil,
-                    CurrentOf::Piezo => Transducer::Piezo,
-                };
-                let found = from_shunt(&nominal, one, transducer, &priors);
-                found.map(|found| CalibrationReport::by(Way::Current, found))
-            }
-            ([one], None) => {
-                let found = from_one_sensor(&nominal, one, &priors);
-                found.map(|found| CalibrationReport::by(Way::OneSensor, found))
-            }
-            ([near, far, ..], _) => {
-                let found = from_ratio(&nominal, [near, far], &priors);
-                found.map(|found| CalibrationReport::by(Way::TwoPlaces, found))
-            }
-            ([], _) => return Err(Failure::Usage("--data names no file".to_owned())),
-        },
+        [] => {
+            let measured = measured(&nominal, arguments)?;
+            let measured = match (&measured[..], arguments.measured.current) {
+                ([one], Some(CurrentOf::Coil)) => Measured::Current(one, Transducer::Coil),
+                ([one], Some(CurrentOf::Piezo)) => Measured::Current(one, Transducer::Piezo),
+                ([one], None) => Measured::OneSensor(one),
+                ([near, far, ..], _) => Measured::TwoPlaces([near, far]),
+                ([], _) => return Err(Failure::Usage("--data names no file".to_owned())),
+            };
+            by_measurements(&nominal, measured, &priors)
+        }
         touches => touched(&nominal, touches, arguments, &priors)?,
     };
     if let (Some(out), Some(felt)) = (&feeling_out, found.as_ref().ok().and_then(|it| it.feeling)) {
@@ -289,33 +275,12 @@ fn touched(
         let on_plate = Range::new(0.0, nominal.length_m(), "m");
         let mark_m = touch.felt.within("--touch", on_plate, Measure::Length, ", on the plate")?;
         let turning_point_m = turning_point_m(&touch.asked, &setup, level, &table)?;
-        Ok(Touch {
-            mark_m,
-            tolerance_m: arguments.touch_tolerance,
-            frequency_hz: table.frequency_hz(turning_point_m),
-            peak_m: level * table.peak_m(turning_point_m),
-        })
+        Ok(self::touch(&table, turning_point_m, level, (mark_m, arguments.touch_tolerance)))
     };
     let touches = touches.iter().map(touch).collect::<Result<Vec<_>, Failure>>()?;
-    let drive = match arguments.measured.touched_drive {
-        None => TouchedDrive::of(nominal),
-        Some(DriveKnown::AsTold) => TouchedDrive::AsStated,
-        Some(DriveKnown::Unknown) => TouchedDrive::Unknown,
-    };
-    let found = from_touches(nominal, &touches, &feeling, drive, priors);
-    Ok(found.map(|found| CalibrationReport {
-        way: match drive {
-            TouchedDrive::AsStated => Way::Touches,
-            TouchedDrive::Unknown => Way::TouchesOfUnknownDrive,
-        },
-        edge_tolerance_m: Some(found.edge_tolerance_m),
-        plate: found.plate,
-        parameters: found.parameters,
-        chi2_per_n: found.chi2_per_n,
-        feeling: Some(found.feeling),
-        misfit: None,
-        turning_point: None,
-        caution: None,
-        level_tolerance_db: None,
-    }))
+    let drive = arguments.measured.touched_drive.map(|known| match known {
+        DriveKnown::AsTold => TouchedDrive::AsStated,
+        DriveKnown::Unknown => TouchedDrive::Unknown,
+    });
+    Ok(by_touches(nominal, &touches, &feeling, drive, priors))
 }

@@ -113,11 +113,7 @@ impl DesignArguments {
         if let Some(loss) = self.loss {
             material.loss_factor = loss;
         }
-        // The tension for the slowest and the fastest wave: T = c^2 rho h.
-        let surface_density = material.density_kg_per_m3 * self.thickness;
-        let tension_of = |speed: f64| speed * speed * surface_density;
-        let tensions =
-            Range::new(tension_of(limits::WAVE_SPEED.low), tension_of(limits::WAVE_SPEED.high), "N/m");
+        let tensions = Wave::tensions(&material, self.thickness);
         let within = |option: &str, typed: &Option<Typed<f64>>, range: Range, measure: Measure| {
             typed.as_ref().map(|typed| typed.within(option, range, measure, "")).transpose()
         };

@@ -3,8 +3,8 @@
 use clap::error::{ContextKind, ContextValue};
 use serde_json::{Value, json};
 use slipline_instrument::profile_file::ProfileFileError;
-use slipline_plate::quantity::{Measure, NotAllowed, OutOfRange, TypedRange, WrongCount};
-use slipline_plate::{PlateError, PlateFileError};
+use slipline_model::refused_value::{Given, RefusedValue};
+use slipline_plate::quantity::{Measure, NotAllowed, TypedRange};
 use std::error::Error;
 use std::fmt;
 
@@ -46,52 +46,18 @@ impl Refusal {
 
     /// What an error, or the first of its sources that does, knows of a refused value.
     pub(super) fn of(error: &(dyn Error + 'static)) -> Option<Self> {
-        let mut next = Some(error);
-        while let Some(error) = next {
-            if let Some(refusal) = Self::of_one(error) {
-                return Some(refusal);
-            }
-            next = error.source();
-        }
-        None
-    }
-
-    fn of_one(error: &(dyn Error + 'static)) -> Option<Self> {
-        let message = error.to_string();
-        if let Some(OutOfRange { field, value, range }) = error.downcast_ref() {
-            let range = Self::range(range.low, range.high, range.unit);
-            return Some(Self { range, ..Self::new(message, field, json!(value)) });
-        }
-        if let Some(WrongCount { field, count, allowed }) = error.downcast_ref() {
-            let range = Self::range(allowed.least as f64, allowed.most as f64, &allowed.of.to_string());
-            return Some(Self { range, ..Self::new(message, field, json!(count)) });
-        }
         if let Some(ProfileFileError::OutOfRange { field, got, min, max }) = error.downcast_ref() {
-            return Some(Self {
-                range: Self::range(*min, *max, ""),
-                ..Self::new(message, field, json!(got))
-            });
+            let refusal = Self::new(error.to_string(), field, json!(got));
+            return Some(Self { range: Self::range(*min, *max, ""), ..refusal });
         }
-        if let Some(PlateFileError::Plate { error, .. }) = error.downcast_ref() {
-            return Self::of_one(error);
-        }
-        let error: &PlateError = error.downcast_ref()?;
-        let (value, range) = match error {
-            PlateError::OutOfRange { value, range, .. } => {
-                (json!(value), Self::range(range.low, range.high, range.unit))
-            }
-            PlateError::WrongCount { count, allowed, .. } => {
-                let (least, most) = (allowed.least as f64, allowed.most as f64);
-                (json!(count), Self::range(least, most, &allowed.of.to_string()))
-            }
-            PlateError::Unfit { value, .. } => (json!(value), Value::Null),
-            PlateError::UnknownKind { value, .. } => (json!(value), Value::Null),
-            PlateError::Missing { .. }
-            | PlateError::Unexpected { .. }
-            | PlateError::ControlCharacter { .. }
-            | PlateError::NotNarrowing { .. } => (Value::Null, Value::Null),
-        };
-        Some(Self { range, ..Self::new(message, error.field(), value) })
+        let (RefusedValue { field, value, range }, message) = RefusedValue::of(error)?;
+        let value = value.map_or(Value::Null, |value| match value {
+            Given::Number(number) => json!(number),
+            Given::Count(count) => json!(count),
+            Given::Text(text) => json!(text),
+        });
+        let range = range.map_or(Value::Null, |(low, high, unit)| Self::range(low, high, &unit));
+        Some(Self { message, field, value, range })
     }
 
     /// The refusal of an argument by the command line's parser; `message` is its sentence.

@@ -1,13 +1,10 @@
 //! The rig of the simulated device: its plate and a sensor.
 
 use super::{Failure, PortArgument, argument};
-use slipline_instrument::rig::{PreparedRig, RigOptions, secret};
+use slipline_instrument::rig::{PreparedRig, RigOptions, secret, secret_seed};
 use slipline_link::Port;
 use slipline_link::simulator::Options;
 use slipline_plate::Plate;
-
-/// Value of `--actual-plate` for an unknown plate, besides files and presets.
-const SECRET: &str = "secret";
 
 impl PortArgument {
     /// The rig of the simulated device with the plate of `--actual-plate`; `None` without this option.
@@ -47,7 +44,9 @@ impl PortArgument {
 
 /// The plate of `--actual-plate`: a file, a preset, or one near the plate of the command.
 pub(super) fn actual_plate(text: &str, nominal: Option<&Plate>) -> Result<Plate, Failure> {
-    let Some(seed) = seed(text)? else { return argument::plate(text) };
+    let Some(seed) = secret_seed(text) else { return argument::plate(text) };
+    let allowed = "secret:SEED with a whole number from 0 to 18446744073709551615";
+    let seed = seed.map_err(|_| Failure::value("--actual-plate", text, allowed))?;
     let nominal = nominal.ok_or_else(|| {
         Failure::Usage(format!(
             "--actual-plate {text} is drawn near the plate of the command, and this command has none"
@@ -60,23 +59,6 @@ pub(super) fn actual_plate(text: &str, nominal: Option<&Plate>) -> Result<Plate,
 pub(super) fn prepared(truth: &Plate, options: &RigOptions) -> Result<PreparedRig, Failure> {
     let rate_hz = f64::from(Options::default().sample_rate_hz);
     PreparedRig::new(truth, options, rate_hz).map_err(Failure::refused)
-}
-
-/// The seed of `secret` or `secret:SEED`; `None` for the name of a plate.
-fn seed(text: &str) -> Result<Option<u64>, Failure> {
-    match text.strip_prefix(SECRET) {
-        Some("") => Ok(Some(1)),
-        Some(rest) => rest.strip_prefix(':').map_or(Ok(None), |number| {
-            number.parse().map(Some).map_err(|_| {
-                Failure::value(
-                    "--actual-plate",
-                    text,
-                    "secret:SEED with a whole number from 0 to 18446744073709551615",
-                )
-            })
-        }),
-        None => Ok(None),
-    }
 }
 
 #[cfg(test)]

@@ -29,6 +29,15 @@ pub use prepared::PreparedRig;
 
 use slipline_plate::truth::{Random, near};
 use slipline_plate::{Plate, PlateError};
+use std::num::ParseIntError;
+
+/// The seed of `secret:SEED`, 1 for `secret` alone; `None` for a text that names a plate.
+pub fn secret_seed(text: &str) -> Option<Result<u64, ParseIntError>> {
+    match text.strip_prefix("secret")? {
+        "" => Some(Ok(1)),
+        rest => Some(rest.strip_prefix(':')?.parse()),
+    }
+}
 
 /// A plate a few per cent off the nominal one, drawn by [`near`]; equal seeds give equal plates.
 ///

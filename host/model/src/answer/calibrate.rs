@@ -1,9 +1,91 @@
 //! A calibration.
 
 use serde::Serialize;
-use slipline_plate::Plate;
-use slipline_plate::calibrate::{CalibrateError, Calibrated, Departure, Parameter};
+use slipline_plate::{DriveTable, Plate};
+use slipline_plate::calibrate::{
+    CalibrateError, Calibrated, Departure, Measurement, Parameter, Priors, Touch, TouchedDrive, Transducer,
+    from_one_sensor, from_ratio, from_shunt, from_touches,
+};
 use slipline_plate::feeling::Feeling;
+use slipline_plate::quantity::Range;
+
+/// The default level of touched tones, equal to that of a drive.
+pub const TOUCH_LEVEL: f64 = 0.8;
+/// Default standard deviation of a felt edge's position, metres.
+pub const TOUCH_TOLERANCE_M: f64 = 2e-3;
+/// Allowed standard deviation of a felt edge's position, metres.
+pub const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
+/// Allowed standard deviation of calipers, metres.
+pub const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
+
+/// What was measured of a plate.
+#[derive(Clone, Copy, Debug)]
+pub enum Measured<'a> {
+    /// One sensor at two places.
+    TwoPlaces([&'a Measurement; 2]),
+    /// One sensor at one place.
+    OneSensor(&'a Measurement),
+    /// The current of this drive.
+    Current(&'a Measurement, Transducer),
+}
+
+/// The calibration by what was measured.
+///
+/// # Errors
+/// [`CalibrateError`]: why it is refused.
+pub fn by_measurements(
+    nominal: &Plate,
+    measured: Measured<'_>,
+    priors: &Priors,
+) -> Result<CalibrationReport, CalibrateError> {
+    let (way, found) = match measured {
+        Measured::TwoPlaces(sensors) => (Way::TwoPlaces, from_ratio(nominal, sensors, priors)?),
+        Measured::OneSensor(sensor) => (Way::OneSensor, from_one_sensor(nominal, sensor, priors)?),
+        Measured::Current(current, drive) => (Way::Current, from_shunt(nominal, current, drive, priors)?),
+    };
+    Ok(CalibrationReport::by(way, found))
+}
+
+/// A felt edge: a tone of this turning point and level was felt to end at `mark_m`; `table` is that of the plate.
+#[must_use]
+pub fn touch(table: &DriveTable, turning_point_m: f64, level: f64, (mark_m, tolerance_m): (f64, f64)) -> Touch {
+    Touch {
+        mark_m,
+        tolerance_m,
+        frequency_hz: table.frequency_hz(turning_point_m),
+        peak_m: level * table.peak_m(turning_point_m),
+    }
+}
+
+/// The calibration by felt edges; `drive` is what is known of the drive, by default what the plate's file knows.
+///
+/// # Errors
+/// [`CalibrateError`]: why it is refused.
+pub fn by_touches(
+    nominal: &Plate,
+    touches: &[Touch],
+    feeling: &Feeling,
+    drive: Option<TouchedDrive>,
+    priors: &Priors,
+) -> Result<CalibrationReport, CalibrateError> {
+    let drive = drive.unwrap_or_else(|| TouchedDrive::of(nominal));
+    let found = from_touches(nominal, touches, feeling, drive, priors)?;
+    Ok(CalibrationReport {
+        way: match drive {
+            TouchedDrive::AsStated => Way::Touches,
+            TouchedDrive::Unknown => Way::TouchesOfUnknownDrive,
+        },
+        edge_tolerance_m: Some(found.edge_tolerance_m),
+        plate: found.plate,
+        parameters: found.parameters,
+        chi2_per_n: found.chi2_per_n,
+        feeling: Some(found.feeling),
+        misfit: None,
+        turning_point: None,
+        caution: None,
+        level_tolerance_db: None,
+    })
+}
 
 /// The method of a calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -57,9 +139,7 @@ pub struct CalibrationReport {
 }
 
 impl CalibrationReport {
-    /// The result of a calibration by measurements.
-    #[must_use]
-    pub fn by(way: Way, found: Calibrated) -> Self {
+    fn by(way: Way, found: Calibrated) -> Self {
         Self {
             caution: found.caution(),
             misfit: Some((found.misfit, found.misfit_note())),

@@ -2,8 +2,9 @@
 
 use super::{Complex, TwoDimensions};
 use serde::Serialize;
+use slipline_plate::plane::PlaneError;
 use slipline_plate::{
-    Complex64, Equation, Finger, PlaneError, Plate, RespondError, Response, TurningWidth, plane, reflection,
+    Complex64, Equation, Finger, Plate, RespondError, Response, TurningWidth, plane, reflection,
     respond_touched,
 };
 use std::borrow::Cow;
@@ -138,16 +139,15 @@ pub struct FieldDifferences {
     pub one_mode_reflection: Option<f64>,
 }
 
-impl SolvedField<'_> {
-    /// Its fields.
+impl<'a> RespondAnswer<'a> {
+    /// The fields of a response of the plate of [`plate_of`].
     #[must_use]
-    pub fn answer(&self) -> RespondAnswer<'_> {
-        let Self { plate, paper_mode, response, differences } = self;
+    pub fn of(plate: &'a Plate, paper_mode: bool, response: &'a Response) -> Self {
         let peak = response.peak;
-        RespondAnswer {
+        Self {
             plate: plate.name(),
             frequency_hz: response.frequency_hz,
-            paper_mode: *paper_mode,
+            paper_mode,
             position_m: &response.position_m,
             amplitude: Complex::of_each(&response.amplitude),
             turning_width: plate.spec().turning_width.word(),
@@ -156,14 +156,20 @@ impl SolvedField<'_> {
             peak_position_m: peak.map(|peak| peak.position_m),
             peak_amplitude: peak.map(|peak| peak.amplitude),
             edge_width_m: response.edge_width_m,
-            two_dimensions: differences.as_ref().map(|Differences { comparison, reflection }| {
-                let [one_mode_reflection, reflection] = *reflection;
-                FieldDifferences {
-                    comparison: TwoDimensions::of(comparison),
-                    reflection,
-                    one_mode_reflection,
-                }
-            }),
+            two_dimensions: None,
         }
+    }
+}
+
+impl SolvedField<'_> {
+    /// Its fields.
+    #[must_use]
+    pub fn answer(&self) -> RespondAnswer<'_> {
+        let differences = self.differences.as_ref();
+        let two_dimensions = differences.map(|Differences { comparison, reflection }| {
+            let [one_mode_reflection, reflection] = *reflection;
+            FieldDifferences { comparison: TwoDimensions::of(comparison), reflection, one_mode_reflection }
+        });
+        RespondAnswer { two_dimensions, ..RespondAnswer::of(&self.plate, self.paper_mode, &self.response) }
     }
 }

@@ -73,7 +73,7 @@ pub struct ReachAnswer {
 pub struct ChordAnswer<'a> {
     pub is_used: bool,
     pub base_frequency_hz: f64,
-    pub harmonics: &'a [u16],
+    pub harmonics: &'a [u32],
     pub chord_gain_db: Option<f64>,
     pub headroom_db: f64,
     pub rms_error: f64,

@@ -23,7 +23,7 @@ pub enum AskedPlace {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoSuchTone {
     /// The turning point is outside the plate's span, or the frequency outside its band.
-    #[error(transparent)]
+    #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// No tone of this level has this felt edge, in metres.
     #[error("{}", .1.sentence(format_args!("felt_edge_m = {} m", .0)))]

@@ -69,16 +69,16 @@ pub enum SimulationError {
     #[error("no table can be made for this plate: {0}")]
     Table(#[from] TableError),
     /// The table cannot be converted to the device's units.
-    #[error(transparent)]
+    #[error("{0}")]
     DeviceTable(#[from] DeviceTableError),
     /// The played frequency does not fit the plate.
-    #[error(transparent)]
+    #[error("{0}")]
     Respond(#[from] RespondError),
     /// The plate cannot be simulated in the time domain.
-    #[error(transparent)]
+    #[error("{0}")]
     Line(#[from] LineError),
     /// The plate has no sheet.
-    #[error(transparent)]
+    #[error("{0}")]
     Sheet(#[from] SheetError),
     /// The simulation was cancelled.
     #[error(transparent)]
@@ -87,7 +87,7 @@ pub enum SimulationError {
     #[error("{0}")]
     Sum(Refusal),
     /// The link or the device refused.
-    #[error(transparent)]
+    #[error("{0}")]
     Loopback(#[from] LoopbackError),
 }
 

@@ -4,6 +4,8 @@ use super::material::Material;
 use crate::definition::air::Air;
 use crate::definition::film::Film;
 use crate::definition::model::{Bending, Model};
+use crate::definition::limits;
+use crate::quantity::Range;
 use crate::quantity::number_format::rounded;
 use serde::Serialize;
 
@@ -42,6 +44,14 @@ impl Wave {
     pub fn under_tension(tension_n_per_m: f64, material: &Material, thickness_m: f64) -> Self {
         let surface_density = material.density_kg_per_m3 * thickness_m;
         Self::Membrane { wave_speed_m_per_s: (tension_n_per_m / surface_density).sqrt() }
+    }
+
+    /// The tensions of a sheet, N per metre of width: those of the slowest and the fastest wave, T = c^2 rho h.
+    #[must_use]
+    pub fn tensions(material: &Material, thickness_m: f64) -> Range {
+        let surface_density = material.density_kg_per_m3 * thickness_m;
+        let tension_of = |speed: f64| speed * speed * surface_density;
+        Range::new(tension_of(limits::WAVE_SPEED.low), tension_of(limits::WAVE_SPEED.high), "N/m")
     }
 }
 

@@ -9,7 +9,7 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PlaneError {
     /// The frequency does not enter the plate, or the frequency or the number of points is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     Respond(#[from] RespondError),
     /// A number of the setup is out of range.
     #[error("{0}")]

@@ -13,10 +13,10 @@ pub const KNOTS_MAX: usize = 1025;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum TableError {
     /// The sample rate cannot carry the plate's band.
-    #[error(transparent)]
+    #[error("{0}")]
     SampleRate(#[from] SampleRateError),
     /// The number of knots is out of range.
-    #[error(transparent)]
+    #[error("{0}")]
     Knots(#[from] OutOfRange),
     /// The amplitude is zero or not finite at a position of the span.
     #[error(

@@ -13,7 +13,7 @@ pub enum TextureError {
     #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// The plate has no table.
-    #[error(transparent)]
+    #[error("{0}")]
     Table(#[from] TableError),
     /// A field is not finite or the wave does not enter.
     #[error("the amplitude of the plate is not finite or no wave enters: no texture can be made")]

@@ -1,0 +1,62 @@
+//! A plate by the name of a preset, or from a file.
+
+use crate::atomic_file::said;
+use slipline_plate::{Plate, PlateFileError, nearest, preset, presets};
+use std::fmt;
+use std::io;
+
+/// Why no plate has this name.
+#[derive(Debug)]
+pub enum NamedPlateError {
+    /// It is neither a preset nor a file.
+    Unknown(String),
+    /// The file cannot be read.
+    Unread(String, io::Error),
+    /// The file is no plate's.
+    File(String, PlateFileError),
+}
+
+impl fmt::Display for NamedPlateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(name) => {
+                let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
+                let meant = nearest(name, names.iter().copied())
+                    .map_or_else(|| "; the".to_owned(), |meant| format!("; did you mean {meant}? The"));
+                let names = names.join(", ");
+                write!(f, "{name:?} is neither a preset nor a file{meant} presets are {names}")
+            }
+            Self::Unread(name, error) => write!(f, "{}: {}", shown(name), said(error)),
+            Self::File(name, error) => write!(f, "{}: {error}", shown(name)),
+        }
+    }
+}
+
+impl std::error::Error for NamedPlateError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Unknown(_) => None,
+            Self::Unread(_, error) => Some(error),
+            Self::File(_, error) => Some(error),
+        }
+    }
+}
+
+fn shown(name: &str) -> String {
+    name.replace(char::is_control, "\u{fffd}")
+}
+
+/// The preset of this name, or the plate of the file that `read` reads.
+///
+/// # Errors
+/// [`NamedPlateError`]: which of the two it is not, and why.
+pub fn named_plate(name: &str, read: impl FnOnce() -> io::Result<String>) -> Result<Plate, NamedPlateError> {
+    if let Some(plate) = preset(name) {
+        return Ok(plate);
+    }
+    let text = read().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => NamedPlateError::Unknown(name.to_owned()),
+        _ => NamedPlateError::Unread(name.to_owned(), error),
+    })?;
+    Plate::from_toml(&text).map_err(|error| NamedPlateError::File(name.to_owned(), error))
+}

@@ -1,0 +1,129 @@
+//! `Plate.respond`: the field at one frequency, or at several in flat arrays.
+
+use crate::error::Failure;
+use crate::result::{Answer, columns, fields};
+use crate::waiting::compute;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::{Map, Value};
+use slipline_model::answer::respond::{FieldRequest, plate_of, solve};
+use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::{
+    Complex64, Finger, POINTS_MAX, POINTS_MIN, Plate, Progress, Responder, Response, respond_range,
+};
+use std::sync::Arc;
+
+/// What is asked for at each frequency.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked {
+    pub(crate) points: usize,
+    pub(crate) finger: Option<Finger>,
+    pub(crate) paper_mode: bool,
+    pub(crate) two_dimensions: bool,
+}
+
+impl Asked {
+    fn at(self, frequency_hz: f64) -> FieldRequest {
+        let Self { points, finger, paper_mode, two_dimensions } = self;
+        FieldRequest { frequency_hz, points, finger, paper_mode, two_dimensions }
+    }
+
+    /// Refuses a frequency that the plate does not respond to, and a number of points.
+    fn check(self, plate: &Plate, frequencies_hz: &[f64]) -> Result<(), Failure> {
+        let range = respond_range(&plate_of(plate, self.paper_mode));
+        let counts = Range::new(POINTS_MIN as f64, POINTS_MAX as f64, "");
+        let mut checked = OutOfRange::check("points", self.points as f64, counts);
+        for &hz in frequencies_hz {
+            checked = checked.and_then(|()| OutOfRange::check("frequency_hz", hz, range));
+        }
+        checked.map_err(|refused| Failure::out_of_range(&refused))
+    }
+}
+
+/// The field at one frequency.
+pub(crate) fn at_one(py: Python<'_>, plate: &Arc<Plate>, hz: f64, asked: Asked) -> PyResult<Answer> {
+    let plate = Arc::clone(plate);
+    let found = compute(py, move |_| {
+        asked.check(&plate, &[hz])?;
+        let solved = solve(&plate, &asked.at(hz)).map_err(|error| Failure::of(&error))?;
+        Ok(fields(&solved.answer()))
+    })?;
+    Answer::of(py, found)
+}
+
+/// The fields at several frequencies: what is one number of one field is a column here.
+struct Fields {
+    position_m: Vec<f64>,
+    amplitude: Vec<Complex64>,
+    frequencies: usize,
+    rest: Map<String, Value>,
+    two_dimensions: Vec<Value>,
+}
+
+/// The names of one value for all frequencies.
+const OF_ALL: [&str; 3] = ["plate", "paper_mode", "turning_width"];
+
+/// The field at each of these frequencies.
+pub(crate) fn at_each(
+    py: Python<'_>,
+    plate: &Arc<Plate>,
+    frequencies_hz: Vec<f64>,
+    asked: Asked,
+) -> PyResult<Answer> {
+    let plate = Arc::clone(plate);
+    let found = compute(py, move |progress| each(&plate, &frequencies_hz, asked, progress))?;
+    let Fields { position_m, amplitude, frequencies, rest, two_dimensions } = found;
+    let points = position_m.len();
+    let mut answer = Answer::of(py, rest)?;
+    answer = answer.with(py, "position_m", PyArray1::from_vec(py, position_m))?;
+    let amplitude = PyArray1::from_vec(py, amplitude).reshape([frequencies, points])?;
+    answer = answer.with(py, "amplitude", amplitude)?;
+    if two_dimensions.is_empty() {
+        return Ok(answer);
+    }
+    let differences = Answer::of(py, columns(two_dimensions))?;
+    answer.with(py, "two_dimensions", differences)
+}
+
+fn each(
+    plate: &Plate,
+    frequencies_hz: &[f64],
+    asked: Asked,
+    progress: &mut Progress<'_>,
+) -> Result<Fields, Failure> {
+    asked.check(plate, frequencies_hz)?;
+    let mut responder = Responder::new(plate, asked.points);
+    let mut amplitude = Vec::with_capacity(frequencies_hz.len() * asked.points);
+    let (mut position_m, mut rows, mut two_dimensions) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, &hz) in frequencies_hz.iter().enumerate() {
+        progress.at(i as f64 / frequencies_hz.len() as f64).map_err(|error| Failure::of(&error))?;
+        let response = if asked.paper_mode || asked.two_dimensions {
+            let solved = solve(plate, &asked.at(hz)).map_err(|error| Failure::of(&error))?;
+            two_dimensions.extend(solved.answer().two_dimensions.map(|it| Value::Object(fields(&it))));
+            solved.response
+        } else {
+            responder.respond(asked.finger.as_ref(), hz).map_err(|error| Failure::of(&error))?
+        };
+        // As the command line prints them: a zero has no sign.
+        amplitude.extend(response.amplitude.iter().map(|f| Complex64::new(f.re + 0.0, f.im + 0.0)));
+        rows.push(row(plate, asked, &response));
+        position_m = response.position_m;
+    }
+    let mut rest = columns(rows);
+    for name in OF_ALL {
+        if let Some(Value::Array(column)) = rest.get(name) {
+            let value = column.first().cloned().unwrap_or_default();
+            rest.insert(name.to_owned(), value);
+        }
+    }
+    Ok(Fields { position_m, amplitude, frequencies: frequencies_hz.len(), rest, two_dimensions })
+}
+
+/// The fields of one frequency but for its series.
+fn row(plate: &Plate, asked: Asked, response: &Response) -> Value {
+    let of_one = RespondAnswer::of(&plate_of(plate, asked.paper_mode), asked.paper_mode, response);
+    let mut found = fields(&of_one);
+    found.retain(|name, _| !["position_m", "amplitude"].contains(&name.as_str()));
+    Value::Object(found)
+}

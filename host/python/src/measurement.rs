@@ -1,0 +1,218 @@
+//! The class `Measurement`: the response of a sensor at one place, over frequency.
+
+use crate::error::Failure;
+use crate::plate::Plate;
+use numpy::{Complex64, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyTuple, PyType};
+use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
+use slipline_instrument::measured_file::{
+    BYTES_MAX, ForeignError, ForeignMetadata, Opened, RecordingMetadata, measurement, recorded,
+};
+use slipline_model::atomic_file::{self, read_bytes, read_text, said};
+use slipline_plate::calibrate::{MeasuredPoint, SNR_DB, SensorKind};
+use slipline_plate::quantity::must_be;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The response of a sensor at one place of a plate, over frequency.
+///
+/// The response is the sensor's signal over the DAC's amplitude: the signal is ``Re(response e^(-j omega t))`` for a code
+/// of ``cos(omega t)``.
+#[pyclass(frozen, module = "slipline")]
+#[derive(Debug)]
+pub(crate) struct Measurement {
+    pub(crate) inner: Arc<slipline_plate::calibrate::Measurement>,
+}
+
+impl From<slipline_plate::calibrate::Measurement> for Measurement {
+    fn from(inner: slipline_plate::calibrate::Measurement) -> Self {
+        Self { inner: Arc::new(inner) }
+    }
+}
+
+impl Measurement {
+    fn column<'py>(&self, py: Python<'py>, of: impl Fn(&MeasuredPoint) -> f64) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_vec(py, self.inner.points.iter().map(of).collect())
+    }
+}
+
+#[pymethods]
+impl Measurement {
+    /// Reads a measurement's file.
+    ///
+    /// One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
+    /// sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
+    /// velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
+    /// needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1.
+    ///
+    /// Raises ``BadFile`` with what is missing or wrong.
+    #[classmethod]
+    #[pyo3(signature = (path: "str | os.PathLike[str]", *, plate: "Plate | None"=None, sensor=None, kind=None, snr=SNR_DB, played: "str | os.PathLike[str] | None"=None, channel=1) -> "Measurement")]
+    #[expect(clippy::too_many_arguments, reason = "one for each property that a file may lack")]
+    fn read(
+        _class: &Bound<'_, PyType>,
+        py: Python<'_>,
+        path: PathBuf,
+        plate: Option<&Bound<'_, Plate>>,
+        sensor: Option<f64>,
+        kind: Option<&str>,
+        snr: f64,
+        played: Option<PathBuf>,
+        channel: usize,
+    ) -> PyResult<Self> {
+        let plate = plate.map(|plate| Arc::clone(&plate.get().plate));
+        let kind = kind.map(sensor_kind).transpose()?;
+        let stated = Stated { plate, place_m: sensor, kind, snr_db: snr, played, channel };
+        Ok(py.detach(|| stated.read(&path))?.into())
+    }
+
+    /// Writes it into a file of this package's format, CSV; an existing file is replaced.
+    #[pyo3(signature = (path: "str | os.PathLike[str]"))]
+    fn write(&self, path: PathBuf) -> PyResult<()> {
+        let text = self.inner.to_csv();
+        let written = atomic_file::write(&path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) });
+        Ok(written.map_err(|error| Failure::bad_file(path.display(), said(&error)))?)
+    }
+
+    /// The measurement of a text in this package's format.
+    ///
+    /// Raises ``BadFile``.
+    #[classmethod]
+    #[pyo3(signature = (text) -> "Measurement")]
+    fn from_csv(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        let read = slipline_plate::calibrate::Measurement::from_csv(text);
+        Ok(read.map_err(|error| Failure::bad_file("the measurement", error))?.into())
+    }
+
+    /// The text of its file.
+    fn to_csv(&self) -> String {
+        self.inner.to_csv()
+    }
+
+    /// The sensor's place, metres from the driven end.
+    #[getter]
+    fn place_m(&self) -> f64 {
+        self.inner.place_m
+    }
+
+    /// Standard deviation of that place from its mark, metres.
+    #[getter]
+    fn place_tolerance_m(&self) -> f64 {
+        self.inner.place_tolerance_m
+    }
+
+    /// What the sensor measures: displacement, velocity, acceleration or strain.
+    #[getter]
+    fn sensor(&self) -> &'static str {
+        self.inner.sensor.word()
+    }
+
+    /// Metres, m/s, m/s^2 or strain per unit of ``response``; ``None`` for an uncalibrated sensor.
+    #[getter]
+    fn unit_per_response(&self) -> Option<f64> {
+        self.inner.unit_per_response
+    }
+
+    /// Sample rate of the DAC that played the tones, Hz; ``None`` for a source without a hold.
+    #[getter]
+    fn sample_rate_hz(&self) -> Option<f64> {
+        self.inner.sample_rate_hz
+    }
+
+    /// Frequencies, Hz, rising: an array of shape (points,), as are the others.
+    #[getter]
+    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.float64]")]
+    fn frequency_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |point| point.frequency_hz)
+    }
+
+    /// Complex responses.
+    #[getter]
+    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.complex128]")]
+    fn response<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
+        PyArray1::from_vec(py, self.inner.points.iter().map(|point| point.response).collect())
+    }
+
+    /// Standard deviation of the real part and of the imaginary part of each response.
+    #[getter]
+    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.float64]")]
+    fn noise<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |point| point.noise)
+    }
+
+    /// Headroom of the input below its full scale, dB; NaN where it is unknown.
+    #[getter]
+    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.float64]")]
+    fn headroom_db<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.column(py, |point| point.headroom_db.unwrap_or(f64::NAN))
+    }
+
+    fn __repr__(&self) -> String {
+        let slipline_plate::calibrate::Measurement { place_m, sensor, points, .. } = &*self.inner;
+        format!("<slipline.Measurement of {} at {place_m} m, {} points>", sensor.word(), points.len())
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.inner == other.inner
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let from_csv = py.get_type::<Self>().getattr("from_csv")?;
+        (from_csv, (self.to_csv(),)).into_pyobject(py)
+    }
+}
+
+/// The quantity of a sensor by its word.
+pub(crate) fn sensor_kind(word: &str) -> Result<SensorKind, Failure> {
+    let words = SensorKind::ALL.map(SensorKind::word).join(", ");
+    let found = SensorKind::ALL.into_iter().find(|kind| kind.word() == word);
+    let given = format_args!("kind = {word:?}");
+    found.ok_or_else(|| Failure::refused(must_be(given, format_args!("one of {words}"))))
+}
+
+/// What a file may not state itself.
+struct Stated {
+    plate: Option<Arc<slipline_plate::Plate>>,
+    place_m: Option<f64>,
+    kind: Option<SensorKind>,
+    snr_db: f64,
+    played: Option<PathBuf>,
+    channel: usize,
+}
+
+impl Stated {
+    fn read(&self, path: &Path) -> Result<slipline_plate::calibrate::Measurement, Failure> {
+        let bad = |why: &dyn std::fmt::Display| Failure::bad_file(path.display(), why);
+        let bytes = read_bytes(path, BYTES_MAX).map_err(|error| bad(&said(&error)))?;
+        let opened = Opened::read(bytes).map_err(|error| bad(&error))?;
+        if let Opened::Own(measurement) = opened {
+            return Ok(measurement);
+        }
+        let (Some(plate), Some(place_m)) = (&self.plate, self.place_m) else {
+            return Err(bad(&"it does not state its place: add plate and sensor"));
+        };
+        let untold = |error: ForeignError| match error {
+            ForeignError::Kind => bad(&"it does not state what its sensor measures: add kind"),
+            error => bad(&error),
+        };
+        match opened {
+            Opened::Own(measurement) => Ok(measurement),
+            Opened::Foreign(foreign) => {
+                let kind = self.kind.or(foreign.sensor);
+                let stated = ForeignMetadata { place_m, kind, snr_db: self.snr_db };
+                measurement(plate, &foreign, &stated).map_err(untold)
+            }
+            Opened::Recording(wav) => {
+                let played = self.played.as_ref().ok_or_else(|| bad(&"a recording: add played"))?;
+                let text = read_text(played, PLAYED_BYTES_MAX);
+                let text = text.map_err(|error| Failure::bad_file(played.display(), said(&error)))?;
+                let sweep = PlayedSweep::from_toml(&text);
+                let sweep = sweep.map_err(|error| Failure::bad_file(played.display(), error))?;
+                let stated = RecordingMetadata { place_m, kind: self.kind, channel: self.channel };
+                recorded(plate, &wav, &sweep, &stated).map(|(measurement, _)| measurement).map_err(untold)
+            }
+        }
+    }
+}

@@ -1,0 +1,190 @@
+//! The result of a call: the fields of an answer as attributes.
+//!
+//! ```text
+//! answer (serde) --value, off the interpreter--> JSON value --result--> attributes: numbers, numpy arrays, results
+//! ```
+//! A number goes from float to float: no text is between.
+
+use numpy::{Complex64, PyArray1};
+use pyo3::exceptions::PyAttributeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyTuple};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// The result of a call. Its attributes are the fields of the same command's ``--json``.
+///
+/// Numbers are SI floats, series of numbers are numpy arrays, complex numbers are complex, and lists of objects are lists of
+/// results. What is unknown or does not apply is ``None``, and NaN in an array.
+#[pyclass(frozen, name = "Result", module = "slipline")]
+#[derive(Debug)]
+pub(crate) struct Answer {
+    fields: Py<PyDict>,
+}
+
+#[pymethods]
+impl Answer {
+    /// A result of these fields.
+    #[new]
+    fn new(fields: Py<PyDict>) -> Self {
+        Self { fields }
+    }
+
+    /// A field by its name.
+    #[pyo3(signature = (name) -> "typing.Any")]
+    fn __getattr__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let found = self.fields.bind(py).get_item(name)?;
+        found.ok_or_else(|| PyAttributeError::new_err(format!("the result has no field {name:?}")))
+    }
+
+    fn __dir__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let names = self.fields.bind(py).keys();
+        names.append("to_dict")?;
+        names.append("to_xarray")?;
+        Ok(names)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let names: Vec<String> = self.fields.bind(py).keys().extract()?;
+        Ok(format!("Result({})", names.join(", ")))
+    }
+
+    /// As for ``pickle``.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let class = py.get_type::<Self>();
+        (class, (self.fields.clone_ref(py),)).into_pyobject(py)
+    }
+
+    /// The fields as a dictionary, the results in it as dictionaries, too; arrays stay arrays.
+    #[pyo3(signature = () -> "dict[str, typing.Any]")]
+    fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let plain = PyDict::new(py);
+        for (name, value) in self.fields.bind(py) {
+            plain.set_item(name, as_plain(value)?)?;
+        }
+        Ok(plain)
+    }
+
+    /// The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
+    /// and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
+    #[pyo3(signature = () -> "typing.Any")]
+    fn to_xarray<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("slipline.dataset")?.call_method1("dataset", (self.fields.bind(py),))
+    }
+}
+
+fn as_plain(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
+    if let Ok(result) = value.cast::<Answer>() {
+        return Ok(result.get().to_dict(value.py())?.into_any());
+    }
+    match value.cast::<PyList>() {
+        Ok(list) => {
+            let items = list.iter().map(as_plain).collect::<PyResult<Vec<_>>>()?;
+            Ok(PyList::new(value.py(), items)?.into_any())
+        }
+        Err(_) => Ok(value),
+    }
+}
+
+impl Answer {
+    /// A result of these fields.
+    pub(crate) fn of_fields(fields: Bound<'_, PyDict>) -> Self {
+        Self { fields: fields.unbind() }
+    }
+
+    /// The fields of an answer.
+    pub(crate) fn of(py: Python<'_>, fields: Map<String, Value>) -> PyResult<Self> {
+        let found = PyDict::new(py);
+        for (name, value) in fields {
+            found.set_item(name, attribute(py, value)?)?;
+        }
+        Ok(Self { fields: found.unbind() })
+    }
+
+    /// It with one more attribute.
+    pub(crate) fn with<'py>(
+        self,
+        py: Python<'py>,
+        name: &str,
+        value: impl IntoPyObject<'py>,
+    ) -> PyResult<Self> {
+        self.fields.bind(py).set_item(name, value)?;
+        Ok(self)
+    }
+}
+
+/// The fields of an answer as JSON; the interpreter is not needed for it. An answer is an object.
+pub(crate) fn fields(answer: &impl Serialize) -> Map<String, Value> {
+    match serde_json::to_value(answer) {
+        Ok(Value::Object(fields)) => fields,
+        _ => Map::new(),
+    }
+}
+
+/// The fields of a list's objects as columns.
+pub(crate) fn columns(list: Vec<Value>) -> Map<String, Value> {
+    let mut columns: Map<String, Value> = Map::new();
+    for object in list {
+        if let Value::Object(fields) = object {
+            for (name, value) in fields {
+                if let Value::Array(column) = columns.entry(name).or_insert_with(|| Value::Array(Vec::new())) {
+                    column.push(value);
+                }
+            }
+        }
+    }
+    columns
+}
+
+fn attribute(py: Python<'_>, value: Value) -> PyResult<Bound<'_, PyAny>> {
+    Ok(match value {
+        Value::Null => py.None().into_bound(py),
+        Value::Bool(is) => is.into_pyobject(py)?.to_owned().into_any(),
+        Value::Number(number) => match number.as_i64().filter(|_| !number.is_f64()) {
+            Some(count) => count.into_pyobject(py)?.into_any(),
+            None => float(&Value::Number(number)).into_pyobject(py)?.into_any(),
+        },
+        Value::String(text) => text.into_pyobject(py)?.into_any(),
+        Value::Array(values) => array(py, values)?,
+        Value::Object(fields) => match complex(&fields) {
+            Some(value) => value.into_pyobject(py)?.into_any(),
+            None => Bound::new(py, Answer::of(py, fields)?)?.into_any(),
+        },
+    })
+}
+
+/// A series of numbers, complex numbers or truths as an array; anything else as a list.
+fn array(py: Python<'_>, values: Vec<Value>) -> PyResult<Bound<'_, PyAny>> {
+    if values.is_empty() {
+        return Ok(PyList::empty(py).into_any());
+    }
+    if values.iter().all(|value| value.as_i64().is_some()) {
+        let counts: Vec<i64> = values.iter().filter_map(Value::as_i64).collect();
+        return Ok(PyArray1::from_vec(py, counts).into_any());
+    }
+    if values.iter().all(|value| value.is_number() || value.is_null()) {
+        return Ok(PyArray1::from_vec(py, values.iter().map(float).collect()).into_any());
+    }
+    if values.iter().all(Value::is_boolean) {
+        let truths: Vec<bool> = values.iter().filter_map(Value::as_bool).collect();
+        return Ok(PyArray1::from_vec(py, truths).into_any());
+    }
+    let numbers: Option<Vec<Complex64>> = values.iter().map(|it| complex(it.as_object()?)).collect();
+    if let Some(numbers) = numbers {
+        return Ok(PyArray1::from_vec(py, numbers).into_any());
+    }
+    let items = values.into_iter().map(|value| attribute(py, value)).collect::<PyResult<Vec<_>>>()?;
+    Ok(PyList::new(py, items)?.into_any())
+}
+
+/// A number without the sign of a zero, as the command line prints it; NaN for what is absent.
+fn float(value: &Value) -> f64 {
+    value.as_f64().map_or(f64::NAN, |number| number + 0.0)
+}
+
+fn complex(fields: &Map<String, Value>) -> Option<Complex64> {
+    match (fields.len(), fields.get("re"), fields.get("im")) {
+        (2, Some(re), Some(im)) => Some(Complex64::new(float(re), float(im))),
+        _ => None,
+    }
+}

@@ -1,0 +1,203 @@
+//! `Plate.simulate`.
+
+use crate::actual;
+use crate::error::Failure;
+use crate::feeling::{self, NamedFeeling};
+use crate::finger;
+use crate::options::Options;
+use crate::place::{LEVEL, exactly_one, setup_file, turning_point_of};
+use crate::result::{Answer, fields};
+use crate::waiting::compute;
+use pyo3::prelude::*;
+use serde_json::{Map, Value};
+use slipline_link::DeviceTable;
+use slipline_link::protocol::limits::MAX_TONES;
+use slipline_link::simulator::loopback::Loopback;
+use slipline_model::answer::simulate::SimulatedDrive;
+use slipline_model::field::asked_place::AskedPlace;
+use slipline_model::field::simulation::{
+    MAX_SECONDS, SAMPLE_RATE_HZ, Simulation, SimulationError, Solver, table_for_watched,
+};
+use slipline_model::field::tone_places::TonePlaces;
+use slipline_model::setup::{Setup, ToneSetup};
+use slipline_model::texture::{chord_of, sounding};
+use slipline_plate::quantity::{Count, Counted, OutOfRange, Range};
+use slipline_plate::{DriveTable, Finger, Plate, Progress, table_sensitivity};
+use std::sync::Arc;
+use std::thread::available_parallelism;
+
+/// The level of a tone that has none of its own.
+const USUAL_LEVEL: f64 = 0.8;
+/// Most threads of a sheet.
+const THREADS_MAX: usize = 64;
+
+/// What sounds: tones, each by its place and level, or a setup of a file.
+enum Sounds {
+    Tones(Vec<(AskedPlace, f64)>),
+    Setup(Box<Setup>),
+}
+
+/// A drive to simulate.
+struct Drive {
+    plate: Arc<Plate>,
+    sounds: Sounds,
+    feeling: NamedFeeling,
+    actual: Option<Plate>,
+    has_gains: bool,
+    seconds: Option<f64>,
+    solver: Solver,
+    finger: Option<Finger>,
+}
+
+/// Simulates tones by their felt edges, turning points or frequencies, one of the three.
+pub(crate) fn run(
+    py: Python<'_>,
+    plate: &Arc<Plate>,
+    places: [Option<&Bound<'_, PyAny>>; 3],
+    level: Option<&Bound<'_, PyAny>>,
+    mut options: Options<'_>,
+) -> PyResult<Answer> {
+    let is_sheet = options.switch("sheet")?;
+    let has_gains = !options.switch("no_table")?;
+    let seconds = options.number("seconds", Range::new(0.01, MAX_SECONDS, "s"))?;
+    let finger = options.take("finger")?.map(|given| finger::of(&given)).transpose()?;
+    let actual = options.take("actual_plate")?;
+    let feeling = feeling::read(options.text("feeling")?.as_deref())?;
+    let setup = options.text("setup")?;
+    options.end()?;
+    let threads = available_parallelism().map_or(1, |count| count.get().min(THREADS_MAX));
+    let solver = if is_sheet { Solver::Sheet { threads } } else { Solver::Line };
+    let (plate, sounds, feeling) = match setup {
+        None => (Arc::clone(plate), Sounds::Tones(tones(places, level)?), feeling),
+        Some(path) if places.iter().all(Option::is_none) && level.is_none() => {
+            let setup = setup_file(&path)?;
+            let feeling = NamedFeeling { feeling: setup.feeling, from: Some(path) };
+            (Arc::clone(&setup.plate), Sounds::Setup(setup), feeling)
+        }
+        Some(_) => {
+            let given = "a setup beside a place or a level";
+            return Err(Failure::wrong_arguments(given, "alone: the file has its tones").into());
+        }
+    };
+    let has_felt_edge = matches!(&sounds, Sounds::Tones(tones)
+        if tones.iter().any(|(place, _)| matches!(place, AskedPlace::FeltEdge(_))));
+    if !has_gains && (has_felt_edge || matches!(sounds, Sounds::Setup(_))) {
+        let given = "no_table beside felt_edge_m or a setup";
+        return Err(Failure::wrong_arguments(given, "False: they are by the table's gains").into());
+    }
+    let actual = actual.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
+    let drive = Drive { plate, sounds, feeling, actual, has_gains, seconds, solver, finger };
+    let found = compute(py, move |progress| drive.simulate(progress))?;
+    Answer::of(py, found)
+}
+
+/// The tones of the arguments.
+fn tones(
+    places: [Option<&Bound<'_, PyAny>>; 3],
+    level: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<(AskedPlace, f64)>> {
+    let [felt_edge_m, turning_point_m, frequency_hz] = places;
+    // Counts them, and names the three in its refusal.
+    let is_there = |given: Option<&Bound<'_, PyAny>>| given.map(|_| f64::NAN);
+    exactly_one(is_there(felt_edge_m), is_there(turning_point_m), is_there(frequency_hz))?;
+    let mut asked = Vec::new();
+    for (given, at) in places.into_iter().zip(PLACES) {
+        for value in given.map_or_else(|| Ok(Vec::new()), numbers)? {
+            let place = |i: usize| (i == at).then_some(value);
+            asked.push(exactly_one(place(0), place(1), place(2))?);
+        }
+    }
+    let levels = level.map_or_else(|| Ok(vec![USUAL_LEVEL]), numbers)?;
+    let levels = match levels[..] {
+        [level] => vec![level; asked.len()],
+        _ => levels,
+    };
+    let count = Count::new(1, MAX_TONES, Counted::Tones);
+    if !count.contains(asked.len()) {
+        return Err(Failure::out_of_range(&OutOfRange {
+            field: "the number of tones",
+            value: asked.len() as f64,
+            range: Range::new(1.0, MAX_TONES as f64, ""),
+        })
+        .into());
+    }
+    if levels.len() != asked.len() {
+        let given = format_args!("{} levels of {} tones", levels.len(), asked.len());
+        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each").into());
+    }
+    for &level in &levels {
+        OutOfRange::check("level", level, LEVEL).map_err(|refused| Failure::out_of_range(&refused))?;
+    }
+    Ok(asked.into_iter().zip(levels).collect())
+}
+
+/// The arguments of a place, in their order.
+const PLACES: [usize; 3] = [0, 1, 2];
+
+/// A number, or a series of numbers.
+fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    given.extract::<f64>().map(|number| vec![number]).or_else(|_| given.extract())
+}
+
+impl Drive {
+    fn simulate(&self, progress: &mut Progress<'_>) -> Result<Map<String, Value>, Failure> {
+        let failed = |error: SimulationError| Failure::of(&error);
+        let plate = &self.plate;
+        let (table, device_table) =
+            table_for_watched(plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.1)).map_err(failed)?;
+        let setup = self.setup(&table)?;
+        let sounding = match self.sounds {
+            Sounds::Tones(_) => None,
+            Sounds::Setup(_) => Some(played(&setup, &device_table)?),
+        };
+        let is_chord = matches!(sounding, Some(slipline_link::Sounding::Chord(_)));
+        let chord_gain_db = setup.chord_gain_db.filter(|_| is_chord);
+        let places = TonePlaces::of_setup(&Setup { chord_gain_db, ..setup }, &table);
+        let tones: Vec<(f64, f64)> = places.iter().map(|tone| (tone.turning_point_m, tone.level)).collect();
+        let actual = self.actual.as_ref();
+        let sensitivity = actual.map(|actual| table_sensitivity(&table, plate, actual)).transpose();
+        let simulation = Simulation {
+            plate,
+            actual: actual.unwrap_or(plate),
+            tones: &tones,
+            sounding,
+            has_gains: self.has_gains,
+            seconds: self.seconds,
+            solver: self.solver,
+            finger: self.finger,
+        };
+        let drive = SimulatedDrive {
+            plate,
+            actual: simulation.actual,
+            places: &places,
+            feeling: (&self.feeling.feeling, self.feeling.from.as_deref()),
+            has_gains: self.has_gains,
+            chord_gain_db,
+            sensitivity: sensitivity.map_err(|error| Failure::of(&error))?,
+            solver: self.solver,
+            result: &simulation.run_watched(&table, &mut progress.part(0.1, 1.0)).map_err(failed)?,
+        };
+        Ok(fields(&drive.answer()))
+    }
+
+    /// The setup that sounds.
+    fn setup(&self, table: &DriveTable) -> Result<Setup, Failure> {
+        let tones = match &self.sounds {
+            Sounds::Setup(setup) => return Ok((**setup).clone()),
+            Sounds::Tones(tones) => tones,
+        };
+        let empty = Setup { feeling: self.feeling.feeling, tones: Vec::new(), ..Setup::new(Arc::clone(&self.plate)) };
+        let mut setup = empty.clone();
+        for (slot, &(place, level)) in (0..).zip(tones) {
+            let position_m = turning_point_of(place, &empty, level, table)?;
+            setup.tones.push(ToneSetup { slot, position_m, level, phase_turns: 0.0 });
+        }
+        Ok(setup)
+    }
+}
+
+/// What plays the setup of a file: its chord if it has one that the device can play, otherwise its tones.
+fn played(setup: &Setup, table: &DeviceTable) -> Result<slipline_link::Sounding, Failure> {
+    let chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(|error| Failure::of(&error))?;
+    sounding(setup, chord_of(setup, table), table, chain.view()).map_err(|error| Failure::of(&error))
+}

@@ -1,0 +1,70 @@
+"""Speed of many fields: Python beside Rust, scipy's banded solver, and two threads beside one. Printed in one run.
+
+    python tests/python/speed.py RUST_PROGRAM
+
+RUST_PROGRAM is the example `respond_many` of slipline-plate, built for release, as the package is.
+"""
+
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+from scipy.linalg import solve_banded
+
+import slipline
+
+POINTS, FREQUENCIES, RUNS = 2000, 64, 15
+
+
+def best(call):
+    """The shortest of several runs, seconds."""
+    call()
+    times = []
+    for _ in range(RUNS):
+        begin = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - begin)
+    return min(times)
+
+
+def banded(frequencies_hz):
+    """As many tridiagonal systems of as many complex unknowns."""
+    bands = np.ones((3, POINTS), complex)
+    right = np.zeros(POINTS, complex)
+    right[0] = 1.0
+    for hz in frequencies_hz:
+        bands[1] = -2.0 + 1e-9 * hz - 1e-6j
+        solve_banded((1, 1), bands, right, check_finite=False)
+
+
+def in_two_threads(plate, frequencies_hz):
+    threads = [
+        threading.Thread(target=plate.respond, args=(half,), kwargs={"points": POINTS})
+        for half in (frequencies_hz[::2], frequencies_hz[1::2])
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+def main():
+    plate = slipline.Plate("membrane")
+    frequencies_hz = np.linspace(*plate.band_hz, FREQUENCIES)
+    python = best(lambda: plate.respond(frequencies_hz, points=POINTS))
+    two = best(lambda: in_two_threads(plate, frequencies_hz))
+    scipy = best(lambda: banded(frequencies_hz))
+    print(f"{FREQUENCIES} fields of {POINTS} points, the best of {RUNS} runs")
+    print(f"Python            {1e3 * python:7.2f} ms")
+    print(f"two threads       {1e3 * two:7.2f} ms  {python / two:.2f} times as fast (aim 1.7)")
+    print(f"scipy, unrefined  {1e3 * scipy:7.2f} ms  {scipy / python:.2f} times Python's time")
+    if sys.argv[1:]:
+        arguments = [sys.argv[1], "membrane", str(POINTS), str(FREQUENCIES), str(RUNS)]
+        rust = float(subprocess.run(arguments, check=True, capture_output=True, text=True).stdout)
+        print(f"Rust              {1e3 * rust:7.2f} ms  Python takes {python / rust:.2f} times as long (aim 1.15)")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,201 @@
+"""Plates, measurements, results and refusals as Python has them."""
+
+import inspect
+import pickle
+import re
+import threading
+
+import numpy as np
+import pytest
+
+import slipline
+
+
+@pytest.fixture
+def plate():
+    return slipline.Plate("membrane")
+
+
+def test_a_plate_is_a_value(plate, tmp_path):
+    again = slipline.Plate.from_toml(plate.to_toml())
+    assert again == plate and hash(again) == hash(plate) and plate != slipline.Plate("al-bending")
+    assert pickle.loads(pickle.dumps(plate)) == plate
+    file = tmp_path / "plate.toml"
+    file.write_text(plate.to_toml())
+    assert slipline.Plate(file) == slipline.Plate(str(file)) == plate
+    assert plate.name == "membrane" and 0 < plate.span_m[0] < plate.span_m[1] < plate.length_m
+    assert "membrane" in slipline.presets() and plate != "membrane"
+
+
+def test_a_measurement_is_a_value(tmp_path):
+    rows = "\n".join(f"{100 + 5 * i},0.5,-0.25,0.01,{12.5 if i else ''}" for i in range(8))
+    text = f"# place_m = 0.03\n# sensor = velocity\nfrequency_hz,re,im,noise,headroom_db\n{rows}\n"
+    measurement = slipline.Measurement.from_csv(text)
+    file = tmp_path / "measured.csv"
+    measurement.write(file)
+    assert slipline.Measurement.read(file) == measurement == pickle.loads(pickle.dumps(measurement))
+    assert (measurement.place_m, measurement.sensor, measurement.sample_rate_hz) == (0.03, "velocity", None)
+    assert measurement.response.shape == (8,) and (measurement.response == 0.5 - 0.25j).all()
+    assert measurement.frequency_hz.tolist() == [100.0 + 5 * i for i in range(8)]
+    assert np.isnan(measurement.headroom_db[0]) and measurement.headroom_db[1] == 12.5
+
+
+def test_the_file_of_another_program_needs_what_it_does_not_state(plate, tmp_path):
+    file = tmp_path / "other.frd"
+    file.write_text("\n".join(f"{hz} {-20.0 + 0.01 * hz} 0.0" for hz in range(80, 260, 5)))
+    with pytest.raises(slipline.BadFile, match="other.frd: .*plate and sensor"):
+        slipline.Measurement.read(file)
+    with pytest.raises(slipline.BadFile, match="add kind"):
+        slipline.Measurement.read(file, plate=plate, sensor=0.03)
+    measurement = slipline.Measurement.read(file, plate=plate, sensor=0.03, kind="velocity", snr=30.0)
+    assert (measurement.place_m, measurement.sensor) == (0.03, "velocity")
+
+
+def test_a_result_has_its_fields_in_every_form(plate):
+    found = plate.simulate(turning_point_m=0.16, level=0.2, seconds=0.02)
+    plain = found.to_dict()
+    assert isinstance(plain["tones"][0], dict) and isinstance(plain["feeling"], dict)
+    assert isinstance(found.tones, list) and found.tones[0].level == plain["level"] == 0.2
+    assert set(plain) <= set(dir(found)) and "tones" in repr(found)
+    again = pickle.loads(pickle.dumps(found))
+    assert again.position_m.tobytes() == found.position_m.tobytes()
+    with pytest.raises(AttributeError, match="no field \"turning\""):
+        found.turning
+
+
+def test_arrays_become_a_dataset(plate):
+    pytest.importorskip("xarray")
+    one = plate.respond(126.0, points=101).to_xarray()
+    assert one.amplitude.dims == ("position_m",) and one.attrs["frequency_hz"] == 126.0
+    several = plate.respond([126.0, 140.0], points=101).to_xarray()
+    assert several.amplitude.dims == ("frequency_hz", "position_m")
+    assert several.turning_point_m.sel(frequency_hz=140.0) == several.turning_point_m[1]
+    assert plate.table(knots=33).to_xarray().gain.dims == ("position_m",)
+
+
+@pytest.mark.parametrize("call, field, value, low, high", [
+    (lambda plate: plate.respond(5.0), "frequency_hz", 5.0, None, None),
+    (lambda plate: plate.respond([126.0, np.nan]), "frequency_hz", np.nan, None, None),
+    (lambda plate: plate.respond(126.0, points=7), "points", 7.0, 8.0, 200001.0),
+    (lambda plate: plate.respond(126.0, finger=(9.0, "light")), "finger.place_m", 9.0, None, None),
+    (lambda plate: plate.table(knots=1), "knots", 1.0, 2.0, 1025.0),
+    (lambda plate: plate.table(sample_rate_hz=1.0), "sample_rate_hz", 1.0, None, None),
+    (lambda plate: plate.check(level=1.5), "level", 1.5, 0.0, 1.0),
+    (lambda plate: plate.check(turning_point_m=0.9), "turning_point_m", 0.9, None, None),
+    (lambda plate: plate.check(frequency_hz=1.0), "frequency_hz", 1.0, None, None),
+    (lambda plate: plate.merit(turning_point_m=9.0), "turning_point_m", 9.0, None, None),
+    (lambda plate: plate.simulate(turning_point_m=0.16, level=-0.1), "level", -0.1, 0.0, 1.0),
+    (lambda plate: plate.simulate(turning_point_m=0.16, seconds=0.0), "seconds", 0.0, 0.01, 600.0),
+    (lambda plate: plate.simulate(turning_point_m=[0.1] * 17), "the number of tones", 17.0, 1.0, 16.0),
+    (lambda plate: plate.texture(solid_m=9.0), "solid_m", 9.0, None, None),
+    (lambda plate: plate.texture(stripes_m=1.0, tones=17), "tones", 17.0, 1.0, 16.0),
+    (lambda plate: plate.calibrate((), touch=[(0.2, 9.0)]), "touch", 9.0, 0.0, None),
+    (lambda _: slipline.design("latex", 1.0, (80.0, 220.0), 0.4), "thickness_m", 1.0, None, None),
+    (lambda _: slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, tension=0.0), "tension", 0.0, None, None),
+    (lambda plate: slipline.Plate.from_toml(re.sub("length_m = .*", "length_m = 11.0", plate.to_toml())),
+     "length_m", 11.0, None, None),
+])
+def test_a_number_that_is_not_allowed_names_its_field_and_range(plate, call, field, value, low, high):
+    with pytest.raises(slipline.OutOfRange) as refused:
+        call(plate)
+    error = refused.value
+    assert isinstance(error, ValueError) and isinstance(error, slipline.Error)
+    assert error.field == field and (error.value == value or np.isnan(value))
+    assert error.low < error.high and not error.low <= error.value <= error.high
+    assert low in (None, error.low) and high in (None, error.high)
+    assert re.search("must be|cannot enter", str(error)), error
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda plate: plate.simulate(), "no place: must be one of felt_edge_m, turning_point_m and frequency_hz"),
+    (lambda plate: plate.simulate(felt_edge_m=0.2, frequency_hz=126.0), "more than one place"),
+    (lambda plate: plate.simulate(turning_point_m=0.1, sheat=True), "did you mean sheet"),
+    (lambda plate: plate.simulate(turning_point_m=0.1, seconds="long"), "seconds of simulate"),
+    (lambda plate: plate.simulate(turning_point_m=[0.1, 0.2], level=[0.1] * 3), "3 levels of 2 tones"),
+    (lambda plate: plate.simulate(felt_edge_m=0.2, no_table=True), "no_table beside felt_edge_m"),
+    (lambda plate: plate.texture(), "no texture: must be one of"),
+    (lambda plate: plate.texture(solid_m=0.1, stripes_m=0.1), "more than one texture"),
+    (lambda plate: plate.texture(profile=([0.1], [1.0, 2.0])), "two series of the same length"),
+    (lambda plate: plate.respond(126.0, finger="light"), "finger = light"),
+    (lambda plate: plate.calibrate(()), "0 measurements"),
+    (lambda plate: plate.calibrate((), half_width=0.05), "half_width"),
+    (lambda _: slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, shear=True, edge="clamped"), "more than one wave"),
+])
+def test_arguments_that_do_not_belong_together_are_a_type_error(plate, call, words):
+    with pytest.raises(TypeError, match=re.escape(words)):
+        call(plate)
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda plate: plate.simulate(felt_edge_m=0.001), "felt edges of tones"),
+    (lambda plate: plate.respond(126.0, paper_mode=True, two_dimensions=True), "choose one"),
+    (lambda plate: plate.simulate(turning_point_m=0.1, actual_plate="secret:x"), "secret:SEED"),
+    (lambda _: slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, edge="loose"), "one of supported, clamped"),
+    (lambda _: slipline.Measurement.read(__file__, kind="heat"), "one of displacement"),
+])
+def test_what_cannot_be_done_is_refused(plate, call, words):
+    with pytest.raises(slipline.Refused, match=words):
+        call(plate)
+
+
+def test_a_file_that_cannot_be_read_is_named(plate, tmp_path):
+    with pytest.raises(slipline.BadFile, match="did you mean membrane"):
+        slipline.Plate("menbrane")
+    bad = tmp_path / "bad.toml"
+    bad.write_text("length_m = [")
+    for call in (
+        lambda: slipline.Plate(bad),
+        lambda: slipline.Measurement.read(bad),
+        lambda: plate.simulate(setup=str(bad)),
+        lambda: plate.simulate(turning_point_m=0.1, feeling=str(bad)),
+        lambda: plate.texture(image=bad),
+    ):
+        with pytest.raises(slipline.BadFile, match="bad.toml"):
+            call()
+
+
+def test_other_threads_run_during_a_computation(plate):
+    turns, is_done = 0, threading.Event()
+
+    def turn():
+        nonlocal turns
+        while not is_done.wait(0.001):
+            turns += 1
+
+    thread = threading.Thread(target=turn)
+    thread.start()
+    plate.check()
+    is_done.set()
+    thread.join()
+    assert turns > 10
+
+
+@pytest.mark.parametrize("call", [
+    # One that reports its progress, and two that cannot be ended: those are left behind.
+    "plate.respond([126.0] * 4000, points=301)",
+    "plate.merit(turning_point_m=0.16)",
+    "plate.respond(200.0, points=2001, two_dimensions=True)",
+])
+def test_ctrl_c_ends_a_call_long_before_its_end(interrupted, call):
+    script = f"""
+import time, slipline
+plate = slipline.Plate("membrane")
+begin = time.perf_counter()
+{call}
+whole = time.perf_counter() - begin
+print("begun", flush=True)
+begin = time.perf_counter()
+try:
+    {call}
+except KeyboardInterrupt:
+    print((time.perf_counter() - begin) / whole)
+"""
+    code, out, errors = interrupted(script)
+    assert code == 0 and float(out) < 0.7, (out, errors)
+
+
+def test_every_call_is_described_with_its_units():
+    for described in (slipline, slipline.Plate, slipline.Measurement, slipline.Result, slipline.design, slipline.OutOfRange):
+        assert inspect.getdoc(described), described
+    for name, member in inspect.getmembers(slipline.Plate):
+        assert name.startswith("_") or inspect.getdoc(member), name
