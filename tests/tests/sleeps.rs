@@ -71,6 +71,28 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
             Because("a status does not feed the dead-man: between two of them, until its time is over"),
         ],
     ),
+    ("tests/python/line.py", &[Polls]),
+    (
+        "tests/python/test_device_attended.py",
+        &[
+            Because("a row of the issue: a program that sleeps for half a minute drives on"),
+            Because("a row of the issue: of a sleep of 5 s the drive ends after 3 s"),
+            Because("each is shorter than the time without a call by more than a second, all are longer"),
+            Because("longer than the time without a call, and may be any longer"),
+            Because("the same"),
+        ],
+    ),
+    (
+        "tests/python/test_device_ends.py",
+        &[
+            Because("the program is at its wait, or on its way there: it must end as fast"),
+            Because("no wait: Ctrl-C ends it"),
+            Because(
+                "a program that is stopped for longer than the device's dead-man allows, and may be for any longer",
+            ),
+            Because("the same for one that is killed"),
+        ],
+    ),
     (
         "tests/src/command_proxy.rs",
         &[

@@ -10,11 +10,12 @@ same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
 from ._slipline import VERSION as __version__
-from ._slipline import Measurement, Plate, Result, design, presets
+from ._slipline import Device, Measurement, Plate, Result, connect, design, presets
 from .errors import BadFile, Error, LinkLost, OutOfRange, Refused, Unattended
 
 __all__ = [
     "BadFile",
+    "Device",
     "Error",
     "LinkLost",
     "Measurement",
@@ -24,6 +25,7 @@ __all__ = [
     "Result",
     "Unattended",
     "__version__",
+    "connect",
     "design",
     "presets",
 ]

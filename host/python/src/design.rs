@@ -8,9 +8,7 @@ use crate::waiting::compute;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slipline_model::answer::design::{DesignAnswer, design as compute_design};
-use slipline_plate::design::{
-    Edge, Material, Request, Wave, end_margin_range, start_margin_range,
-};
+use slipline_plate::design::{Edge, Material, Request, Wave, end_margin_range, start_margin_range};
 use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{Air, AirMounting, Faces, Gas, limits};
 
@@ -73,7 +71,9 @@ fn request(
         (None, None, Some(tension), false) => Wave::under_tension(tension, &material, thickness_m),
         (None, None, None, true) if air.is_none() => Wave::ShearHorizontal,
         (None, None, None, true) => {
-            return Err(Failure::wrong_arguments("air beside shear", "left out: the wave moves no air").into());
+            return Err(
+                Failure::wrong_arguments("air beside shear", "left out: the wave moves no air").into()
+            );
         }
         _ => {
             let given = "more than one wave";

@@ -30,6 +30,10 @@ pub(crate) enum Failure {
 pub(crate) enum Exception {
     /// It cannot be done with this plate, these values or this device.
     Refused,
+    /// No connection to the device.
+    LinkLost,
+    /// No call came for too long.
+    Unattended,
     /// A file that cannot be read.
     BadFile,
     /// Arguments that do not belong together: Python's own `TypeError`.
@@ -84,6 +88,8 @@ impl From<Failure> for PyErr {
             }
             Failure::Because(Exception::Type, message) => pyo3::exceptions::PyTypeError::new_err(message),
             Failure::Because(Exception::Refused, message) => raised("Refused", (message,)),
+            Failure::Because(Exception::LinkLost, message) => raised("LinkLost", (message,)),
+            Failure::Because(Exception::Unattended, message) => raised("Unattended", (message,)),
             Failure::Because(Exception::BadFile, message) => raised("BadFile", (message,)),
         }
     }

@@ -16,6 +16,7 @@ pub(crate) fn of(given: &Bound<'_, PyAny>) -> PyResult<Finger> {
     if let Ok((place_m, resistance_n_s_per_m, mass_kg, contact_m)) = given.extract() {
         return Ok(Finger { place_m, resistance_n_s_per_m, mass_kg, contact_m });
     }
-    let allowed = "(place_m, \"light\"), (place_m, \"firm\") or (place_m, resistance_n_s_per_m, mass_kg, contact_m)";
+    let allowed =
+        "(place_m, \"light\"), (place_m, \"firm\") or (place_m, resistance_n_s_per_m, mass_kg, contact_m)";
     Err(Failure::wrong_arguments(format_args!("finger = {given}"), allowed).into())
 }

@@ -3,6 +3,7 @@
 //! ```text
 //! Python's arguments -> place, options -> model, instrument -> answer (serde) -> result (Python attributes, numpy)
 //! errors of Rust -> error -> slipline.Error and what is below it
+//! device -> instrument's native client <- sign of life of a Python thread
 //! ```
 //! No panic hook and no signal handler of the program's is set here: the interpreter keeps its own.
 
@@ -12,6 +13,7 @@
 mod actual;
 mod calibrate;
 mod design;
+mod device;
 mod error;
 mod feeling;
 mod field;
@@ -33,6 +35,8 @@ mod _slipline {
 
     #[pymodule_export]
     use crate::design::design;
+    #[pymodule_export]
+    use crate::device::{Device, connect};
     #[pymodule_export]
     use crate::measurement::Measurement;
     #[pymodule_export]

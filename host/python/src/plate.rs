@@ -144,8 +144,10 @@ impl Plate {
         let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
-            OutOfRange::check("level", level, crate::place::LEVEL).map_err(|it| Failure::out_of_range(&it))?;
-            let turns = |asked| crate::place::turning_point_m(asked, &plate, level, &mut progress.part(0.0, 0.4));
+            OutOfRange::check("level", level, crate::place::LEVEL)
+                .map_err(|it| Failure::out_of_range(&it))?;
+            let turns =
+                |asked| crate::place::turning_point_m(asked, &plate, level, &mut progress.part(0.0, 0.4));
             let turning_point_m = asked.map(turns).transpose()?;
             let conditions = Conditions { level, off_centre, ..Conditions::default() };
             let report = check(&plate, turning_point_m, conditions, &mut progress.part(0.4, 1.0));
@@ -260,7 +262,8 @@ impl Plate {
         let asked = at_most_one(None, turning_point_m, None)?;
         let plate = Arc::clone(&self.plate);
         let found = compute(py, move |progress| {
-            let turns = |asked| crate::place::turning_point_m(asked, &plate, 1.0, &mut progress.part(0.0, 0.0));
+            let turns =
+                |asked| crate::place::turning_point_m(asked, &plate, 1.0, &mut progress.part(0.0, 0.0));
             let one = asked.map(turns).transpose()?;
             let table = table_for_watched(&plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.2));
             let (table, _) = table.map_err(|error| Failure::of(&error))?;

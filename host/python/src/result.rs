@@ -101,6 +101,16 @@ impl Answer {
         Ok(Self { fields: found.unbind() })
     }
 
+    /// Changes an attribute.
+    pub(crate) fn set<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        value: impl IntoPyObject<'py>,
+    ) -> PyResult<()> {
+        self.fields.bind(py).set_item(name, value)
+    }
+
     /// It with one more attribute.
     pub(crate) fn with<'py>(
         self,
@@ -127,7 +137,8 @@ pub(crate) fn columns(list: Vec<Value>) -> Map<String, Value> {
     for object in list {
         if let Value::Object(fields) = object {
             for (name, value) in fields {
-                if let Value::Array(column) = columns.entry(name).or_insert_with(|| Value::Array(Vec::new())) {
+                if let Value::Array(column) = columns.entry(name).or_insert_with(|| Value::Array(Vec::new()))
+                {
                     column.push(value);
                 }
             }

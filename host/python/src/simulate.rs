@@ -186,7 +186,8 @@ impl Drive {
             Sounds::Setup(setup) => return Ok((**setup).clone()),
             Sounds::Tones(tones) => tones,
         };
-        let empty = Setup { feeling: self.feeling.feeling, tones: Vec::new(), ..Setup::new(Arc::clone(&self.plate)) };
+        let empty =
+            Setup { feeling: self.feeling.feeling, tones: Vec::new(), ..Setup::new(Arc::clone(&self.plate)) };
         let mut setup = empty.clone();
         for (slot, &(place, level)) in (0..).zip(tones) {
             let position_m = turning_point_of(place, &empty, level, table)?;

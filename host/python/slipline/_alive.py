@@ -1,0 +1,44 @@
+"""The sign of life of a program that drives a device.
+
+It is given by a thread of Python on purpose: where no Python code can run, no sign comes, and the link's own thread stops
+and disarms the device within a second.
+"""
+
+from __future__ import annotations
+
+import atexit
+import threading
+import time
+import weakref
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from . import Device
+
+# Ten a second; the link waits for a second.
+_PERIOD_S = 0.1
+
+_devices: weakref.WeakSet[Device] = weakref.WeakSet()
+
+
+def begin(device: Device) -> None:
+    """Gives signs of life for this device until it is closed or collected."""
+    _devices.add(device)
+    reference = weakref.ref(device)
+    threading.Thread(target=_sign, args=(reference,), name="slipline alive", daemon=True).start()
+
+
+def _sign(reference: weakref.ref[Device]) -> None:
+    while True:
+        device = reference()
+        if device is None or not device._sign():
+            return
+        # Held no longer than for the sign, so that the device can be collected.
+        del device
+        time.sleep(_PERIOD_S)
+
+
+@atexit.register
+def _close_all() -> None:
+    for device in list(_devices):
+        device._close()

@@ -1,0 +1,161 @@
+"""The simulated device in real time, a tap on its line, and programs that drive it.
+
+    program under test --socket--> tap (notes each command and its time) --socket--> slipline serve
+
+The device and the reading of its frames are those of `tests/protocol`, which know nothing of the package.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import textwrap
+import threading
+import time
+from pathlib import Path
+
+if "SLIPLINE" in os.environ:
+    os.environ.setdefault("SLIPLINE_BIN", os.environ["SLIPLINE"])
+sys.path.append(str(Path(__file__).resolve().parents[1] / "protocol"))
+
+from client import Client  # noqa: E402
+from frame import Frame, FrameReader  # noqa: E402
+from messages import fault_names  # noqa: E402
+from page import sections  # noqa: E402
+from server import Server, binary  # noqa: E402
+
+__all__ = ["Line", "Program", "binary", "drives"]
+
+_NAMES = {section.id: section.name for section in sections("Commands")}
+#: Longest time for what takes a fraction of a second.
+PATIENCE_S = 30.0
+
+
+class Line:
+    """A device at a socket, and the commands that have reached it. A context manager."""
+
+    def __enter__(self) -> Line:
+        self._ended = threading.Event()
+        self._commands: list[tuple[float, str]] = []
+        self._stack = contextlib.ExitStack()
+        self.server = self._stack.enter_context(Server())
+        folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="slipline-tap-"))
+        self._listener = self._stack.enter_context(socket.socket(socket.AF_UNIX))
+        self._listener.bind(f"{folder}/device")
+        self._listener.listen()
+        self._stack.callback(self._ended.set)
+        threading.Thread(target=self._accept, daemon=True).start()
+        self.port = f"unix:{folder}/device"
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def _accept(self) -> None:
+        while not self._ended.is_set():
+            try:
+                program = self._listener.accept()[0]
+            except OSError:
+                return
+            device = socket.socket(socket.AF_UNIX)
+            device.connect(self.server.path)
+            threading.Thread(target=self._carry, args=(program, device, FrameReader()), daemon=True).start()
+            threading.Thread(target=self._carry, args=(device, program, None), daemon=True).start()
+
+    def _carry(self, source: socket.socket, sink: socket.socket, reader: FrameReader | None) -> None:
+        with contextlib.suppress(OSError):
+            while data := source.recv(4096):
+                if reader is not None:
+                    now = time.monotonic()
+                    frames = [frame for frame in reader.feed(data) if isinstance(frame, Frame)]
+                    self._commands += [(now, _NAMES.get(frame.id, "")) for frame in frames]
+                sink.sendall(data)
+        for end in (source, sink):
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+
+    def count(self, name: str) -> int:
+        """How many commands of this name have reached the device."""
+        return sum(1 for _, command in self._commands if command == name)
+
+    def time_of(self, name: str, number: int = 0) -> float:
+        """When the command of this name and number has reached the device, by the monotonic clock; waits for it."""
+        until = time.monotonic() + PATIENCE_S
+        while time.monotonic() < until:
+            times = [at for at, command in self._commands if command == name]
+            if len(times) > number:
+                return times[number]
+            time.sleep(0.005)
+        raise TimeoutError(f"no {name} {number} among {[name for _, name in self._commands]}")
+
+    def status(self) -> tuple[str, list[str]]:
+        """State and faults of the device, which no program has any more."""
+        with Client.at_socket(self.server.path) as client:
+            status = client.status()
+            return status.state.name, fault_names(status.faults)
+
+
+class Program:
+    """A Python program of its own, whose lines are read. A context manager; the process is always ended."""
+
+    def __init__(self, body: str, *arguments: str, **names: str) -> None:
+        for name, value in names.items():
+            body = body.replace(name, value)
+        command = [sys.executable, "-u", "-c", textwrap.dedent(body), *arguments]
+        streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+        self._process = subprocess.Popen(command, text=True, **streams)
+
+    def __enter__(self) -> Program:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        self._process.communicate()
+
+    def line(self) -> str:
+        """Its next line."""
+        line = self._process.stdout.readline()
+        assert line, f"the program has ended:\n{self._process.stderr.read()}"
+        return line.rstrip("\n")
+
+    def write(self, line: str) -> None:
+        """Gives it a line."""
+        self._process.stdin.write(line + "\n")
+        self._process.stdin.flush()
+
+    def signal(self, number: signal.Signals) -> float:
+        """Sends it a signal; returns when, by the monotonic clock."""
+        now = time.monotonic()
+        os.kill(self._process.pid, number)
+        return now
+
+    def end(self) -> tuple[int, str]:
+        """Waits for its end: exit code and error stream."""
+        _, errors = self._process.communicate(timeout=PATIENCE_S)
+        return self._process.returncode, errors
+
+
+#: A program that drives, and then does THEN in the block.
+DRIVES = """
+import gc, os, sys, threading, time
+import slipline
+
+plate = slipline.Plate("membrane")
+with slipline.connect(sys.argv[1], **dict(OPTIONS)) as device:
+    device.use(plate)
+    device.arm()
+    drive = device.drive(turning_point_m=0.16)
+    print("drives")
+    THEN
+"""
+
+
+def drives(line: Line, then: str, options: str = "{}") -> Program:
+    """A program that drives the device of a line, and then does this in the block."""
+    indented = textwrap.indent(textwrap.dedent(then).strip(), "    ").strip()
+    return Program(DRIVES, line.port, THEN=indented, OPTIONS=options)
