@@ -129,7 +129,14 @@ mod tests {
         client.refresh().unwrap();
         let status = client.snapshot().status.unwrap();
         assert!(matches!(status.state, State::Stopping | State::Armed), "{status:?}");
-        // It was one call that was interrupted.
+        // A pause ends, and the drive after it does not begin.
+        interrupts.store(true, Ordering::Relaxed);
+        client.pause(Duration::from_secs(60));
+        assert!(matches!(drive(), Err(ClientError::Interrupted)));
+        client.refresh().unwrap();
+        let status = client.snapshot().status.unwrap();
+        assert!(matches!(status.state, State::Stopping | State::Armed), "{status:?}");
+        // Each call was interrupted once.
         drive().unwrap();
         assert!(client.wait_until(at, || true).unwrap());
     }
