@@ -16,13 +16,17 @@ pub(crate) fn plate(
         return Ok((*plate.get().plate).clone());
     }
     let name: PathBuf = given.extract().map_err(|_| {
-        Failure::wrong_arguments(format_args!("actual_plate = {given}"), "a Plate, a name, a path or \"secret:SEED\"")
+        Failure::wrong_arguments(
+            format_args!("actual_plate = {given}"),
+            "a Plate, a name, a path or \"secret:SEED\"",
+        )
     })?;
     let name = name.to_string_lossy();
     let Some(seed) = secret_seed(&name) else { return Ok(plate::named(&name)?) };
     let whole = "secret:SEED with a whole number from 0 to 18446744073709551615";
     let given = format_args!("actual_plate = {name:?}");
     let seed = seed.map_err(|_| Failure::refused(must_be(given, whole)))?;
-    let nominal = nominal.ok_or_else(|| Failure::wrong_arguments(given, "the name of a plate: it is near no other"))?;
+    let nominal =
+        nominal.ok_or_else(|| Failure::wrong_arguments(given, "the name of a plate: it is near no other"))?;
     Ok(secret(nominal, seed).map_err(|error| Failure::of(&error))?)
 }

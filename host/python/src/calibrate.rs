@@ -134,12 +134,15 @@ impl Touches {
         progress: &mut Progress<'_>,
     ) -> Result<Result<CalibrationReport, CalibrateError>, Failure> {
         let feeling = self.feeling.feeling;
-        let (table, _) = table_for_watched(nominal, SAMPLE_RATE_HZ, progress).map_err(|it| Failure::of(&it))?;
+        let (table, _) =
+            table_for_watched(nominal, SAMPLE_RATE_HZ, progress).map_err(|it| Failure::of(&it))?;
         let setup = Setup { feeling, ..Setup::new(Arc::new(nominal.clone())) };
         let on_plate = Range::new(0.0, nominal.length_m(), "m");
         let touched = |&(asked_m, felt_m): &(f64, f64)| -> Result<Touch, Failure> {
-            OutOfRange::check("touch", felt_m, on_plate).map_err(|refused| Failure::out_of_range(&refused))?;
-            let turning_point_m = turning_point_of(AskedPlace::FeltEdge(asked_m), &setup, self.level, &table)?;
+            OutOfRange::check("touch", felt_m, on_plate)
+                .map_err(|refused| Failure::out_of_range(&refused))?;
+            let turning_point_m =
+                turning_point_of(AskedPlace::FeltEdge(asked_m), &setup, self.level, &table)?;
             Ok(touch(&table, turning_point_m, self.level, (felt_m, self.tolerance_m)))
         };
         let touches = self.asked_and_felt_m.iter().map(touched).collect::<Result<Vec<_>, _>>()?;

@@ -8,9 +8,7 @@ use crate::waiting::compute;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use slipline_model::answer::design::{DesignAnswer, design as compute_design};
-use slipline_plate::design::{
-    Edge, Material, Request, Wave, end_margin_range, start_margin_range,
-};
+use slipline_plate::design::{Edge, Material, Request, Wave, end_margin_range, start_margin_range};
 use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{Air, AirMounting, Faces, Gas, limits};
 
@@ -26,7 +24,7 @@ use slipline_plate::{Air, AirMounting, Faces, Gas, limits};
 ///
 /// Raises ``OutOfRange`` and ``Refused``.
 #[pyfunction]
-#[pyo3(signature = (material, thickness_m, band_hz, length_m, **as_cli: "typing.Any"))]
+#[pyo3(signature = (material, thickness_m, band_hz, length_m, **as_cli))]
 pub(crate) fn design(
     py: Python<'_>,
     material: &str,
@@ -39,7 +37,8 @@ pub(crate) fn design(
     let request = request(material, thickness_m, band_hz, length_m, Options::new("design", as_cli)?)?;
     let (found, plate) = compute(py, move |progress| {
         let (designed, lights) = compute_design(&request, progress).map_err(|error| Failure::of(&error))?;
-        Ok((fields(&DesignAnswer::of(&designed, &lights)), designed.plate))
+        let found = fields(&DesignAnswer::of(&designed, &lights));
+        Ok((found, designed.plate))
     })?;
     Answer::of(py, found)?.with(py, "plate", Plate::from(plate))
 }
@@ -73,7 +72,9 @@ fn request(
         (None, None, Some(tension), false) => Wave::under_tension(tension, &material, thickness_m),
         (None, None, None, true) if air.is_none() => Wave::ShearHorizontal,
         (None, None, None, true) => {
-            return Err(Failure::wrong_arguments("air beside shear", "left out: the wave moves no air").into());
+            return Err(
+                Failure::wrong_arguments("air beside shear", "left out: the wave moves no air").into()
+            );
         }
         _ => {
             let given = "more than one wave";

@@ -33,14 +33,9 @@ impl<'py> Options<'py> {
     /// A number in its range.
     pub(crate) fn number(&mut self, name: &'static str, range: Range) -> PyResult<Option<f64>> {
         let Some(value) = self.take(name)? else { return Ok(None) };
-        let number = value.extract().map_err(|_| self.wrong(name, "a number"))?;
+        let number = value.extract::<f64>().map_err(|_| self.wrong(name, "a number"))?;
         OutOfRange::check(name, number, range).map_err(|refused| Failure::out_of_range(&refused))?;
         Ok(Some(number))
-    }
-
-    /// A number whose range is known later.
-    pub(crate) fn any_number(&mut self, name: &'static str) -> PyResult<Option<f64>> {
-        self.number(name, Range::new(f64::NEG_INFINITY, f64::INFINITY, ""))
     }
 
     /// A switch; off by default.
@@ -61,10 +56,12 @@ impl<'py> Options<'py> {
         let Some(text) = self.text(name)? else { return Ok(None) };
         let found = words.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
         let allowed = || words.iter().map(|(word, _)| *word).collect::<Vec<_>>().join(", ");
-        let refused = || Failure::refused(slipline_plate::quantity::must_be(
-            format_args!("{name} = {text:?}"),
-            format_args!("one of {}", allowed()),
-        ));
+        let refused = || {
+            Failure::refused(slipline_plate::quantity::must_be(
+                format_args!("{name} = {text:?}"),
+                format_args!("one of {}", allowed()),
+            ))
+        };
         Ok(Some(found.ok_or_else(refused)?))
     }
 
@@ -75,7 +72,8 @@ impl<'py> Options<'py> {
 
     /// Refuses what has not been taken: a `TypeError` that names it and what there is.
     pub(crate) fn end(self) -> Result<(), Failure> {
-        let names = self.left.map_or_else(Vec::new, |left| left.keys().extract::<Vec<String>>().unwrap_or_default());
+        let names =
+            self.left.map_or_else(Vec::new, |left| left.keys().extract::<Vec<String>>().unwrap_or_default());
         let Some(name) = names.first() else { return Ok(()) };
         let meant = nearest(name, self.known.iter().copied())
             .map_or_else(String::new, |meant| format!(" (did you mean {meant}?)"));

@@ -56,7 +56,8 @@ pub(crate) fn turning_point_m(
     if let AskedPlace::TurningPoint(place) = asked {
         return turning_point_on(place, plate).map_err(|refused| Failure::out_of_range(&refused));
     }
-    let (table, _) = table_for_watched(plate, SAMPLE_RATE_HZ, progress).map_err(|error| Failure::of(&error))?;
+    let (table, _) =
+        table_for_watched(plate, SAMPLE_RATE_HZ, progress).map_err(|error| Failure::of(&error))?;
     turning_point_of(asked, &Setup::new(Arc::clone(plate)), level, &table)
 }
 

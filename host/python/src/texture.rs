@@ -35,7 +35,8 @@ impl Wanted {
         wishes.extend(beat.map(|(place_m, beat_hz)| (Wish::Beat { place_m, beat_hz }, "beat")));
         if let Some((places_m, amplitudes)) = profile {
             if places_m.len() != amplitudes.len() {
-                let given = format_args!("profile of {} places and {} amplitudes", places_m.len(), amplitudes.len());
+                let given =
+                    format_args!("profile of {} places and {} amplitudes", places_m.len(), amplitudes.len());
                 return Err(Failure::wrong_arguments(given, "two series of the same length"));
             }
             wishes.push((Wish::Profile(places_m.into_iter().zip(amplitudes).collect()), "profile"));
@@ -63,15 +64,16 @@ pub(crate) fn run(py: Python<'_>, plate: &Arc<Plate>, wanted: Wanted, most: usiz
         let counts = Range::new(1.0, TONES_MAX as f64, "");
         OutOfRange::check("tones", most as f64, counts).map_err(|refused| Failure::out_of_range(&refused))?;
         let (wish, argument) = wanted.wish(&plate)?;
-        let (table, _) =
-            table_for_watched(&plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.2)).map_err(|it| Failure::of(&it))?;
+        let (table, _) = table_for_watched(&plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.2))
+            .map_err(|it| Failure::of(&it))?;
         let palette = Palette::new(&plate, &table);
-        let made = make(&palette, &wish, most, &mut progress.part(0.2, 1.0)).map_err(|error| match error {
-            TextureError::OutOfRange(refused) => {
-                Failure::out_of_range(&OutOfRange { field: argument, ..refused })
-            }
-            error => Failure::of(&error),
-        })?;
+        let made =
+            make(&palette, &wish, most, &mut progress.part(0.2, 1.0)).map_err(|error| match error {
+                TextureError::OutOfRange(refused) => {
+                    Failure::out_of_range(&OutOfRange { field: argument, ..refused })
+                }
+                error => Failure::of(&error),
+            })?;
         let places = TonePlaces::of_setup(&made.setup(Arc::clone(&plate)), &table);
         Ok(fields(&TextureAnswer::of(&plate, &made, &places)))
     })?;

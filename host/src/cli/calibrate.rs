@@ -12,14 +12,16 @@ use super::{
 use argument::{PlaceArgument, TouchArgument};
 use clap::{ArgGroup, Args, ValueEnum};
 use slipline_model::answer::calibrate::{
-    CALIPERS_TOLERANCE, CalibrationReport, Measured, TOUCH_LEVEL, TOUCH_TOLERANCE, by_measurements, by_touches, touch,
+    CALIPERS_TOLERANCE, CalibrationReport, Measured, TOUCH_LEVEL, TOUCH_TOLERANCE, by_measurements,
+    by_touches, touch,
 };
 use slipline_model::field::edge_reach::turning_point_of;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::setup::Setup;
 use slipline_model::setup::file::feeling;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, TouchedDrive, Transducer, check_source,
+    CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, TouchedDrive, Transducer,
+    check_source,
 };
 use slipline_plate::quantity::{Measure, PlaceOrFrequency, Range, must_be};
 use slipline_plate::{DriveTable, Plate, limits};

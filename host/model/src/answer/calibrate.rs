@@ -1,13 +1,13 @@
 //! A calibration.
 
 use serde::Serialize;
-use slipline_plate::{DriveTable, Plate};
 use slipline_plate::calibrate::{
     CalibrateError, Calibrated, Departure, Measurement, Parameter, Priors, Touch, TouchedDrive, Transducer,
     from_one_sensor, from_ratio, from_shunt, from_touches,
 };
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::Range;
+use slipline_plate::{DriveTable, Plate};
 
 /// The default level of touched tones, equal to that of a drive.
 pub const TOUCH_LEVEL: f64 = 0.8;
@@ -48,7 +48,12 @@ pub fn by_measurements(
 
 /// A felt edge: a tone of this turning point and level was felt to end at `mark_m`; `table` is that of the plate.
 #[must_use]
-pub fn touch(table: &DriveTable, turning_point_m: f64, level: f64, (mark_m, tolerance_m): (f64, f64)) -> Touch {
+pub fn touch(
+    table: &DriveTable,
+    turning_point_m: f64,
+    level: f64,
+    (mark_m, tolerance_m): (f64, f64),
+) -> Touch {
     Touch {
         mark_m,
         tolerance_m,

@@ -3,8 +3,8 @@
 use super::material::Material;
 use crate::definition::air::Air;
 use crate::definition::film::Film;
-use crate::definition::model::{Bending, Model};
 use crate::definition::limits;
+use crate::definition::model::{Bending, Model};
 use crate::quantity::Range;
 use crate::quantity::number_format::rounded;
 use serde::Serialize;
