@@ -116,7 +116,7 @@ def test_a_number_that_is_not_allowed_names_its_field_and_range(plate, call, fie
     (lambda plate: plate.texture(), "no texture: must be one of"),
     (lambda plate: plate.texture(solid_m=0.1, stripes_m=0.1), "more than one texture"),
     (lambda plate: plate.texture(profile=([0.1], [1.0, 2.0])), "two series of the same length"),
-    (lambda plate: plate.respond(126.0, finger="light"), "finger = light"),
+    (lambda plate: plate.respond(126.0, finger="light"), "argument .finger."),
     (lambda plate: plate.calibrate(()), "0 measurements"),
     (lambda plate: plate.calibrate((), half_width=0.05), "half_width"),
     (lambda _: slipline.design("latex", 5e-4, (80.0, 220.0), 0.4, shear=True, edge="clamped"), "more than one wave"),

@@ -24,7 +24,7 @@ use slipline_plate::{Air, AirMounting, Faces, Gas, limits};
 ///
 /// Raises ``OutOfRange`` and ``Refused``.
 #[pyfunction]
-#[pyo3(signature = (material, thickness_m, band_hz, length_m, **as_cli: "typing.Any"))]
+#[pyo3(signature = (material, thickness_m, band_hz, length_m, **as_cli))]
 pub(crate) fn design(
     py: Python<'_>,
     material: &str,
@@ -37,7 +37,8 @@ pub(crate) fn design(
     let request = request(material, thickness_m, band_hz, length_m, Options::new("design", as_cli)?)?;
     let (found, plate) = compute(py, move |progress| {
         let (designed, lights) = compute_design(&request, progress).map_err(|error| Failure::of(&error))?;
-        Ok((fields(&DesignAnswer::of(&designed, &lights)), designed.plate))
+        let found = fields(&DesignAnswer::of(&designed, &lights));
+        Ok((found, designed.plate))
     })?;
     Answer::of(py, found)?.with(py, "plate", Plate::from(plate))
 }

@@ -5,13 +5,13 @@ use crate::result::{Answer, columns, fields};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 use serde_json::{Map, Value};
-use slipline_model::answer::respond::{FieldRequest, plate_of, solve};
+use slipline_model::answer::respond::{FieldRequest, RespondAnswer, plate_of, solve};
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{
     Complex64, Finger, POINTS_MAX, POINTS_MIN, Plate, Progress, Responder, Response, respond_range,
 };
+use std::mem::take;
 use std::sync::Arc;
 
 /// What is asked for at each frequency.
@@ -93,22 +93,26 @@ fn each(
     progress: &mut Progress<'_>,
 ) -> Result<Fields, Failure> {
     asked.check(plate, frequencies_hz)?;
+    if frequencies_hz.is_empty() {
+        return Err(Failure::wrong_arguments("frequency_hz of no number", "one or more"));
+    }
     let mut responder = Responder::new(plate, asked.points);
     let mut amplitude = Vec::with_capacity(frequencies_hz.len() * asked.points);
     let (mut position_m, mut rows, mut two_dimensions) = (Vec::new(), Vec::new(), Vec::new());
     for (i, &hz) in frequencies_hz.iter().enumerate() {
         progress.at(i as f64 / frequencies_hz.len() as f64).map_err(|error| Failure::of(&error))?;
-        let response = if asked.paper_mode || asked.two_dimensions {
+        let mut response = if asked.paper_mode || asked.two_dimensions {
             let solved = solve(plate, &asked.at(hz)).map_err(|error| Failure::of(&error))?;
-            two_dimensions.extend(solved.answer().two_dimensions.map(|it| Value::Object(fields(&it))));
+            two_dimensions.extend(solved.differences().map(|it| Value::Object(fields(&it))));
             solved.response
         } else {
             responder.respond(asked.finger.as_ref(), hz).map_err(|error| Failure::of(&error))?
         };
         // As the command line prints them: a zero has no sign.
-        amplitude.extend(response.amplitude.iter().map(|f| Complex64::new(f.re + 0.0, f.im + 0.0)));
-        rows.push(row(plate, asked, &response));
-        position_m = response.position_m;
+        let row = take(&mut response.amplitude);
+        amplitude.extend(row.iter().map(|f| Complex64::new(f.re + 0.0, f.im + 0.0)));
+        position_m = take(&mut response.position_m);
+        rows.push(numbers(plate, asked, &response));
     }
     let mut rest = columns(rows);
     for name in OF_ALL {
@@ -120,10 +124,10 @@ fn each(
     Ok(Fields { position_m, amplitude, frequencies: frequencies_hz.len(), rest, two_dimensions })
 }
 
-/// The fields of one frequency but for its series.
-fn row(plate: &Plate, asked: Asked, response: &Response) -> Value {
-    let of_one = RespondAnswer::of(&plate_of(plate, asked.paper_mode), asked.paper_mode, response);
-    let mut found = fields(&of_one);
+/// The fields of one frequency whose series were taken.
+fn numbers(plate: &Plate, asked: Asked, response: &Response) -> Value {
+    let plate = plate_of(plate, asked.paper_mode);
+    let mut found = fields(&RespondAnswer::of(&plate, asked.paper_mode, response));
     found.retain(|name, _| !["position_m", "amplitude"].contains(&name.as_str()));
     Value::Object(found)
 }

@@ -19,6 +19,7 @@ mod feeling;
 mod field;
 mod finger;
 mod measurement;
+mod one_or_more;
 mod options;
 mod place;
 mod plate;

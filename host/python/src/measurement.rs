@@ -49,7 +49,7 @@ impl Measurement {
     ///
     /// Raises ``BadFile`` with what is missing or wrong.
     #[classmethod]
-    #[pyo3(signature = (path: "str | os.PathLike[str]", *, plate: "Plate | None"=None, sensor=None, kind=None, snr=SNR_DB, played: "str | os.PathLike[str] | None"=None, channel=1) -> "Measurement")]
+    #[pyo3(signature = (path, *, plate=None, sensor=None, kind=None, snr=SNR_DB, played=None, channel=1))]
     #[expect(clippy::too_many_arguments, reason = "one for each property that a file may lack")]
     fn read(
         _class: &Bound<'_, PyType>,
@@ -69,7 +69,6 @@ impl Measurement {
     }
 
     /// Writes it into a file of this package's format, CSV; an existing file is replaced.
-    #[pyo3(signature = (path: "str | os.PathLike[str]"))]
     fn write(&self, path: PathBuf) -> PyResult<()> {
         let text = self.inner.to_csv();
         let written = atomic_file::write(&path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) });
@@ -80,7 +79,6 @@ impl Measurement {
     ///
     /// Raises ``BadFile``.
     #[classmethod]
-    #[pyo3(signature = (text) -> "Measurement")]
     fn from_csv(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         let read = slipline_plate::calibrate::Measurement::from_csv(text);
         Ok(read.map_err(|error| Failure::bad_file("the measurement", error))?.into())
@@ -123,28 +121,24 @@ impl Measurement {
 
     /// Frequencies, Hz, rising: an array of shape (points,), as are the others.
     #[getter]
-    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.float64]")]
     fn frequency_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |point| point.frequency_hz)
     }
 
     /// Complex responses.
     #[getter]
-    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.complex128]")]
     fn response<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<Complex64>> {
         PyArray1::from_vec(py, self.inner.points.iter().map(|point| point.response).collect())
     }
 
     /// Standard deviation of the real part and of the imaginary part of each response.
     #[getter]
-    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.float64]")]
     fn noise<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |point| point.noise)
     }
 
     /// Headroom of the input below its full scale, dB; NaN where it is unknown.
     #[getter]
-    #[pyo3(signature = () -> "numpy.typing.NDArray[numpy.float64]")]
     fn headroom_db<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.column(py, |point| point.headroom_db.unwrap_or(f64::NAN))
     }

@@ -33,14 +33,9 @@ impl<'py> Options<'py> {
     /// A number in its range.
     pub(crate) fn number(&mut self, name: &'static str, range: Range) -> PyResult<Option<f64>> {
         let Some(value) = self.take(name)? else { return Ok(None) };
-        let number = value.extract().map_err(|_| self.wrong(name, "a number"))?;
+        let number = value.extract::<f64>().map_err(|_| self.wrong(name, "a number"))?;
         OutOfRange::check(name, number, range).map_err(|refused| Failure::out_of_range(&refused))?;
         Ok(Some(number))
-    }
-
-    /// A number whose range is known later.
-    pub(crate) fn any_number(&mut self, name: &'static str) -> PyResult<Option<f64>> {
-        self.number(name, Range::new(f64::NEG_INFINITY, f64::INFINITY, ""))
     }
 
     /// A switch; off by default.

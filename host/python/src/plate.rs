@@ -3,8 +3,9 @@
 use crate::calibrate;
 use crate::error::{Exception, Failure};
 use crate::field;
-use crate::finger;
+use crate::finger::FingerArgument;
 use crate::measurement::Measurement;
+use crate::one_or_more::OneOrMore;
 use crate::options::Options;
 use crate::place::at_most_one;
 use crate::result::{Answer, columns, fields};
@@ -62,7 +63,6 @@ pub(crate) fn named(name: &str) -> Result<slipline_plate::Plate, Failure> {
 #[pymethods]
 impl Plate {
     #[new]
-    #[pyo3(signature = (name_or_path: "str | os.PathLike[str]"))]
     fn new(name_or_path: PathBuf) -> PyResult<Self> {
         Ok(named(&name_or_path.to_string_lossy())?.into())
     }
@@ -71,7 +71,6 @@ impl Plate {
     ///
     /// Raises ``BadFile``, or ``OutOfRange`` with the field of the file.
     #[classmethod]
-    #[pyo3(signature = (text) -> "Plate")]
     fn from_toml(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
         let plate = slipline_plate::Plate::from_toml(text);
         Ok(plate.map_err(|error: PlateFileError| file_failure(&error))?.into())
@@ -165,21 +164,21 @@ impl Plate {
     ///
     /// Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
     /// the plate.
-    #[pyo3(signature = (frequency_hz: "float | typing.Sequence[float] | numpy.typing.NDArray[numpy.float64]", *, points=2001, finger: "tuple[float, str] | tuple[float, float, float, float] | None"=None, paper_mode=false, two_dimensions=false))]
+    #[pyo3(signature = (frequency_hz, *, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
     fn respond(
         &self,
         py: Python<'_>,
-        frequency_hz: &Bound<'_, PyAny>,
+        frequency_hz: OneOrMore,
         points: usize,
-        finger: Option<&Bound<'_, PyAny>>,
+        finger: Option<FingerArgument>,
         paper_mode: bool,
         two_dimensions: bool,
     ) -> PyResult<Answer> {
-        let finger = finger.map(finger::of).transpose()?;
+        let finger = finger.map(FingerArgument::finger).transpose()?;
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
-        match frequency_hz.extract::<f64>() {
-            Ok(hz) => field::at_one(py, &self.plate, hz, asked),
-            Err(_) => field::at_each(py, &self.plate, frequency_hz.extract()?, asked),
+        match frequency_hz {
+            OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
+            OneOrMore::More(each_hz) => field::at_each(py, &self.plate, each_hz, asked),
         }
     }
 
@@ -208,7 +207,7 @@ impl Plate {
     /// A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
     ///
     /// The tones are named by one of ``felt_edge_m``, ``turning_point_m`` and ``frequency_hz``: a number, or a sequence of up to
-    /// 16. ``level`` is 0 to 1, one for all or one for each. Options: ``actual_plate`` (a ``Plate``, a name or
+    /// 16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. Options: ``actual_plate`` (a ``Plate``, a name or
     /// ``"secret:SEED"``), ``seconds`` (0.01 to 600), ``no_table``, ``sheet``, ``finger`` (as for ``respond``), ``feeling`` (a
     /// file), and ``setup`` (a setup file, in the place of tones).
     ///
@@ -216,14 +215,14 @@ impl Plate {
     ///
     /// Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the sum of the tones is too large;
     /// ``BadFile``.
-    #[pyo3(signature = (*, felt_edge_m: "float | typing.Sequence[float] | None"=None, turning_point_m: "float | typing.Sequence[float] | None"=None, frequency_hz: "float | typing.Sequence[float] | None"=None, level: "float | typing.Sequence[float]"=None, **as_cli: "typing.Any"))]
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=None, **as_cli))]
     fn simulate(
         &self,
         py: Python<'_>,
-        felt_edge_m: Option<&Bound<'_, PyAny>>,
-        turning_point_m: Option<&Bound<'_, PyAny>>,
-        frequency_hz: Option<&Bound<'_, PyAny>>,
-        level: Option<&Bound<'_, PyAny>>,
+        felt_edge_m: Option<OneOrMore>,
+        turning_point_m: Option<OneOrMore>,
+        frequency_hz: Option<OneOrMore>,
+        level: Option<OneOrMore>,
         as_cli: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Answer> {
         let options = Options::new("simulate", as_cli)?;
@@ -238,7 +237,7 @@ impl Plate {
     /// tone, this far apart. ``beat``: ``(place_m, beat_hz)``. ``tones`` is the largest number of tones, 1 to 16.
     ///
     /// Raises ``OutOfRange``, ``Refused`` if the plate cannot have it, ``BadFile`` for the image.
-    #[pyo3(signature = (*, solid_m=None, profile: "tuple[typing.Sequence[float], typing.Sequence[float]] | None"=None, image: "str | os.PathLike[str] | None"=None, stripes_m=None, beat=None, tones=16))]
+    #[pyo3(signature = (*, solid_m=None, profile=None, image=None, stripes_m=None, beat=None, tones=16))]
     #[expect(clippy::too_many_arguments, reason = "one for each kind of texture")]
     fn texture(
         &self,
@@ -257,7 +256,7 @@ impl Plate {
     /// Figures of merit, as ``slipline merit``: a list, of one boundary or of up to five over the span.
     ///
     /// Raises ``OutOfRange``; ``Refused`` if there is no room for an even area before any of them.
-    #[pyo3(signature = (*, turning_point_m=None) -> "list[Result]")]
+    #[pyo3(signature = (*, turning_point_m=None))]
     fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Vec<Answer>> {
         let asked = at_most_one(None, turning_point_m, None)?;
         let plate = Arc::clone(&self.plate);
@@ -286,14 +285,14 @@ impl Plate {
     /// ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
     ///
     /// Raises ``OutOfRange``, ``Refused`` and ``BadFile``. The fit goes on unheard after Ctrl-C.
-    #[pyo3(signature = (measurements, **as_cli: "typing.Any"))]
+    #[pyo3(signature = (measurements, **as_cli))]
     fn calibrate(
         &self,
         py: Python<'_>,
-        measurements: Vec<PyRef<'_, Measurement>>,
+        measurements: Vec<Bound<'_, Measurement>>,
         as_cli: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<Answer> {
-        let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.inner)).collect();
+        let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
         calibrate::run(py, &self.plate, measured, Options::new("calibrate", as_cli)?)
     }
 }

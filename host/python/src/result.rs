@@ -31,7 +31,6 @@ impl Answer {
     }
 
     /// A field by its name.
-    #[pyo3(signature = (name) -> "typing.Any")]
     fn __getattr__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let found = self.fields.bind(py).get_item(name)?;
         found.ok_or_else(|| PyAttributeError::new_err(format!("the result has no field {name:?}")))
@@ -56,7 +55,6 @@ impl Answer {
     }
 
     /// The fields as a dictionary, the results in it as dictionaries, too; arrays stay arrays.
-    #[pyo3(signature = () -> "dict[str, typing.Any]")]
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let plain = PyDict::new(py);
         for (name, value) in self.fields.bind(py) {
@@ -67,7 +65,6 @@ impl Answer {
 
     /// The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
     /// and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
-    #[pyo3(signature = () -> "typing.Any")]
     fn to_xarray<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("slipline.dataset")?.call_method1("dataset", (self.fields.bind(py),))
     }
@@ -77,21 +74,14 @@ fn as_plain(value: Bound<'_, PyAny>) -> PyResult<Bound<'_, PyAny>> {
     if let Ok(result) = value.cast::<Answer>() {
         return Ok(result.get().to_dict(value.py())?.into_any());
     }
-    match value.cast::<PyList>() {
-        Ok(list) => {
-            let items = list.iter().map(as_plain).collect::<PyResult<Vec<_>>>()?;
-            Ok(PyList::new(value.py(), items)?.into_any())
-        }
-        Err(_) => Ok(value),
+    if let Ok(list) = value.cast::<PyList>() {
+        let items = list.iter().map(as_plain).collect::<PyResult<Vec<_>>>()?;
+        return Ok(PyList::new(value.py(), items)?.into_any());
     }
+    Ok(value)
 }
 
 impl Answer {
-    /// A result of these fields.
-    pub(crate) fn of_fields(fields: Bound<'_, PyDict>) -> Self {
-        Self { fields: fields.unbind() }
-    }
-
     /// The fields of an answer.
     pub(crate) fn of(py: Python<'_>, fields: Map<String, Value>) -> PyResult<Self> {
         let found = PyDict::new(py);

@@ -3,7 +3,8 @@
 use crate::actual;
 use crate::error::Failure;
 use crate::feeling::{self, NamedFeeling};
-use crate::finger;
+use crate::finger::FingerArgument;
+use crate::one_or_more::OneOrMore;
 use crate::options::Options;
 use crate::place::{LEVEL, exactly_one, setup_file, turning_point_of};
 use crate::result::{Answer, fields};
@@ -21,7 +22,7 @@ use slipline_model::field::simulation::{
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, ToneSetup};
 use slipline_model::texture::{chord_of, sounding};
-use slipline_plate::quantity::{Count, Counted, OutOfRange, Range};
+use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
 use slipline_plate::{DriveTable, Finger, Plate, Progress, table_sensitivity};
 use std::sync::Arc;
 use std::thread::available_parallelism;
@@ -53,14 +54,15 @@ struct Drive {
 pub(crate) fn run(
     py: Python<'_>,
     plate: &Arc<Plate>,
-    places: [Option<&Bound<'_, PyAny>>; 3],
-    level: Option<&Bound<'_, PyAny>>,
+    places: [Option<OneOrMore>; 3],
+    level: Option<OneOrMore>,
     mut options: Options<'_>,
 ) -> PyResult<Answer> {
     let is_sheet = options.switch("sheet")?;
     let has_gains = !options.switch("no_table")?;
     let seconds = options.number("seconds", Range::new(0.01, MAX_SECONDS, "s"))?;
-    let finger = options.take("finger")?.map(|given| finger::of(&given)).transpose()?;
+    let finger = options.take("finger")?.map(|given| given.extract::<FingerArgument>()).transpose()?;
+    let finger = finger.map(FingerArgument::finger).transpose()?;
     let actual = options.take("actual_plate")?;
     let feeling = feeling::read(options.text("feeling")?.as_deref())?;
     let setup = options.text("setup")?;
@@ -93,50 +95,34 @@ pub(crate) fn run(
 
 /// The tones of the arguments.
 fn tones(
-    places: [Option<&Bound<'_, PyAny>>; 3],
-    level: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Vec<(AskedPlace, f64)>> {
-    let [felt_edge_m, turning_point_m, frequency_hz] = places;
-    // Counts them, and names the three in its refusal.
-    let is_there = |given: Option<&Bound<'_, PyAny>>| given.map(|_| f64::NAN);
-    exactly_one(is_there(felt_edge_m), is_there(turning_point_m), is_there(frequency_hz))?;
-    let mut asked = Vec::new();
-    for (given, at) in places.into_iter().zip(PLACES) {
-        for value in given.map_or_else(|| Ok(Vec::new()), numbers)? {
-            let place = |i: usize| (i == at).then_some(value);
-            asked.push(exactly_one(place(0), place(1), place(2))?);
-        }
-    }
-    let levels = level.map_or_else(|| Ok(vec![USUAL_LEVEL]), numbers)?;
+    places: [Option<OneOrMore>; 3],
+    level: Option<OneOrMore>,
+) -> Result<Vec<(AskedPlace, f64)>, Failure> {
+    let [felt_edges_m, turning_points_m, frequencies_hz] = places.map(|given| given.map(OneOrMore::numbers));
+    let first = |given: &Option<Vec<f64>>| given.as_ref().map(|_| 0.0);
+    // Counts the arguments; an empty series is one, too.
+    exactly_one(first(&felt_edges_m), first(&turning_points_m), first(&frequencies_hz))?;
+    let felt_edges = felt_edges_m.into_iter().flatten().map(AskedPlace::FeltEdge);
+    let turning_points = turning_points_m.into_iter().flatten().map(PlaceOrFrequency::Place);
+    let frequencies = frequencies_hz.into_iter().flatten().map(PlaceOrFrequency::Frequency);
+    let asked: Vec<AskedPlace> =
+        felt_edges.chain(turning_points.chain(frequencies).map(AskedPlace::TurningPoint)).collect();
+    let counts = Range::new(1.0, MAX_TONES as f64, "");
+    OutOfRange::check("the number of tones", asked.len() as f64, counts)
+        .map_err(|refused| Failure::out_of_range(&refused))?;
+    let levels = level.unwrap_or(OneOrMore::One(USUAL_LEVEL)).numbers();
     let levels = match levels[..] {
         [level] => vec![level; asked.len()],
         _ => levels,
     };
-    let count = Count::new(1, MAX_TONES, Counted::Tones);
-    if !count.contains(asked.len()) {
-        return Err(Failure::out_of_range(&OutOfRange {
-            field: "the number of tones",
-            value: asked.len() as f64,
-            range: Range::new(1.0, MAX_TONES as f64, ""),
-        })
-        .into());
-    }
     if levels.len() != asked.len() {
         let given = format_args!("{} levels of {} tones", levels.len(), asked.len());
-        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each").into());
+        return Err(Failure::wrong_arguments(given, "one for all tones, or one for each"));
     }
     for &level in &levels {
         OutOfRange::check("level", level, LEVEL).map_err(|refused| Failure::out_of_range(&refused))?;
     }
     Ok(asked.into_iter().zip(levels).collect())
-}
-
-/// The arguments of a place, in their order.
-const PLACES: [usize; 3] = [0, 1, 2];
-
-/// A number, or a series of numbers.
-fn numbers(given: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    given.extract::<f64>().map(|number| vec![number]).or_else(|_| given.extract())
 }
 
 impl Drive {

@@ -25,7 +25,7 @@ pub(crate) fn compute<R: Send + 'static>(
     work: impl FnOnce(&mut Progress<'_>) -> Result<R, Failure> + Send + 'static,
 ) -> PyResult<R> {
     let is_wanted = Arc::new(AtomicBool::new(true));
-    let (send, done) = channel();
+    let (send, mut done) = channel();
     let worker = {
         let is_wanted = Arc::clone(&is_wanted);
         thread::Builder::new().name("slipline".to_owned()).spawn(move || {
@@ -35,7 +35,8 @@ pub(crate) fn compute<R: Send + 'static>(
         })?
     };
     loop {
-        match py.detach(|| done.recv_timeout(LOOK)) {
+        let results = &mut done;
+        match py.detach(move || results.recv_timeout(LOOK)) {
             Ok(result) => return Ok(result?),
             Err(RecvTimeoutError::Timeout) => py.check_signals().inspect_err(|_| {
                 is_wanted.store(false, Ordering::Relaxed);

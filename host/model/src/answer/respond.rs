@@ -162,14 +162,19 @@ impl<'a> RespondAnswer<'a> {
 }
 
 impl SolvedField<'_> {
+    /// The fields of the differences between two dimensions and one mode.
+    #[must_use]
+    pub fn differences(&self) -> Option<FieldDifferences> {
+        self.differences.as_ref().map(|Differences { comparison, reflection }| {
+            let [one_mode_reflection, reflection] = *reflection;
+            FieldDifferences { comparison: TwoDimensions::of(comparison), reflection, one_mode_reflection }
+        })
+    }
+
     /// Its fields.
     #[must_use]
     pub fn answer(&self) -> RespondAnswer<'_> {
-        let differences = self.differences.as_ref();
-        let two_dimensions = differences.map(|Differences { comparison, reflection }| {
-            let [one_mode_reflection, reflection] = *reflection;
-            FieldDifferences { comparison: TwoDimensions::of(comparison), reflection, one_mode_reflection }
-        });
+        let two_dimensions = self.differences();
         RespondAnswer { two_dimensions, ..RespondAnswer::of(&self.plate, self.paper_mode, &self.response) }
     }
 }
