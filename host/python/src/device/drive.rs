@@ -1,12 +1,12 @@
 //! Drives: tones by their places, and textures.
 
-use super::{Device, Loaded, lock};
+use super::{ANY, Device, Loaded, lock};
 use crate::error::Failure;
 use crate::options::Options;
 use crate::place::{LEVEL, at_most_one};
 use crate::result::{Answer, fields};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::PyDict;
 use serde::Serialize;
 use slipline_instrument::native::{Client, InterruptibleLink};
 use slipline_link::Sounding;
@@ -56,27 +56,40 @@ impl AskedTone {
     }
 
     /// A further tone: a dictionary of a place and a level, which is that of the drive by default.
-    pub(super) fn of_dictionary(tone: &Bound<'_, PyAny>, level: f64) -> PyResult<Self> {
-        let wrong =
-            || Failure::wrong_arguments("a tone of drive()", "a dictionary such as {\"felt_edge_m\": 0.2}");
-        let tone = tone.cast::<PyDict>().map_err(|_| wrong())?;
+    pub(super) fn of_dictionary(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<Self> {
         let mut options = Options::new("drive", Some(tone))?;
         let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
-        let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.any_number(name));
+        let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name, ANY));
         let level = options.number("level", LEVEL)?.unwrap_or(level);
         options.end()?;
-        Ok(Self::at_most_one(felt_edge_m?, turning_point_m?, frequency_hz?, level)?.ok_or_else(wrong)?)
+        let tone = Self::at_most_one(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
+        let none =
+            || Failure::wrong_arguments("a tone of drive()", "a dictionary such as {\"felt_edge_m\": 0.2}");
+        Ok(tone.ok_or_else(none)?)
     }
 }
 
-/// When a drive begins: `None`, a sample index, or "trigger".
-pub(super) fn apply(at: Option<&Bound<'_, PyAny>>) -> Result<Apply, Failure> {
-    let Some(at) = at else { return Ok(Apply::Next) };
-    if at.cast::<PyString>().is_ok_and(|text| *text == *"trigger") {
-        return Ok(Apply::AtTrigger);
+/// When a drive begins: a sample index, or a word.
+#[derive(Clone, Debug, FromPyObject)]
+pub(crate) enum At {
+    /// A sample index.
+    Index(u64),
+    /// `"trigger"`.
+    Word(String),
+}
+
+impl At {
+    pub(super) fn apply(at: Option<Self>) -> Result<Apply, Failure> {
+        match at {
+            None => Ok(Apply::Next),
+            Some(Self::Index(index)) => Ok(Apply::At(index)),
+            Some(Self::Word(word)) if word == "trigger" => Ok(Apply::AtTrigger),
+            Some(Self::Word(word)) => {
+                let given = format_args!("at = {word:?}");
+                Err(Failure::wrong_arguments(given, "None, a sample index, or \"trigger\""))
+            }
+        }
     }
-    let wrong = |_| Failure::wrong_arguments("at of drive()", "None, a sample index, or \"trigger\"");
-    at.extract().map(Apply::At).map_err(wrong)
 }
 
 impl Device {
@@ -113,7 +126,7 @@ impl Device {
     pub(super) fn play_texture(
         &self,
         py: Python<'_>,
-        texture: &Bound<'_, PyAny>,
+        texture: &Bound<'_, Answer>,
         glide_s: f64,
         apply: Apply,
     ) -> PyResult<Answer> {

@@ -1,6 +1,6 @@
 //! Measurements with the device's own inputs.
 
-use super::{Device, Loaded, lock, may_be_armed};
+use super::{ANY, Device, Loaded, lock, may_be_armed};
 use crate::error::Failure;
 use crate::measurement::{Measurement, sensor_kind};
 use crate::options::Options;
@@ -52,8 +52,8 @@ impl Wish {
         }
         let wish = Self {
             sensor,
-            from_hz: options.any_number("from_")?,
-            to_hz: options.any_number("to")?,
+            from_hz: options.number("from_", ANY)?,
+            to_hz: options.number("to", ANY)?,
             points: points.map(|points| points as usize),
             level: options.number("level", LEVEL)?,
             is_sweep: options.switch("sweep")?,

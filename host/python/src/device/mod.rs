@@ -22,7 +22,7 @@ use crate::measurement::Measurement;
 use crate::plate::Plate as PyPlate;
 use crate::result::{Answer, fields};
 use attention::Attention;
-use drive::{AskedTone, apply};
+use drive::{AskedTone, At};
 use measure::Wish;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -37,6 +37,7 @@ use slipline_model::field::simulation::table_for;
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{DriveTable, Plate};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use waiting::Awaited;
 
 /// A connected device.
 ///
@@ -86,6 +87,9 @@ enum Block {
     Inside,
     Closed,
 }
+
+/// Any number: its range is that of the plate or the device.
+const ANY: Range = Range::new(f64::NEG_INFINITY, f64::INFINITY, "");
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     // Each value under these locks is complete at any time.
@@ -149,14 +153,14 @@ impl Device {
         turning_point_m: Option<f64>,
         frequency_hz: Option<f64>,
         level: f64,
-        tones: Vec<Bound<'_, PyAny>>,
+        tones: Vec<Bound<'_, PyDict>>,
         glide_s: f64,
-        at: Option<Bound<'_, PyAny>>,
+        at: Option<At>,
     ) -> PyResult<Answer> {
         let first = AskedTone::at_most_one(felt_edge_m, turning_point_m, frequency_hz, level)?;
         let further = tones.iter().map(|tone| AskedTone::of_dictionary(tone, level));
         let tones = first.map(Ok).into_iter().chain(further).collect::<PyResult<Vec<_>>>()?;
-        self.drive_tones(py, tones, glide_s, apply(at.as_ref())?)
+        self.drive_tones(py, tones, glide_s, At::apply(at)?)
     }
 
     /// Plays a texture of the plate in use: the result of ``plate.texture()``.
@@ -164,18 +168,18 @@ impl Device {
     fn play(
         &self,
         py: Python<'_>,
-        texture: &Bound<'_, PyAny>,
+        texture: &Bound<'_, Answer>,
         glide_s: f64,
-        at: Option<Bound<'_, PyAny>>,
+        at: Option<At>,
     ) -> PyResult<Answer> {
-        self.play_texture(py, texture, glide_s, apply(at.as_ref())?)
+        self.play_texture(py, texture, glide_s, At::apply(at)?)
     }
 
     /// Waits until the device is at a sample index, or until a drive has begun; returns the index.
     ///
     /// Of a drive that waits for the trigger it is the index at which it began, which its ``at_samples`` then has, too. Raises
     /// what stops the device meanwhile.
-    fn wait(&self, py: Python<'_>, at_samples: &Bound<'_, PyAny>) -> PyResult<u64> {
+    fn wait(&self, py: Python<'_>, at_samples: Awaited<'_>) -> PyResult<u64> {
         self.wait_for(py, at_samples)
     }
 

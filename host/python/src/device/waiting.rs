@@ -5,22 +5,28 @@ use crate::error::Failure;
 use crate::result::Answer;
 use pyo3::prelude::*;
 
+/// What is waited for.
+#[derive(Clone, Debug, FromPyObject)]
+pub(crate) enum Awaited<'py> {
+    /// A sample index.
+    Index(u64),
+    /// The result of a drive.
+    Drive(Bound<'py, Answer>),
+}
+
 impl Device {
-    pub(super) fn wait_for(&self, py: Python<'_>, at_samples: &Bound<'_, PyAny>) -> PyResult<u64> {
-        let drive = at_samples.cast::<Answer>().ok();
-        let index = match drive {
-            Some(drive) => drive.getattr("at_samples")?,
-            None => at_samples.clone(),
+    pub(super) fn wait_for(&self, py: Python<'_>, awaited: Awaited<'_>) -> PyResult<u64> {
+        let index = match awaited {
+            Awaited::Index(index) => index,
+            Awaited::Drive(drive) => match drive.getattr("at_samples")?.extract()? {
+                Some(index) => index,
+                None => {
+                    let began = self.wait_for_trigger(py)?;
+                    drive.get().set(py, "at_samples", began)?;
+                    return Ok(began);
+                }
+            },
         };
-        if drive.is_some() && index.is_none() {
-            let began = self.wait_for_trigger(py)?;
-            for drive in drive {
-                drive.get().set(py, "at_samples", began)?;
-            }
-            return Ok(began);
-        }
-        let wrong = |_| Failure::wrong_arguments("at_samples of wait()", "a sample index, or a drive");
-        let index: u64 = index.extract().map_err(wrong)?;
         self.call(py, move |client| Ok(client.wait_until(index, || true)?))?;
         Ok(index)
     }
