@@ -59,7 +59,7 @@ presets = pytest.mark.parametrize("name", slipline.presets())
 def test_the_field_is_the_command_lines(command, name):
     plate = slipline.Plate(name)
     hz = middle_hz(plate)
-    asked = command("respond", name, "--freq", f"{hz!r}Hz", "--points", 301)
+    asked = command("respond", "--plate", name, "--freq", f"{hz!r}Hz", "--points", 301)
     same(plate.respond(hz, points=301), asked.answer(), name)
 
 
@@ -70,7 +70,7 @@ def test_the_field_is_the_command_lines(command, name):
     ({"two_dimensions": True}, ["--2d"]),
 ])
 def test_the_field_of_each_option_is_the_command_lines(command, options, arguments):
-    asked = command("respond", "membrane", "--freq", "126Hz", "--points", 101, *arguments)
+    asked = command("respond", "--plate", "membrane", "--freq", "126Hz", "--points", 101, *arguments)
     plate = slipline.Plate("membrane")
     found = plate.respond(126.0, points=101, **options)
     same(found, asked.answer(), "membrane")
@@ -88,24 +88,24 @@ def test_the_field_of_each_option_is_the_command_lines(command, options, argumen
 
 @presets
 def test_the_table_is_the_command_lines(command, name):
-    asked = command("table", name, "--knots", 33)
+    asked = command("table", "--plate", name, "--knots", 33)
     found = slipline.Plate(name).table(knots=33)
     same(found, with_columns(asked.answer(), "knots"), name)
 
 
 def test_the_usual_table_is_the_command_lines(command):
-    asked = command("table", "membrane")
+    asked = command("table", "--plate", "membrane")
     same(slipline.Plate("membrane").table(), with_columns(asked.answer(), "knots"), "membrane")
 
 
 @presets
 def test_the_lights_are_the_command_lines(command, name):
-    asked = command("check", name)
+    asked = command("check", "--plate", name)
     same(slipline.Plate(name).check(), asked.answer(), name)
 
 
 def test_the_lights_of_one_tone_are_the_command_lines(command):
-    arguments = ["check", "membrane", "--level", "0.5", "--off-centre"]
+    arguments = ["check", "--plate", "membrane", "--level", "0.5", "--off-centre"]
     by_place = command(*arguments, "--turning-point", "0.12m")
     by_frequency = command(*arguments, "--turning-point", "126Hz")
     plate = slipline.Plate("membrane")
@@ -165,7 +165,7 @@ def test_a_simulated_drive_with_options_is_the_command_lines(command, places, op
 
 def test_a_setup_and_a_feeling_of_files_sound_as_on_the_command_line(command, tmp_path):
     setup = tmp_path / "setup.toml"
-    command("texture", "membrane", "--solid", "0.2m", "--tones", 3, "--out", setup).answer()
+    command("texture", "--plate", "membrane", "--solid", "0.2m", "--tones", 3, "--out", setup).answer()
     asked = command("simulate", "--setup", setup, "--for", "0.05s")
     plate = slipline.Plate("membrane")
     same(plate.simulate(setup=str(setup), seconds=0.05), asked.answer(), "setup")
@@ -179,7 +179,7 @@ def test_an_even_area_is_the_command_lines(command, name):
     low, high = plate.span_m
     # Where a tone of the middle of the span is felt to end is on the plate for most; the others refuse on both sides.
     place_m = low + 0.6 * (high - low)
-    asked = command("texture", name, "--solid", f"{place_m!r}m", "--tones", 3)
+    asked = command("texture", "--plate", name, "--solid", f"{place_m!r}m", "--tones", 3)
     both(lambda: plate.texture(solid_m=place_m, tones=3), asked, name)
 
 
@@ -201,7 +201,7 @@ def test_the_other_textures_are_the_command_lines(command, tmp_path):
     image = tmp_path / "image.png"
     image.write_bytes(grey_png([255, 255, 200, 120, 40, 0, 0, 0]))
     asked = {
-        option: command("texture", "membrane", "--tones", 3, f"--{option}", text)
+        option: command("texture", "--plate", "membrane", "--tones", 3, f"--{option}", text)
         for option, text in
         [("profile", profile), ("image", image), ("stripes", "0.05m"), ("beat", "0.12m:20Hz")]
     }
@@ -229,7 +229,7 @@ def test_the_figures_of_merit_are_the_command_lines(command, name):
     plate = slipline.Plate(name)
     low, high = plate.span_m
     place_m = low + 0.7 * (high - low)
-    asked = command("merit", name, "--turning-point", f"{place_m!r}m")
+    asked = command("merit", "--plate", name, "--turning-point", f"{place_m!r}m")
     try:
         found = plate.merit(turning_point_m=place_m)
     except slipline.Error:
@@ -239,7 +239,7 @@ def test_the_figures_of_merit_are_the_command_lines(command, name):
 
 
 def test_the_figures_of_merit_over_the_span_are_the_command_lines(command):
-    asked = command("merit", "membrane")
+    asked = command("merit", "--plate", "membrane")
     found = slipline.Plate("membrane").merit()
     assert len(found) > 1
     same(slipline.Result({"plate": "membrane", "turning_points": found}), asked.answer(), "membrane")
@@ -268,7 +268,7 @@ def test_a_calibration_is_the_command_lines(command, tmp_path, name):
         files[-1].write_text(text)
         measurements.append(slipline.Measurement.read(files[-1]))
     fitted = tmp_path / "fitted.toml"
-    asked = command("calibrate", name, "--data", files[0], "--data", files[1], "--out", fitted)
+    asked = command("calibrate", "--plate", name, "--data", files[0], "--data", files[1], "--out", fitted)
     found = plate.calibrate(measurements)
     printed = asked.answer(codes=(0, 1))
     same_calibration(found, printed, fitted)
@@ -288,7 +288,7 @@ def test_a_calibration_by_touches_is_the_command_lines(command, tmp_path):
     fitted = tmp_path / "fitted.toml"
     touches = [(0.15, 0.152), (0.25, 0.247)]
     asked = command(
-        "calibrate", "membrane", *[word for asked, felt in touches for word in ("--touch", f"{asked}m:{felt}m")],
+        "calibrate", "--plate", "membrane", *[word for asked, felt in touches for word in ("--touch", f"{asked}m:{felt}m")],
         "--touched-drive", "as-told", "--touch-tolerance", "0.003m", "--out", fitted,
     )
     found = slipline.Plate("membrane").calibrate((), touch=touches, touched_drive="as-told", touch_tolerance=0.003)

@@ -8,7 +8,7 @@
 use numpy::{Complex64, PyArray1};
 use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyList, PyTuple};
+use pyo3::types::{PyComplex, PyDict, PyList, PyTuple};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -148,7 +148,7 @@ fn attribute(py: Python<'_>, value: Value) -> PyResult<Bound<'_, PyAny>> {
         Value::String(text) => text.into_pyobject(py)?.into_any(),
         Value::Array(values) => array(py, values)?,
         Value::Object(fields) => match complex(&fields) {
-            Some(value) => value.into_pyobject(py)?.into_any(),
+            Some(value) => PyComplex::from_doubles(py, value.re, value.im).into_any(),
             None => Bound::new(py, Answer::of(py, fields)?)?.into_any(),
         },
     })

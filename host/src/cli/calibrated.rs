@@ -1,8 +1,9 @@
 //! Output of `calibrate`: the calibration, or why it was refused.
 
 use super::destination::Destination;
-use super::schema::fields;
+use super::schema::with_files;
 use super::{Failure, output};
+use serde_json::json;
 use slipline_instrument::calibration::named_calibrated;
 use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, Way};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
@@ -45,9 +46,11 @@ pub(super) fn finish(
         Ok(found) => found,
         Err(error) => {
             if as_json {
-                output::print(true, &fields(&CalibrateAnswer::refused(file, &error), Vec::new())?, |_| {
-                    Ok(())
-                })?;
+                output::print(
+                    true,
+                    &with_files(json!(CalibrateAnswer::refused(file, &error)), Vec::new()),
+                    |_| Ok(()),
+                )?;
             }
             return Err(Failure::failed(error));
         }
@@ -58,7 +61,7 @@ pub(super) fn finish(
         out.write_measured(&text)?;
     }
     let files = Destination::names(out.into_iter().chain(feeling_out));
-    let value = fields(&CalibrateAnswer::of(file, &found, &before), files)?;
+    let value = with_files(json!(CalibrateAnswer::of(file, &found, &before)), files);
     output::print(as_json, &value, |writer| output::lines(writer, &lines(file, &found, &before, out)))
 }
 

@@ -3,9 +3,10 @@
 use super::argument::{self, Typed};
 use super::design_argument::{band, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
-use super::schema::fields;
+use super::schema::with_files;
 use super::{Failure, output, progress};
 use clap::{ArgGroup, Args, ValueEnum};
+use serde_json::json;
 use slipline_model::answer::design::{DesignAnswer, design};
 use slipline_plate::check::{Colour, Report};
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, end_margin_range, start_margin_range};
@@ -155,7 +156,7 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
     let (designed, lights) =
         progress::watched("design", |progress| design(&request, progress)).map_err(Failure::refused)?;
     let files = write_files(&designed, &free)?;
-    let value = fields(&DesignAnswer::of(&designed, &lights), Destination::names(&free))?;
+    let value = with_files(json!(DesignAnswer::of(&designed, &lights)), Destination::names(&free));
     output::print(as_json, &value, |out| {
         // The summary is written as comments, so that the output is a valid plate file.
         for (name, text) in summary(&designed) {

@@ -1,8 +1,9 @@
 //! `slipline respond`.
 
 use super::destination::Destination;
-use super::schema::fields;
+use super::schema::with_files;
 use super::{Failure, RespondArguments, argument, differs, output};
+use serde_json::json;
 use slipline_model::answer::respond::{Differences, FieldRequest, plate_of, solve};
 use slipline_model::export::figures::response_figure;
 use slipline_plate::number_format::with_decimals;
@@ -38,7 +39,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
         figure.write(file, &response_figure(response, plate.name()))?;
     }
     let peak = response.peak;
-    let value = fields(&solved.answer(), Destination::names(&figure_file))?;
+    let value = with_files(json!(solved.answer()), Destination::names(&figure_file));
     output::print(as_json, &value, |out| {
         let peak_line = peak.map_or_else(
             || "none: the wave has died out before its turning point".to_owned(),

@@ -1,18 +1,15 @@
 //! The schema of `--json`: `host/JSON.md` lists every field. A field that is renamed or gone, or has another unit, raises
 //! [`SCHEMA`]; a new field does not.
 
-use super::failure::Failure;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 /// Version of the fields of `--json`.
 pub const SCHEMA: u32 = 1;
 
 /// The fields of an answer, and the names of the files that the command has written.
-pub(super) fn fields(answer: &impl Serialize, files: Vec<String>) -> Result<Value, Failure> {
-    let mut value = serde_json::to_value(answer).map_err(Failure::failed)?;
-    value["files"] = json!(files);
-    Ok(value)
+pub(super) fn with_files(mut answer: Value, files: Vec<String>) -> Value {
+    answer["files"] = json!(files);
+    answer
 }
 
 /// A command's object with its schema, without negative zeros.

@@ -3,8 +3,9 @@
 use super::destination::Destination;
 use super::envelope_file::Form;
 use super::rig::actual_plate;
-use super::schema::fields;
+use super::schema::with_files;
 use super::{Failure, SimulateArguments, differs, output, progress, setup_source, tones};
+use serde_json::json;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::answer::simulate::SimulatedDrive;
 use slipline_model::export::figures::envelope_figure;
@@ -81,7 +82,8 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         solver,
         result: &result,
     };
-    let value = fields(&drive.answer(), Destination::names(files.iter().map(|file| &file.destination)))?;
+    let value =
+        with_files(json!(drive.answer()), Destination::names(files.iter().map(|file| &file.destination)));
     let waves_run_on = match (&arguments.actual_plate, simulation.actual.name()) {
         // A plate near the command's has its name.
         (Some(text), name) if name == plate.name() => format!("{name} ({text})"),

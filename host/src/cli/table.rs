@@ -1,8 +1,9 @@
 //! `slipline table`.
 
 use super::destination::Destination;
-use super::schema::{fields, finished};
+use super::schema::{finished, with_files};
 use super::{Failure, TableArguments, argument, output, progress};
+use serde_json::json;
 use slipline_model::answer::table::BuiltTable;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
@@ -18,7 +19,7 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
     let built = progress::watched("table", |progress| {
         BuiltTable::build(&plate, rate_hz, arguments.knots, progress).map_err(Failure::refused)
     })?;
-    let value = fields(&built.answer(&plate), Destination::names(&file))?;
+    let value = with_files(json!(built.answer(&plate)), Destination::names(&file));
     let BuiltTable { table, device_table, sensitivity } = &built;
     if let Some(file) = &file {
         file.write(|out| Ok(writeln!(out, "{}", finished(&value))?))?;

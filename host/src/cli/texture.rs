@@ -1,11 +1,12 @@
 //! `slipline texture`.
 
 use super::destination::Destination;
-use super::schema::fields;
+use super::schema::with_files;
 use super::source::{read_bytes, read_text};
 use super::{Failure, ForceArgument, PlateArgument, argument, output, progress};
 use argument::{Beat, Typed};
 use clap::Args;
+use serde_json::json;
 use slipline_model::answer::texture::{self, TextureAnswer};
 use slipline_model::atomic_file::said;
 use slipline_model::field::felt::by_person_words;
@@ -80,7 +81,8 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
         let text = file::write(&setup);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    let value = fields(&TextureAnswer::of(&plate, &named.made, &places), Destination::names(out.as_ref()))?;
+    let value =
+        with_files(json!(TextureAnswer::of(&plate, &named.made, &places)), Destination::names(out.as_ref()));
     output::print(as_json, &value, |writer| {
         output::lines(writer, &lines(&plate, &named, arguments.tones, out.as_ref()))
     })
