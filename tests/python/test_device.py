@@ -143,7 +143,7 @@ def test_it_is_stopped_from_another_thread_and_armed_and_driven_again(device: sl
 
 
 def test_a_texture_is_played_by_its_tones(device: slipline.Device, plate: slipline.Plate) -> None:
-    texture = plate.texture(solid_m=0.2, tones=4)
+    texture = plate.texture(solid_m=0.24, tones=4)
     drive = device.play(texture)
     assert device.status().state == "Driving"
     # The tones of the texture, the outermost one first.

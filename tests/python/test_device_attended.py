@@ -12,10 +12,11 @@ SLEEP_S = float(os.environ.get("SLIPLINE_SLEEP_S", "30"))
 
 
 def test_a_sleep_of_half_a_minute_drives_on() -> None:
-    with Line() as line, drives(line, f"time.sleep({SLEEP_S})\nprint(device.status().state)") as program:
+    with Line() as line, drives(line, f"time.sleep({SLEEP_S})\nprint(device.status().state)\ninput()") as program:
         assert program.line() == "drives"
         assert program.line() == "Driving"
         assert line.count("Stop") == line.count("Disarm") == 0
+        program.write("")
         assert program.end() == (0, "")
 
 
