@@ -6,7 +6,6 @@ use slipline_instrument::measure::Procedure;
 use slipline_instrument::native::{ArmingConsent, Client, ClientError};
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::Port;
-use slipline_link::protocol::listen::InputsReport;
 use slipline_link::table::DeviceTable;
 use slipline_plate::Plate;
 use std::ops::Deref;
@@ -119,11 +118,6 @@ impl<'a> LoadedDevice<'a> {
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
         device.use_made(table.clone())?;
         Ok(Self { device, plate, table, rate_hz })
-    }
-
-    /// The device's report of its inputs.
-    pub(super) fn inputs(&self) -> InputsReport {
-        self.device.snapshot().inputs.unwrap_or_default()
     }
 }
 
