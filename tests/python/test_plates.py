@@ -171,9 +171,9 @@ def test_other_threads_run_during_a_computation(plate):
 
 
 @pytest.mark.parametrize("call", [
-    # One that reports its progress and is ended, and one that is left behind.
-    "plate.respond([126.0] * 4000, points=301)",
-    "plate.merit(turning_point_m=0.16)",
+    # Both take seconds: a call looks for signals every 50 ms.
+    "plate.respond([126.0] * 12000, points=301)",
+    "plate.merit()",
 ])
 def test_ctrl_c_ends_a_call_long_before_its_end(interrupted, call):
     script = f"""
