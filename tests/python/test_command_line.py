@@ -154,8 +154,8 @@ def test_a_simulated_drive_is_the_command_lines(command, name):
     ({"felt_edge_m": 0.21}, {}, ["--felt-edge", "0.21m"]),
     ({"turning_point_m": [0.12, 0.2]}, {"level": [0.3, 0.2], "actual_plate": "secret:3"},
      ["--turning-point", "0.12m:0.3", "--turning-point", "0.2m:0.2", "--actual-plate", "secret:3"]),
-    ({"turning_point_m": 0.16}, {"no_table": True, "finger": (0.1, "firm"), "level": 0.2},
-     ["--turning-point", "0.16m", "--no-table", "--finger", "0.1m:firm", "--level", "0.2"]),
+    ({"turning_point_m": 0.16}, {"no_table": True, "finger": (0.25, "light"), "level": 0.2},
+     ["--turning-point", "0.16m", "--no-table", "--finger", "0.25m:light", "--level", "0.2"]),
 ])
 def test_a_simulated_drive_with_options_is_the_command_lines(command, places, options, arguments):
     asked = command("simulate", "--plate", "membrane", "--for", "0.1s", *arguments)
@@ -165,7 +165,7 @@ def test_a_simulated_drive_with_options_is_the_command_lines(command, places, op
 
 def test_a_setup_and_a_feeling_of_files_sound_as_on_the_command_line(command, tmp_path):
     setup = tmp_path / "setup.toml"
-    command("texture", "--plate", "membrane", "--solid", "0.2m", "--tones", 3, "--out", setup).answer()
+    command("texture", "--plate", "membrane", "--solid", "0.25m", "--tones", 3, "--out", setup).answer()
     asked = command("simulate", "--setup", setup, "--for", "0.05s")
     plate = slipline.Plate("membrane")
     same(plate.simulate(setup=str(setup), seconds=0.05), asked.answer(), "setup")
@@ -286,7 +286,7 @@ def same_calibration(found, printed, fitted):
 
 def test_a_calibration_by_touches_is_the_command_lines(command, tmp_path):
     fitted = tmp_path / "fitted.toml"
-    touches = [(0.15, 0.152), (0.25, 0.247)]
+    touches = [(0.2, 0.202), (0.28, 0.277)]
     asked = command(
         "calibrate", "--plate", "membrane", *[word for asked, felt in touches for word in ("--touch", f"{asked}m:{felt}m")],
         "--touched-drive", "as-told", "--touch-tolerance", "0.003m", "--out", fitted,

@@ -1,0 +1,265 @@
+"""
+The compiled part of the package `slipline`.
+"""
+
+from _typeshed import Incomplete, SupportsGetItem
+from os import PathLike
+from typing import Any, Final, SupportsFloat, SupportsIndex, final
+
+__all__ = ["VERSION", "Measurement", "Plate", "Result", "design", "presets"]
+
+VERSION: Final[str]
+
+@final
+class Measurement:
+    """
+    The response of a sensor at one place of a plate, over frequency.
+
+    The response is the sensor's signal over the DAC's amplitude: the signal is ``Re(response e^(-j omega t))`` for a code
+    of ``cos(omega t)``.
+    """
+    def __eq__(self, other: object, /) -> bool: ...
+    def __reduce__(self, /) -> tuple: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def frequency_hz(self, /) -> Incomplete:
+        """
+        Frequencies, Hz, rising: an array of shape (points,), as are the others.
+        """
+    @classmethod
+    def from_csv(cls, /, text: str) -> Measurement:
+        """
+        The measurement of a text in this package's format.
+
+        Raises ``BadFile``.
+        """
+    @property
+    def headroom_db(self, /) -> Incomplete:
+        """
+        Headroom of the input below its full scale, dB; NaN where it is unknown.
+        """
+    @property
+    def noise(self, /) -> Incomplete:
+        """
+        Standard deviation of the real part and of the imaginary part of each response.
+        """
+    @property
+    def place_m(self, /) -> float:
+        """
+        The sensor's place, metres from the driven end.
+        """
+    @property
+    def place_tolerance_m(self, /) -> float:
+        """
+        Standard deviation of that place from its mark, metres.
+        """
+    @classmethod
+    def read(cls, /, path: str | PathLike[str], *, plate: Plate | None = None, sensor: SupportsFloat | SupportsIndex | None = None, kind: str | None = None, snr: SupportsFloat | SupportsIndex = ..., played: str | PathLike[str] | None = None, channel: SupportsIndex = 1) -> Measurement:
+        """
+        Reads a measurement's file.
+
+        One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
+        sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
+        velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
+        needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1.
+
+        Raises ``BadFile`` with what is missing or wrong.
+        """
+    @property
+    def response(self, /) -> Incomplete:
+        """
+        Complex responses.
+        """
+    @property
+    def sample_rate_hz(self, /) -> float | None:
+        """
+        Sample rate of the DAC that played the tones, Hz; ``None`` for a source without a hold.
+        """
+    @property
+    def sensor(self, /) -> str:
+        """
+        What the sensor measures: displacement, velocity, acceleration or strain.
+        """
+    def to_csv(self, /) -> str:
+        """
+        The text of its file.
+        """
+    @property
+    def unit_per_response(self, /) -> float | None:
+        """
+        Metres, m/s, m/s^2 or strain per unit of ``response``; ``None`` for an uncalibrated sensor.
+        """
+    def write(self, /, path: str | PathLike[str]) -> None:
+        """
+        Writes it into a file of this package's format, CSV; an existing file is replaced.
+        """
+
+@final
+class Plate:
+    """
+    A plate: a preset by its name, or a TOML file of this format.
+
+    Plates of the same content are equal; a plate can be pickled and used as a key.
+
+    Raises ``BadFile`` if it is neither, ``OutOfRange`` for a number of the file that is not allowed.
+    """
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self, /) -> int: ...
+    def __new__(cls, /, name_or_path: str | PathLike[str]) -> Plate: ...
+    def __reduce__(self, /) -> tuple: ...
+    def __repr__(self, /) -> str: ...
+    @property
+    def band_hz(self, /) -> tuple[float, float]:
+        """
+        The frequencies of these two turning points, Hz.
+        """
+    def calibrate(self, /, measurements: SupportsGetItem[int, Measurement], **as_cli) -> Result:
+        """
+        The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
+        the drive's current, or by felt edges.
+
+        ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. Options: ``current`` (``"coil"`` or
+        ``"piezo"``: the measurement is that of the current); ``touch``, a sequence of ``(asked_m, felt_m)``, with ``level``,
+        ``touch_tolerance``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file); and the calipers'
+        ``half_width``, ``end_half_width``, ``length`` and ``calipers_tolerance``.
+
+        ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
+
+        Raises ``OutOfRange``, ``Refused`` and ``BadFile``. The fit goes on unheard after Ctrl-C.
+        """
+    def check(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 1.0, off_centre: bool = False) -> Result:
+        """
+        The lights of the plate, as ``slipline check``: at one place, or the worst over its span.
+
+        ``level`` is that of the tone, 0 to 1 of the table's full scale; ``off_centre`` is a drive beside the centre line.
+        ``.worst`` is the worst colour; ``.lights`` is a list with ``name``, ``value``, ``unit``, ``colour`` and ``sentence``.
+
+        Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the plate has no table.
+        """
+    @classmethod
+    def from_toml(cls, /, text: str) -> Plate:
+        """
+        The plate of a plate file's text.
+
+        Raises ``BadFile``, or ``OutOfRange`` with the field of the file.
+        """
+    @property
+    def length_m(self, /) -> float:
+        """
+        From the driven to the narrow end, metres.
+        """
+    def merit(self, /, *, turning_point_m: SupportsFloat | SupportsIndex | None = None) -> list[Result]:
+        """
+        Figures of merit, as ``slipline merit``: a list, of one boundary or of up to five over the span.
+
+        Raises ``OutOfRange``; ``Refused`` if there is no room for an even area before any of them.
+        """
+    @property
+    def name(self, /) -> str:
+        """
+        Name.
+        """
+    def respond(self, /, frequency_hz: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex], *, points: SupportsIndex = 2001, finger: tuple[SupportsFloat | SupportsIndex, str] | tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, paper_mode: bool = False, two_dimensions: bool = False) -> Result:
+        """
+        The field at one frequency or at several, as ``slipline respond``.
+
+        ``points`` places, 8 to 200 001, lie from the driven to the narrow end. ``finger`` is ``(place_m, "light")``,
+        ``(place_m, "firm")``, or ``(place_m, resistance_n_s_per_m, mass_kg, contact_m)``. ``paper_mode`` is the paper's equation;
+        ``two_dimensions`` solves the whole plate, too. Of a sequence of n frequencies each number is an array of shape
+        (n,), and ``amplitude`` one of shape (n, points).
+
+        Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
+        the plate.
+        """
+    def simulate(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, turning_point_m: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, frequency_hz: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, level: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, **as_cli) -> Result:
+        """
+        A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
+
+        The tones are named by one of ``felt_edge_m``, ``turning_point_m`` and ``frequency_hz``: a number, or a sequence of up to
+        16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. Options: ``actual_plate`` (a ``Plate``, a name or
+        ``"secret:SEED"``), ``seconds`` (0.01 to 600), ``no_table``, ``sheet``, ``finger`` (as for ``respond``), ``feeling`` (a
+        file), and ``setup`` (a setup file, in the place of tones).
+
+        The fields are those of the first tone and of all; ``.tones`` has those of each.
+
+        Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the sum of the tones is too large;
+        ``BadFile``.
+        """
+    @property
+    def span_m(self, /) -> tuple[float, float]:
+        """
+        The nearest and the farthest turning point, metres from the driven end.
+        """
+    def table(self, /, *, sample_rate_hz: SupportsFloat | SupportsIndex = 400e3, knots: SupportsIndex = 1025) -> Result:
+        """
+        The drive table, as ``slipline table``: its knots as the arrays ``position_m``, ``frequency_hz``, ``gain`` and
+        ``peak_present``, its checksum ``crc`` and the rest.
+
+        Raises ``OutOfRange`` for ``sample_rate_hz`` and for ``knots`` (2 to 1025); ``Refused`` if the plate has no table.
+        """
+    def texture(self, /, *, solid_m: SupportsFloat | SupportsIndex | None = None, profile: tuple[SupportsGetItem[int, SupportsFloat | SupportsIndex], SupportsGetItem[int, SupportsFloat | SupportsIndex]] | None = None, image: str | PathLike[str] | None = None, stripes_m: SupportsFloat | SupportsIndex | None = None, beat: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, tones: SupportsIndex = 16) -> Result:
+        """
+        A texture, as ``slipline texture``; one of these is wanted:
+
+        ``solid_m``: an even area to the place where the finger feels it end. ``profile``: two arrays, places in metres and the
+        wanted RMS amplitude in any unit. ``image``: a PNG file, whose middle row is the profile. ``stripes_m``: the nodes of one
+        tone, this far apart. ``beat``: ``(place_m, beat_hz)``. ``tones`` is the largest number of tones, 1 to 16.
+
+        Raises ``OutOfRange``, ``Refused`` if the plate cannot have it, ``BadFile`` for the image.
+        """
+    def to_toml(self, /) -> str:
+        """
+        The text of its plate file.
+        """
+
+@final
+class Result:
+    """
+    The result of a call. Its attributes are the fields of the same command's ``--json``.
+
+    Numbers are SI floats, series of numbers are numpy arrays, complex numbers are complex, and lists of objects are lists of
+    results. What is unknown or does not apply is ``None``, and NaN in an array.
+    """
+    def __dir__(self, /) -> list: ...
+    def __getattr__(self, name: str, /) -> Any:
+        """
+        A field by its name.
+        """
+    def __new__(cls, /, fields: dict) -> Result:
+        """
+        A result of these fields.
+        """
+    def __reduce__(self, /) -> tuple:
+        """
+        As for ``pickle``.
+        """
+    def __repr__(self, /) -> str: ...
+    def to_dict(self, /) -> dict:
+        """
+        The fields as a dictionary, the results in it as dictionaries, too; arrays stay arrays.
+        """
+    def to_xarray(self, /) -> Any:
+        """
+        The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
+        and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
+        """
+
+def design(material: str, thickness_m: SupportsFloat | SupportsIndex, band_hz: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex], length_m: SupportsFloat | SupportsIndex, **as_cli) -> Result:
+    """
+    A plate for a material and a band, as ``slipline design``.
+
+    ``material`` is one of aluminium, steel, stainless-steel, brass, glass, fr4, acrylic, polycarbonate, polyester-film,
+    silicone-rubber and latex; ``thickness_m`` is 1e-6 to 0.1, ``band_hz`` the lowest and the highest frequency of the tones,
+    ``length_m`` 0.005 to 10. Options: one of ``edge`` (``"supported"`` or ``"clamped"``), ``wave_speed`` (m/s), ``tension`` (N/m)
+    and ``shear``; ``air`` (``"bare-frame"``, ``"baffle"`` or ``"vacuum"``), ``thin``, ``start_margin`` and ``end_margin`` (metres),
+    ``loss``, ``full_scale`` and ``rim`` (metres), ``name``.
+
+    ``.plate`` is the plate; ``.check`` has its lights.
+
+    Raises ``OutOfRange`` and ``Refused``.
+    """
+
+def presets() -> list[str]:
+    """
+    The names of the presets.
+    """
