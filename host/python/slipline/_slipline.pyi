@@ -6,9 +6,97 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Measurement", "Plate", "Result", "design", "presets"]
+__all__ = ["VERSION", "Device", "Measurement", "Plate", "Result", "connect", "design", "presets"]
 
 VERSION: Final[str]
+
+@final
+class Device:
+    """
+    A connected device.
+
+    It is driven inside a ``with`` block, and is stopped and disarmed when the block is left, by whatever way: its end, an
+    exception, Ctrl-C. Any call renews ``unattended_s``: after so long without one the device is stopped and disarmed, and the
+    next call raises :class:`slipline.Unattended`. ``time.sleep`` and a debugger's prompt are no calls. Where no Python code
+    can run at all, as in C code that keeps the interpreter's lock, the drive ends within a second.
+    """
+    def __enter__(self, /) -> Device: ...
+    def __exit__(self, /, _kind: type | None, _error: Any | None, _trace: Any | None) -> None: ...
+    def __repr__(self, /) -> str: ...
+    def _close(self, /) -> None:
+        """
+        Stops and disarms the device, and closes the connection; then raises what a signal has raised meanwhile.
+        """
+    def _sign(self, /) -> bool:
+        """
+        Gives a sign of life, and ends what nobody attends to any more. Returns whether a further sign is due.
+        """
+    def arm(self, /, *, despite_brown_out_level: bool = False, despite_no_profile: bool = False) -> None:
+        """
+        Unmutes the amplifier and accepts drives; only inside the block.
+
+        A board without a brown-out level, or without a profile of its actuator, is armed only where the user accepts that.
+        """
+    @property
+    def closed(self, /) -> bool:
+        """
+        Whether the block has been left, and the connection with it.
+        """
+    def disarm(self, /) -> None:
+        """
+        Ramps to silence and mutes the amplifier; returns when it is silent.
+        """
+    def drive(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 0.8, tones: SupportsGetItem[int, dict] = ..., glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Result:
+        """
+        Plays tones, to which those that sound glide.
+
+        One place, and a dictionary of a place and a ``level`` for each further one of ``tones``. ``glide_s``: 5 ms to 10 s.
+        ``at``: ``None`` for now, a sample index, or ``"trigger"`` for the rise of the trigger input; ``at_samples`` of the
+        result is then ``None`` until :meth:`wait` has seen it begin.
+        """
+    def hold(self, /, max_rise_db: SupportsFloat | SupportsIndex = 12.0) -> None:
+        """
+        Holds the tones that sound at the level that the sensor measures now, whatever a finger absorbs, until the next drive.
+
+        Leave the plate untouched until it returns. ``max_rise_db``: the largest rise of a tone, 0 to 20 dB.
+        """
+    def measure(self, /, place_m: SupportsFloat | SupportsIndex | None = None, kind: str = "displacement", input: str = "sensor", **as_cli) -> Measurement:
+        """
+        Measures the response of the sensor at ``place_m`` to the device's tones; arms the device, and disarms it then.
+
+        ``kind``: what the sensor measures; ``input``: ``"sensor"``, or ``"current"`` of the drive, which has no place. Options:
+        those of ``slipline measure`` for the frequencies (``points``, ``sweep``, ``to`` and, because it is a word of Python,
+        ``from_``), ``level`` and the drive circuit, by which quiet tones check that the drive is on.
+        """
+    def play(self, /, texture: Result, *, glide_s: SupportsFloat | SupportsIndex = 0.02, at: SupportsIndex | str | None = None) -> Result:
+        """
+        Plays a texture of the plate in use: the result of ``plate.texture()``.
+        """
+    def status(self, /) -> Result:
+        """
+        What the device reports of itself: the fields of ``slipline info --json``.
+        """
+    def stop(self, /) -> int:
+        """
+        Ramps to silence, from any thread; returns the sample index at which the ramp begins. The device stays armed.
+        """
+    def use(self, /, plate: Plate) -> None:
+        """
+        Makes the device hold the table of this plate, unless it holds it already.
+        """
+    def verify(self, /, *, tones: SupportsIndex = 16, window_s: SupportsFloat | SupportsIndex = 0.25) -> Result:
+        """
+        Compares the device's codes with those that they should be, in four windows; arms the device, and disarms it then.
+
+        Plays up to 16 tones. The result has the fields ``equal`` and ``windows``.
+        """
+    def wait(self, /, at_samples: SupportsIndex | Result) -> int:
+        """
+        Waits until the device is at a sample index, or until a drive has begun; returns the index.
+
+        Of a drive that waits for the trigger it is the index at which it began, which its ``at_samples`` then has, too. Raises
+        what stops the device meanwhile.
+        """
 
 @final
 class Measurement:
@@ -243,6 +331,15 @@ class Result:
         The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
         and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
         """
+
+def connect(port: str = "sim", *, actual_plate: Plate | None = None, sensor_m: SupportsFloat | SupportsIndex | None = None, unattended_s: SupportsFloat | SupportsIndex = 60.0) -> Device:
+    """
+    Connects to a device: ``"sim"``, a serial port's name such as ``"/dev/ttyACM0"``, or ``"unix:PATH"``.
+
+    Nothing is armed by it. ``actual_plate`` is the plate under the simulated device, ``sensor_m`` the place of the
+    displacement sensor on it: without them it has no inputs. ``unattended_s``, 1 to 600: after so long without a call an armed
+    device is stopped and disarmed.
+    """
 
 def design(material: str, thickness_m: SupportsFloat | SupportsIndex, band_hz: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex], length_m: SupportsFloat | SupportsIndex, **as_cli) -> Result:
     """
