@@ -170,7 +170,7 @@ fn a_value_that_no_plate_can_have_is_named_at_its_field() {
 
 #[test]
 fn the_wave_is_the_sheet_where_it_runs_live_and_the_modal_lines_elsewhere() {
-    let mut app = TestApp::driving();
+    let mut app = TestApp::driving_with_sheet();
     app.wait(200);
     assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some());
     open_preset(&mut app, "al-bending");
@@ -242,7 +242,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
 
 #[test]
 fn at_rest_nothing_is_repainted_and_the_sheet_does_not_run() {
-    let mut app = TestApp::driving();
+    let mut app = TestApp::driving_with_sheet();
     let delay = |app: &TestApp| {
         app.window.output().viewport_output.values().map(|viewport| viewport.repaint_delay).min().unwrap()
     };

@@ -87,7 +87,7 @@ fn the_keys_move_the_finger_and_not_the_boundary() {
 
 #[test]
 fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
-    let mut app = TestApp::driving();
+    let mut app = TestApp::driving_with_sheet();
     let said = |app: &TestApp, text: &str| {
         crate::plots::words(app.window.output()).iter().any(|(word, _)| word == text)
     };
@@ -103,7 +103,7 @@ fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
 
 #[test]
 fn a_plate_that_was_opened_under_the_finger_gets_its_sheet_when_the_finger_is_lifted() {
-    let mut app = TestApp::driving();
+    let mut app = TestApp::driving_with_sheet();
     choose(&mut app, "Light");
     let text = slipline_plate::preset("membrane").unwrap().to_toml();
     open_plate(&mut app, text.replace("name = \"membrane\"", "name = \"another\""));

@@ -165,7 +165,7 @@ fn a_recording_is_exported_and_imported_and_a_bad_one_is_refused() {
 
 #[test]
 fn the_wave_is_slowed_and_shown_at_a_chosen_time() {
-    let mut app = TestApp::driving();
+    let mut app = TestApp::driving_with_sheet();
     open_play(&mut app);
     assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some());
     type_into(&mut app, "Speed", "0,5");

@@ -209,7 +209,7 @@ fn the_logs_lines_begin_in_one_column() {
 
 #[test]
 fn the_choice_of_colours_is_one_of_the_settings_that_are_kept() {
-    let mut app = TestApp::driving();
+    let mut app = TestApp::driving_with_sheet();
     assert!(!app.window.state().settings().show_amplitude);
     app.window.get_by_label("Amplitude").click();
     app.wait(100);

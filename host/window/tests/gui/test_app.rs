@@ -51,26 +51,43 @@ struct Device {
     is_plugged: bool,
     /// What its inputs see.
     inputs: Option<(Box<dyn SimulatedInputs>, Bench)>,
-    /// Whether its drive is computed for the picture: codes, sheet and plate in time.
-    is_seen: bool,
+    picture: Picture,
+}
+
+/// What is computed of a drive for the picture.
+#[derive(PartialEq)]
+enum Picture {
+    /// Codes, sheet and plate in time.
+    Whole,
+    /// All but the sheet, a quarter of what a test of a driving device computes: modal lines stand in for it.
+    WithoutSheet,
+    Nothing,
 }
 
 impl Device {
     fn plugged(inputs: Option<(Box<dyn SimulatedInputs>, Bench)>) -> Self {
-        Self { is_plugged: true, inputs, is_seen: true }
+        Self { is_plugged: true, inputs, picture: Picture::Whole }
     }
 }
 
 impl TestApp {
-    /// The app on a membrane, connected and driving.
+    /// The app on a membrane, connected and driving. Its sheet does not run.
     pub(crate) fn driving() -> Self {
+        let device = Device { picture: Picture::WithoutSheet, ..Device::plugged(None) };
+        let builder =
+            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
+        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), device).once_driving()
+    }
+
+    /// As [`Self::driving`], with its sheet.
+    pub(crate) fn driving_with_sheet() -> Self {
         Self::driving_with(
             ThemeChoice::Light,
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light),
         )
     }
 
-    /// As [`Self::driving`], with another theme and window.
+    /// As [`Self::driving_with_sheet`], with another theme and window.
     pub(crate) fn driving_with(theme: ThemeChoice, builder: egui_kittest::HarnessBuilder<App>) -> Self {
         Self::driving_setup(membrane(), theme, builder)
     }
@@ -104,11 +121,11 @@ impl TestApp {
         .once_driving()
     }
 
-    /// As [`Self::sensed`], without what is computed for the picture of a drive alone: its codes, and the plate in time.
+    /// As [`Self::sensed`], without what is computed for the picture of a drive alone.
     pub(crate) fn unseen(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
         let builder =
             egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        let device = Device { is_seen: false, ..Device::plugged(Some((inputs, bench))) };
+        let device = Device { picture: Picture::Nothing, ..Device::plugged(Some((inputs, bench))) };
         Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), device).once_driving()
     }
 
@@ -157,7 +174,7 @@ impl TestApp {
         theme: ThemeChoice,
         builder: egui_kittest::HarnessBuilder<App>,
         tables: JobQueue<TableJob, TableState>,
-        Device { is_plugged, inputs, is_seen }: Device,
+        Device { is_plugged, inputs, picture }: Device,
     ) -> Self {
         let (inputs, bench) = inputs.map_or_else(Default::default, |(inputs, bench)| (Some(inputs), bench));
         let worker = Rc::new(RefCell::new(SteppedWorker::new(is_plugged, inputs)));
@@ -181,10 +198,12 @@ impl TestApp {
             jobs.set(jobs.get() + 1);
             if is_held.get() { None } else { time_domain::run(&job, task) }
         });
-        if !is_seen {
+        if picture != Picture::Whole {
+            parts.jobs.sheets = JobQueue::inline(|_, _: &_| None);
+        }
+        if picture == Picture::Nothing {
             time_domain_is_held.set(true);
             parts.jobs.waveforms = JobQueue::inline(|_, _: &_| None);
-            parts.jobs.sheets = JobQueue::inline(|_, _: &_| None);
         }
         let window = open_window_with(parts, setup, theme, builder);
         Self {
