@@ -29,13 +29,13 @@ def test_every_place_and_the_posterior_are_those_of_questplus():
     for _ in range(25):
         place_m = theirs.next_stim["intensity"]
         trial = ours.trial()
-        assert trial == ours.trial(), "the same until it is told"
+        assert trial == ours.trial(), "the same until it is answered"
         # Two places may be as good as each other, to the last bit.
         entropy = ours._expected_entropy()
         asked = int(np.argmin(np.abs(ours.places - place_m)))
         assert trial["felt_edge_m"] == pytest.approx(place_m, abs=1e-12) or entropy[asked] - entropy.min() < 1e-12
         answer = bool(rng.random() < chance(place_m, 0.143, 4e-3))
-        ours.tell({"felt_edge_m": place_m}, answer)
+        ours.take_answer({"felt_edge_m": place_m}, answer)
         theirs.update(stim={"intensity": place_m}, outcome={"response": "yes" if answer else "no"})
         posterior = theirs.posterior.squeeze().values
         assert np.abs(ours._posterior.reshape(posterior.shape) - posterior).max() < 1e-7
@@ -57,7 +57,7 @@ def test_a_simulated_observer_s_place_is_found_within_half_a_millimetre_in_40_tr
         trials = 0
         while not staircase.done:
             trial = staircase.trial()
-            staircase.tell(trial, bool(rng.random() < chance(trial["felt_edge_m"], threshold_m, spread_m)))
+            staircase.take_answer(trial, bool(rng.random() < chance(trial["felt_edge_m"], threshold_m, spread_m)))
             trials += 1
         assert trials == 40
         off_mm.append(1e3 * abs(staircase.threshold - threshold_m))

@@ -35,7 +35,7 @@ class Staircase:
 
         while not staircase.done:
             trial = staircase.trial()
-            staircase.tell(trial, answer_of(trial))
+            staircase.take_answer(trial, answer_of(trial))
     """
 
     def __init__(
@@ -80,12 +80,12 @@ class Staircase:
         self._likelihood = {True: yes, False: 1.0 - yes}
         # p ln p of each answer, which the entropy needs at every trial.
         self._entropic = {answer: p * np.log(p) for answer, p in self._likelihood.items()}
-        self._told = 0
+        self._answered = 0
 
     @property
     def done(self) -> bool:
         """Whether all trials have been answered."""
-        return self._told >= self.trials
+        return self._answered >= self.trials
 
     @property
     def threshold(self) -> float:
@@ -103,15 +103,15 @@ class Staircase:
         return float(self._marginal(0) @ self.spreads)
 
     def trial(self) -> dict[str, Any]:
-        """The next trial; it is the same until it is told."""
+        """The next trial; it is the same until it is answered."""
         return {**self.fields, self.place: float(self.places[int(np.argmin(self._expected_entropy()))])}
 
-    def tell(self, trial: Mapping[str, Any], answer: bool) -> None:
+    def take_answer(self, trial: Mapping[str, Any], answer: bool) -> None:
         """Takes the answer to a trial: whether it was a yes."""
         asked = int(np.argmin(np.abs(self.places - float(trial[self.place]))))
         posterior = self._posterior * self._likelihood[bool(answer)][asked]
         self._posterior = posterior / posterior.sum()
-        self._told += 1
+        self._answered += 1
 
     def _marginal(self, axis: int) -> NDArray[np.float64]:
         shape = (self.thresholds.size, self.spreads.size)

@@ -79,13 +79,13 @@ def run(
                 raise BadFile(f"{table.path}: it has more rows than the staircase has trials")
             trial = _checked(trials.trial())
             table.check(row, trial)
-            trials.tell(trial, _yes(row["response"], str(table.path)))
+            trials.take_answer(trial, _yes(row["response"], str(table.path)))
         while not trials.done:
             trial = _checked(trials.trial())
             row = _one(device, trial, respond)
             answer = _yes(_cell(row["response"]), "respond(trial)")
             table.add(row)
-            trials.tell(trial, answer)
+            trials.take_answer(trial, answer)
     else:
         listed = [_checked(trial) for trial in trials]
         if seed is not None:
