@@ -5,6 +5,7 @@
 //! ```text
 //! setup (edits, undo, file) --> jobs (table, lights, design)
 //!                          \--> field (steady, time domain, sheet)  \
+//! specification --> study (many plates around one) --> CSV, statistics
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
 //! It builds for a browser. The feature `native` adds files, which browsers do not support.
@@ -29,6 +30,7 @@ pub mod scenes;
 pub mod setup;
 pub mod sound;
 pub mod sounding;
+pub mod study;
 pub mod texture;
 pub mod wav;
 pub mod waveform;

@@ -36,9 +36,9 @@ pub mod truth;
 pub use check::sensation;
 pub use definition::{
     Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Gas,
-    Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFileError, PlateSpec,
-    Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness, Travel, TurningWidth,
-    limits, preset, presets, sample_rates,
+    Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFile, PlateFileError,
+    PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness, Travel,
+    TurningWidth, limits, preset, presets, sample_rates,
 };
 pub use frequency::{
     CONTACT_M, COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, Finger, POINTS_MAX,
@@ -52,8 +52,9 @@ pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
 pub use special::{airy, bessel};
 pub use table::{
-    DriveTable, KNOTS_MAX, Knot, Level, Sensitivity, TableError, TableTravel, sensitivity,
-    sensitivity_per_percent, sensitivity_per_percent_of, sensitivity_per_percent_watched, table_sensitivity,
+    Boundary, DriveTable, KNOTS_MAX, Knot, Level, NoBoundary, Sensitivity, TableError, TableTravel,
+    boundaries, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
+    sensitivity_per_percent_watched, table_sensitivity,
 };
 pub use time::{
     DriveCurveError, Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate,

@@ -9,9 +9,11 @@ All quantities are SI numbers, and the name of each ends in its unit. The fields
 same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
+from . import trials
 from ._slipline import VERSION as __version__
 from ._slipline import Device, Measurement, Plate, Result, connect, design, presets
 from .errors import BadFile, Error, LinkLost, OutOfRange, Refused, Unattended
+from .staircase import Staircase
 
 __all__ = [
     "BadFile",
@@ -23,9 +25,11 @@ __all__ = [
     "Plate",
     "Refused",
     "Result",
+    "Staircase",
     "Unattended",
     "__version__",
     "connect",
     "design",
     "presets",
+    "trials",
 ]

@@ -44,6 +44,7 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
         ],
     ),
     ("merit", &["slipline merit --plate membrane --turning-point 160mm"]),
+    ("study", &["slipline study study.toml --out study.csv"]),
     (
         "measure",
         &[

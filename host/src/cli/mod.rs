@@ -47,6 +47,7 @@ mod serve;
 mod setup_source;
 mod simulate;
 mod source;
+mod study;
 mod sweep;
 mod table;
 mod texture;
@@ -67,6 +68,7 @@ pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
 pub use profile::ProfileArguments;
 pub use schema::SCHEMA;
+pub use study::StudyArguments;
 pub use sweep::SweepArguments;
 pub use texture::TextureArguments;
 pub use trim::TrimArguments;
@@ -178,6 +180,9 @@ pub enum Command {
     /// Rate the sharpness, speed and number of a plate's boundaries over their turning points: contrast, ripple, edge,
     /// switching, bits per second.
     Merit(MeritArguments),
+    /// Draw many plates around one by the tolerances of its fields, and drive each by the table of that one: how far its lines
+    /// land from their places, and how loud.
+    Study(StudyArguments),
     /// Measure the response of a sensor on the plate, or of the drive's current, to the device's tones.
     Measure(MeasureArguments),
     /// Play a sweep twice for a separate recorder (a phone, an audio interface) with a sensor on the plate, and describe it.
@@ -515,6 +520,7 @@ impl Cli {
             Some(Command::Calibrate(arguments)) => arguments.force,
             Some(Command::Trim(arguments)) => arguments.force,
             Some(Command::Figures(arguments)) => arguments.force,
+            Some(Command::Study(arguments)) => arguments.force,
         };
         force.force
     }
@@ -554,6 +560,7 @@ impl Command {
             Self::Design(arguments) => design::run(&arguments, json),
             Self::Texture(arguments) => texture::run(&arguments, json),
             Self::Merit(arguments) => merit::run(&arguments, json),
+            Self::Study(arguments) => study::run(&arguments, json),
             Self::Measure(arguments) => measure::run(&arguments, json),
             Self::Sweep(arguments) => sweep::run_sweep(&arguments, json),
             Self::Calibrate(arguments) => calibrate::run(&arguments, json),

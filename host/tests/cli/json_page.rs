@@ -112,6 +112,7 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
     let folder = file("json-page");
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("study.toml"), include_str!("../../assets/study.toml")).unwrap();
     let mut all: Vec<(&str, Fields)> = Vec::new();
     let mut add = |label: &'static str, value: &Value| {
         let at = all.iter().position(|(name, _)| *name == label).unwrap_or_else(|| {

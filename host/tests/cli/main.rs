@@ -29,6 +29,7 @@ mod setups;
 #[cfg(unix)]
 mod signals;
 mod streams;
+mod study;
 mod sweep;
 mod terminal;
 mod textures;

@@ -102,7 +102,15 @@ fn a_signal_removes_the_progress_bar_from_the_terminal() {
     let plate = long_plate("signal.toml");
     let table = ["table", "--plate", &plate];
     let drive = ["drive", "--port", "sim", "--plate", &plate, "--turning-point", "1.4m"];
-    for arguments in [&table[..], &drive] {
+    // A million plates.
+    let folder = file("signal-study");
+    std::fs::create_dir_all(&folder).unwrap();
+    let spec = folder.join("study.toml").into_os_string().into_string().unwrap();
+    let million = include_str!("../../assets/study.toml").replace("count = 1000", "count = 1000000");
+    std::fs::write(&spec, million).unwrap();
+    let out = folder.join("study.csv").into_os_string().into_string().unwrap();
+    let study = ["study", &spec, "--out", &out];
+    for arguments in [&table[..], &drive, &study] {
         let command = OnTerminal::begun(arguments);
         assert!(command.is_shown(" %"), "{:?}", command.shown());
         signal(command.child.id(), "-INT");
@@ -110,4 +118,7 @@ fn a_signal_removes_the_progress_bar_from_the_terminal() {
         assert_eq!(number, Some(2), "{arguments:?}");
         assert!(shown.ends_with(CLEARED), "{arguments:?}: {shown:?}");
     }
+    let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["study.toml"], "no part of a file is left");
+    std::fs::remove_dir_all(folder).unwrap();
 }

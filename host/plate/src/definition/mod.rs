@@ -35,7 +35,7 @@ pub use air::{Air, AirMounting, BAFFLE, BARE_FRAME, Faces, Gas};
 pub use calibration::Calibration;
 pub use drive::DriveEnd;
 pub use error::{Consequence, Origin, PlateError, PlateFileError};
-pub use file::PLATE_FILE_BYTES_MAX;
+pub use file::{PLATE_FILE_BYTES_MAX, PlateFile};
 pub use film::Film;
 pub use impedance::Impedance;
 pub use model::{Bending, Model};

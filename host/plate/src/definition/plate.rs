@@ -111,6 +111,11 @@ impl Plate {
         Self::sharing(spec, None)
     }
 
+    /// As [`Plate::new`]; takes the law between clamped edges from a plate `like` it, if that has the same loss.
+    pub(super) fn like(spec: PlateSpec, like: Option<&Self>) -> Result<Self, PlateError> {
+        Self::sharing(spec, like.and_then(|plate| plate.strip.clone()))
+    }
+
     /// As [`Plate::new`]; `strip` is the law between clamped edges of a plate with the same loss.
     fn sharing(spec: PlateSpec, strip: Option<Arc<StripTable>>) -> Result<Self, PlateError> {
         let plate = Self::unbanded(spec, strip)?;

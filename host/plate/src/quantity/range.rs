@@ -84,6 +84,8 @@ pub enum Counted {
     Cells,
     /// Tones of a drive.
     Tones,
+    /// Fields of a file.
+    Fields,
 }
 
 impl Count {
@@ -128,7 +130,7 @@ impl Counted {
     pub(super) const fn rule(self) -> &'static str {
         match self {
             Self::Characters => ", on one line, without control characters",
-            Self::Points | Self::Bytes | Self::Cells | Self::Tones => "",
+            Self::Points | Self::Bytes | Self::Cells | Self::Tones | Self::Fields => "",
         }
     }
 }
@@ -141,6 +143,7 @@ impl fmt::Display for Counted {
             Self::Bytes => "bytes",
             Self::Cells => "cells",
             Self::Tones => "tones",
+            Self::Fields => "fields",
         })
     }
 }

@@ -13,7 +13,7 @@ use crate::frequency::equation::Equation;
 use crate::frequency::finger::{self, Finger};
 use crate::frequency::numerov::{self, Grid};
 use crate::frequency::peak::{self, Peak};
-use crate::progress::Progress;
+use crate::progress::{Progress, Stopped};
 use crate::special::airy;
 use num_complex::Complex64;
 
@@ -71,6 +71,15 @@ impl DriveToPeak {
         frequencies_hz: &[f64],
         progress: &mut Progress<'_>,
     ) -> Result<Vec<Level>, TableError> {
+        self.each_level(frequencies_hz, progress)?.into_iter().collect()
+    }
+
+    /// Drive-to-peak gain at each frequency that has one.
+    pub(super) fn each_level(
+        &self,
+        frequencies_hz: &[f64],
+        progress: &mut Progress<'_>,
+    ) -> Result<Vec<Result<Level, TableError>>, Stopped> {
         let count = frequencies_hz.len();
         let mut levels = Vec::with_capacity(count);
         for part in frequencies_hz.chunks(FREQUENCIES_AT_ONCE) {
@@ -79,7 +88,7 @@ impl DriveToPeak {
                 levels.push(self.level_of(part[number], field));
             });
         }
-        levels.into_iter().collect()
+        Ok(levels)
     }
 
     pub(super) fn levels_at(

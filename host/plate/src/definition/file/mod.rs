@@ -1,6 +1,7 @@
 //! Plates as TOML text. `PLATES.md` beside this crate lists every field with its unit and range.
 
 mod fields;
+mod numbers;
 mod text;
 mod writer;
 
@@ -22,6 +23,7 @@ use crate::definition::travel::Travel;
 use crate::definition::turning_width::TurningWidth;
 use crate::quantity::number_format::typed;
 use crate::quantity::{Count, Counted, Range, WrongCount};
+pub use numbers::PlateFile;
 use text::{Given, Text};
 
 /// Largest plate file that is read, bytes.
@@ -35,22 +37,28 @@ impl Plate {
     /// text is not TOML; [`PlateFileError::Plate`] with the line of a field that is missing, unknown, of the wrong type
     /// or out of range, and what is allowed. No text makes this function panic.
     pub fn from_toml(text: &str) -> Result<Self, PlateFileError> {
-        let allowed = Count::at_most(PLATE_FILE_BYTES_MAX, Counted::Bytes);
-        WrongCount::check("the plate file", text.len(), allowed)?;
-        let text = Text::parse(text)?;
-        read(&text).map_err(|error| {
-            let line = text.line_of(error.field());
-            PlateFileError::Plate { line, error }
-        })
+        let text = parse(text)?;
+        read(&text, &[], None).map_err(|error| in_text(&text, error))
     }
 }
 
-fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
+fn parse(text: &str) -> Result<Text<'_>, PlateFileError> {
+    let allowed = Count::at_most(PLATE_FILE_BYTES_MAX, Counted::Bytes);
+    WrongCount::check("the plate file", text.len(), allowed)?;
+    Text::parse(text)
+}
+
+fn in_text(text: &Text<'_>, error: PlateError) -> PlateFileError {
+    PlateFileError::Plate { line: text.line_of(error.field()), error }
+}
+
+/// The plate of a text, with `changes` of its numbers. `like` is a plate whose prepared laws are taken where they fit.
+fn read(text: &Text<'_>, changes: &[(&str, f64)], like: Option<&Plate>) -> Result<Plate, PlateError> {
     // Unknown fields are reported before missing ones: a mistyped name is both, and "did you mean" helps more.
-    let given = text.section(&fields::PLATE)?;
+    let given = text.section(&fields::PLATE, changes)?;
     let [_, others @ ..] = fields::SECTIONS;
     let [taper, model, thickness, drive, lead_in, air, actuator, calibration] =
-        others.map(|schema| text.section(schema));
+        others.map(|schema| text.section(schema, changes));
     let (Some(plate), Some(taper), Some(model), Some(drive)) = (given, taper?, model?, drive?) else {
         return Err(first_missing(text));
     };
@@ -84,7 +92,7 @@ fn read(text: &Text<'_>) -> Result<Plate, PlateError> {
         ((Some(start_m), Some(end_m)), (None, None)) => {
             spec.span_start_m = start_m;
             spec.span_end_m = end_m;
-            Plate::new(spec)
+            Plate::like(spec, like)
         }
         ((None, None), (Some(low_hz), Some(high_hz))) => plate_for_band(spec, low_hz, high_hz),
         ((Some(_), None), _) => Err(plate.missing("span_end_m")),

@@ -24,6 +24,8 @@ pub(super) struct Given<'a> {
     table: &'a DeTable<'a>,
     /// The kind of the section; empty if it has no kinds.
     pub(super) kind: &'static str,
+    /// Numbers that take the place of the text's.
+    changes: &'a [(&'a str, f64)],
 }
 
 impl<'t> Text<'t> {
@@ -70,8 +72,13 @@ impl<'t> Text<'t> {
         entry(&self.root, name).is_some()
     }
 
-    /// The section as the file gives it; `None` if it is absent. Refuses unknown fields and fields of other kinds.
-    pub(super) fn section(&self, schema: &'static Section) -> Result<Option<Given<'_>>, PlateError> {
+    /// The section as the file gives it, with `changes` of numbers by the paths of their fields; `None` if it is absent.
+    /// Refuses unknown fields and fields of other kinds.
+    pub(super) fn section<'a>(
+        &'a self,
+        schema: &'static Section,
+        changes: &'a [(&'a str, f64)],
+    ) -> Result<Option<Given<'a>>, PlateError> {
         let mut table = &self.root;
         let mut path = String::new();
         // `drive.lead_in` is a section within a section.
@@ -87,7 +94,7 @@ impl<'t> Text<'t> {
             };
             table = inner;
         }
-        let mut given = Given { text: self.text, schema, table, kind: "" };
+        let mut given = Given { text: self.text, schema, table, kind: "", changes };
         given.refuse_unknown(|_| true)?;
         if let Some(&(kind, fields)) = given.find_kind()? {
             given.kind = kind;
@@ -208,7 +215,24 @@ impl<'a> Given<'a> {
 
     /// An optional number.
     pub(super) fn number(&self, name: &str) -> Result<Option<f64>, PlateError> {
-        self.read(name, as_number)
+        let given = self.read(name, as_number)?;
+        Ok(given.map(|number| self.changed(name).unwrap_or(number)))
+    }
+
+    fn changed(&self, name: &str) -> Option<f64> {
+        let is_here = |path: &str| match path.rsplit_once('.') {
+            Some((section, field)) => section == self.schema.name && field == name,
+            None => self.schema.name.is_empty() && path == name,
+        };
+        self.changes.iter().find(|(path, _)| is_here(path)).map(|(_, number)| *number)
+    }
+
+    /// The numbers of this section, each with the path of its field.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = (String, f64)> {
+        let is_number =
+            |field: &&FieldSpec| matches!(field.field_type, FieldType::Number(_) | FieldType::NumberThat(_));
+        let fields = self.schema.fields.iter().filter(is_number);
+        fields.filter_map(|field| Some((self.schema.path(field.name), self.number(field.name).ok()??)))
     }
 
     /// A required number.

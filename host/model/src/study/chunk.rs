@@ -1,0 +1,66 @@
+//! The results of a range of plates, as arrays.
+
+/// Whether a plate has results, and why not. The numbers are those of stores and never change.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Status {
+    /// Not computed yet; only in stores.
+    NotYet = 0,
+    /// Every place has its numbers.
+    Done = 1,
+    /// The plate file refuses the plate: a field is out of its range.
+    Refused = 2,
+    /// At one place or more the wave does not enter the plate.
+    CannotEnter = 3,
+    /// At one place or more the wave turns so far beyond the plate's end that it is not solved.
+    TooHigh = 4,
+    /// At one place or more the amplitude is zero or not finite.
+    Silent = 5,
+}
+
+impl Status {
+    /// Every status, by its number.
+    pub const ALL: [Self; 6] =
+        [Self::NotYet, Self::Done, Self::Refused, Self::CannotEnter, Self::TooHigh, Self::Silent];
+
+    /// Its meaning in one word, for a store's `flag_meanings` and a table's column.
+    #[must_use]
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::NotYet => "not_yet",
+            Self::Done => "done",
+            Self::Refused => "plate_refused",
+            Self::CannotEnter => "wave_does_not_enter",
+            Self::TooHigh => "turns_far_beyond_the_end",
+            Self::Silent => "no_amplitude",
+        }
+    }
+}
+
+/// The results of the plates `first`, `first` + 1, ... Arrays of two dimensions are flat, plate by plate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chunk {
+    /// Number of the first plate.
+    pub first: u64,
+    /// Status of each plate.
+    pub status: Vec<Status>,
+    /// The varied fields of each plate, in the unit of the plate file, in the order of [`super::Spec::varied`].
+    pub varied: Vec<f64>,
+    /// How far the boundary is from its place on the nominal plate, metres, by plate and place; positive is farther from the
+    /// drive. NaN where there is none.
+    pub turning_point_shift_m: Vec<f64>,
+    /// The peak over the nominal plate's peak, dB, by plate and place. NaN where there is none.
+    pub level_db: Vec<f64>,
+}
+
+impl Chunk {
+    pub(super) const fn empty(first: u64) -> Self {
+        Self {
+            first,
+            status: Vec::new(),
+            varied: Vec::new(),
+            turning_point_shift_m: Vec::new(),
+            level_db: Vec::new(),
+        }
+    }
+}

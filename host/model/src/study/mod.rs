@@ -1,0 +1,27 @@
+//! Studies: many plates drawn around a nominal one, each driven by the nominal plate's table.
+//!
+//! ```text
+//! text -> Draft -> Spec -> Study: the nominal plate's table -> frequencies of the places
+//!                              \-> run_range(first..end) -> Chunk (arrays) -> CSV, statistics, a store
+//!                                    plate i <- factors of its fields <- draw(seed, i, field)
+//! ```
+//! Plate i depends on the seed, on i and on its varied fields alone: not on the range, the thread or the order in which it is
+//! computed. So any range can be had by itself, anywhere, with the same bits on the same kind of processor.
+
+mod chunk;
+pub mod csv;
+mod draw;
+mod law;
+mod plates;
+mod spec;
+mod statistics;
+#[cfg(feature = "native")]
+mod threads;
+
+pub use chunk::{Chunk, Status};
+pub use law::Law;
+pub use plates::{Study, StudyError};
+pub use spec::{COUNT_MAX, Draft, PLACES_MAX, SPEC_BYTES_MAX, Spec, SpecError, Varied};
+pub use statistics::{Statistics, Summary};
+#[cfg(feature = "native")]
+pub use threads::run_in_order;
