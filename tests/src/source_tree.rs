@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The folders of the product's sources, from the root.
-pub const PRODUCT: [&str; 10] = [
+pub const PRODUCT: [&str; 11] = [
     "shared/src",
     "firmware/app/src",
     "firmware/stm32/src",
@@ -14,6 +14,7 @@ pub const PRODUCT: [&str; 10] = [
     "host/instrument/src",
     "host/plate/src",
     "host/window/src",
+    "host/python/src",
 ];
 
 /// The workspace's root.

@@ -1,0 +1,266 @@
+//! What is computed on a plate: the calls of the class.
+
+use super::{Plate, file_failure, named};
+use crate::calibrate;
+use crate::error::Failure;
+use crate::field;
+use crate::finger::FingerArgument;
+use crate::measurement::Measurement;
+use crate::one_or_more::OneOrMore;
+use crate::options::Options;
+use crate::place::at_most_one;
+use crate::result::{Answer, columns, fields};
+use crate::simulate;
+use crate::texture;
+use crate::waiting::compute;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple, PyType};
+use serde_json::Value;
+use slipline_model::answer::check::{CheckAnswer, check};
+use slipline_model::answer::merit::{MeritAnswer, rate};
+use slipline_model::answer::table::BuiltTable;
+use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
+use slipline_plate::check::Conditions;
+use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::texture::Palette;
+use slipline_plate::{KNOTS_MAX, PlateFileError, sample_rates};
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+#[pymethods]
+impl Plate {
+    #[new]
+    fn new(name_or_path: PathBuf) -> PyResult<Self> {
+        Ok(named(&name_or_path.to_string_lossy())?.into())
+    }
+
+    /// The plate of a plate file's text.
+    ///
+    /// Raises ``BadFile``, or ``OutOfRange`` with the field of the file.
+    #[classmethod]
+    fn from_toml(_class: &Bound<'_, PyType>, text: &str) -> PyResult<Self> {
+        let plate = slipline_plate::Plate::from_toml(text);
+        Ok(plate.map_err(|error: PlateFileError| file_failure(&error))?.into())
+    }
+
+    /// The text of its plate file.
+    fn to_toml(&self) -> String {
+        self.plate.to_toml()
+    }
+
+    /// Name.
+    #[getter]
+    fn name(&self) -> &str {
+        self.plate.name()
+    }
+
+    /// From the driven to the narrow end, metres.
+    #[getter]
+    fn length_m(&self) -> f64 {
+        self.plate.length_m()
+    }
+
+    /// The nearest and the farthest turning point, metres from the driven end.
+    #[getter]
+    fn span_m(&self) -> (f64, f64) {
+        self.plate.span_m()
+    }
+
+    /// The frequencies of these two turning points, Hz.
+    #[getter]
+    fn band_hz(&self) -> (f64, f64) {
+        self.plate.band_hz()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<slipline.Plate {:?}>", self.plate.name())
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.plate == other.plate
+    }
+
+    fn __hash__(&self) -> u64 {
+        let mut hasher = DefaultHasher::new();
+        self.plate.to_toml().hash(&mut hasher);
+        hasher.finish()
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let from_toml = py.get_type::<Self>().getattr("from_toml")?;
+        (from_toml, (self.to_toml(),)).into_pyobject(py)
+    }
+
+    /// The lights of the plate, as ``slipline check``: at one place, or the worst over its span.
+    ///
+    /// ``level`` is that of the tone, 0 to 1 of the table's full scale; ``off_centre`` is a drive beside the centre line.
+    /// ``.worst`` is the worst colour; ``.lights`` is a list with ``name``, ``value``, ``unit``, ``colour`` and ``sentence``.
+    ///
+    /// Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the plate has no table.
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=1.0, off_centre=false))]
+    fn check(
+        &self,
+        py: Python<'_>,
+        felt_edge_m: Option<f64>,
+        turning_point_m: Option<f64>,
+        frequency_hz: Option<f64>,
+        level: f64,
+        off_centre: bool,
+    ) -> PyResult<Answer> {
+        let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
+        let plate = Arc::clone(&self.plate);
+        let found = compute(py, move |progress| {
+            OutOfRange::check("level", level, crate::place::LEVEL)
+                .map_err(|it| Failure::out_of_range(&it))?;
+            let turns =
+                |asked| crate::place::turning_point_m(asked, &plate, level, &mut progress.part(0.0, 0.4));
+            let turning_point_m = asked.map(turns).transpose()?;
+            let conditions = Conditions { level, off_centre, ..Conditions::default() };
+            let report = check(&plate, turning_point_m, conditions, &mut progress.part(0.4, 1.0));
+            Ok(fields(&CheckAnswer::of(&report.map_err(|error| Failure::of(&error))?)))
+        })?;
+        Answer::of(py, found)
+    }
+
+    /// The field at one frequency or at several, as ``slipline respond``.
+    ///
+    /// ``points`` places, 8 to 200 001, lie from the driven to the narrow end. ``finger`` is ``(place_m, "light")``,
+    /// ``(place_m, "firm")``, or ``(place_m, resistance_n_s_per_m, mass_kg, contact_m)``. ``paper_mode`` is the paper's equation;
+    /// ``two_dimensions`` solves the whole plate, too. Of a sequence of n frequencies each number is an array of shape
+    /// (n,), and ``amplitude`` one of shape (n, points).
+    ///
+    /// Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
+    /// the plate.
+    #[pyo3(signature = (frequency_hz, *, points=2001, finger=None, paper_mode=false, two_dimensions=false))]
+    fn respond(
+        &self,
+        py: Python<'_>,
+        frequency_hz: OneOrMore,
+        points: usize,
+        finger: Option<FingerArgument>,
+        paper_mode: bool,
+        two_dimensions: bool,
+    ) -> PyResult<Answer> {
+        let finger = finger.map(FingerArgument::finger).transpose()?;
+        let asked = field::Asked { points, finger, paper_mode, two_dimensions };
+        match frequency_hz {
+            OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
+            OneOrMore::More(each_hz) => field::at_each(py, &self.plate, each_hz, asked),
+        }
+    }
+
+    /// The drive table, as ``slipline table``: its knots as the arrays ``position_m``, ``frequency_hz``, ``gain`` and
+    /// ``peak_present``, its checksum ``crc`` and the rest.
+    ///
+    /// Raises ``OutOfRange`` for ``sample_rate_hz`` and for ``knots`` (2 to 1025); ``Refused`` if the plate has no table.
+    #[pyo3(signature = (*, sample_rate_hz=400e3, knots=1025))]
+    fn table(&self, py: Python<'_>, sample_rate_hz: f64, knots: usize) -> PyResult<Answer> {
+        let plate = Arc::clone(&self.plate);
+        let found = compute(py, move |progress| {
+            let counts = Range::new(2.0, KNOTS_MAX as f64, "");
+            let checked = OutOfRange::check("sample_rate_hz", sample_rate_hz, sample_rates(&plate))
+                .and_then(|()| OutOfRange::check("knots", knots as f64, counts));
+            checked.map_err(|refused| Failure::out_of_range(&refused))?;
+            let built = BuiltTable::build(&plate, sample_rate_hz, knots, progress);
+            let mut found = fields(&built.map_err(|error| Failure::of(&error))?.answer(&plate));
+            if let Some(Value::Array(knots)) = found.remove("knots") {
+                found.extend(columns(knots));
+            }
+            Ok(found)
+        })?;
+        Answer::of(py, found)
+    }
+
+    /// A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
+    ///
+    /// The tones are named by one of ``felt_edge_m``, ``turning_point_m`` and ``frequency_hz``: a number, or a sequence of up to
+    /// 16. ``level`` is 0 to 1, one for all or one for each; 0.8 by default. Options: ``actual_plate`` (a ``Plate``, a name or
+    /// ``"secret:SEED"``), ``seconds`` (0.01 to 600), ``no_table``, ``sheet``, ``finger`` (as for ``respond``), ``feeling`` (a
+    /// file), and ``setup`` (a setup file, in the place of tones).
+    ///
+    /// The fields are those of the first tone and of all; ``.tones`` has those of each.
+    ///
+    /// Raises ``OutOfRange``; ``Refused`` if no tone of this level has this felt edge, or the sum of the tones is too large;
+    /// ``BadFile``.
+    #[pyo3(signature = (*, felt_edge_m=None, turning_point_m=None, frequency_hz=None, level=None, **as_cli))]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        felt_edge_m: Option<OneOrMore>,
+        turning_point_m: Option<OneOrMore>,
+        frequency_hz: Option<OneOrMore>,
+        level: Option<OneOrMore>,
+        as_cli: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Answer> {
+        let options = Options::new("simulate", as_cli)?;
+        let places = [felt_edge_m, turning_point_m, frequency_hz];
+        simulate::run(py, &self.plate, places, level, options)
+    }
+
+    /// A texture, as ``slipline texture``; one of these is wanted:
+    ///
+    /// ``solid_m``: an even area to the place where the finger feels it end. ``profile``: two arrays, places in metres and the
+    /// wanted RMS amplitude in any unit. ``image``: a PNG file, whose middle row is the profile. ``stripes_m``: the nodes of one
+    /// tone, this far apart. ``beat``: ``(place_m, beat_hz)``. ``tones`` is the largest number of tones, 1 to 16.
+    ///
+    /// Raises ``OutOfRange``, ``Refused`` if the plate cannot have it, ``BadFile`` for the image.
+    #[pyo3(signature = (*, solid_m=None, profile=None, image=None, stripes_m=None, beat=None, tones=16))]
+    #[expect(clippy::too_many_arguments, reason = "one for each kind of texture")]
+    fn texture(
+        &self,
+        py: Python<'_>,
+        solid_m: Option<f64>,
+        profile: Option<(Vec<f64>, Vec<f64>)>,
+        image: Option<PathBuf>,
+        stripes_m: Option<f64>,
+        beat: Option<(f64, f64)>,
+        tones: usize,
+    ) -> PyResult<Answer> {
+        let wanted = texture::Wanted { solid_m, profile, image, stripes_m, beat };
+        texture::run(py, &self.plate, wanted, tones)
+    }
+
+    /// Figures of merit, as ``slipline merit``: a list, of one boundary or of up to five over the span.
+    ///
+    /// Raises ``OutOfRange``; ``Refused`` if there is no room for an even area before any of them.
+    #[pyo3(signature = (*, turning_point_m=None))]
+    fn merit(&self, py: Python<'_>, turning_point_m: Option<f64>) -> PyResult<Vec<Answer>> {
+        let asked = at_most_one(None, turning_point_m, None)?;
+        let plate = Arc::clone(&self.plate);
+        let found = compute(py, move |progress| {
+            let turns =
+                |asked| crate::place::turning_point_m(asked, &plate, 1.0, &mut progress.part(0.0, 0.0));
+            let one = asked.map(turns).transpose()?;
+            let table = table_for_watched(&plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.2));
+            let (table, _) = table.map_err(|error| Failure::of(&error))?;
+            let palette = Palette::new(&plate, &table);
+            let merits = rate(&palette, one, &mut progress.part(0.2, 1.0));
+            let merits = merits.map_err(|error| Failure::of(&error))?;
+            Ok(MeritAnswer::of(&plate, &merits).turning_points.iter().map(fields).collect::<Vec<_>>())
+        })?;
+        found.into_iter().map(|merit| Answer::of(py, merit)).collect()
+    }
+
+    /// The plate with its numbers fitted, as ``slipline calibrate``, by measurements of one sensor at two places or at one, by
+    /// the drive's current, or by felt edges.
+    ///
+    /// ``measurements`` is a sequence of one or two ``Measurement``, or ``()`` with ``touch``. Options: ``current`` (``"coil"`` or
+    /// ``"piezo"``: the measurement is that of the current); ``touch``, a sequence of ``(asked_m, felt_m)``, with ``level``,
+    /// ``touch_tolerance``, ``touched_drive`` (``"as-told"`` or ``"unknown"``) and ``feeling`` (a file); and the calipers'
+    /// ``half_width``, ``end_half_width``, ``length`` and ``calipers_tolerance``.
+    ///
+    /// ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
+    ///
+    /// Raises ``OutOfRange``, ``Refused`` and ``BadFile``. The fit goes on unheard after Ctrl-C.
+    #[pyo3(signature = (measurements, **as_cli))]
+    fn calibrate(
+        &self,
+        py: Python<'_>,
+        measurements: Vec<Bound<'_, Measurement>>,
+        as_cli: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Answer> {
+        let measured = measurements.iter().map(|measurement| Arc::clone(&measurement.get().inner)).collect();
+        calibrate::run(py, &self.plate, measured, Options::new("calibrate", as_cli)?)
+    }
+}
