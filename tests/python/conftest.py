@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 
 import pytest
@@ -35,21 +34,3 @@ class Command:
 def command():
     """Begins a command."""
     return Command
-
-
-@pytest.fixture
-def interrupted():
-    """Runs a script of Python that says when it begins, sends it Ctrl-C, and returns what it wrote until it ended."""
-
-    def run(script):
-        import sys
-
-        process = subprocess.Popen(
-            [sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
-        assert process.stdout.readline() == "begun\n", process.communicate()
-        process.send_signal(signal.SIGINT)
-        out, errors = process.communicate()
-        return process.returncode, out, errors
-
-    return run

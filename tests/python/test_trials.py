@@ -242,3 +242,19 @@ def test_a_kill_at_a_random_moment_loses_at_most_the_trial_in_progress(tmp_path)
         assert done in (begun[-1], begun[-1] + 1), "the trial in progress may have its row"
     rows = trials.run(Device(), listed, lambda trial: True, folder=tmp_path)
     assert [row["trial_type"] for row in rows] == [str(i) for i in range(400)]
+
+
+def test_a_list_runs_on_the_simulated_device(tmp_path):
+    asked = [{"turning_point_m": place_m, "duration_s": 0.05} for place_m in (0.12, 0.2)]
+    heard = []
+    with slipline.connect("sim") as device:
+        device.use(slipline.Plate("membrane"))
+        device.arm()
+        rows = slipline.trials.run(device, asked, lambda trial: heard.append(trial) or "here", folder=tmp_path)
+        status = device.status()
+    assert [row["response"] for row in rows] == ["here", "here"]
+    for row, trial in zip(rows, heard):
+        at_samples = int(row["at_samples"])
+        assert at_samples == trial["at_samples"] and float(row["onset"]) == at_samples / status.sample_rate_hz
+        assert 0.05 <= float(row["duration"]) < 1.0 and float(row["frequency_hz"]) == trial["frequency_hz"]
+    assert int(rows[0]["at_samples"]) + 0.05 * status.sample_rate_hz <= int(rows[1]["at_samples"]) < status.now_samples
