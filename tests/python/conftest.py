@@ -2,9 +2,13 @@
 
 import json
 import os
+import signal
 import subprocess
 
 import pytest
+
+# Started in the background by a script they have Ctrl-C ignored, and so would the programs that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 PROGRAM = os.environ.get("SLIPLINE", "slipline")
 

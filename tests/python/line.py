@@ -94,9 +94,11 @@ class Line:
         raise TimeoutError(f"no {name} {number} among {[name for _, name in self._commands]}")
 
     def status(self) -> tuple[str, list[str]]:
-        """State and faults of the device, which no program has any more."""
+        """State and faults of the device, which no program has any more, once the ramp of a stop has ended."""
+        until = time.monotonic() + PATIENCE_S
         with Client.at_socket(self.server.path) as client:
-            status = client.status()
+            while (status := client.status()).state.name == "Stopping" and time.monotonic() < until:
+                pass
             return status.state.name, fault_names(status.faults)
 
 
