@@ -1,6 +1,6 @@
 //! The field, the value and the allowed range of a refusal, by the type of its error: the shells show them, or act on them.
 
-use slipline_plate::quantity::{OutOfRange, Range, WrongCount};
+use slipline_plate::quantity::{Count, OutOfRange, Range, WrongCount};
 use slipline_plate::{PlateError, PlateFileError};
 use std::error::Error;
 
@@ -45,9 +45,7 @@ impl RefusedValue {
             return Some(Self::number(field, value, range));
         }
         if let Some(&WrongCount { field, count, allowed }) = error.downcast_ref() {
-            let range = (allowed.least as f64, allowed.most as f64, allowed.of.to_string());
-            let value = Some(Given::Count(count));
-            return Some(Self { field: field.to_owned(), value, range: Some(range) });
+            return Some(Self::count(field, count, allowed));
         }
         if let Some(PlateFileError::Plate { error, .. }) = error.downcast_ref() {
             return Some(Self::of_plate(error));
@@ -57,20 +55,22 @@ impl RefusedValue {
 
     fn of_plate(error: &PlateError) -> Self {
         let field = error.field().to_owned();
-        let (value, range) = match error {
+        let value = match error {
             &PlateError::OutOfRange { value, range, .. } => return Self::number(&field, value, range),
-            &PlateError::WrongCount { count, allowed, .. } => {
-                let range = (allowed.least as f64, allowed.most as f64, allowed.of.to_string());
-                (Some(Given::Count(count)), Some(range))
-            }
-            &PlateError::Unfit { value, .. } => (Some(Given::Number(value)), None),
-            PlateError::UnknownKind { value, .. } => (Some(Given::Text(value.clone())), None),
+            &PlateError::WrongCount { count, allowed, .. } => return Self::count(&field, count, allowed),
+            &PlateError::Unfit { value, .. } => Some(Given::Number(value)),
+            PlateError::UnknownKind { value, .. } => Some(Given::Text(value.clone())),
             PlateError::Missing { .. }
             | PlateError::Unexpected { .. }
             | PlateError::ControlCharacter { .. }
-            | PlateError::NotNarrowing { .. } => (None, None),
+            | PlateError::NotNarrowing { .. } => None,
         };
-        Self { field, value, range }
+        Self { field, value, range: None }
+    }
+
+    fn count(field: &str, count: usize, allowed: Count) -> Self {
+        let range = (allowed.least as f64, allowed.most as f64, allowed.of.to_string());
+        Self { field: field.to_owned(), value: Some(Given::Count(count)), range: Some(range) }
     }
 
     fn number(field: &str, value: f64, range: Range) -> Self {

@@ -19,7 +19,7 @@ const NEIGHBOURS: usize = 400;
 const DIP: f64 = 0.5;
 
 /// Figures of merit of one boundary.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Merit {
     /// Turning point of the boundary, metres.
     pub turning_point_m: f64,

@@ -1,6 +1,6 @@
 //! A link whose waits its user can interrupt, as by Ctrl-C.
 
-use super::client::{BlockingLink, Client, wired};
+use super::client::{BlockingLink, Client, GLANCE, wired};
 use super::error::ClientError;
 use crate::Link;
 use crate::rig::PreparedRig;
@@ -9,9 +9,6 @@ use slipline_link::{Outcome, Request, Snapshot, Ticket};
 use std::cell::Cell;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-
-/// Time between two looks whether the user interrupts.
-const LOOK: Duration = Duration::from_millis(50);
 
 thread_local! {
     /// The user has interrupted this thread, and the call under way has not ended yet.
@@ -64,7 +61,7 @@ impl InterruptibleLink {
                 return None;
             }
             let left = end.saturating_duration_since(Instant::now());
-            let found = wait(left.min(LOOK));
+            let found = wait(left.min(GLANCE));
             if found.is_some() || left.is_zero() {
                 return found;
             }

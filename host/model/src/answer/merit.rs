@@ -44,37 +44,13 @@ pub fn rate(
 #[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
 pub struct MeritAnswer<'a> {
     pub plate: &'a str,
-    pub turning_points: Vec<BoundaryMerit>,
-}
-
-/// The fields of one boundary.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
-pub struct BoundaryMerit {
-    pub turning_point_m: f64,
-    pub frequency_hz: f64,
-    pub contrast_db: f64,
-    pub ripple_db: f64,
-    pub edge_width_m: f64,
-    pub switching_time_s: Option<f64>,
-    pub two_point_m: Option<f64>,
-    pub bits_per_s: Option<f64>,
+    pub turning_points: &'a [Merit],
 }
 
 impl<'a> MeritAnswer<'a> {
     /// The fields of these ratings.
     #[must_use]
-    pub fn of(plate: &'a Plate, merits: &[Merit]) -> Self {
-        let of_one = |merit: &Merit| BoundaryMerit {
-            turning_point_m: merit.turning_point_m,
-            frequency_hz: merit.frequency_hz,
-            contrast_db: merit.contrast_db,
-            ripple_db: merit.ripple_db,
-            edge_width_m: merit.edge_width_m,
-            switching_time_s: merit.switching_time_s,
-            two_point_m: merit.two_point_m,
-            bits_per_s: merit.bits_per_s,
-        };
-        Self { plate: plate.name(), turning_points: merits.iter().map(of_one).collect() }
+    pub fn of(plate: &'a Plate, merits: &'a [Merit]) -> Self {
+        Self { plate: plate.name(), turning_points: merits }
     }
 }
