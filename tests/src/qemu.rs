@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command as Process, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use slipline_app::bank::BLOCK;
@@ -48,6 +49,8 @@ pub struct Emulator {
     link: PathBuf,
     asking: UnixStream,
     blocks: Receiver<Block>,
+    /// What the emulator has sent of the block that is not whole yet.
+    begun: Arc<Mutex<Vec<u8>>>,
     folder: PathBuf,
     /// Keeps the pseudo-terminal open while no host does.
     _terminal: Option<File>,
@@ -99,8 +102,9 @@ impl Emulator {
             open
         });
         let asking = connect(&codes);
-        let blocks = read_blocks(asking.try_clone().expect("a socket can be shared"));
-        Self { process, link, asking, blocks, folder, _terminal: terminal }
+        let begun = Arc::default();
+        let blocks = read_blocks(asking.try_clone().expect("a socket can be shared"), Arc::clone(&begun));
+        Self { process, link, asking, blocks, begun, folder, _terminal: terminal }
     }
 
     /// Where the link's other end is.
@@ -132,9 +136,14 @@ impl Emulator {
     /// Waits for blocks asked for.
     ///
     /// # Panics
-    /// If they do not come.
+    /// If they do not come. Instead of a block there may be the message of the image's panic: it is shown.
     pub fn shown(&mut self, blocks: usize) -> Vec<Block> {
-        let next = |_| self.blocks.recv_timeout(REPLY_TIMEOUT).expect("the blocks asked for come");
+        let next = |number| {
+            self.blocks.recv_timeout(REPLY_TIMEOUT).unwrap_or_else(|error| {
+                let begun = self.begun.lock().expect("no thread panics while it holds it").clone();
+                panic!("block {number} of {blocks}: {error}, after {:?}", String::from_utf8_lossy(&begun));
+            })
+        };
         (0..blocks).map(next).collect()
     }
 }
@@ -149,15 +158,18 @@ impl Drop for Emulator {
 
 /// Reads the blocks as they come, in a thread of its own. A socket holds a few hundred of the emulator's single bytes;
 /// when it is full, the renderer waits for a reader, and below the renderer nothing runs: no command would be answered.
-fn read_blocks(mut codes: UnixStream) -> Receiver<Block> {
+fn read_blocks(mut codes: UnixStream, begun: Arc<Mutex<Vec<u8>>>) -> Receiver<Block> {
     let (send, blocks) = mpsc::channel();
     // A test asks for blocks when it likes.
     codes.set_read_timeout(None).expect("a time-out can be taken away");
     std::thread::spawn(move || {
         let mut bytes = [0; 8 + 2 * BLOCK];
         // Until the emulator or the test has ended.
-        while codes.read_exact(&mut bytes).is_ok() {
-            let (index, codes) = bytes.split_first_chunk().expect("a block is longer than its index");
+        while let Ok(count @ 1..) = codes.read(&mut bytes) {
+            let mut begun = begun.lock().expect("no thread panics while it holds it");
+            begun.extend_from_slice(&bytes[..count]);
+            let Some((whole, _)) = begun.split_first_chunk::<{ 8 + 2 * BLOCK }>() else { continue };
+            let (index, codes) = whole.split_first_chunk().expect("a block is longer than its index");
             let mut block = [0; BLOCK];
             for (code, pair) in block.iter_mut().zip(codes.chunks_exact(2)) {
                 *code = u16::from_le_bytes([pair[0], pair[1]]);
@@ -165,6 +177,7 @@ fn read_blocks(mut codes: UnixStream) -> Receiver<Block> {
             if send.send((SampleIndex::from_le_bytes(*index), block)).is_err() {
                 break;
             }
+            begun.drain(..bytes.len());
         }
     });
     blocks
