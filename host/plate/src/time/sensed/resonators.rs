@@ -46,6 +46,13 @@ impl Resonators {
     /// The outputs must belong to the plate of these resonators; the signal of another plate's output has no meaning.
     pub fn run(&mut self, codes: &[f64], outputs: [&Output; 2], signals: [&mut [f64]; 2]) {
         let [first, second] = signals;
+        let count = codes.len().min(first.len()).min(second.len());
+        if codes[..count].iter().chain(&self.re).chain(&self.im).all(|&it| it == 0.0) {
+            // A plate at rest stays there: a simulated device in silence costs next to nothing.
+            first[..count].fill(0.0);
+            second[..count].fill(0.0);
+            return;
+        }
         let samples =
             codes.iter().zip(first).zip(second).map(|((code, first), second)| (*code, first, second));
         self.arch.dispatch(Run {
@@ -113,6 +120,19 @@ impl<'a, I: Iterator<Item = (f64, &'a mut f64, &'a mut f64)>> WithSimd for Run<'
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn at_rest_silence_gives_zero_and_the_first_code_ends_it() {
+        let mut resonators = Resonators::new(&[Complex64::from_polar(0.99, 0.3)]);
+        let output = Output { re: in_lanes([1.0].into_iter()), im: in_lanes([0.0].into_iter()), error: 0.0 };
+        let mut signals = [[f64::NAN; 4]; 2];
+        let [first, second] = &mut signals;
+        resonators.run(&[0.0; 3], [&output, &output], [first, &mut second[..3]]);
+        assert_eq!((&signals[0][..3], &signals[1][..3]), (&[0.0; 3][..], &[0.0; 3][..]));
+        assert!(signals.iter().all(|signal| signal[3].is_nan()), "as many values as codes");
+        assert_eq!(resonators.step(0.5, [&output, &output]), [0.5, 0.5]);
+        assert!(resonators.step(0.0, [&output, &output])[0] > 0.4, "it rings");
+    }
 
     #[test]
     fn what_dies_away_in_silence_ends_at_zero_and_not_among_subnormal_numbers() {
