@@ -27,8 +27,8 @@ impl From<slipline_plate::Plate> for Plate {
     }
 }
 
-/// Why a plate's file is refused.
-fn file_failure(error: &(dyn std::error::Error + 'static)) -> Failure {
+/// Why a file is refused: that of a plate, or of a study.
+pub(crate) fn file_failure(error: &(dyn std::error::Error + 'static)) -> Failure {
     match Failure::of(error) {
         Failure::Because(_, message) => Failure::Because(Exception::BadFile, message),
         out_of_range @ Failure::OutOfRange { .. } => out_of_range,
