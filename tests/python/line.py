@@ -17,6 +17,7 @@ import tempfile
 import textwrap
 import threading
 import time
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -71,14 +72,23 @@ class Line:
     def _carry(self, source: socket.socket, sink: socket.socket, reader: FrameReader | None) -> None:
         with contextlib.suppress(OSError):
             while data := source.recv(4096):
-                if reader is not None:
-                    now = time.monotonic()
-                    frames = [frame for frame in reader.feed(data) if isinstance(frame, Frame)]
-                    self._commands += [(now, _NAMES.get(frame.id, ""), frame.body) for frame in frames]
-                sink.sendall(data)
+                sink.sendall(self._to_program(data) if reader is None else self._to_device(data, reader))
         for end in (source, sink):
             with contextlib.suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
+
+    def _to_device(self, data: bytes, reader: FrameReader) -> bytes:
+        """Notes the commands that these bytes complete; returns what the device gets."""
+        self._note(frame for frame in reader.feed(data) if isinstance(frame, Frame))
+        return data
+
+    def _to_program(self, data: bytes) -> bytes:
+        """What the program gets of these bytes of the device."""
+        return data
+
+    def _note(self, frames: Iterable[Frame]) -> None:
+        now = time.monotonic()
+        self._commands += [(now, _NAMES.get(frame.id, ""), frame.body) for frame in frames]
 
     def count(self, name: str) -> int:
         """How many commands of this name have reached the device."""
