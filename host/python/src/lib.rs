@@ -24,6 +24,7 @@ mod one_or_more;
 mod options;
 mod place;
 mod plate;
+mod responders;
 mod result;
 mod simulate;
 mod study;
