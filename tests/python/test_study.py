@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import slipline
 import xarray
+import zarr
 from conftest import PROGRAM
 from line import Program
 
@@ -235,6 +236,29 @@ def test_a_chunk_that_fails_is_tried_again_and_then_raises_with_a_store_that_goe
     failures = 2
     assert bits(slipline.study.run(SPEC, store=tmp_path / "study.zarr")) == bits(here)
     assert tries.count(32) == 3 and 0 not in tries
+
+
+def test_a_chunk_that_was_written_in_part_is_computed_again(here: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    few = bits(here.isel(plate=slice(20)))
+    setitem = zarr.Array.__setitem__
+    # The fields that vary, the two results, and the status.
+    for whole in range(7):
+        writes: list[str] = []
+
+        def interrupted(array: zarr.Array, place: slice, values: np.ndarray, whole: int = whole, writes: list[str] = writes) -> None:
+            if len(writes) == whole:
+                raise KeyboardInterrupt
+            writes.append(array.basename)
+            setitem(array, place, values)
+
+        store = tmp_path / f"{whole}.zarr"
+        slipline._study_store._make(store, slipline.study._Study(slipline.study._text(many(20))), CHUNK)
+        with monkeypatch.context() as patched:
+            patched.setattr(zarr.Array, "__setitem__", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                slipline.study.run(many(20), store=store)
+        assert len(writes) == whole and "status" not in writes
+        assert bits(slipline.study.run(many(20), store=store)) == few
 
 
 def test_ctrl_c_leaves_a_store_that_goes_on(tmp_path: Path) -> None:
