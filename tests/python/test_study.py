@@ -202,7 +202,9 @@ def test_what_is_wrong_with_a_specification_is_named(tmp_path: Path) -> None:
     with pytest.raises(slipline.BadFile, match="none.toml: No such file"):
         slipline.study.run(tmp_path / "none.toml", store=tmp_path / "store")
     assert not list(tmp_path.iterdir())
-    # A plate as an object, a text with what TOML escapes, numbers of numpy.
+    fields = {"third": 1 / 3, "small": [5e-324, -0.0, 3], 'a "b\\c"\t\x7f': {"x.y": True}, "none": []}
+    assert tomllib.loads(slipline.study._text(fields)) == fields
+    # A plate as an object, numbers of numpy.
     named = slipline.Plate.from_toml(slipline.Plate("membrane").to_toml().replace('"membrane"', r'"a \"b\\c\""', 1))
     fields = {**SPEC, "plate": named, "count": np.int64(1), "turning_point_m": np.array(SPEC["turning_point_m"])}
     assert slipline.study.plate(fields, 0).name == named.name
