@@ -11,6 +11,7 @@ import sys
 import time
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import dask
 import distributed
@@ -310,3 +311,35 @@ def test_an_address_without_a_scheduler_is_refused(tmp_path: Path) -> None:
     with dask.config.set({"distributed.comm.timeouts.connect": "0.1s"}):
         with pytest.raises(slipline.Refused, match="tcp://127.0.0.1:1"):
             slipline.study.run(SPEC, "tcp://127.0.0.1:1", store=tmp_path / "study.zarr")
+
+
+def test_a_chunk_takes_seven_tenths_of_a_second_by_a_probe(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = 0.0
+
+    class Study:
+        count = 10_000
+
+        def run(self, first: int, end: int) -> None:
+            nonlocal now_s
+            assert 0 <= first < end <= self.count
+            now_s += (end - first) * plate_s
+
+    monkeypatch.setattr(slipline.study, "time", SimpleNamespace(perf_counter=lambda: now_s))
+    for plate_s, plates in ((1e-3, 700), (0.35, 2), (5.0, 1), (1e-6, 10_000)):
+        assert slipline.study._plates_of_a_chunk(Study()) == plates
+
+
+def test_progress_says_how_long_the_rest_takes(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    now_s = 100.0
+    monkeypatch.setattr(slipline.study, "time", SimpleNamespace(monotonic=lambda: now_s))
+    # 60 plates are in the store already.
+    progress = slipline.study._Progress(160, 100)
+    for _ in range(4):
+        now_s += 0.25
+        progress.add(5)
+    progress.end()
+    lines = capsys.readouterr().err.strip().split("\r")
+    assert [line.strip() for line in lines] == ["study: 70 of 160 plates, 4 s left", "study: 80 of 160 plates, 4 s left"]
+    # What is done at once says nothing.
+    slipline.study._Progress(1, 1).end()
+    assert capsys.readouterr().err == ""

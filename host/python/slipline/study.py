@@ -122,7 +122,7 @@ def _plates_of_a_chunk(study: _Study) -> int:
         took_s = time.perf_counter() - begin_s
         if took_s > 0.03 or plates >= study.count:
             return max(1, min(study.count, round(_CHUNK_S * plates / took_s)))
-        plates *= 4
+        plates = min(4 * plates, study.count)
 
 
 class _Progress:
