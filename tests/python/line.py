@@ -17,7 +17,9 @@ import tempfile
 import textwrap
 import threading
 import time
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 if "SLIPLINE" in os.environ:
     os.environ.setdefault("SLIPLINE_BIN", os.environ["SLIPLINE"])
@@ -25,7 +27,7 @@ sys.path.append(str(Path(__file__).resolve().parents[1] / "protocol"))
 
 from client import Client  # noqa: E402
 from frame import Frame, FrameReader  # noqa: E402
-from messages import fault_names  # noqa: E402
+from messages import COMMANDS, fault_names  # noqa: E402
 from page import sections  # noqa: E402
 from server import Server, binary  # noqa: E402
 
@@ -41,7 +43,7 @@ class Line:
 
     def __enter__(self) -> Line:
         self._ended = threading.Event()
-        self._commands: list[tuple[float, str]] = []
+        self._commands: list[tuple[float, str, bytes]] = []
         self._stack = contextlib.ExitStack()
         self.server = self._stack.enter_context(Server())
         folder = self._stack.enter_context(tempfile.TemporaryDirectory(prefix="slipline-tap-"))
@@ -70,28 +72,41 @@ class Line:
     def _carry(self, source: socket.socket, sink: socket.socket, reader: FrameReader | None) -> None:
         with contextlib.suppress(OSError):
             while data := source.recv(4096):
-                if reader is not None:
-                    now = time.monotonic()
-                    frames = [frame for frame in reader.feed(data) if isinstance(frame, Frame)]
-                    self._commands += [(now, _NAMES.get(frame.id, "")) for frame in frames]
-                sink.sendall(data)
+                sink.sendall(self._to_program(data) if reader is None else self._to_device(data, reader))
         for end in (source, sink):
             with contextlib.suppress(OSError):
                 end.shutdown(socket.SHUT_RDWR)
 
+    def _to_device(self, data: bytes, reader: FrameReader) -> bytes:
+        """Notes the commands that these bytes complete; returns what the device gets."""
+        self._note(frame for frame in reader.feed(data) if isinstance(frame, Frame))
+        return data
+
+    def _to_program(self, data: bytes) -> bytes:
+        """What the program gets of these bytes of the device."""
+        return data
+
+    def _note(self, frames: Iterable[Frame]) -> None:
+        now = time.monotonic()
+        self._commands += [(now, _NAMES.get(frame.id, ""), frame.body) for frame in frames]
+
     def count(self, name: str) -> int:
         """How many commands of this name have reached the device."""
-        return sum(1 for _, command in self._commands if command == name)
+        return sum(1 for _, command, _ in self._commands if command == name)
+
+    def bodies(self, name: str) -> list[Any]:
+        """The fields of all commands of this name that have reached the device, in order."""
+        return [COMMANDS[name].decode(body) for _, command, body in self._commands if command == name]
 
     def time_of(self, name: str, number: int = 0) -> float:
         """When the command of this name and number has reached the device, by the monotonic clock; waits for it."""
         until = time.monotonic() + PATIENCE_S
         while time.monotonic() < until:
-            times = [at for at, command in self._commands if command == name]
+            times = [at for at, command, _ in self._commands if command == name]
             if len(times) > number:
                 return times[number]
             time.sleep(0.005)
-        raise TimeoutError(f"no {name} {number} among {[name for _, name in self._commands]}")
+        raise TimeoutError(f"no {name} {number} among {[name for _, name, _ in self._commands]}")
 
     def status(self) -> tuple[str, list[str]]:
         """State and faults of the device, which no program has any more, once the ramp of a stop has ended."""

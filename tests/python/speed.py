@@ -2,7 +2,8 @@
 
     python tests/python/speed.py RUST_PROGRAM
 
-RUST_PROGRAM is the example `respond_many` of slipline-plate, built for release, as the package is.
+A plate keeps its grids from call to call; the program in Rust makes them in each run. RUST_PROGRAM is the example `respond_many` of
+slipline-plate, built for release, as the package is.
 """
 
 import subprocess

@@ -6,11 +6,15 @@ import re
 import subprocess
 import sys
 import threading
+import tomllib
+import wave
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import slipline
+from conftest import PROGRAM
 
 
 @pytest.fixture
@@ -200,3 +204,66 @@ def test_every_call_is_described_with_its_units():
         assert inspect.getdoc(described), described
     for name, member in inspect.getmembers(slipline.Plate):
         assert name.startswith("_") or inspect.getdoc(member), name
+
+
+def test_a_series_of_one_frequency_is_a_series_and_what_was_computed_before_changes_no_bit():
+    plate = slipline.Plate("membrane")
+    for one in ([126.0], (126.0,), np.array([126.0])):
+        assert plate.respond(one).amplitude.shape == (1, 2001)
+    for number in (126, 126.0, np.float64(126.0), np.array(126.0)):
+        assert plate.respond(number).amplitude.shape == (2001,)
+    frequencies_hz = np.linspace(*plate.band_hz, 9)
+    for points in (301, 2001, 301):
+        fresh = slipline.Plate("membrane").respond(frequencies_hz, points=points)
+        # Other grids and another order of them; in two threads at once.
+        with ThreadPoolExecutor(2) as pool:
+            again = pool.map(lambda hz: plate.respond(hz, points=points), (frequencies_hz[::-1], frequencies_hz))
+        for found, order in zip(again, (slice(None, None, -1), slice(None))):
+            assert found.amplitude[order].tobytes() == fresh.amplitude.tobytes()
+
+
+def recording(path, description, gain):
+    """A stereo recording at 48 kHz of what a description of a sweep says, in its second channel; at a constant gain."""
+    rate_hz = 48_000
+    sweep_s, apart_s = (description[name] / description["sample_rate_hz"] for name in ("sweep_samples", "apart_samples"))
+    first_hz, ratio = description["first_hz"], description["last_hz"] / description["first_hz"]
+    times_s = np.arange(round((1.5 + apart_s + sweep_s + description["ring_s"] * 2) * rate_hz)) / rate_hz
+    heard = np.zeros(len(times_s))
+    for begin_s, level in ((0.7, 1.0), (0.7 + apart_s, 0.5)):
+        share = (times_s - begin_s) / sweep_s
+        within = (share >= 0) & (share < 1)
+        turns = first_hz * sweep_s / np.log(ratio) * (ratio ** share[within] - 1)
+        shape = np.interp(share[within], np.linspace(0, 1, len(description["gain"])), description["gain"])
+        heard[within] += level * description["level"] * shape * np.cos(2 * np.pi * turns)
+    both = np.stack([np.zeros(len(heard)), np.clip(gain * heard, -1, 1)], axis=1)
+    with wave.open(str(path), "wb") as file:
+        file.setparams((2, 2, rate_hz, len(both), "NONE", ""))
+        file.writeframes((32767 * both).astype("<i2").tobytes())
+
+
+def test_a_recording_of_a_sweep_is_read_with_its_description(tmp_path):
+    described = tmp_path / "sweep.toml"
+    line = [PROGRAM, "sweep", "--port", "sim", "--plate", "membrane", "--for", "800ms", "--out", str(described)]
+    subprocess.run(line, check=True, capture_output=True)
+    plate, wav = slipline.Plate("membrane"), tmp_path / "near.wav"
+    recording(wav, tomllib.loads(described.read_text()), 0.8)
+    whole = {"plate": plate, "sensor": 0.05, "kind": "velocity", "played": described, "channel": 2}
+    read = slipline.Measurement.read(wav, **whole)
+    assert (read.place_m, read.sensor, read.sample_rate_hz) == (0.05, "velocity", 400e3)
+    # The gain is the same at all frequencies, and nothing of the other channel.
+    strength = np.abs(read.response)
+    assert len(strength) > 20 and strength.std() < 0.02 * strength.mean(), strength
+    recording(wav, tomllib.loads(described.read_text()), 0.4)
+    half = np.abs(slipline.Measurement.read(wav, **whole).response)
+    assert np.allclose(half, strength / 2, rtol=0.01)
+    for missing, words in (
+        ("played", "a recording: add played"),
+        ("plate", "does not state its place: add plate and sensor"),
+        ("sensor", "does not state its place: add plate and sensor"),
+        ("kind", "does not state what its sensor measures: add kind"),
+        ("channel", "near.wav: "),
+    ):
+        with pytest.raises(slipline.BadFile, match=words):
+            slipline.Measurement.read(wav, **{name: value for name, value in whole.items() if name != missing})
+    with pytest.raises(slipline.BadFile, match="channel 3: must be 1 to 2"):
+        slipline.Measurement.read(wav, **{**whole, "channel": 3})

@@ -93,6 +93,7 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
             Because("the same for one that is killed"),
         ],
     ),
+    ("tests/python/test_study.py", &[Polls]),
     (
         "tests/src/command_proxy.rs",
         &[

@@ -9,7 +9,7 @@ All quantities are SI numbers, and the name of each ends in its unit. The fields
 same name with ``--json``; host/JSON.md has the meaning of each.
 """
 
-from . import trials
+from . import study, trials
 from ._slipline import VERSION as __version__
 from ._slipline import Device, Measurement, Plate, Result, connect, design, presets
 from .errors import BadFile, Error, LinkLost, OutOfRange, Refused, Unattended
@@ -31,5 +31,6 @@ __all__ = [
     "connect",
     "design",
     "presets",
+    "study",
     "trials",
 ]

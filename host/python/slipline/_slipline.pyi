@@ -6,7 +6,7 @@ from _typeshed import Incomplete, SupportsGetItem
 from os import PathLike
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["VERSION", "Device", "Measurement", "Plate", "Result", "connect", "design", "presets"]
+__all__ = ["VERSION", "Device", "Measurement", "Plate", "Result", "_Study", "connect", "design", "presets"]
 
 VERSION: Final[str]
 
@@ -247,7 +247,7 @@ class Plate:
         """
         Name.
         """
-    def respond(self, /, frequency_hz: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex], *, points: SupportsIndex = 2001, finger: tuple[SupportsFloat | SupportsIndex, str] | tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, paper_mode: bool = False, two_dimensions: bool = False) -> Result:
+    def respond(self, /, frequency_hz: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex, *, points: SupportsIndex = 2001, finger: tuple[SupportsFloat | SupportsIndex, str] | tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None = None, paper_mode: bool = False, two_dimensions: bool = False) -> Result:
         """
         The field at one frequency or at several, as ``slipline respond``.
 
@@ -259,7 +259,7 @@ class Plate:
         Raises ``OutOfRange``: ``frequency_hz`` goes from the cut-off at the wide end to four times the highest that turns on
         the plate.
         """
-    def simulate(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, turning_point_m: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, frequency_hz: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, level: SupportsFloat | SupportsIndex | SupportsGetItem[int, SupportsFloat | SupportsIndex] | None = None, **as_cli) -> Result:
+    def simulate(self, /, *, felt_edge_m: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, level: SupportsGetItem[int, SupportsFloat | SupportsIndex] | SupportsFloat | SupportsIndex | None = None, **as_cli) -> Result:
         """
         A drive through the whole signal chain and on the plate in time, as ``slipline simulate``.
 
@@ -330,6 +330,49 @@ class Result:
         """
         The arrays as an ``xarray.Dataset`` over ``position_m`` and, of several frequencies, ``frequency_hz``; the numbers
         and texts are its attributes. Needs xarray: ``pip install slipline[xarray]``.
+        """
+
+@final
+class _Study:
+    """
+    A study: the plates of a specification, each driven by the nominal plate's table.
+
+    Raises ``OutOfRange`` and ``BadFile`` for the text; ``Refused`` if the nominal plate has no table, or no boundary at a place.
+    """
+    meanings: Final[list[str]]
+    """
+    The meaning of each number of a status, from 0.
+    """
+    def __new__(cls, /, text: str) -> _Study: ...
+    @property
+    def count(self, /) -> int:
+        """
+        Number of plates.
+        """
+    @property
+    def place_m(self, /) -> list[float]:
+        """
+        Its places, metres: turning points on the nominal plate.
+        """
+    def plate(self, /, i: SupportsIndex) -> Plate:
+        """
+        Plate ``i``, from 0.
+
+        Raises ``OutOfRange`` if the study has no such plate; ``BadFile`` if the plate file refuses its numbers.
+        """
+    def run(self, /, first: SupportsIndex, end: SupportsIndex) -> tuple[Incomplete, Incomplete, Incomplete, Incomplete]:
+        """
+        The plates ``first`` to ``end`` (excluded): ``status`` (plates,), the fields that vary (plates, fields), the shifts of
+        the turning points in metres and the levels in dB (plates, places). Other threads run meanwhile.
+        """
+    def to_toml(self, /) -> str:
+        """
+        Its specification, the same text for equal ones: with its whole plate.
+        """
+    @property
+    def varied(self, /) -> list[tuple[str, str]]:
+        """
+        The variables of the fields that vary, each with the field's path in the plate file.
         """
 
 def connect(port: str = "sim", *, actual_plate: Plate | None = None, sensor_m: SupportsFloat | SupportsIndex | None = None, unattended_s: SupportsFloat | SupportsIndex = 60.0) -> Device:

@@ -16,7 +16,7 @@ def dataset(fields: dict[str, Any]) -> Any:
     """
     import xarray
 
-    of_several = np.ndim(fields.get("amplitude")) == 2
+    of_several = np.ndim(fields.get("amplitude", 0.0)) == 2
     positions = np.size(fields.get("position_m", ()))
     frequencies = np.size(fields["frequency_hz"]) if of_several else -1
     variables: dict[str, Any] = {}

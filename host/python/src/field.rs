@@ -1,6 +1,7 @@
 //! `Plate.respond`: the field at one frequency, or at several in flat arrays.
 
 use crate::error::Failure;
+use crate::plate::Plate as PyPlate;
 use crate::result::{Answer, columns, fields};
 use crate::waiting::compute;
 use numpy::{PyArray1, PyArrayMethods};
@@ -67,12 +68,15 @@ const OF_ALL: [&str; 3] = ["plate", "paper_mode", "turning_width"];
 /// The field at each of these frequencies.
 pub(crate) fn at_each(
     py: Python<'_>,
-    plate: &Arc<Plate>,
+    plate: &PyPlate,
     frequencies_hz: Vec<f64>,
     asked: Asked,
 ) -> PyResult<Answer> {
-    let plate = Arc::clone(plate);
-    let found = compute(py, move |progress| each(&plate, &frequencies_hz, asked, progress))?;
+    let (plate, responders) = (Arc::clone(&plate.plate), Arc::clone(&plate.responders));
+    let found = compute(py, move |progress| {
+        asked.check(&plate, &frequencies_hz)?;
+        responders.with(&plate, asked.points, |responder| each(responder, &frequencies_hz, asked, progress))
+    })?;
     let Fields { position_m, amplitude, frequencies, rest, two_dimensions } = found;
     let points = position_m.len();
     let mut answer = Answer::of(py, rest)?;
@@ -87,16 +91,15 @@ pub(crate) fn at_each(
 }
 
 fn each(
-    plate: &Plate,
+    responder: &mut Responder,
     frequencies_hz: &[f64],
     asked: Asked,
     progress: &mut Progress<'_>,
 ) -> Result<Fields, Failure> {
-    asked.check(plate, frequencies_hz)?;
     if frequencies_hz.is_empty() {
         return Err(Failure::wrong_arguments("frequency_hz of no number", "one or more"));
     }
-    let mut responder = Responder::new(plate, asked.points);
+    let plate = &responder.plate().clone();
     let mut amplitude = Vec::with_capacity(frequencies_hz.len() * asked.points);
     let (mut position_m, mut rows, mut two_dimensions) = (Vec::new(), Vec::new(), Vec::new());
     for (i, &hz) in frequencies_hz.iter().enumerate() {

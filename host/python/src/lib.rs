@@ -4,6 +4,7 @@
 //! Python's arguments -> place, options -> model, instrument -> answer (serde) -> result (Python attributes, numpy)
 //! errors of Rust -> error -> slipline.Error and what is below it
 //! device -> instrument's native client <- sign of life of a Python thread
+//! study -> any range of its plates as arrays -> the package's store
 //! ```
 //! No panic hook and no signal handler of the program's is set here: the interpreter keeps its own.
 
@@ -23,8 +24,10 @@ mod one_or_more;
 mod options;
 mod place;
 mod plate;
+mod responders;
 mod result;
 mod simulate;
+mod study;
 mod texture;
 mod waiting;
 
@@ -44,4 +47,6 @@ mod _slipline {
     use crate::plate::{Plate, presets};
     #[pymodule_export]
     use crate::result::Answer;
+    #[pymodule_export]
+    use crate::study::Study;
 }

@@ -5,8 +5,9 @@ use pyo3::prelude::*;
 /// An argument that is a number or a series of numbers.
 #[derive(Clone, Debug, FromPyObject)]
 pub(crate) enum OneOrMore {
-    One(f64),
+    // First: numpy makes a number of an array of one.
     More(Vec<f64>),
+    One(f64),
 }
 
 impl OneOrMore {

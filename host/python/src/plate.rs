@@ -3,6 +3,7 @@
 mod methods;
 
 use crate::error::{Exception, Failure};
+use crate::responders::Responders;
 use pyo3::prelude::*;
 use slipline_model::atomic_file::read_text;
 use slipline_model::named_plate::{NamedPlateError, named_plate};
@@ -19,16 +20,17 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct Plate {
     pub(crate) plate: Arc<slipline_plate::Plate>,
+    pub(crate) responders: Arc<Responders>,
 }
 
 impl From<slipline_plate::Plate> for Plate {
     fn from(plate: slipline_plate::Plate) -> Self {
-        Self { plate: Arc::new(plate) }
+        Self { plate: Arc::new(plate), responders: Arc::default() }
     }
 }
 
-/// Why a plate's file is refused.
-fn file_failure(error: &(dyn std::error::Error + 'static)) -> Failure {
+/// Why a file is refused: that of a plate, or of a study.
+pub(crate) fn file_failure(error: &(dyn std::error::Error + 'static)) -> Failure {
     match Failure::of(error) {
         Failure::Because(_, message) => Failure::Because(Exception::BadFile, message),
         out_of_range @ Failure::OutOfRange { .. } => out_of_range,

@@ -146,7 +146,7 @@ impl Plate {
         let asked = field::Asked { points, finger, paper_mode, two_dimensions };
         match frequency_hz {
             OneOrMore::One(hz) => field::at_one(py, &self.plate, hz, asked),
-            OneOrMore::More(each_hz) => field::at_each(py, &self.plate, each_hz, asked),
+            OneOrMore::More(each_hz) => field::at_each(py, self, each_hz, asked),
         }
     }
 

@@ -1,0 +1,145 @@
+"""The store of a study: a Zarr folder that plain xarray opens, and in which the same study goes on.
+
+A chunk of the store is a chunk of the study. Its ``status`` is written last, so that a chunk with a status is whole.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ._slipline import VERSION, _Study
+from .errors import BadFile
+
+# Arrays of the results, in the order in which a range has them after its status and its fields.
+_RESULTS = {
+    "turning_point_shift_m": {
+        "long_name": "distance of the turning point from its place on the nominal plate, by the same tone",
+        "units": "m",
+    },
+    "level_db": {"long_name": "peak over the nominal plate's peak, by the same tone", "units": "dB"},
+}
+
+
+class StudyStore:
+    """An open store."""
+
+    def __init__(self, path: Path, group: Any, study: _Study) -> None:
+        self._path, self._group = path, group
+        self._varied = [name for name, _ in study.varied]
+        self.count = study.count
+
+    @classmethod
+    def open(cls, path: Path, study: _Study, chunk: int | None, plates_of_a_chunk: Callable[[], int]) -> StudyStore:
+        """Opens the store of a study, or makes it; ``chunk`` or else ``plates_of_a_chunk()`` fixes the chunk of a new one.
+
+        Raises ``BadFile`` if it is that of another study.
+        """
+        zarr = _zarr()
+        if not path.exists():
+            _make(path, study, chunk or plates_of_a_chunk())
+        try:
+            group = zarr.open_group(path, mode="r+")
+            kept = dict(group.attrs)
+            kept_chunk = int(group["status"].chunks[0])
+        except (OSError, KeyError, ValueError, zarr.errors.BaseZarrError) as error:
+            raise BadFile(f"{path}: it is not the store of a study; name another one") from error
+        for name, value in _attributes(study).items():
+            if kept.get(name) != value:
+                raise BadFile(f"{path}: it is the store of another study, {_difference(name, kept.get(name), value)}; name another one")
+        if chunk not in (None, kept_chunk):
+            raise BadFile(f"{path}: its chunks have {kept_chunk} plates, not {chunk}; leave chunk out, or name another store")
+        return cls(path, group, study)
+
+    def due(self) -> list[tuple[int, int]]:
+        """The ranges that have no results yet, as (first, end)."""
+        status = self._group["status"][:]
+        step = int(self._group["status"].chunks[0])
+        spans = [(first, min(first + step, self.count)) for first in range(0, self.count, step)]
+        return [(first, end) for first, end in spans if not status[first:end].all()]
+
+    def write(self, span: tuple[int, int], results: Any) -> None:
+        """Writes the results of a range, its status last."""
+        plates = slice(*span)
+        status, varied, *arrays = results
+        for name, column in zip(self._varied, varied.T):
+            self._group[name][plates] = column
+        for name, array in zip(_RESULTS, arrays):
+            self._group[name][plates] = array
+        self._group["status"][plates] = status
+
+    def dataset(self) -> Any:
+        """The store as an ``xarray.Dataset``."""
+        import xarray
+
+        return xarray.open_zarr(self._path)
+
+
+def _attributes(study: _Study) -> dict[str, str]:
+    spec = study.to_toml()
+    return {"slipline_version": VERSION, "spec": spec, "spec_sha256": hashlib.sha256(spec.encode()).hexdigest()}
+
+
+def _difference(name: str, kept: Any, wanted: str) -> str:
+    """What differs, in words: of two specifications the first line that does."""
+    if name == "spec":
+        for ours, theirs in zip(str(kept).splitlines(), wanted.splitlines()):
+            if ours != theirs:
+                return f"with {ours}, not {theirs}"
+    return f"its {name} is {kept}, not {wanted}" if name != "spec" else "its specification has other lines"
+
+
+def _make(path: Path, study: _Study, chunk: int) -> None:
+    """Makes an empty store: whole, or none."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    part.mkdir()
+    try:
+        group = _zarr().open_group(part, mode="w", zarr_format=3, attributes=_attributes(study))
+        meanings = study.meanings
+        flags = {"flag_values": list(range(len(meanings))), "flag_meanings": " ".join(meanings)}
+
+        def array(name: str, dimensions: dict[str, int], kind: str, fill: float, attributes: dict[str, Any]) -> Any:
+            chunks = tuple(chunk if dimension == "plate" else size for dimension, size in dimensions.items())
+            return group.create_array(
+                name,
+                shape=tuple(dimensions.values()),
+                chunks=chunks,
+                dtype=kind,
+                fill_value=fill,
+                dimension_names=tuple(dimensions),
+                attributes=attributes,
+            )
+
+        plates, places = {"plate": study.count}, {"place": len(study.place_m)}
+        array("status", plates, "int8", 0, {"long_name": "whether a plate has results, and why not", **flags})
+        place = {"long_name": "turning point on the nominal plate, from the driven end", "units": "m"}
+        array("place_m", places, "float64", np.nan, place)[:] = np.array(study.place_m)
+        for name, attributes in _RESULTS.items():
+            array(name, plates | places, "float64", np.nan, attributes)
+        for name, field in study.varied:
+            array(name, plates, "float64", np.nan, {"long_name": f"{field} of the plate file, in its unit"})
+        with warnings.catch_warnings():
+            # Zarr warns that other libraries may not look for it; without it xarray warns that opening is slow.
+            warnings.simplefilter("ignore")
+            _zarr().consolidate_metadata(part)
+        part.replace(path)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        raise
+
+
+def _zarr() -> Any:
+    try:
+        import xarray  # noqa: F401  needed at the end: better missed at the begin
+        import zarr
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f"{error}; a study's store needs zarr and xarray: pip install slipline[study]") from error
+    return zarr

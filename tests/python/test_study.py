@@ -1,0 +1,345 @@
+"""Studies: the same bits from threads, processes and the command line, and a store that goes on after whatever ended the study."""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+from types import SimpleNamespace
+
+import dask
+import distributed
+import numpy as np
+import pytest
+import slipline
+import xarray
+import zarr
+from conftest import PROGRAM
+from line import Program
+
+#: A field far from 1 refuses some plates, so that the reasons are there, too.
+SPEC = {
+    "plate": "membrane",
+    "seed": 7,
+    "count": 150,
+    "turning_point_m": [0.12, 0.18, 0.24],
+    "vary": {
+        "model.wave_speed_m_per_s": {"normal": 0.01},
+        "loss_factor": {"log_normal": 0.3},
+        "taper.rate_per_m": {"uniform": 0.02},
+        "taper.half_width_m": {"log_normal": 0.6},
+    },
+}
+#: A whole chunk less than the last one, so that the last one is not whole.
+CHUNK = 16
+PATIENCE_S = 60.0
+
+
+def many(count: int) -> dict[str, object]:
+    """The study of more plates."""
+    return {**SPEC, "count": count}
+
+
+def bits(dataset: xarray.Dataset) -> dict[str, bytes]:
+    """The bytes of every variable."""
+    return {name: variable.values.tobytes() for name, variable in dataset.variables.items()}
+
+
+def done(store: Path, chunk: int) -> int:
+    """How many chunks of a store have been written."""
+    return sum(part.name.isdigit() for part in (store / "status" / "c").glob("*"))
+
+
+def until_some_are_done(store: Path) -> None:
+    """Waits until a study is in its middle: a chunk is written."""
+    until = time.monotonic() + PATIENCE_S
+    while not done(store, CHUNK) and time.monotonic() < until:
+        time.sleep(0.002)
+
+
+@pytest.fixture(scope="module")
+def here(tmp_path_factory: pytest.TempPathFactory) -> xarray.Dataset:
+    """The study on the threads of this computer."""
+    return slipline.study.run(SPEC, store=tmp_path_factory.mktemp("here") / "study.zarr", chunk=CHUNK)
+
+
+def test_plain_xarray_opens_a_store_with_its_dimensions_units_and_reasons(here: xarray.Dataset) -> None:
+    with xarray.open_zarr(here.encoding["source"]) as found:
+        assert dict(found.sizes) == {"plate": 150, "place": 3}
+        for name, dimensions, unit in (
+            ("place_m", ("place",), "m"),
+            ("turning_point_shift_m", ("plate", "place"), "m"),
+            ("level_db", ("plate", "place"), "dB"),
+        ):
+            assert (found[name].dims, found[name].dtype, found[name].units) == (dimensions, np.float64, unit)
+        assert found.place_m.values.tolist() == SPEC["turning_point_m"]
+        assert {name for name in found if name.startswith("vary_")} == {
+            "vary_loss_factor",
+            "vary_model_wave_speed_m_per_s",
+            "vary_taper_half_width_m",
+            "vary_taper_rate_per_m",
+        }
+        status = found.status
+        assert status.dims == ("plate",) and status.dtype == np.int8
+        meanings = status.flag_meanings.split()
+        assert meanings[:2] == ["not_yet", "done"] and list(status.flag_values) == list(range(len(meanings)))
+        counts = np.bincount(status.values, minlength=len(meanings))
+        assert counts[0] == 0 and counts[1] > 100 and counts[meanings.index("plate_refused")] > 0, counts
+        # A bad plate has no number, and no other plate lacks one.
+        assert (np.isnan(found.level_db.values).any(axis=1) == (status.values != 1)).all()
+        assert found.status.encoding["chunks"] == (CHUNK,)
+        assert found.attrs["slipline_version"] == slipline.__version__
+        assert tomllib.loads(found.attrs["spec"])["count"] == 150 and len(found.attrs["spec_sha256"]) == 64
+
+
+def test_one_thread_and_two_have_the_same_bits(here: xarray.Dataset, tmp_path: Path) -> None:
+    allowed = os.sched_getaffinity(0)
+    try:
+        os.sched_setaffinity(0, {min(allowed)})
+        assert slipline._study_workers.ThreadWorkers(slipline.study._Study(slipline.study._text(SPEC))).count() == 1
+        one = slipline.study.run(SPEC, store=tmp_path / "one.zarr", chunk=50)
+    finally:
+        os.sched_setaffinity(0, allowed)
+    assert bits(one) == bits(here), "whatever the chunk"
+
+
+def test_the_command_line_has_the_same_bits(here: xarray.Dataset, tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(here.attrs["spec"])
+    line = [PROGRAM, "study", str(tmp_path / "study.toml"), "--out", str(tmp_path / "study.csv")]
+    subprocess.run(line, check=True, capture_output=True)
+    with (tmp_path / "study.csv").open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    assert [int(row["plate"]) for row in rows] == list(range(150))
+    meanings = here.status.flag_meanings.split()
+    assert [row["status"] for row in rows] == [meanings[status] for status in here.status.values]
+
+    def column(name: str) -> bytes:
+        return np.array([float(row[name] or "nan") for row in rows]).tobytes()
+
+    for name in (name for name in here if name.startswith("vary_")):
+        assert column(name) == here[name].values.tobytes(), name
+    for place, place_m in enumerate(SPEC["turning_point_m"]):
+        for name in ("turning_point_shift_m", "level_db"):
+            assert column(f"{name}_at_{place_m}") == here[name].values[:, place].tobytes(), name
+    # The file, and the text in the store, name the same study.
+    again = slipline.study.run(tmp_path / "study.toml", store=here.encoding["source"])
+    assert bits(again) == bits(here)
+
+
+def test_a_chunk_that_is_computed_alone_has_its_bits(here: xarray.Dataset, tmp_path: Path) -> None:
+    store = tmp_path / "study.zarr"
+    shutil.copytree(here.encoding["source"], store)
+    for name in ("status", "level_db", "turning_point_shift_m", "vary_loss_factor"):
+        for part in (store / name / "c").glob("3*"):
+            shutil.rmtree(part) if part.is_dir() else part.unlink()
+    with xarray.open_zarr(store) as found:
+        lost = found.status.values == 0
+        assert lost.sum() == CHUNK and lost[3 * CHUNK] and np.isnan(found.level_db.values[lost]).all()
+    before = (store / "level_db" / "c" / "2" / "0").stat().st_mtime_ns
+    assert bits(slipline.study.run(SPEC, store=store)) == bits(here)
+    assert (store / "level_db" / "c" / "2" / "0").stat().st_mtime_ns == before, "it alone"
+
+
+def test_a_plate_of_a_study_is_what_its_row_was_computed_of(here: xarray.Dataset) -> None:
+    i = int(np.flatnonzero(here.status.values == 1)[-1])
+    drawn = slipline.study.plate(SPEC, i)
+    file = tomllib.loads(drawn.to_toml())
+    assert file["loss_factor"] == here.vary_loss_factor.values[i]
+    assert file["taper"]["rate_per_m"] == here.vary_taper_rate_per_m.values[i]
+    # By the field at the frequency of the nominal plate's table.
+    hz = np.interp(0.18, *(getattr(slipline.Plate("membrane").table(), name) for name in ("position_m", "frequency_hz")))
+    peak, nominal = (plate.respond(hz).peak_amplitude for plate in (drawn, slipline.Plate("membrane")))
+    assert abs(20 * np.log10(peak / nominal) - here.level_db.values[i, 1]) < 0.05
+    with pytest.raises(slipline.OutOfRange, match="i = 150: must be 0 to 149"):
+        slipline.study.plate(SPEC, 150)
+    refused = int(np.flatnonzero(here.status.values == 2)[0])
+    with pytest.raises(slipline.OutOfRange, match="plate: "):
+        slipline.study.plate(SPEC, refused)
+
+
+def test_another_specification_seed_chunk_or_version_is_refused(here: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store = Path(here.encoding["source"])
+    for change, words in (
+        ({"seed": 8}, "with seed = 7, not seed = 8"),
+        ({"vary": {**SPEC["vary"], "loss_factor": {"log_normal": 0.2}}}, "log_normal = 0.3"),
+        ({"plate": "membrane-heavy"}, "another study"),
+    ):
+        with pytest.raises(slipline.BadFile, match=words):
+            slipline.study.run({**SPEC, **change}, store=store)
+    with pytest.raises(slipline.BadFile, match="its chunks have 16 plates, not 17"):
+        slipline.study.run(SPEC, store=store, chunk=17)
+    monkeypatch.setattr(slipline._study_store, "VERSION", "99.0.0")
+    with pytest.raises(slipline.BadFile, match="slipline_version is .*, not 99.0.0"):
+        slipline.study.run(SPEC, store=store)
+    monkeypatch.undo()
+    (tmp_path / "other").mkdir()
+    (tmp_path / "file").write_text("a file")
+    for other in ("other", "file"):
+        with pytest.raises(slipline.BadFile, match="not the store of a study"):
+            slipline.study.run(SPEC, store=tmp_path / other)
+    assert (tmp_path / "file").read_text() == "a file" and not list((tmp_path / "other").iterdir())
+
+
+def test_what_is_wrong_with_a_specification_is_named(tmp_path: Path) -> None:
+    for change, error, words in (
+        ({"count": 0}, slipline.OutOfRange, "count = 0: must be 1 to 1000000"),
+        ({"plate": "membrame"}, slipline.BadFile, "did you mean membrane?"),
+        ({"turning_point_m": [0.12, 9.0]}, slipline.OutOfRange, r"turning_point_m\[1\]"),
+        ({"vary": {"loss": {"normal": 0.1}}}, slipline.BadFile, "loss"),
+        ({"sed": 1}, slipline.BadFile, "unknown field .sed."),
+        ({"plate": None}, TypeError, "a specification has no NoneType"),
+    ):
+        with pytest.raises(error, match=words):
+            slipline.study.run({**SPEC, **change}, store=tmp_path / "store")
+    for arguments, words in (({"chunk": 0}, "chunk = 0: must be 1 to 150"), ({"retries": -1}, "retries = -1: must be 0 to")):
+        with pytest.raises(slipline.OutOfRange, match=words):
+            slipline.study.run(SPEC, store=tmp_path / "store", **arguments)
+    with pytest.raises(slipline.BadFile, match="none.toml: No such file"):
+        slipline.study.run(tmp_path / "none.toml", store=tmp_path / "store")
+    assert not list(tmp_path.iterdir())
+    fields = {"third": 1 / 3, "small": [5e-324, -0.0, 3], 'a "b\\c"\t\x7f': {"x.y": True}, "none": []}
+    assert tomllib.loads(slipline.study._text(fields)) == fields
+    # A plate as an object, numbers of numpy.
+    named = slipline.Plate.from_toml(slipline.Plate("membrane").to_toml().replace('"membrane"', r'"a \"b\\c\""', 1))
+    fields = {**SPEC, "plate": named, "count": np.int64(1), "turning_point_m": np.array(SPEC["turning_point_m"])}
+    assert slipline.study.plate(fields, 0).name == named.name
+
+
+def test_a_chunk_that_fails_is_tried_again_and_then_raises_with_a_store_that_goes_on(
+    here: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tries: list[int] = []
+
+    class Broken:
+        def run(self, first: int, end: int) -> None:
+            raise OSError("a worker that fails")
+
+    class Failing(slipline._study_workers.ThreadWorkers):
+        def submit(self, first: int, end: int) -> object:
+            tries.append(first)
+            if first == 32 and tries.count(32) <= failures:
+                self._study, study = Broken(), self._study
+                future = super().submit(first, end)
+                self._study = study
+                return future
+            return super().submit(first, end)
+
+    monkeypatch.setattr(slipline.study, "ThreadWorkers", Failing)
+    failures = 3
+    with pytest.raises(OSError, match="a worker that fails"):
+        slipline.study.run(SPEC, store=tmp_path / "study.zarr", chunk=CHUNK)
+    assert tries.count(32) == 3
+    tries.clear()
+    failures = 2
+    assert bits(slipline.study.run(SPEC, store=tmp_path / "study.zarr")) == bits(here)
+    assert tries.count(32) == 3 and 0 not in tries
+
+
+def test_a_chunk_that_was_written_in_part_is_computed_again(here: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    few = bits(here.isel(plate=slice(20)))
+    setitem = zarr.Array.__setitem__
+    # The fields that vary, the two results, and the status.
+    for whole in range(7):
+        writes: list[str] = []
+
+        def interrupted(array: zarr.Array, place: slice, values: np.ndarray, whole: int = whole, writes: list[str] = writes) -> None:
+            if len(writes) == whole:
+                raise KeyboardInterrupt
+            writes.append(array.basename)
+            setitem(array, place, values)
+
+        store = tmp_path / f"{whole}.zarr"
+        slipline._study_store._make(store, slipline.study._Study(slipline.study._text(many(20))), CHUNK)
+        with monkeypatch.context() as patched:
+            patched.setattr(zarr.Array, "__setitem__", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                slipline.study.run(many(20), store=store)
+        assert len(writes) == whole and "status" not in writes
+        assert bits(slipline.study.run(many(20), store=store)) == few
+
+
+def test_ctrl_c_leaves_a_store_that_goes_on(tmp_path: Path) -> None:
+    whole = slipline.study.run(many(800), store=tmp_path / "whole.zarr", chunk=800)
+    store = tmp_path / "study.zarr"
+    program = f"import slipline, sys\nslipline.study.run({many(800)!r}, store=sys.argv[1], chunk={CHUNK})"
+    with Program(program, str(store)) as running:
+        until_some_are_done(store)
+        running.signal(signal.SIGINT)
+        code, errors = running.end()
+    assert code in (1, -signal.SIGINT) and "KeyboardInterrupt" in errors
+    with xarray.open_zarr(store) as found:
+        missing = int((found.status.values == 0).sum())
+        assert 0 < missing < 800
+        written = found.status.values != 0
+        assert (found.level_db.values[written].tobytes()) == whole.level_db.values[written].tobytes()
+    assert bits(slipline.study.run(many(800), store=store)) == bits(whole)
+
+
+def test_two_processes_have_the_same_bits_even_where_one_is_killed(tmp_path: Path) -> None:
+    whole = slipline.study.run(many(800), store=tmp_path / "whole.zarr", chunk=800)
+    store = tmp_path / "study.zarr"
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "silence_logs": 50}
+    with distributed.LocalCluster(**options) as cluster:
+        killed: list[int] = []
+        write = slipline._study_store.StudyStore.write
+
+        def and_kill(kept: object, span: tuple[int, int], results: object) -> None:
+            write(kept, span, results)
+            if not killed:
+                killed.append(cluster.workers[0].pid)
+                os.kill(killed[0], signal.SIGKILL)
+
+        slipline._study_store.StudyStore.write = and_kill
+        try:
+            found = slipline.study.run(many(800), cluster.scheduler_address, store=store, chunk=CHUNK)
+        finally:
+            slipline._study_store.StudyStore.write = write
+        assert killed and bits(found) == bits(whole)
+
+
+def test_the_address_local_begins_processes_here(here: xarray.Dataset, tmp_path: Path) -> None:
+    assert bits(slipline.study.run(SPEC, "local", store=tmp_path / "study.zarr", chunk=CHUNK)) == bits(here)
+
+
+def test_an_address_without_a_scheduler_is_refused(tmp_path: Path) -> None:
+    with dask.config.set({"distributed.comm.timeouts.connect": "0.1s"}):
+        with pytest.raises(slipline.Refused, match="tcp://127.0.0.1:1"):
+            slipline.study.run(SPEC, "tcp://127.0.0.1:1", store=tmp_path / "study.zarr")
+
+
+def test_a_chunk_takes_seven_tenths_of_a_second_by_a_probe(monkeypatch: pytest.MonkeyPatch) -> None:
+    now_s = 0.0
+
+    class Study:
+        count = 10_000
+
+        def run(self, first: int, end: int) -> None:
+            nonlocal now_s
+            assert 0 <= first < end <= self.count
+            now_s += (end - first) * plate_s
+
+    monkeypatch.setattr(slipline.study, "time", SimpleNamespace(perf_counter=lambda: now_s))
+    for plate_s, plates in ((1e-3, 700), (0.35, 2), (5.0, 1), (1e-6, 10_000)):
+        assert slipline.study._plates_of_a_chunk(Study()) == plates
+
+
+def test_progress_says_how_long_the_rest_takes(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    now_s = 100.0
+    monkeypatch.setattr(slipline.study, "time", SimpleNamespace(monotonic=lambda: now_s))
+    # 60 plates are in the store already.
+    progress = slipline.study._Progress(160, 100)
+    for _ in range(4):
+        now_s += 0.25
+        progress.add(5)
+    progress.end()
+    lines = capsys.readouterr().err.strip().split("\r")
+    assert [line.strip() for line in lines] == ["study: 70 of 160 plates, 4 s left", "study: 80 of 160 plates, 4 s left"]
+    # What is done at once says nothing.
+    slipline.study._Progress(1, 1).end()
+    assert capsys.readouterr().err == ""
