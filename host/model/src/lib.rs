@@ -8,7 +8,7 @@
 //! specification --> study (many plates around one) --> CSV, statistics
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
-//! It builds for a browser. The feature `native` adds files, which browsers do not support.
+//! It builds for a browser. The feature `native` adds files and figures as pixels, which a browser does without.
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.

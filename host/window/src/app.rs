@@ -9,22 +9,31 @@
 //! Nothing here blocks: work that takes longer than a frame runs in the link worker, a [`JobQueue`] or [`Files`].
 
 mod demonstration;
+#[cfg(not(target_arch = "wasm32"))]
 mod eframe_log;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's clock"))]
 mod event_loop;
 mod glyphs;
 mod input;
 mod kiosk;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's environment"))]
 mod no_display;
 mod outputs;
+#[cfg(not(target_arch = "wasm32"))]
 mod pace;
 mod paths;
 mod perform;
 mod sound;
+#[cfg(not(target_arch = "wasm32"))]
 mod window;
 
+#[cfg(not(target_arch = "wasm32"))]
 pub use event_loop::run as run_in_event_loop;
 pub use slipline_instrument::{Jobs, Link};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
+#[cfg(not(target_arch = "wasm32"))]
 pub use window::{Opening, run};
 
 use crate::files::{FileJob, Files};
@@ -35,7 +44,7 @@ use crate::sound::Speaker;
 use crate::view::{self, ViewState, theme};
 use eframe::egui;
 use slipline_instrument::bench::Bench;
-use slipline_instrument::{DeviceIntent, DragRecorder, Instrument};
+use slipline_instrument::{DeviceIntent, DragRecorder, Instrument, Shown};
 use slipline_link::{Port, PortInfo};
 use slipline_model::export::figures::plate::{self, FigureJob};
 use slipline_model::export::figures::{DrawError, encode};
@@ -156,6 +165,17 @@ impl App {
     #[must_use]
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// What the instrument shows.
+    #[must_use]
+    pub fn shown(&self) -> Shown<'_> {
+        self.instrument.shown()
+    }
+
+    /// Shows a failure.
+    pub fn fail(&mut self, text: String) {
+        self.instrument.fail(text);
     }
 
     /// The recorded drag.

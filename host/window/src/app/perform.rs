@@ -45,10 +45,7 @@ impl App {
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start if self.view.is_stopped => {}
                 Intent::Start => self.instrument.start(),
-                Intent::Stop => {
-                    self.view.is_stopped = true;
-                    self.instrument.press_stop();
-                }
+                Intent::Stop => self.press_stop(),
                 Intent::StopKey => {
                     self.view.is_stopped = true;
                     self.instrument.press_stop_key();
@@ -167,6 +164,26 @@ impl App {
             }
             self.carry_out(ctx);
             ctx.request_repaint();
+        }
+    }
+
+    /// Carries out a press of STOP.
+    pub fn press_stop(&mut self) {
+        self.view.is_stopped = true;
+        self.instrument.press_stop();
+    }
+
+    /// Ends the drive: nobody sees the window any more.
+    pub fn end_drive(&mut self) {
+        self.view.is_stopped = true;
+        self.instrument.stop();
+    }
+
+    /// Shows a setup or a plate that was opened; Undo brings the present one back.
+    pub fn use_opened(&mut self, opened: Opened) {
+        match opened {
+            Opened::Setup(setup) => self.instrument.edit(&Edit::Replace(setup)),
+            Opened::Plate(plate) => self.instrument.edit(&Edit::Plate(plate)),
         }
     }
 
@@ -300,8 +317,7 @@ impl App {
                     return;
                 }
                 match setup_file::read(&text) {
-                    Ok(Opened::Setup(setup)) => self.instrument.edit(&Edit::Replace(setup)),
-                    Ok(Opened::Plate(plate)) => self.instrument.edit(&Edit::Plate(plate)),
+                    Ok(opened) => self.use_opened(opened),
                     Err(error) => return self.instrument.not_opened(&name, &error),
                 }
                 self.settings.used(&path);

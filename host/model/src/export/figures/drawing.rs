@@ -1,22 +1,28 @@
 //! A finished figure: SVG text for papers, and pixels rendered from it.
 
+#[cfg(feature = "native")]
 use super::font;
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
+#[cfg(feature = "native")]
 use resvg::tiny_skia::{Pixmap, Transform};
+#[cfg(feature = "native")]
 use resvg::usvg::{self, Options, Tree};
 use std::path::Path;
 use thiserror::Error;
 
 /// Points per inch: the unit of a page.
+#[cfg(feature = "native")]
 const POINTS_PER_INCH: f64 = 72.0;
 
 /// Why a drawing could not be rendered.
 #[derive(Debug, Error)]
 pub enum DrawError {
     /// The renderer cannot read it.
+    #[cfg(feature = "native")]
     #[error("the figure could not be painted: {0}")]
     Svg(#[from] usvg::Error),
     /// It has more pixels than fit into memory, or none.
+    #[cfg(feature = "native")]
     #[error("the figure could not be painted: {0} x {1} pixels are not possible")]
     Size(u32, u32),
     /// The PNG encoder failed.
@@ -30,18 +36,23 @@ pub enum Format {
     /// Vectors, with text left as text: for papers.
     Svg,
     /// Pixels.
+    #[cfg(feature = "native")]
     Png,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 2] = [Self::Svg, Self::Png];
+    pub const ALL: &[Self] = &[
+        Self::Svg,
+        #[cfg(feature = "native")]
+        Self::Png,
+    ];
 
     /// The format of a file name extension, in upper or lower case; `None` for any other extension.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
-        Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.extension()))
+        Self::ALL.iter().copied().find(|format| ending.eq_ignore_ascii_case(format.extension()))
     }
 
     /// The file name extension, without the dot.
@@ -49,6 +60,7 @@ impl Format {
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Svg => "svg",
+            #[cfg(feature = "native")]
             Self::Png => "png",
         }
     }
@@ -58,12 +70,18 @@ impl Format {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     svg: String,
+    #[cfg(feature = "native")]
     dots_per_inch: f64,
 }
 
 impl Drawing {
+    #[cfg_attr(not(feature = "native"), expect(unused_variables, reason = "only pixels need it"))]
     pub(super) const fn new(svg: String, dots_per_inch: f64) -> Self {
-        Self { svg, dots_per_inch }
+        Self {
+            svg,
+            #[cfg(feature = "native")]
+            dots_per_inch,
+        }
     }
 
     /// The figure as an SVG file.
@@ -79,12 +97,14 @@ impl Drawing {
     pub fn file(&self, format: Format) -> Result<Vec<u8>, DrawError> {
         match format {
             Format::Svg => Ok(self.svg.clone().into_bytes()),
+            #[cfg(feature = "native")]
             Format::Png => png(&self.svg, self.dots_per_inch),
         }
     }
 }
 
 /// Renders an SVG file at this many dots per inch, as a PNG file.
+#[cfg(feature = "native")]
 fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, DrawError> {
     let tree = parsed(svg)?;
     let scale = dots_per_inch / POINTS_PER_INCH;
@@ -103,6 +123,7 @@ fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, DrawError> {
 }
 
 /// The SVG file as the renderer parses it, with its size in points.
+#[cfg(feature = "native")]
 pub(super) fn parsed(svg: &str) -> Result<Tree, usvg::Error> {
     let options = Options { dpi: POINTS_PER_INCH as f32, fontdb: font::database(), ..Options::default() };
     Tree::from_str(svg, &options)

@@ -1,10 +1,13 @@
 //! The font of the figures. It is part of the program, so that figures look the same on every machine, even one
 //! without fonts.
 
+#[cfg(feature = "native")]
 use resvg::usvg::fontdb::Database;
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider as _};
-use std::sync::{Arc, OnceLock};
+#[cfg(feature = "native")]
+use std::sync::Arc;
+use std::sync::OnceLock;
 
 /// The font families that a figure refers to, in order of preference: a viewer without Ubuntu uses the next
 /// one.
@@ -19,6 +22,7 @@ const UNKNOWN: f32 = 1.0;
 const FONTS: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
 
 /// The fonts, for the renderer.
+#[cfg(feature = "native")]
 pub(super) fn database() -> Arc<Database> {
     static DATABASE: OnceLock<Arc<Database>> = OnceLock::new();
     let made = || {
@@ -91,6 +95,7 @@ mod tests {
 
     #[test]
     fn widths_are_the_fonts_own() {
+        #[cfg(feature = "native")]
         assert_eq!(database().faces().count(), FONTS.len());
         assert!(width("W", 10.0) > 2.0 * width("i", 10.0) && width("i", 10.0) > 1.0);
         assert!((width("wave", 20.0) - 2.0 * width("wave", 10.0)).abs() < 1e-9);

@@ -28,5 +28,5 @@ const PRINT_WIDTH: f64 = 170.0 / 25.4 * 72.0;
 /// Dots per inch of a figure as PNG: the resolution that journals require at print size.
 const PRINT_DOTS_PER_INCH: f64 = 300.0;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "native"))]
 mod tests;

@@ -138,7 +138,7 @@ fn any_name_of_a_plate_is_a_title() {
 #[test]
 fn two_runs_give_the_same_bytes() {
     let figure = &figures().expect("computed")[1];
-    for format in Format::ALL {
+    for &format in Format::ALL {
         let file = || paper_figure(figure).file(format).expect("drawn");
         assert!(file() == file(), "{format:?}");
     }

@@ -87,8 +87,11 @@ fn file_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.separator();
     let help = "Plate, envelope and boundaries for print, as lines that scale";
     entry("Export figure (SVG)…", "", help).show(ui, intents, export(Export::Figure(Format::Svg)));
-    let help = "Plate, envelope and boundaries for print, as pixels";
-    entry("Export figure (PNG)…", "", help).show(ui, intents, export(Export::Figure(Format::Png)));
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        let help = "Plate, envelope and boundaries for print, as pixels";
+        entry("Export figure (PNG)…", "", help).show(ui, intents, export(Export::Figure(Format::Png)));
+    }
     let help = "The largest displacement at each place, predicted and of the simulated plate";
     entry("Export envelope (CSV)…", "", help).show(ui, intents, export(Export::Envelope));
     let help = "The drive as the plot shows it, in shares of full scale over time";

@@ -268,5 +268,5 @@ impl Figure<'_> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "native"))]
 mod tests;
