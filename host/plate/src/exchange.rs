@@ -47,6 +47,8 @@ impl Exchange {
     }
 
     fn keep(&mut self, number: u64, plate: Arc<Plate>) {
+        // Whoever gives the next number has read all numbers so far.
+        self.latest = self.latest.max(number);
         if self.plates.len() == KEPT {
             self.plates.pop_front();
         }
@@ -88,6 +90,28 @@ pub mod by_number {
                 .map(|(_, plate)| Arc::clone(plate))
                 .ok_or_else(|| de::Error::custom("a plate that was not sent"))
         })
+    }
+}
+
+/// The serde form of a plate that nobody tells from an equal one: the text of its file.
+pub mod by_text {
+    use super::Plate;
+    use serde::{Deserialize as _, Deserializer, Serializer, de};
+
+    /// Writes the text.
+    ///
+    /// # Errors
+    /// That of the serialiser.
+    pub fn serialize<S: Serializer>(plate: &Plate, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&plate.to_toml())
+    }
+
+    /// Reads the plate of a text.
+    ///
+    /// # Errors
+    /// A text that is no plate; that of the deserialiser.
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Plate, D::Error> {
+        Plate::from_toml(&String::deserialize(deserializer)?).map_err(de::Error::custom)
     }
 }
 

@@ -30,7 +30,7 @@ pub mod quantity;
 pub mod sheet;
 pub mod special;
 #[cfg(feature = "serde")]
-mod static_text;
+pub mod static_text;
 pub mod table;
 pub mod text_table;
 pub mod texture;

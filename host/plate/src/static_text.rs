@@ -20,7 +20,7 @@ static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 ///
 /// # Errors
 /// That of the serialiser.
-pub(crate) fn serialize<S: Serializer>(text: &&'static str, serializer: S) -> Result<S::Ok, S::Error> {
+pub fn serialize<S: Serializer>(text: &&'static str, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(text)
 }
 
@@ -28,7 +28,7 @@ pub(crate) fn serialize<S: Serializer>(text: &&'static str, serializer: S) -> Re
 ///
 /// # Errors
 /// That of the deserialiser; or the text is longer than 1024 bytes, or the 1025th different one.
-pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static str, D::Error> {
+pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static str, D::Error> {
     let text = Cow::<'de, str>::deserialize(deserializer)?;
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(text) = known.get(text.as_ref()) {

@@ -81,6 +81,8 @@ pub struct Desk {
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated device first.
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
+    /// The address of the page that the window is on, without a fragment; `None` outside a browser.
+    pub address: Option<String>,
 }
 
 /// Who decides what is on the stage.
@@ -256,6 +258,7 @@ impl App {
             visitors: self.visitors_scene(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
+            has_address: self.desk.address.is_some(),
             thumbnails: &self.thumbnails,
         };
         let intents = view::show(ui, &scene, &mut view);

@@ -65,6 +65,7 @@ impl fmt::Display for Range {
 
 /// The allowed length of a text or a list, both ends included. Displayed as `1 to 80`, or `at most 80`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Count {
     /// Smallest count.
     pub least: usize,
@@ -76,6 +77,7 @@ pub struct Count {
 
 /// The items that a [`Count`] counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Counted {
     /// Characters of a text on one line, without control characters.
     Characters,

@@ -83,9 +83,11 @@ impl std::error::Error for OutOfRange {}
 
 /// A text or a list that is too short or too long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WrongCount {
     /// The text or list.
-    pub field: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    pub field: crate::StaticText,
     /// Its number of characters, points or bytes.
     pub count: usize,
     /// The allowed count, with its items.

@@ -14,6 +14,7 @@ use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
+use slipline_model::setup::fragment;
 use slipline_plate::design::Design;
 use std::fmt::Display;
 use std::path::Path;
@@ -94,6 +95,7 @@ impl App {
                     let text = self.instrument.setup().plate.to_toml();
                     self.save("plate.toml", "Plate", "toml", text.into_bytes());
                 }
+                Intent::Share => self.share(ctx),
                 Intent::Design(draft) => self.instrument.design(*draft),
                 Intent::UseDesign => {
                     if let Some(designed) = self.designed() {
@@ -185,6 +187,14 @@ impl App {
             Opened::Setup(setup) => self.instrument.edit(&Edit::Replace(setup)),
             Opened::Plate(plate) => self.instrument.edit(&Edit::Plate(plate)),
         }
+    }
+
+    /// Copies the address that shows the setup.
+    fn share(&mut self, ctx: &egui::Context) {
+        let Some(address) = &self.desk.address else { return };
+        let address = format!("{address}#{}", fragment::write(self.instrument.setup()));
+        self.instrument.post(format!("Copied the address of this setup: {} characters", address.len()));
+        ctx.copy_text(address);
     }
 
     fn confirmed(&mut self, confirm: Confirm) {

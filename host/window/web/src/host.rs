@@ -25,6 +25,10 @@ extern "C" {
     #[wasm_bindgen(method)]
     pub(crate) fn choose(this: &Host, extensions: &str) -> Promise;
 
+    /// The address of the page without its fragment.
+    #[wasm_bindgen(method)]
+    pub(crate) fn address(this: &Host) -> String;
+
     /// Has the browser save a file.
     #[wasm_bindgen(method)]
     pub(crate) fn save(this: &Host, name: &str, bytes: &[u8]);

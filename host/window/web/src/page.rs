@@ -221,12 +221,14 @@ fn app(
     host: Rc<Host>,
 ) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
     let ctx = &creation.egui_ctx;
+    let address = host.address();
     let desk = Desk {
         scenes: JobQueue::inline(|(), task: &_| thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| plate::work(&job, task)),
         speaker: Box::new(NoSpeaker),
-        files: Box::new(BrowserFiles::new(host, ctx.clone())),
+        files: Box::new(BrowserFiles::new(Rc::clone(&host), ctx.clone())),
         ports: Box::new(|| vec![PortInfo::simulated()]),
+        address: Some(address),
     };
     let parts = Parts { link: Box::new(link), jobs, bench: Bench::default(), desk };
     let kept = |key: &str| creation.storage.and_then(|storage| storage.get_string(key));

@@ -1,4 +1,4 @@
-//! Work that takes longer than a picture, in workers: one for quick jobs, one for the sheet.
+//! Work that takes longer than a picture, in workers: one for quick jobs, one for long ones.
 //!
 //! ```text
 //! JobQueue --begin--> Lane --number, job--> JobWorker
@@ -13,10 +13,16 @@ use crate::host::Host;
 use eframe::egui;
 use serde::{Deserialize, Serialize};
 use slipline_instrument::Jobs;
+use slipline_instrument::jobs::calibrate::{self, CalibrateDone, CalibrateJob};
 use slipline_model::field::sheet::{self, Frame, SheetJob};
 use slipline_model::field::time_domain::{self, SimulatedField, TimeDomainJob};
 use slipline_model::jobs::check::{self, CheckJob, Checked};
+use slipline_model::jobs::compare::{self, CompareJob, Compared};
+use slipline_model::jobs::design::{self, Designed, Draft};
+use slipline_model::jobs::measured_places::{self, MeasuredPlaces, MeasuredPlacesJob};
+use slipline_model::jobs::plane::{self, PlaneChecked, PlaneJob};
 use slipline_model::jobs::table::{self, TableJob, TableState};
+use slipline_model::jobs::texture::{self, TextureJob, Textured};
 use slipline_model::jobs::{JobQueue, Task};
 use slipline_model::waveform::{self, Waveform, WaveformJob};
 use slipline_plate::exchange::Exchange;
@@ -32,16 +38,17 @@ const PATIENCE: Duration = Duration::from_millis(300);
 
 type Work<Job, Done> = Box<dyn FnMut(Job, &Task) -> Option<Done>>;
 
-/// One line per kind of work: its variant, its queue, the job and its result, its worker, and the work.
+/// One line per kind of work: its variant, its queue, the job and its result, its worker, the work, and what puts parts of
+/// the job back into the result that came with it: whoever asked tells them from equal ones.
 macro_rules! kinds {
-    ($($kind:ident $queue:ident: $job:ty => $done:ty, $lane:ident, $work:expr;)*) => {
+    ($($kind:ident $queue:ident: $job:ty => $done:ty, $lane:ident, $work:expr, $put_back:expr;)*) => {
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         enum Kind {
             $($kind,)*
         }
 
         /// A job on its way to a worker.
-        #[derive(Serialize, Deserialize)]
+        #[derive(Clone, Serialize, Deserialize)]
         enum Job {
             $($kind($job),)*
         }
@@ -58,6 +65,20 @@ macro_rules! kinds {
         #[derive(Serialize, Deserialize)]
         enum Done {
             $($kind(Option<$done>),)*
+        }
+
+        impl Done {
+            /// Puts the job back into its result.
+            fn of(self, job: &Job) -> Self {
+                match (self, job) {
+                    $((Self::$kind(Some(mut done)), Job::$kind(job)) => {
+                        let put_back: fn(&$job, &mut $done) = $put_back;
+                        put_back(job, &mut done);
+                        Self::$kind(Some(done))
+                    })*
+                    (done, _) => done,
+                }
+            }
         }
 
         /// A job worker's entry: it keeps the state of each kind of work.
@@ -118,11 +139,19 @@ macro_rules! kinds {
 }
 
 kinds! {
-    Table tables: TableJob => TableState, quick, table::make;
-    Check checks: CheckJob => Checked, quick, check::work();
-    Waveform waveforms: WaveformJob => Waveform, quick, waveform::work();
-    TimeDomain time_domain: TimeDomainJob => SimulatedField, quick, |job, task: &Task| time_domain::run(&job, task);
-    Sheet sheets: SheetJob => Frame, long, sheet::work();
+    Table tables: TableJob => TableState, quick, table::make, |_, _| ();
+    Check checks: CheckJob => Checked, quick, check::work(), |_, _| ();
+    Waveform waveforms: WaveformJob => Waveform, quick, waveform::work(), |_, _| ();
+    TimeDomain time_domain: TimeDomainJob => SimulatedField, quick,
+        |job, task: &Task| time_domain::run(&job, task), |_, _| ();
+    Comparison comparisons: CompareJob => Compared, quick, compare::work, |job, done| done.job = job.clone();
+    Places measured_places: MeasuredPlacesJob => MeasuredPlaces, quick, measured_places::work,
+        |job, done| done.job = job.clone();
+    Sheet sheets: SheetJob => Frame, long, sheet::work(), |_, _| ();
+    Plane planes: PlaneJob => PlaneChecked, long, plane::work, |_, _| ();
+    Design designs: Draft => Designed, long, design::work, |_, _| ();
+    Texture textures: TextureJob => Textured, long, texture::work, |job, done| done.wish = job.wish.clone();
+    Calibration calibrations: CalibrateJob => CalibrateDone, long, calibrate::work, |job, done| done.job = job.clone();
 }
 
 #[wasm_bindgen]
@@ -146,7 +175,7 @@ impl JobWorker {
 /// A job that runs in a worker.
 struct Running {
     number: u64,
-    kind: Kind,
+    job: Job,
     since: Duration,
     task: Arc<Task>,
 }
@@ -190,7 +219,7 @@ impl Lane {
     /// Ends a job that is not wanted any more, and starts the next one.
     fn go_on(&self, state: &mut State) {
         if let Some(running) = state.running.as_ref().filter(|running| running.task.is_over()) {
-            let has_newer = state.waiting.iter().any(|waiting| waiting.job.kind() == running.kind);
+            let has_newer = state.waiting.iter().any(|waiting| waiting.job.kind() == running.job.kind());
             if !has_newer || now().saturating_sub(running.since) > PATIENCE {
                 self.restart(state);
             }
@@ -198,13 +227,12 @@ impl Lane {
         state.waiting.retain(|waiting| !waiting.task.is_over());
         while state.running.is_none() && !state.waiting.is_empty() {
             let Waiting { number, job, task } = state.waiting.remove(0);
-            let kind = job.kind();
-            match state.exchange.run(|| postcard::to_extend(&(number, job), Vec::new())) {
+            match state.exchange.run(|| postcard::to_extend(&(number, &job), Vec::new())) {
                 Ok(bytes) => {
                     self.host.post_job(self.name, &bytes);
-                    state.running = Some(Running { number, kind, since: now(), task });
+                    state.running = Some(Running { number, job, since: now(), task });
                 }
-                Err(_) => state.ended.push((number, kind)),
+                Err(_) => state.ended.push((number, job.kind())),
             }
         }
     }
@@ -213,7 +241,7 @@ impl Lane {
     fn restart(&self, state: &mut State) {
         self.host.restart_lane(self.name);
         state.exchange = Exchange::default();
-        state.ended.extend(state.running.take().map(|running| (running.number, running.kind)));
+        state.ended.extend(state.running.take().map(|running| (running.number, running.job.kind())));
     }
 }
 
@@ -242,7 +270,11 @@ impl Workers {
             bytes.and_then(|bytes| state.exchange.run(|| postcard::from_bytes::<(u64, Done)>(&bytes)).ok());
         match done {
             Some((number, done)) => {
-                state.running = None;
+                let running = state.running.take().filter(|running| running.number == number);
+                let done = match &running {
+                    Some(Running { job, .. }) => done.of(job),
+                    None => done,
+                };
                 self.results.send(number, done);
             }
             None => lane.restart(&mut state),

@@ -173,6 +173,9 @@ const host = {
       input.click();
     });
   },
+  address() {
+    return location.href.split("#")[0];
+  },
   save(name, bytes) {
     const address = URL.createObjectURL(new Blob([bytes.slice()]));
     const link = document.createElement("a");

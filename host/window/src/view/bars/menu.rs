@@ -82,6 +82,10 @@ fn file_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     });
     let help = "Plate, tones, levels and feeling in one file, which the command line plays, too";
     entry("Save setup…", "Ctrl+S", help).show(ui, intents, Intent::SaveDialog);
+    if scene.has_address {
+        let help = "Copy the address of this page with the setup in it: who opens it sees the same";
+        entry("Share", "", help).show(ui, intents, Intent::Share);
+    }
     let help = "The plate alone, as `slipline` and other setups read it";
     entry("Save plate…", "", help).show(ui, intents, Intent::SavePlateDialog);
     ui.separator();
