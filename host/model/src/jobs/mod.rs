@@ -20,12 +20,23 @@ pub struct Task {
     /// The share done, in millionths.
     millionths: AtomicU32,
     is_over: AtomicBool,
+    /// Passes each share on, to where this task cannot be seen.
+    pass_on: Option<fn(f64)>,
 }
 
 impl Task {
+    /// A task whose shares are passed on, such as from a worker of a browser.
+    #[must_use]
+    pub fn passing_on(pass_on: fn(f64)) -> Self {
+        Self { pass_on: Some(pass_on), ..Self::default() }
+    }
+
     /// Reports that this share (0..=1) is done; returns whether to continue.
     pub fn report(&self, share: f64) -> bool {
         self.millionths.store((share.clamp(0.0, 1.0) * 1e6) as u32, Ordering::Relaxed);
+        if let Some(pass_on) = self.pass_on {
+            pass_on(share);
+        }
         !self.is_over()
     }
 

@@ -143,6 +143,12 @@ impl Page {
         self.workers.take(lane, bytes);
     }
 
+    /// Takes the share that the worker of this name has done of its job.
+    #[wasm_bindgen(js_name = jobProgress)]
+    pub fn job_progress(&self, lane: &str, share: f64) {
+        self.workers.progress(lane, share);
+    }
+
     /// STOP was pressed outside the canvas: the window wants no drive any more.
     pub fn stop(&self) {
         self.reports.borrow_mut().is_stopped = true;

@@ -26,11 +26,12 @@ use slipline_model::jobs::texture::{self, TextureJob, Textured};
 use slipline_model::jobs::{JobQueue, Task};
 use slipline_model::waveform::{self, Waveform, WaveformJob};
 use slipline_plate::exchange::Exchange;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
+use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// A running job that is older than this is not waited for when a newer one of its kind is asked for.
@@ -94,7 +95,7 @@ macro_rules! kinds {
             }
 
             fn done(&mut self, job: Job) -> Done {
-                let task = Task::default();
+                let task = Task::passing_on(pass_on);
                 match job {
                     $(Job::$kind(job) => Done::$kind((self.$queue)(job, &task)),)*
                 }
@@ -152,6 +153,28 @@ kinds! {
     Design designs: Draft => Designed, long, design::work, |_, _| ();
     Texture textures: TextureJob => Textured, long, texture::work, |job, done| done.wish = job.wish.clone();
     Calibration calibrations: CalibrateJob => CalibrateDone, long, calibrate::work, |job, done| done.job = job.clone();
+}
+
+#[wasm_bindgen]
+extern "C" {
+    /// Sends a message from this worker.
+    #[wasm_bindgen(js_name = postMessage)]
+    fn post_message(message: &JsValue);
+}
+
+/// Time between two shares that are passed on.
+const GLANCE: Duration = Duration::from_millis(50);
+
+/// Passes the share of the running job on to the page's thread, as a number.
+fn pass_on(share: f64) {
+    thread_local! {
+        static LATEST: Cell<Duration> = const { Cell::new(Duration::ZERO) };
+    }
+    let now = now();
+    if now.saturating_sub(LATEST.get()) >= GLANCE {
+        LATEST.set(now);
+        post_message(&share.into());
+    }
 }
 
 #[wasm_bindgen]
@@ -283,6 +306,14 @@ impl Workers {
         drop(state);
         self.attend();
         self.ctx.request_repaint();
+    }
+
+    /// Takes the share that a worker has done of its job.
+    pub(crate) fn progress(&self, name: &str, share: f64) {
+        if let Some(running) = &self.lane(name).state.borrow().running {
+            running.task.report(share);
+            self.ctx.request_repaint();
+        }
     }
 
     /// Ends what is not wanted any more; for each picture.

@@ -138,7 +138,12 @@ function startLane(name) {
   const worker = new Worker(new URL("worker.js", import.meta.url), { type: "module", name });
   worker.onmessage = ({ data }) => {
     // A message of a worker that was ended meanwhile is nobody's.
-    if (lanes[name] === worker && page && !hasFailed) {
+    if (lanes[name] !== worker || !page || hasFailed) {
+      return;
+    }
+    if (typeof data === "number") {
+      page.jobProgress(name, data);
+    } else {
       page.jobDone(name, data.done);
     }
   };
