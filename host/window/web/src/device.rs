@@ -4,8 +4,10 @@
 //! the page's thread is alive, as it does with a window, and stops and disarms the device if it is not.
 
 use crate::clock::now;
-use crate::message::{self, ToDevice};
+use crate::message::{self, FromDevice, ToDevice};
 use js_sys::{Function, Uint8Array};
+use slipline_instrument::bench::Bench;
+use slipline_instrument::rig::PreparedRig;
 use slipline_link::connection::Connection;
 use slipline_link::protocol::Command;
 use slipline_link::protocol::event::State;
@@ -28,7 +30,10 @@ const STEPS: usize = 64;
 const UNAWAITED: Ticket = Ticket(0);
 
 /// The only port so far: the simulated device, switched on at its first use.
-struct SimulatedPort(Option<Arc<Mutex<RealtimeDevice>>>);
+struct SimulatedPort {
+    device: Option<Arc<Mutex<RealtimeDevice>>>,
+    bench: Bench,
+}
 
 impl Opener for SimulatedPort {
     type Transport = RealtimeLine;
@@ -41,8 +46,8 @@ impl Opener for SimulatedPort {
         if *port != Port::Simulated {
             return Err(LinkError::NoSuchPort(port.clone()));
         }
-        let device = self.0.get_or_insert_with(|| {
-            let device = SimulatedDevice::new(Options::default());
+        let device = self.device.get_or_insert_with(|| {
+            let device = SimulatedDevice::with_inputs(Options::default(), self.bench.inputs());
             Arc::new(Mutex::new(RealtimeDevice::new(device, Arc::new(now))))
         });
         Ok(RealtimeLine::new(Arc::clone(device), waker.clone()))
@@ -55,6 +60,10 @@ pub struct DeviceWorker {
     connection: Connection<SimulatedPort>,
     /// Whether the device has answered since the latest step.
     is_woken: Arc<AtomicBool>,
+    /// What the simulated device's inputs are wired to, and the latest rig there.
+    bench: Bench,
+    rig: Option<PreparedRig>,
+    is_passing_over: bool,
     /// The snapshot that the page's thread has.
     published: Snapshot,
     /// Sends what is new to the page's thread.
@@ -79,12 +88,17 @@ impl DeviceWorker {
             nonce = nonce.wrapping_add(1);
             nonce.to_le_bytes()
         });
-        let mut connection = Connection::new(SimulatedPort(None), waker, nonces);
+        let bench = Bench::default();
+        let port = SimulatedPort { device: None, bench: bench.clone() };
+        let mut connection = Connection::new(port, waker, nonces);
         connection.keep_frames();
         connection.watch_driver();
         Self {
             connection,
             is_woken,
+            bench,
+            rig: None,
+            is_passing_over: false,
             published: Snapshot::default(),
             publish,
             ask,
@@ -94,8 +108,10 @@ impl DeviceWorker {
 
     /// Takes a message of the page's thread.
     pub fn take(&mut self, bytes: &[u8]) {
-        if let Some(ToDevice::Request(ticket, request)) = message::read(bytes) {
-            self.connection.request(ticket, request, now());
+        match message::read(bytes) {
+            Some(ToDevice::Request(ticket, request)) => self.connection.request(ticket, request, now()),
+            Some(ToDevice::Bench(change)) => self.bench.carry_out(change, &mut self.rig),
+            None => {}
         }
     }
 
@@ -137,7 +153,13 @@ impl DeviceWorker {
         }
         let (is_changed, is_loud) = self.connection.take_changes();
         if is_changed {
-            self.send_update(is_loud);
+            let update = SnapshotUpdate::between(&self.published, self.connection.view());
+            self.published = self.connection.view().clone();
+            self.send(&FromDevice::Update(update), is_loud);
+        }
+        let was_passing_over = std::mem::replace(&mut self.is_passing_over, self.bench.is_passing_over());
+        if was_passing_over && !self.is_passing_over {
+            self.send(&FromDevice::PassedOver, true);
         }
         if self.is_woken.load(Ordering::Relaxed) {
             return 0.0;
@@ -147,11 +169,9 @@ impl DeviceWorker {
         deadline.map_or(f64::INFINITY, |deadline| deadline.saturating_sub(now).as_secs_f64() * 1e3)
     }
 
-    fn send_update(&mut self, is_loud: bool) {
-        let view = self.connection.view();
-        let bytes = message::bytes(&SnapshotUpdate::between(&self.published, view));
-        self.published = view.clone();
-        let state = state_text(view);
+    fn send(&self, message: &FromDevice, is_loud: bool) {
+        let bytes = message::bytes(message);
+        let state = state_text(self.connection.view());
         let _ = self.publish.call3(
             &JsValue::NULL,
             &Uint8Array::from(bytes.as_slice()),

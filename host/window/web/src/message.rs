@@ -2,13 +2,25 @@
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-use slipline_link::{Request, Ticket};
+use slipline_instrument::bench::BenchChange;
+use slipline_link::{Request, SnapshotUpdate, Ticket};
 
 /// A message of the page's thread to the device worker.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum ToDevice {
     /// Carry out this request.
     Request(Ticket, Request),
+    /// Do this at the bench of the simulated device's inputs.
+    Bench(BenchChange),
+}
+
+/// A message of the device worker to the page's thread.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum FromDevice {
+    /// What is new of link and device.
+    Update(SnapshotUpdate),
+    /// The bench has passed over to another rig.
+    PassedOver,
 }
 
 /// A message as bytes. What the types here hold can always be written.

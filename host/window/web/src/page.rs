@@ -56,6 +56,7 @@ struct Reports {
 /// The window on the page.
 struct Window {
     app: App,
+    link: RemoteLink,
     workers: Rc<Workers>,
     reports: Rc<RefCell<Reports>>,
     /// Pictures so far.
@@ -81,6 +82,7 @@ impl eframe::App for Window {
             }
         }
         self.app.logic(ctx);
+        self.link.send_bench();
         self.workers.attend();
     }
 
@@ -199,7 +201,8 @@ impl Page {
 pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) -> Result<Page, JsValue> {
     let host = Rc::new(host);
     let runner = eframe::WebRunner::new();
-    let link = RemoteLink::new(Rc::clone(&host));
+    let bench = Bench::elsewhere();
+    let link = RemoteLink::new(Rc::clone(&host), bench.clone());
     let reports = Rc::new(RefCell::new(Reports { fragment: Some(fragment), ..Reports::default() }));
     let options = eframe::WebOptions {
         // Noise under the last bit of a colour is not seen, and software graphics compute it for every pixel.
@@ -212,8 +215,9 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
         let (workers, jobs) = work::workers(&host, &creation.egui_ctx);
         let workers = Rc::new(workers);
         opened.replace(Some((creation.egui_ctx.clone(), Rc::clone(&workers))));
-        let app = app(creation, linked, jobs, host)?;
-        Ok(Box::new(Window { app, workers, reports: reported, frames: 0 }) as Box<dyn eframe::App>)
+        let app = app(creation, linked.clone(), jobs, bench, host)?;
+        Ok(Box::new(Window { app, link: linked, workers, reports: reported, frames: 0 })
+            as Box<dyn eframe::App>)
     };
     runner.start(canvas, options, Box::new(create)).await?;
     let (ctx, workers) = context.take().ok_or("the window was not made")?;
@@ -224,6 +228,7 @@ fn app(
     creation: &eframe::CreationContext<'_>,
     link: RemoteLink,
     jobs: Jobs,
+    bench: Bench,
     host: Rc<Host>,
 ) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
     let ctx = &creation.egui_ctx;
@@ -236,7 +241,7 @@ fn app(
         ports: Box::new(|| vec![PortInfo::simulated()]),
         address: Some(address),
     };
-    let parts = Parts { link: Box::new(link), jobs, bench: Bench::default(), desk };
+    let parts = Parts { link: Box::new(link), jobs, bench, desk };
     let kept = |key: &str| creation.storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS);
     let is_first_visit = settings.is_none();

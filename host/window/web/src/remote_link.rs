@@ -1,9 +1,10 @@
 //! The link of the page's thread: it posts requests to the device worker and keeps a copy of its snapshot.
 
 use crate::host::Host;
-use crate::message::{self, ToDevice};
+use crate::message::{self, FromDevice, ToDevice};
 use slipline_instrument::Link;
-use slipline_link::{LinkError, LinkState, Request, Snapshot, SnapshotUpdate, Ticket};
+use slipline_instrument::bench::Bench;
+use slipline_link::{LinkError, LinkState, Request, Snapshot, Ticket};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -14,21 +15,34 @@ pub(crate) struct RemoteLink(Rc<Inner>);
 
 struct Inner {
     host: Rc<Host>,
+    /// The bench of the simulated device, which is in the device worker.
+    bench: Bench,
     /// The latest request's number.
     last: Cell<u64>,
     snapshot: RefCell<Arc<Snapshot>>,
 }
 
 impl RemoteLink {
-    pub(crate) fn new(host: Rc<Host>) -> Self {
-        Self(Rc::new(Inner { host, last: Cell::new(0), snapshot: RefCell::default() }))
+    pub(crate) fn new(host: Rc<Host>, bench: Bench) -> Self {
+        Self(Rc::new(Inner { host, bench, last: Cell::new(0), snapshot: RefCell::default() }))
     }
 
     /// Takes an update of the device worker.
     pub(crate) fn update(&self, bytes: &[u8]) {
-        if let Some(update) = message::read::<SnapshotUpdate>(bytes) {
-            let newer = update.apply(&self.snapshot());
-            self.0.snapshot.replace(Arc::new(newer));
+        match message::read(bytes) {
+            Some(FromDevice::Update(update)) => {
+                let newer = update.apply(&self.snapshot());
+                self.0.snapshot.replace(Arc::new(newer));
+            }
+            Some(FromDevice::PassedOver) => self.0.bench.passed_over(),
+            None => {}
+        }
+    }
+
+    /// Sends what was done at the bench. It goes before each request, too: a measurement must find its rig.
+    pub(crate) fn send_bench(&self) {
+        for change in self.0.bench.take_changes() {
+            self.0.host.post_device(&message::bytes(&ToDevice::Bench(change)));
         }
     }
 
@@ -49,6 +63,7 @@ impl RemoteLink {
 
 impl Link for RemoteLink {
     fn send(&self, request: Request) -> Ticket {
+        self.send_bench();
         let ticket = Ticket(self.0.last.get() + 1);
         self.0.last.set(ticket.0);
         self.0.host.post_device(&message::bytes(&ToDevice::Request(ticket, request)));

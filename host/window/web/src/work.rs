@@ -14,6 +14,7 @@ use eframe::egui;
 use serde::{Deserialize, Serialize};
 use slipline_instrument::Jobs;
 use slipline_instrument::jobs::calibrate::{self, CalibrateDone, CalibrateJob};
+use slipline_instrument::jobs::rig::{self, RigJob, RigPrepared};
 use slipline_model::field::sheet::{self, Frame, SheetJob};
 use slipline_model::field::time_domain::{self, SimulatedField, TimeDomainJob};
 use slipline_model::jobs::check::{self, CheckJob, Checked};
@@ -148,6 +149,7 @@ kinds! {
     Comparison comparisons: CompareJob => Compared, quick, compare::work, |job, done| done.job = job.clone();
     Places measured_places: MeasuredPlacesJob => MeasuredPlaces, quick, measured_places::work,
         |job, done| done.job = job.clone();
+    Rig rigs: RigJob => RigPrepared, long, rig::work, |job, done| done.job = job.clone();
     Sheet sheets: SheetJob => Frame, long, sheet::work(), |_, _| ();
     Plane planes: PlaneJob => PlaneChecked, long, plane::work, |_, _| ();
     Design designs: Draft => Designed, long, design::work, |_, _| ();
