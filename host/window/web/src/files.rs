@@ -13,21 +13,25 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::rc::Rc;
+use std::sync::Arc;
 use wasm_bindgen::JsCast as _;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 
 type Events = Rc<RefCell<VecDeque<FileEvent>>>;
+/// The files that were dropped on the page lately. A browser opens no other file by its name.
+pub(crate) type Dropped = Rc<RefCell<Vec<Arc<dyn egui::DroppedFile + Send + Sync>>>>;
 
 /// The browser's dialogs.
 pub(crate) struct BrowserFiles {
     host: Rc<Host>,
     ctx: egui::Context,
+    dropped: Dropped,
     events: Events,
 }
 
 impl BrowserFiles {
-    pub(crate) fn new(host: Rc<Host>, ctx: egui::Context) -> Self {
-        Self { host, ctx, events: Events::default() }
+    pub(crate) fn new(host: Rc<Host>, ctx: egui::Context, dropped: Dropped) -> Self {
+        Self { host, ctx, dropped, events: Events::default() }
     }
 
     fn end(&self, event: FileEvent) {
@@ -35,8 +39,24 @@ impl BrowserFiles {
         self.ctx.request_repaint();
     }
 
+    /// Has a file that was dropped read, which `read` turns into an event; `read` gets no bytes if there is no such file.
+    fn read_dropped(&self, path: PathBuf, read: fn(String, Result<Vec<u8>, FileError>) -> FileEvent) {
+        let name = path.display().to_string();
+        let file = self.dropped.borrow().iter().rev().find(|file| file.path() == path).cloned();
+        let Some(file) = file else {
+            let error = FileError::Browser("a browser opens no file by its name: use File, Open".to_owned());
+            return self.end(read(name, Err(error)));
+        };
+        let (events, ctx) = (Rc::clone(&self.events), self.ctx.clone());
+        spawn_local(async move {
+            let bytes = file.bytes_async().await.map_err(FileError::Browser);
+            events.borrow_mut().push_back(read(name, bytes));
+            ctx.request_repaint();
+        });
+    }
+
     /// Has the user choose a file, which `read` turns into an event.
-    fn choose(&self, extensions: &[&str], read: fn(String, Vec<u8>) -> FileEvent) {
+    fn choose(&self, extensions: &[&str], read: fn(String, Result<Vec<u8>, FileError>) -> FileEvent) {
         let extensions: Vec<String> = extensions.iter().map(|extension| format!(".{extension}")).collect();
         let choice = JsFuture::from(self.host.choose(&extensions.join(",")));
         let (events, ctx) = (Rc::clone(&self.events), self.ctx.clone());
@@ -45,20 +65,21 @@ impl BrowserFiles {
             let Some(file) = choice.await.ok().and_then(|file| file.dyn_into::<Array>().ok()) else { return };
             let name = file.get(0).as_string().unwrap_or_default();
             let bytes = Uint8Array::new(&file.get(1)).to_vec();
-            events.borrow_mut().push_back(read(name, bytes));
+            events.borrow_mut().push_back(read(name, Ok(bytes)));
             ctx.request_repaint();
         });
     }
 }
 
-fn within(bytes: Vec<u8>, most: usize) -> Result<Vec<u8>, FileError> {
+fn within(bytes: Result<Vec<u8>, FileError>, most: usize) -> Result<Vec<u8>, FileError> {
+    let bytes = bytes?;
     if bytes.len() > most {
         return Err(FileError::TooBig { bytes: bytes.len() as u64, most });
     }
     Ok(bytes)
 }
 
-fn opened(name: String, bytes: Vec<u8>) -> FileEvent {
+fn opened(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
     let path = PathBuf::from(name);
     if is_measurement(&path) {
         return FileEvent::Measurement(path, within(bytes, measured_file::BYTES_MAX));
@@ -69,11 +90,11 @@ fn opened(name: String, bytes: Vec<u8>) -> FileEvent {
     FileEvent::Opened(path, text)
 }
 
-fn measurement(name: String, bytes: Vec<u8>) -> FileEvent {
+fn measurement(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
     FileEvent::Measurement(name.into(), within(bytes, measured_file::BYTES_MAX))
 }
 
-fn profile(name: String, bytes: Vec<u8>) -> FileEvent {
+fn profile(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
     FileEvent::Profile(name.into(), within(bytes, PROFILE_FILE_BYTES_MAX))
 }
 
@@ -95,20 +116,9 @@ impl Files for BrowserFiles {
                 }
                 self.end(FileEvent::Saved(format!("{} files", files.len()).into(), Ok(())));
             }
-            // A name opens no file in a browser.
-            FileJob::Open(path) => {
-                let error =
-                    FileError::Browser("a browser opens no file by its name: use File, Open".to_owned());
-                self.end(FileEvent::Opened(path, Err(error)));
-            }
-            FileJob::OpenMeasurement(path) => {
-                let error = FileError::Browser("a browser opens no file by its name: use Open".to_owned());
-                self.end(FileEvent::Measurement(path, Err(error)));
-            }
-            FileJob::OpenProfile(path) => {
-                let error = FileError::Browser("a browser opens no file by its name: use Open".to_owned());
-                self.end(FileEvent::Profile(path, Err(error)));
-            }
+            FileJob::Open(path) => self.read_dropped(path, opened),
+            FileJob::OpenMeasurement(path) => self.read_dropped(path, measurement),
+            FileJob::OpenProfile(path) => self.read_dropped(path, profile),
         }
     }
 

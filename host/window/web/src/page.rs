@@ -1,6 +1,6 @@
 //! The page's entry: the window on a canvas, with the browser's parts.
 
-use crate::files::BrowserFiles;
+use crate::files::{BrowserFiles, Dropped};
 use crate::host::Host;
 use crate::remote_link::RemoteLink;
 use crate::work::{self, Workers};
@@ -13,7 +13,7 @@ use slipline_model::field::line::Holds;
 use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
-use slipline_model::setup::{Setup, fragment};
+use slipline_model::setup::fragment;
 use slipline_model::sound::Sound;
 use slipline_window::app::{App, Desk, Parts, first_setup};
 use slipline_window::settings::Settings;
@@ -57,6 +57,7 @@ struct Reports {
 struct Window {
     app: App,
     link: RemoteLink,
+    dropped: Dropped,
     workers: Rc<Workers>,
     reports: Rc<RefCell<Reports>>,
     /// Pictures so far.
@@ -80,6 +81,10 @@ impl eframe::App for Window {
                 Ok(opened) => self.app.use_opened(opened),
                 Err(error) => self.app.fail(error.to_string()),
             }
+        }
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        if !dropped.is_empty() {
+            self.dropped.replace(dropped);
         }
         self.app.logic(ctx);
         self.link.send_bench();
@@ -215,8 +220,11 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
         let (workers, jobs) = work::workers(&host, &creation.egui_ctx);
         let workers = Rc::new(workers);
         opened.replace(Some((creation.egui_ctx.clone(), Rc::clone(&workers))));
-        let app = app(creation, linked.clone(), jobs, bench, host)?;
-        Ok(Box::new(Window { app, link: linked, workers, reports: reported, frames: 0 })
+        let dropped = Dropped::default();
+        let files = BrowserFiles::new(Rc::clone(&host), creation.egui_ctx.clone(), Rc::clone(&dropped));
+        let parts = parts(linked.clone(), jobs, bench, files, host.address());
+        let app = app(creation, parts)?;
+        Ok(Box::new(Window { app, link: linked, dropped, workers, reports: reported, frames: 0 })
             as Box<dyn eframe::App>)
     };
     runner.start(canvas, options, Box::new(create)).await?;
@@ -224,24 +232,24 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
     Ok(Page { runner, link, workers, ctx, reports })
 }
 
-fn app(
-    creation: &eframe::CreationContext<'_>,
-    link: RemoteLink,
-    jobs: Jobs,
-    bench: Bench,
-    host: Rc<Host>,
-) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
-    let ctx = &creation.egui_ctx;
-    let address = host.address();
+/// The window's parts, as a browser has them.
+fn parts(link: RemoteLink, jobs: Jobs, bench: Bench, files: BrowserFiles, address: String) -> Parts {
     let desk = Desk {
         scenes: JobQueue::inline(|(), task: &_| thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| plate::work(&job, task)),
         speaker: Box::new(NoSpeaker),
-        files: Box::new(BrowserFiles::new(Rc::clone(&host), ctx.clone())),
+        files: Box::new(files),
         ports: Box::new(|| vec![PortInfo::simulated()]),
         address: Some(address),
     };
-    let parts = Parts { link: Box::new(link), jobs, bench, desk };
+    Parts { link: Box::new(link), jobs, bench, desk }
+}
+
+/// The app with what is stored of an earlier visit.
+fn app(
+    creation: &eframe::CreationContext<'_>,
+    parts: Parts,
+) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
     let kept = |key: &str| creation.storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS);
     let is_first_visit = settings.is_none();
@@ -250,7 +258,7 @@ fn app(
         Some(Ok(Opened::Setup(setup))) => *setup,
         _ => first_setup().ok_or("the first preset is damaged")?,
     };
-    let mut app = App::new(ctx, parts, Setup::clone(&setup), settings);
+    let mut app = App::new(&creation.egui_ctx, parts, setup, settings);
     if is_first_visit {
         app.demonstrate();
     }
