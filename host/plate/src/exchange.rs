@@ -177,6 +177,21 @@ mod tests {
     }
 
     #[test]
+    fn a_plate_that_comes_back_with_a_result_is_not_taken_for_one_that_was_sent() {
+        let (mut here, mut there) = (Exchange::default(), Exchange::default());
+        let [asked, made, next] = ["membrane", "al-bending", "latex-membrane"]
+            .map(|name| Message { plate: Arc::new(crate::preset(name).unwrap()), other: None });
+        let (_, arrived) = sent(&mut here, &mut there, &asked);
+        let (_, result) = sent(&mut there, &mut here, &made);
+        assert_eq!(result.plate.spec(), made.plate.spec());
+        let (_, arrived_next) = sent(&mut here, &mut there, &next);
+        assert_eq!(arrived_next.plate.spec(), next.plate.spec());
+        for (message, plate) in [(&asked, &arrived.plate), (&result, &made.plate), (&next, &arrived_next.plate)] {
+            assert!(Arc::ptr_eq(&sent(&mut here, &mut there, message).1.plate, plate));
+        }
+    }
+
+    #[test]
     fn both_sides_forget_the_same_plates_and_a_plate_outside_is_refused() {
         let (mut here, mut there) = (Exchange::default(), Exchange::default());
         let plates: Vec<Arc<Plate>> =

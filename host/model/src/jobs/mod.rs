@@ -262,6 +262,16 @@ mod tests {
     }
 
     #[test]
+    fn a_task_passes_each_share_on() {
+        thread_local! {
+            static SHARES: std::cell::RefCell<Vec<f64>> = const { std::cell::RefCell::new(Vec::new()) };
+        }
+        let task = Task::passing_on(|share| SHARES.with_borrow_mut(|shares| shares.push(share)));
+        assert!(task.report(0.25) && task.report(1.0));
+        assert_eq!(SHARES.take(), [0.25, 1.0]);
+    }
+
+    #[test]
     fn a_cancelled_job_ends_and_nothing_comes_of_it() {
         let (half_way, reported) = channel();
         let (woken, waking) = channel();
