@@ -69,6 +69,17 @@ def opened(context, address, fragment=""):
     return page, errors
 
 
+def settled(page, since):
+    """The state once there are pictures since that one, and the line stands where it stood a second before."""
+    seen = until(page, lambda seen: seen["frames"] > since["frames"] + 1, "drawn")
+    while True:
+        before = seen
+        page.wait_for_timeout(1000)
+        seen = state(page)
+        if seen["turning_point_m"] == before["turning_point_m"]:
+            return seen
+
+
 def drive(page):
     """Drives, pressing again where a press fell into the picture of a STOP, which comes first."""
     page.locator("#window").focus()

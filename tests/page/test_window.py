@@ -104,12 +104,13 @@ class Window(unittest.TestCase):
 
     def test_a_setup_is_saved_and_opened(self):
         page, errors = self.opened()
+        before = shared.state(page)
         page.mouse.click(450, 250)
+        kept = shared.settled(page, before)
         with page.expect_download() as saved:
             page.keyboard.press("Control+s")
         path = saved.value.path()
         self.assertIn("slipline_setup = 1", pathlib.Path(path).read_text())
-        kept = shared.state(page)
         page.mouse.click(560, 250)
         shared.until(page, lambda seen: seen["turning_point_m"] != kept["turning_point_m"], "moved")
         with page.expect_file_chooser() as chooser:

@@ -186,7 +186,9 @@ mod tests {
         assert_eq!(result.plate.spec(), made.plate.spec());
         let (_, arrived_next) = sent(&mut here, &mut there, &next);
         assert_eq!(arrived_next.plate.spec(), next.plate.spec());
-        for (message, plate) in [(&asked, &arrived.plate), (&result, &made.plate), (&next, &arrived_next.plate)] {
+        for (message, plate) in
+            [(&asked, &arrived.plate), (&result, &made.plate), (&next, &arrived_next.plate)]
+        {
             assert!(Arc::ptr_eq(&sent(&mut here, &mut there, message).1.plate, plate));
         }
     }

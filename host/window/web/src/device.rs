@@ -155,7 +155,7 @@ impl DeviceWorker {
         if is_changed {
             let update = SnapshotUpdate::between(&self.published, self.connection.view());
             self.published = self.connection.view().clone();
-            self.send(&FromDevice::Update(update), is_loud);
+            self.send(&FromDevice::Update(Box::new(update)), is_loud);
         }
         let was_passing_over = std::mem::replace(&mut self.is_passing_over, self.bench.is_passing_over());
         if was_passing_over && !self.is_passing_over {

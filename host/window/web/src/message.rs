@@ -18,7 +18,7 @@ pub(crate) enum ToDevice {
 #[derive(Serialize, Deserialize)]
 pub(crate) enum FromDevice {
     /// What is new of link and device.
-    Update(SnapshotUpdate),
+    Update(Box<SnapshotUpdate>),
     /// The bench has passed over to another rig.
     PassedOver,
 }
