@@ -49,6 +49,9 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         "slipline-plate",
         "slipline-python",
         "slipline-window",
+        "slipline-page",
+        // Writes the script that loads the page; knows nothing of the others.
+        "slipline-page-bindgen",
         "slipline-tests",
         // The same sources as the three of these names, with the protocol's next minor.
         "slipline-protocol-next",
@@ -80,6 +83,11 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
         ("slipline-window", "slipline-link"),
         ("slipline-window", "slipline-model"),
         ("slipline-window", "slipline-plate"),
+        ("slipline-page", "slipline-instrument"),
+        ("slipline-page", "slipline-link"),
+        ("slipline-page", "slipline-model"),
+        ("slipline-page", "slipline-plate"),
+        ("slipline-page", "slipline-window"),
         ("slipline-tests", "slipline"),
         ("slipline-tests", "slipline-app"),
         ("slipline-tests", "slipline-instrument"),
@@ -155,6 +163,8 @@ fn every_crate_of_the_browser_build_is_checked_for_what_a_browser_lacks() {
         ("host/link", "slipline-link", "clippy::disallowed_methods"),
         ("host/model", "slipline-model", "clippy::disallowed_methods"),
         ("host/instrument", "slipline-instrument", "clippy::disallowed_methods"),
+        ("host/window", "slipline-window", "clippy::disallowed_methods"),
+        ("host/window/web", "slipline-page", "clippy::disallowed_methods"),
     ] {
         assert!(root_attributes(folder).iter().all(|attributes| attributes.contains(lint)), "{folder}");
         assert!(gate.contains(&format!("-p {package}")), "{package} is part of the gate's step wasm");

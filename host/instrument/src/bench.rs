@@ -3,6 +3,12 @@
 //! A plate costs a tenth of a core, so while nobody listens the rig rests and the inputs are at mid-scale, too. The latest
 //! codes are kept meanwhile: the rig plays them before it is heard again, so its plate has settled on the present drive.
 
+#[cfg(feature = "serde")]
+mod elsewhere;
+
+#[cfg(feature = "serde")]
+pub use elsewhere::BenchChange;
+
 use crate::rig::PreparedRig;
 use slipline_link::simulator::SimulatedInputs;
 use std::collections::VecDeque;
@@ -36,6 +42,9 @@ struct Rigs {
     missed: VecDeque<([u16; 128], bool)>,
     /// Blocks that a tap still lasts.
     tapped: usize,
+    /// The bench of another worker, which does as this one.
+    #[cfg(feature = "serde")]
+    elsewhere: Option<elsewhere::Elsewhere>,
 }
 
 /// A rig that runs beside the present one until it replaces it.
@@ -57,6 +66,10 @@ impl Bench {
     /// Replaces the rig at once by another that is at rest.
     pub fn put(&self, rig: &PreparedRig) {
         let mut rigs = self.rigs();
+        #[cfg(feature = "serde")]
+        if let Some(elsewhere) = &mut rigs.elsewhere {
+            return elsewhere.put(rig);
+        }
         (rigs.present, rigs.coming) = (Some(rig.inputs()), None);
         rigs.missed.clear();
     }
@@ -64,6 +77,10 @@ impl Bench {
     /// Replaces the rig without a step, as when a finger is placed or lifted: the new rig runs unseen until
     /// its plate has settled, then the inputs crossfade to it.
     pub fn pass_over_to(&self, rig: &PreparedRig, sample_rate_hz: f64) {
+        #[cfg(feature = "serde")]
+        if let Some(elsewhere) = &mut self.rigs().elsewhere {
+            return elsewhere.pass_over_to(rig, sample_rate_hz);
+        }
         let samples = |seconds: f64| (seconds * sample_rate_hz) as u64;
         let (settled, touch) = (samples(SETTLES_S), samples(TOUCH_S));
         self.rigs().coming = Some(Coming { rig: rig.inputs(), run: 0, settled, touch });
@@ -71,18 +88,33 @@ impl Bench {
 
     /// Lets the rig rest, or has it heard again.
     pub fn rest(&self, is_resting: bool) {
-        self.rigs().is_resting = is_resting;
+        let mut rigs = self.rigs();
+        #[cfg(feature = "serde")]
+        if let Some(elsewhere) = &mut rigs.elsewhere {
+            return elsewhere.rest(is_resting);
+        }
+        rigs.is_resting = is_resting;
     }
 
     /// Taps on the plate, at its driven end.
     pub fn tap(&self) {
-        self.rigs().tapped = TAP;
+        let mut rigs = self.rigs();
+        #[cfg(feature = "serde")]
+        if let Some(elsewhere) = &mut rigs.elsewhere {
+            return elsewhere.tap();
+        }
+        rigs.tapped = TAP;
     }
 
     /// Whether a replacement is in progress.
     #[must_use]
     pub fn is_passing_over(&self) -> bool {
-        self.rigs().coming.is_some()
+        let rigs = self.rigs();
+        #[cfg(feature = "serde")]
+        if let Some(elsewhere) = &rigs.elsewhere {
+            return elsewhere.is_passing_over();
+        }
+        rigs.coming.is_some()
     }
 
     fn rigs(&self) -> MutexGuard<'_, Rigs> {

@@ -11,6 +11,7 @@ use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
 /// One tone, in metres and shares.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ToneRequest {
     /// 0..16. A sounding slot glides from its present place; a slot that is not listed fades out.
     pub slot: u8,
@@ -24,6 +25,7 @@ pub struct ToneRequest {
 
 /// A drive, in metres, decibels and seconds; the link converts it to the device's units.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DriveRequest {
     /// The tones, at most 16, each in its own slot; an empty list fades all tones out.
     pub tones: Vec<ToneRequest>,
@@ -57,6 +59,7 @@ impl DriveRequest {
 
 /// Why a drive cannot be converted to the device's units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum DriveError {
     /// There is no table by which to place tones.
     #[error("the device has no turning-point table: upload one first")]

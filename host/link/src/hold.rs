@@ -19,6 +19,7 @@ const CODE: f64 = 256.0;
 
 /// A tone to hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HoldToneRequest {
     /// Its slot, 0..16. It must sound.
     pub slot: u8,
@@ -32,6 +33,7 @@ pub struct HoldToneRequest {
 /// [`ListenRequest`](crate::ListenRequest) is refused, and the mirror does not know the codes. To change a
 /// hold, end it first.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct HoldRequest {
     /// The input, from 0.
     pub input: u8,

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 /// Importance of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Severity {
     /// For diagnosis.
     Detail,
@@ -18,6 +19,7 @@ pub enum Severity {
 
 /// One line of the log.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LogEntry {
     /// Importance.
     pub severity: Severity,

@@ -3,11 +3,16 @@
 
 use std::fmt;
 
+/// A name that is part of the program; serde would borrow a field whose type is written as a reference.
+type FieldName = &'static str;
+
 /// A number that is outside its range or not a number.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfRange {
     /// The name of the value, with its unit: `boundary (mm)`.
-    pub field: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    pub field: FieldName,
     /// The number.
     pub got: f64,
     /// The lowest allowed value.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 /// The device's output.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Played {
     /// Tones at places of the table.
     Drive(Arc<Drive>),

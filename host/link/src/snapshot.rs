@@ -26,6 +26,7 @@ use std::time::Duration;
 
 /// The state of the link.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum LinkState {
     /// No port is open and none is sought. [`Snapshot::error`] has the reason, unless the user has requested
     /// it.
@@ -45,6 +46,7 @@ pub enum LinkState {
 
 /// The progress of an upload, in knots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct UploadProgress {
     /// Knots that the device has accepted.
     pub sent: u16,
@@ -54,6 +56,7 @@ pub struct UploadProgress {
 
 /// Time from a command to the device's reply.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoundTrip {
     /// The latest reply.
     pub last: Duration,
@@ -65,6 +68,7 @@ pub struct RoundTrip {
 
 /// The link's own counters since the connection began; they saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LinkCounters {
     /// Commands sent, repeats not counted.
     pub commands: u32,
@@ -103,6 +107,7 @@ pub const OUTCOMES: usize = 64;
 /// # }
 /// ```
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Snapshot {
     /// Increases with every change that is worth a repaint.
     pub revision: u64,

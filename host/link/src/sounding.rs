@@ -10,6 +10,7 @@ use slipline_protocol::event::Identity;
 
 /// A drive, chord or comb to be played; a newer one replaces it.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Sounding {
     /// Tones at places.
     Drive(DriveRequest),

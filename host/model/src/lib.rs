@@ -8,8 +8,8 @@
 //! specification --> study (many plates around one) --> CSV, statistics
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
-//! It builds for a browser. The feature `native` adds files, which browsers do not support; `figures`, on by default, the pictures of
-//! exports.
+//! It builds for a browser. The feature `native` adds files, which browsers do not support; `figures` the pictures of exports, and
+//! `painted`, on by default, these as pixels.
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.

@@ -17,6 +17,8 @@ pub mod calibrate;
 pub mod check;
 pub mod definition;
 pub mod design;
+#[cfg(feature = "serde")]
+pub mod exchange;
 pub mod feeling;
 pub mod frequency;
 pub mod merit;
@@ -27,6 +29,8 @@ mod progress;
 pub mod quantity;
 pub mod sheet;
 pub mod special;
+#[cfg(feature = "serde")]
+pub mod static_text;
 pub mod table;
 pub mod text_table;
 pub mod texture;
@@ -60,3 +64,6 @@ pub use time::{
     DriveCurveError, Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate,
     TimeDomainLine, WIDTH_MODE_MAX,
 };
+
+/// A text that is part of the program, such as the name of a field. Under this name serde does not borrow it.
+pub type StaticText = &'static str;

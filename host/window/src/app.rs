@@ -9,22 +9,31 @@
 //! Nothing here blocks: work that takes longer than a frame runs in the link worker, a [`JobQueue`] or [`Files`].
 
 mod demonstration;
+#[cfg(not(target_arch = "wasm32"))]
 mod eframe_log;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's clock"))]
 mod event_loop;
 mod glyphs;
 mod input;
 mod kiosk;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's environment"))]
 mod no_display;
 mod outputs;
+#[cfg(not(target_arch = "wasm32"))]
 mod pace;
 mod paths;
 mod perform;
 mod sound;
+#[cfg(not(target_arch = "wasm32"))]
 mod window;
 
+#[cfg(not(target_arch = "wasm32"))]
 pub use event_loop::run as run_in_event_loop;
 pub use slipline_instrument::{Jobs, Link};
 pub use slipline_model::jobs::table::{TableJob, TableMade, TableState};
+#[cfg(not(target_arch = "wasm32"))]
 pub use window::{Opening, run};
 
 use crate::files::{FileJob, Files};
@@ -35,7 +44,7 @@ use crate::sound::Speaker;
 use crate::view::{self, ViewState, theme};
 use eframe::egui;
 use slipline_instrument::bench::Bench;
-use slipline_instrument::{DeviceIntent, DragRecorder, Instrument};
+use slipline_instrument::{DeviceIntent, DragRecorder, Instrument, Shown};
 use slipline_link::{Port, PortInfo};
 use slipline_model::export::figures::plate::{self, FigureJob};
 use slipline_model::export::figures::{DrawError, encode};
@@ -72,6 +81,8 @@ pub struct Desk {
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated device first.
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
+    /// The address of the page that the window is on, without a fragment; `None` outside a browser.
+    pub address: Option<String>,
 }
 
 /// Who decides what is on the stage.
@@ -158,6 +169,17 @@ impl App {
         &self.settings
     }
 
+    /// What the instrument shows.
+    #[must_use]
+    pub fn shown(&self) -> Shown<'_> {
+        self.instrument.shown()
+    }
+
+    /// Shows a failure.
+    pub fn fail(&mut self, text: String) {
+        self.instrument.fail(text);
+    }
+
     /// The recorded drag.
     #[must_use]
     pub fn recorder(&self) -> &DragRecorder {
@@ -236,6 +258,7 @@ impl App {
             visitors: self.visitors_scene(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
+            has_address: self.desk.address.is_some(),
             thumbnails: &self.thumbnails,
         };
         let intents = view::show(ui, &scene, &mut view);

@@ -173,6 +173,8 @@ pub enum Intent {
     SaveDialog,
     /// Save the plate alone as a file.
     SavePlateDialog,
+    /// Copy the address of the page with the setup in it.
+    Share,
     /// Design the plate of this draft.
     Design(Box<Draft>),
     /// Put the designed plate in the setup.

@@ -5,9 +5,12 @@
 //!   ^                               |  <--Output, Shown--
 //!   +---------- Scene --------------+  <--results-- files, pictures
 //! ```
+//! The window of a system (its event loop, threads, dialogs, files, sound) is left out for a browser, where the crate
+//! `slipline-page` is the shell.
 
 #![forbid(unsafe_code)]
-#![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
+// The crate is part of the browser build: clippy.toml lists what browsers do not support.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 
 pub mod app;
 pub mod axis;

@@ -32,6 +32,8 @@ pub struct Scene<'a> {
     pub ports: &'a [PortInfo],
     /// The pictures of the scenes; empty until they are drawn.
     pub thumbnails: &'a [Thumbnail],
+    /// Whether the window has an address, which can hold a setup: that of a page in a browser.
+    pub has_address: bool,
     /// The page in front.
     pub dialog: Option<&'a Dialog>,
 }

@@ -8,13 +8,22 @@
 //! The app repeats the present sound while it lasts. Without repeats the speaker falls silent within 0.3 s, as when the
 //! window hangs or is covered.
 
+#[cfg(not(target_arch = "wasm32"))]
 mod mix;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's sound"))]
 mod output;
+#[cfg(not(target_arch = "wasm32"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's clock and a thread"))]
 mod system;
 
+#[cfg(not(target_arch = "wasm32"))]
 pub use system::SystemSpeaker;
 
 use slipline_model::sound::Sound;
+
+/// Whether there is any sound to choose: not in a browser.
+pub(crate) const IS_THERE: bool = cfg!(not(target_arch = "wasm32"));
 
 /// What is played.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,6 +2,7 @@
 
 /// A page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WizardPage {
     /// The plate file and the caliper measurements.
     #[default]

@@ -14,8 +14,10 @@ const FIT_SHARE: f64 = 0.9;
 
 /// Known dimensions of a plate, and the sensor's responses at two places.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CalibrateJob {
     /// The plate as its file states it.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// Its caliper measurements.
     pub calipers: Option<Calipers>,
@@ -36,10 +38,12 @@ impl PartialEq for CalibrateJob {
 
 /// The calibrated plate.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CalibrationResult {
     /// The plate with its intervals.
     pub calibrated: Calibrated,
     /// The same plate, as a setup holds it.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// Errors of the file's table on the calibrated plate.
     pub before: Departure,
@@ -47,6 +51,7 @@ pub struct CalibrationResult {
 
 /// A refused calibration.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Refused {
     /// The reason.
     pub reason: String,
@@ -56,6 +61,7 @@ pub struct Refused {
 
 /// The result.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CalibrateDone {
     /// The job.
     pub job: CalibrateJob,

@@ -8,8 +8,10 @@ use std::sync::Arc;
 
 /// A rig to put together.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigJob {
     /// The plate of the rig.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub truth: Arc<Plate>,
     /// The quantity that the sensor shows.
     pub sensor: SensorKind,
@@ -37,6 +39,7 @@ impl RigJob {
 
 /// The result.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigPrepared {
     /// The job.
     pub job: RigJob,

@@ -19,6 +19,8 @@ mod options;
 mod parts;
 mod prepared;
 mod sampler;
+#[cfg(feature = "serde")]
+mod sent;
 
 pub use error::RigError;
 pub use fault::RigFault;
@@ -26,6 +28,8 @@ pub use hand::RigHand;
 pub use motor::{Motor, Transducer};
 pub use options::{RigOptions, limits};
 pub use prepared::PreparedRig;
+#[cfg(feature = "serde")]
+pub use sent::RigState;
 
 use slipline_plate::truth::{Random, near};
 use slipline_plate::{Plate, PlateError};

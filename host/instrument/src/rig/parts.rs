@@ -7,6 +7,7 @@ use slipline_plate::{Output, SensedPlate};
 use std::fmt;
 
 /// The computed parts of a rig.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Parts {
     pub(super) plate: SensedPlate,
     pub(super) options: RigOptions,

@@ -39,9 +39,14 @@ const CURRENTS: u32 = 64;
 /// device.advance(10, |_| ());
 /// ```
 #[derive(Debug, Clone)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(into = "super::sent::SentRig", from = "super::sent::SentRig")
+)]
 pub struct PreparedRig {
-    parts: Arc<Parts>,
-    bench: Arc<Mutex<Bench>>,
+    pub(super) parts: Arc<Parts>,
+    pub(super) bench: Arc<Mutex<Bench>>,
 }
 
 impl PreparedRig {

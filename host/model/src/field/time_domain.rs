@@ -31,6 +31,7 @@ const BLOCKS_AT_ONCE: u64 = 64;
 
 /// Largest displacement at places along the simulated plate.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SimulatedField {
     /// Journal number of the drive.
     pub number: u64,
@@ -59,10 +60,12 @@ impl SimulatedField {
 
 /// A drive to simulate on a plate.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TimeDomainJob {
     /// Journal number of the drive.
     pub number: u64,
     /// The plate.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// The device's table.
     pub table: Arc<DeviceTable>,

@@ -7,8 +7,10 @@ use std::sync::Arc;
 
 /// A plate and its measurement.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CompareJob {
     /// The plate.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// The measurement.
     pub measurement: Arc<Measurement>,
@@ -22,6 +24,7 @@ impl PartialEq for CompareJob {
 
 /// The result.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Compared {
     /// The job.
     pub job: CompareJob,

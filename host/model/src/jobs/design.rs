@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 /// The type of wave and edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Kind {
     /// Bending, edges simply supported.
     Supported,
@@ -37,6 +38,7 @@ impl Kind {
 
 /// Definition of a membrane's stretch.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stretch {
     /// Wave speed in m/s.
     WaveSpeed(f64),
@@ -46,11 +48,13 @@ pub enum Stretch {
 
 /// The requirements of a plate. `None` selects the library's value.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Draft {
     /// The plate's name.
     pub name: String,
     /// The library's name of the sheet's material.
-    pub material: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::static_text"))]
+    pub material: slipline_plate::StaticText,
     /// The sheet's thickness in metres.
     pub thickness_m: f64,
     /// Its type of wave and edges.
@@ -130,6 +134,7 @@ impl Draft {
 
 /// The result of a draft.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Designed {
     /// The draft.
     pub draft: Draft,

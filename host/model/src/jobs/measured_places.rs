@@ -8,8 +8,10 @@ use std::sync::Arc;
 
 /// A plate and its measurements.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeasuredPlacesJob {
     /// The plate.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// The measurements.
     pub measurements: Vec<Arc<Measurement>>,
@@ -35,6 +37,7 @@ impl PartialEq for MeasuredPlacesJob {
 
 /// The plate at the place of a sensor.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeasuredPlace {
     /// The place, metres from the driven end.
     pub place_m: f64,
@@ -69,6 +72,7 @@ impl MeasuredPlace {
 
 /// The result.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeasuredPlaces {
     /// The job.
     pub job: MeasuredPlacesJob,

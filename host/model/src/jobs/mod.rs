@@ -20,12 +20,23 @@ pub struct Task {
     /// The share done, in millionths.
     millionths: AtomicU32,
     is_over: AtomicBool,
+    /// Passes each share on, to where this task cannot be seen.
+    pass_on: Option<fn(f64)>,
 }
 
 impl Task {
+    /// A task whose shares are passed on, such as from a worker of a browser.
+    #[must_use]
+    pub fn passing_on(pass_on: fn(f64)) -> Self {
+        Self { pass_on: Some(pass_on), ..Self::default() }
+    }
+
     /// Reports that this share (0..=1) is done; returns whether to continue.
     pub fn report(&self, share: f64) -> bool {
         self.millionths.store((share.clamp(0.0, 1.0) * 1e6) as u32, Ordering::Relaxed);
+        if let Some(pass_on) = self.pass_on {
+            pass_on(share);
+        }
         !self.is_over()
     }
 
@@ -47,7 +58,8 @@ impl Task {
 /// Runs jobs of one kind, one at a time, and keeps the newest result.
 ///
 /// [`JobQueue::threaded`] runs them on its own thread; [`JobQueue::inline`] runs them at once on the caller's
-/// thread, which makes tests repeatable. The work returns `None` if a job has no result, for example because
+/// thread, which makes tests repeatable; [`JobQueue::elsewhere`] hands them on, such as to a worker of a browser.
+/// The work returns `None` if a job has no result, for example because
 /// its [`Task`] was cancelled. A job that panics on the thread has no result either, and the thread continues
 /// with the next job.
 pub struct JobQueue<Job, Done> {
@@ -68,7 +80,11 @@ type Work<Job, Done> = dyn FnMut(Job, &Task) -> Option<Done>;
 enum Runner<Job, Done> {
     Thread(Sender<(u64, Job, Arc<Task>)>),
     Inline(Box<Work<Job, Done>>, Sender<(u64, Option<Done>)>),
+    Elsewhere(Box<HandOn<Job>>),
 }
+
+/// Hands a job on: its number, the job, and its task.
+type HandOn<Job> = dyn FnMut(u64, Job, Arc<Task>);
 
 impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
     /// Runs jobs on a thread named `name` and calls `wake` after each. The thread ends when the queue is dropped.
@@ -117,6 +133,16 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         Self::new(Runner::Inline(Box::new(work), finished), done)
     }
 
+    /// Hands every job on, with its number and its task; whoever does it sends the number and the result, or `None`, to
+    /// the sender. A task that is over says that its result is no longer wanted.
+    #[must_use]
+    pub fn elsewhere(
+        hand_on: impl FnMut(u64, Job, Arc<Task>) + 'static,
+    ) -> (Self, Sender<(u64, Option<Done>)>) {
+        let (finished, done) = channel();
+        (Self::new(Runner::Elsewhere(Box::new(hand_on)), done), finished)
+    }
+
     fn new(runner: Runner<Job, Done>, done: Receiver<(u64, Option<Done>)>) -> Self {
         Self { runner, done, task: Arc::default(), asked: 0, ended: 0, unwanted: 0 }
     }
@@ -130,6 +156,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
             // If the thread has ended, there is no result; the rest of the app stays usable.
             Runner::Thread(jobs) => drop(jobs.send((self.asked, job, Arc::clone(&self.task)))),
             Runner::Inline(work, finished) => drop(finished.send((self.asked, work(job, &self.task)))),
+            Runner::Elsewhere(hand_on) => hand_on(self.asked, job, Arc::clone(&self.task)),
         }
     }
 
@@ -209,6 +236,39 @@ mod tests {
         queue.ask(2);
         assert_eq!(queue.take(), Some(3));
         assert_eq!(queue.take(), None);
+    }
+
+    #[test]
+    fn a_job_that_is_done_elsewhere_is_the_newest_and_a_cancelled_one_is_not_wanted() {
+        let (handed, given) = channel();
+        let (mut queue, finished) = JobQueue::<u32, u32>::elsewhere(move |number, job, task| {
+            handed.send((number, job, task)).unwrap()
+        });
+        queue.ask(1);
+        queue.ask(2);
+        let [(first, _, older), (second, job, newer)] = [given.recv().unwrap(), given.recv().unwrap()];
+        assert!(older.is_over() && newer.report(0.25) && job == 2);
+        assert_eq!(queue.progress(), Some(0.25));
+        finished.send((first, None)).unwrap();
+        assert_eq!((queue.take(), queue.progress()), (None, Some(0.25)));
+        finished.send((second, Some(20))).unwrap();
+        assert_eq!((queue.take(), queue.progress()), (Some(20), None));
+        queue.ask(3);
+        queue.cancel();
+        let (third, _, task) = given.recv().unwrap();
+        assert!(task.is_over());
+        finished.send((third, Some(30))).unwrap();
+        assert_eq!((queue.take(), queue.progress()), (None, None));
+    }
+
+    #[test]
+    fn a_task_passes_each_share_on() {
+        thread_local! {
+            static SHARES: std::cell::RefCell<Vec<f64>> = const { std::cell::RefCell::new(Vec::new()) };
+        }
+        let task = Task::passing_on(|share| SHARES.with_borrow_mut(|shares| shares.push(share)));
+        assert!(task.report(0.25) && task.report(1.0));
+        assert_eq!(SHARES.take(), [0.25, 1.0]);
     }
 
     #[test]

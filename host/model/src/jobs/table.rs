@@ -12,8 +12,10 @@ pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
 
 /// A table to compute.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TableJob {
     /// The plate.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// The device's sample rate in Hz.
     pub sample_rate_hz: f64,
@@ -23,8 +25,10 @@ pub struct TableJob {
 
 /// A finished table.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TableMade {
     /// The plate.
+    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
     pub plate: Arc<Plate>,
     /// The table in Hz and gains.
     pub drive_table: DriveTable,
@@ -36,6 +40,7 @@ pub struct TableMade {
 
 /// The state of the table.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TableState {
     /// The sample rate of the device is not known yet.
     #[default]

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 /// The wanted texture and its plate.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureWish {
     /// The plate and its table.
     pub table: Arc<TableMade>,
@@ -35,6 +36,7 @@ impl PartialEq for TextureWish {
 
 /// A texture to make.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureJob {
     /// The wanted texture.
     pub wish: TextureWish,
@@ -48,10 +50,12 @@ pub struct TextureJob {
     TextureError::OutOfRange(error) => error.in_suitable_units(),
     error => error.to_string(),
 })]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TextureRefused(pub TextureError);
 
 /// The result of a job.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Textured {
     /// The wish of the job.
     pub wish: TextureWish,

@@ -6,6 +6,7 @@
 pub mod compare;
 pub mod edit;
 pub mod file;
+pub mod fragment;
 pub mod undo;
 
 use slipline_plate::Plate;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 /// One line of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Line {
     /// Frequency in Hz.
     pub frequency_hz: f64,

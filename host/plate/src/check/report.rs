@@ -3,6 +3,7 @@
 use super::interval;
 use super::stretch::Stretch;
 use super::thresholds::Limits;
+use crate::StaticText;
 use crate::quantity::number_format::{significant, typed, with_decimals};
 use serde::{Serialize, Serializer};
 
@@ -32,6 +33,16 @@ impl Colour {
     }
 }
 
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Colour {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
+        let known = [Self::Unchecked, Self::Green, Self::Amber, Self::Red];
+        let colour = known.into_iter().find(|colour| colour.name() == name);
+        colour.ok_or_else(|| serde::de::Error::custom(format_args!("no colour of a light: {name}")))
+    }
+}
+
 impl Serialize for Colour {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
@@ -40,6 +51,7 @@ impl Serialize for Colour {
 
 /// The limits of a light's number.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
     /// Green and amber up to these values; red above.
@@ -66,9 +78,11 @@ impl Limit {
 
 /// One validity light.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 pub struct Light {
     /// The check; the same words for every plate.
-    pub name: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    pub name: StaticText,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
     pub value: Option<f64>,
     /// The lowest `value` at the ends of the intervals of a calibrated plate; `None` for an uncalibrated one, and
@@ -77,7 +91,8 @@ pub struct Light {
     /// The highest `value` at these ends.
     pub high: Option<f64>,
     /// Unit of `value`; empty for a plain number.
-    pub unit: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    pub unit: StaticText,
     /// Limits of `value`; `None` where the colour does not follow from `value` alone.
     pub limit: Option<Limit>,
     /// The result.
@@ -111,6 +126,7 @@ pub(super) fn range(low: f64, high: f64) -> Option<String> {
 
 /// All lights of a plate at one boundary or over its span.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
 pub struct Report {
     /// Name of the plate.
     pub plate: String,

@@ -16,6 +16,7 @@ use std::f64::consts::TAU;
 /// assert!((coil.at_n_s_per_m(resonance_hz) - 0.15).norm() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Impedance {
     /// Resistance R, N s/m (0 to 1e9).
     pub resistance_n_s_per_m: f64,

@@ -2,6 +2,7 @@
 
 /// Mounting of the sheet in its frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Mounting {
     /// The sheet lies on a narrow lip that can rotate: supported edges.
     Lip,

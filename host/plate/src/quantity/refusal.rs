@@ -7,6 +7,7 @@
 use super::display::{Measure, show_range, show_value};
 use super::number_format::typed;
 use super::range::{Count, Range};
+use crate::StaticText;
 use std::fmt;
 
 /// `length_m = 11: must be 0.005 to 10 m`: the given value and the allowed range.
@@ -23,9 +24,11 @@ pub fn only(allowed: impl fmt::Display) -> String {
 
 /// A number that is outside its range, or not a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct OutOfRange {
     /// The name of the field in its function or type.
-    pub field: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    pub field: StaticText,
     /// The given value, in the range's unit.
     pub value: f64,
     /// The allowed range.
@@ -80,9 +83,11 @@ impl std::error::Error for OutOfRange {}
 
 /// A text or a list that is too short or too long.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct WrongCount {
     /// The text or list.
-    pub field: &'static str,
+    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    pub field: crate::StaticText,
     /// Its number of characters, points or bytes.
     pub count: usize,
     /// The allowed count, with its items.

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Reason why a texture could not be made.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TextureError {
     /// A value is outside its range.
     #[error("{0}")]
@@ -34,7 +35,8 @@ pub enum TextureError {
         /// Number of the breakpoint, from 1.
         number: usize,
         /// The mistake.
-        reason: &'static str,
+        #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+        reason: crate::StaticText,
     },
     /// No turning point of the span has a felt edge on the plate.
     #[error("{}", match .edge {

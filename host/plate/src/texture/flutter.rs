@@ -24,6 +24,7 @@ const MOMENTS: usize = 400;
 
 /// Depth and frequency of the swing of a solid area's RMS amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Flutter {
     /// Ratio of the largest to the smallest RMS over 30 ms within a second, dB: the median over the places of the even
     /// area.

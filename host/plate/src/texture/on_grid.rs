@@ -21,6 +21,7 @@ const HALVINGS: usize = 60;
 
 /// A texture whose tones are multiples of the sample rate over [`CHORD_PERIOD`].
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ChordTexture {
     /// The tones, together as loud as the sum of their amplitudes allows; the phases are those of the chord.
     pub texture: Texture,

@@ -20,6 +20,7 @@ const PEAK_WEIGHT: f64 = 0.3;
 
 /// A wanted RMS amplitude along the plate.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Target {
     /// Wanted RMS amplitude at each of the palette's places, in units of the largest, 0 to 1.
     pub(super) wanted: Vec<f64>,
@@ -32,6 +33,7 @@ pub struct Target {
 
 /// The kind of a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Wanted {
     /// An even area from the driven end to an edge.
     Solid {

@@ -87,7 +87,7 @@ impl App {
     }
 
     /// Puts the line back, and the finger half-way to it.
-    pub(super) fn end_demonstration(&mut self) {
+    pub fn end_demonstration(&mut self) {
         let Lead::Demonstration(Demonstration { line: (slot, turns_m), began_s }) = self.lead else { return };
         self.lead = Lead::User;
         if began_s.is_some() {

@@ -14,6 +14,7 @@ use slipline_model::export::report;
 use slipline_model::jobs::design::cut_files;
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
+use slipline_model::setup::fragment;
 use slipline_plate::design::Design;
 use std::fmt::Display;
 use std::path::Path;
@@ -45,10 +46,7 @@ impl App {
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start if self.view.is_stopped => {}
                 Intent::Start => self.instrument.start(),
-                Intent::Stop => {
-                    self.view.is_stopped = true;
-                    self.instrument.press_stop();
-                }
+                Intent::Stop => self.press_stop(),
                 Intent::StopKey => {
                     self.view.is_stopped = true;
                     self.instrument.press_stop_key();
@@ -97,6 +95,7 @@ impl App {
                     let text = self.instrument.setup().plate.to_toml();
                     self.save("plate.toml", "Plate", "toml", text.into_bytes());
                 }
+                Intent::Share => self.share(ctx),
                 Intent::Design(draft) => self.instrument.design(*draft),
                 Intent::UseDesign => {
                     if let Some(designed) = self.designed() {
@@ -168,6 +167,34 @@ impl App {
             self.carry_out(ctx);
             ctx.request_repaint();
         }
+    }
+
+    /// Carries out a press of STOP.
+    pub fn press_stop(&mut self) {
+        self.view.is_stopped = true;
+        self.instrument.press_stop();
+    }
+
+    /// Ends the drive: nobody sees the window any more.
+    pub fn end_drive(&mut self) {
+        self.view.is_stopped = true;
+        self.instrument.stop();
+    }
+
+    /// Shows a setup or a plate that was opened; Undo brings the present one back.
+    pub fn use_opened(&mut self, opened: Opened) {
+        match opened {
+            Opened::Setup(setup) => self.instrument.edit(&Edit::Replace(setup)),
+            Opened::Plate(plate) => self.instrument.edit(&Edit::Plate(plate)),
+        }
+    }
+
+    /// Copies the address that shows the setup.
+    fn share(&mut self, ctx: &egui::Context) {
+        let Some(address) = &self.desk.address else { return };
+        let address = format!("{address}#{}", fragment::write(self.instrument.setup()));
+        self.instrument.post(format!("Copied the address of this setup: {} characters", address.len()));
+        ctx.copy_text(address);
     }
 
     fn confirmed(&mut self, confirm: Confirm) {
@@ -300,8 +327,7 @@ impl App {
                     return;
                 }
                 match setup_file::read(&text) {
-                    Ok(Opened::Setup(setup)) => self.instrument.edit(&Edit::Replace(setup)),
-                    Ok(Opened::Plate(plate)) => self.instrument.edit(&Edit::Plate(plate)),
+                    Ok(opened) => self.use_opened(opened),
                     Err(error) => return self.instrument.not_opened(&name, &error),
                 }
                 self.settings.used(&path);

@@ -1,24 +1,18 @@
 //! A finished figure: SVG text for papers, and pixels rendered from it.
 
-use super::font;
+#[cfg(feature = "painted")]
+use super::painting::{self, PaintError};
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
-use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{self, Options, Tree};
 use std::path::Path;
 use thiserror::Error;
-
-/// Points per inch: the unit of a page.
-const POINTS_PER_INCH: f64 = 72.0;
 
 /// Why a drawing could not be rendered.
 #[derive(Debug, Error)]
 pub enum DrawError {
-    /// The renderer cannot read it.
+    /// It could not be painted.
+    #[cfg(feature = "painted")]
     #[error("the figure could not be painted: {0}")]
-    Svg(#[from] usvg::Error),
-    /// It has more pixels than fit into memory, or none.
-    #[error("the figure could not be painted: {0} x {1} pixels are not possible")]
-    Size(u32, u32),
+    Painting(#[from] PaintError),
     /// The PNG encoder failed.
     #[error("the picture could not be encoded: {0}")]
     Png(#[from] png::EncodingError),
@@ -30,18 +24,23 @@ pub enum Format {
     /// Vectors, with text left as text: for papers.
     Svg,
     /// Pixels.
+    #[cfg(feature = "painted")]
     Png,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 2] = [Self::Svg, Self::Png];
+    pub const ALL: &[Self] = &[
+        Self::Svg,
+        #[cfg(feature = "painted")]
+        Self::Png,
+    ];
 
     /// The format of a file name extension, in upper or lower case; `None` for any other extension.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?;
-        Self::ALL.into_iter().find(|format| ending.eq_ignore_ascii_case(format.extension()))
+        Self::ALL.iter().copied().find(|format| ending.eq_ignore_ascii_case(format.extension()))
     }
 
     /// The file name extension, without the dot.
@@ -49,6 +48,7 @@ impl Format {
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Svg => "svg",
+            #[cfg(feature = "painted")]
             Self::Png => "png",
         }
     }
@@ -58,6 +58,7 @@ impl Format {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     svg: String,
+    #[cfg_attr(not(feature = "painted"), expect(dead_code, reason = "vectors have no dots"))]
     dots_per_inch: f64,
 }
 
@@ -79,33 +80,13 @@ impl Drawing {
     pub fn file(&self, format: Format) -> Result<Vec<u8>, DrawError> {
         match format {
             Format::Svg => Ok(self.svg.clone().into_bytes()),
-            Format::Png => png(&self.svg, self.dots_per_inch),
+            #[cfg(feature = "painted")]
+            Format::Png => {
+                let (size, rgba) = painting::pixels(&self.svg, self.dots_per_inch)?;
+                encode(size, &rgba, Some(self.dots_per_inch))
+            }
         }
     }
-}
-
-/// Renders an SVG file at this many dots per inch, as a PNG file.
-fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, DrawError> {
-    let tree = parsed(svg)?;
-    let scale = dots_per_inch / POINTS_PER_INCH;
-    let dots = |points: f32| (f64::from(points) * scale).round() as u32;
-    let (width, height) = (dots(tree.size().width()), dots(tree.size().height()));
-    let mut pixels = Pixmap::new(width, height).ok_or(DrawError::Size(width, height))?;
-    let scale = scale as f32;
-    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    let rgba: Vec<[u8; 4]> = pixels
-        .pixels()
-        .iter()
-        .map(|pixel| pixel.demultiply())
-        .map(|colour| [colour.red(), colour.green(), colour.blue(), colour.alpha()])
-        .collect();
-    encode((width, height), &rgba, Some(dots_per_inch))
-}
-
-/// The SVG file as the renderer parses it, with its size in points.
-pub(super) fn parsed(svg: &str) -> Result<Tree, usvg::Error> {
-    let options = Options { dpi: POINTS_PER_INCH as f32, fontdb: font::database(), ..Options::default() };
-    Tree::from_str(svg, &options)
 }
 
 /// Encodes pixels as a PNG file: `width` x `height` pixels of red, green, blue and opacity, row by row from the

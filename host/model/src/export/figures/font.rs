@@ -1,10 +1,9 @@
 //! The font of the figures. It is part of the program, so that figures look the same on every machine, even one
 //! without fonts.
 
-use resvg::usvg::fontdb::Database;
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider as _};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// The font families that a figure refers to, in order of preference: a viewer without Ubuntu uses the next
 /// one.
@@ -16,23 +15,7 @@ pub(super) const WEIGHT: u16 = 300;
 const UNKNOWN: f32 = 1.0;
 
 /// The fonts in the order in which they are searched: the second has letters that the first lacks.
-const FONTS: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
-
-/// The fonts, for the renderer.
-pub(super) fn database() -> Arc<Database> {
-    static DATABASE: OnceLock<Arc<Database>> = OnceLock::new();
-    let made = || {
-        let mut database = Database::new();
-        for font in FONTS {
-            database.load_font_data(font.to_vec());
-        }
-        // The fallback for every family name, so that each text finds a font.
-        database.set_sans_serif_family("Ubuntu");
-        database.set_serif_family("Ubuntu");
-        Arc::new(database)
-    };
-    Arc::clone(DATABASE.get_or_init(made))
-}
+pub(super) const FONTS: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
 
 /// Width of a text of this size, in the unit of the size.
 pub(super) fn width(text: &str, size: f64) -> f64 {
@@ -91,7 +74,6 @@ mod tests {
 
     #[test]
     fn widths_are_the_fonts_own() {
-        assert_eq!(database().faces().count(), FONTS.len());
         assert!(width("W", 10.0) > 2.0 * width("i", 10.0) && width("i", 10.0) > 1.0);
         assert!((width("wave", 20.0) - 2.0 * width("wave", 10.0)).abs() < 1e-9);
         // A letter that is in no font still needs a width.

@@ -13,6 +13,8 @@ mod envelope;
 mod font;
 mod legend;
 mod page;
+#[cfg(feature = "painted")]
+mod painting;
 mod paper;
 pub mod plate;
 mod plot;
@@ -20,6 +22,8 @@ mod response;
 
 pub use drawing::{DrawError, Drawing, Format, encode};
 pub use envelope::envelope_figure;
+#[cfg(feature = "painted")]
+pub use painting::PaintError;
 pub use paper::paper_figure;
 pub use response::response_figure;
 
@@ -28,5 +32,5 @@ const PRINT_WIDTH: f64 = 170.0 / 25.4 * 72.0;
 /// Dots per inch of a figure as PNG: the resolution that journals require at print size.
 const PRINT_DOTS_PER_INCH: f64 = 300.0;
 
-#[cfg(test)]
+#[cfg(all(test, feature = "painted"))]
 mod tests;

@@ -1,6 +1,6 @@
-use super::drawing::parsed;
 use super::font::FAMILIES;
 use super::page::{BLACK, HUES, Page, Pen};
+use super::painting::parsed;
 use super::*;
 use resvg::usvg::{Group, Node, Text, Tree, roxmltree};
 use slipline_plate::paper::figures;
@@ -138,7 +138,7 @@ fn any_name_of_a_plate_is_a_title() {
 #[test]
 fn two_runs_give_the_same_bytes() {
     let figure = &figures().expect("computed")[1];
-    for format in Format::ALL {
+    for &format in Format::ALL {
         let file = || paper_figure(figure).file(format).expect("drawn");
         assert!(file() == file(), "{format:?}");
     }

@@ -20,8 +20,10 @@ const CHI2_USUAL: f64 = 1.5;
 
 /// The result of a calibration.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Calibrated {
     /// The plate with the measured numbers, their intervals and, where levels were measured, the measured gain.
+    #[cfg_attr(feature = "serde", serde(with = "crate::exchange::by_text"))]
     pub plate: Plate,
     /// The fitted parameters: the plate's, then the sensors' places.
     pub parameters: Vec<Parameter>,

@@ -18,6 +18,7 @@ const SAMPLE_RATE: Range = Range::new(1.0, 1e9, "Hz");
 
 /// The quantity that a sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SensorKind {
     /// The deflection w: a laser triangulator, a capacitive or eddy-current probe.
     Displacement,
@@ -57,6 +58,7 @@ impl SensorKind {
 
 /// The response at one frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeasuredPoint {
     /// Frequency, Hz; rising from point to point.
     pub frequency_hz: f64,
@@ -88,6 +90,7 @@ pub struct MeasuredPoint {
 /// assert!(Measurement { place_m: -1.0, ..measurement }.check().is_err());
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measurement {
     /// The sensor's place on the centre line, metres from the driven end.
     pub place_m: f64,

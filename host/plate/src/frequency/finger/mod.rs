@@ -25,6 +25,7 @@ pub const CONTACT_M: f64 = 0.01;
 
 /// A finger that rests on the plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Finger {
     /// Middle of the contact on the centre line, metres from the driven end (0 to the plate's length).
     pub place_m: f64,

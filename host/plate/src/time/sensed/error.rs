@@ -12,6 +12,7 @@ pub(super) const CLAMPED_ERROR_MAX: f64 = 0.1;
 
 /// Reason why a place cannot be sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum SenseError {
     /// The place or the delay is out of range.
     #[error("{0}")]

@@ -49,6 +49,7 @@ pub(super) fn with_background(
 
 /// Fields over the plate at many frequencies.
 #[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fields {
     /// Frequencies, Hz, and fields relative to the drive.
     rows: Vec<(f64, Vec<Complex64>)>,

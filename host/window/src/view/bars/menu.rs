@@ -82,13 +82,20 @@ fn file_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     });
     let help = "Plate, tones, levels and feeling in one file, which the command line plays, too";
     entry("Save setup…", "Ctrl+S", help).show(ui, intents, Intent::SaveDialog);
+    if scene.has_address {
+        let help = "Copy the address of this page with the setup in it: who opens it sees the same";
+        entry("Share", "", help).show(ui, intents, Intent::Share);
+    }
     let help = "The plate alone, as `slipline` and other setups read it";
     entry("Save plate…", "", help).show(ui, intents, Intent::SavePlateDialog);
     ui.separator();
     let help = "Plate, envelope and boundaries for print, as lines that scale";
     entry("Export figure (SVG)…", "", help).show(ui, intents, export(Export::Figure(Format::Svg)));
-    let help = "Plate, envelope and boundaries for print, as pixels";
-    entry("Export figure (PNG)…", "", help).show(ui, intents, export(Export::Figure(Format::Png)));
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        let help = "Plate, envelope and boundaries for print, as pixels";
+        entry("Export figure (PNG)…", "", help).show(ui, intents, export(Export::Figure(Format::Png)));
+    }
     let help = "The largest displacement at each place, predicted and of the simulated plate";
     entry("Export envelope (CSV)…", "", help).show(ui, intents, export(Export::Envelope));
     let help = "The drive as the plot shows it, in shares of full scale over time";

@@ -2,6 +2,7 @@
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
+use crate::sound::IS_THERE;
 use crate::view::fields::{
     feeling_fields,
     field::{InputField, UNKNOWN, row},
@@ -77,7 +78,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     ui.separator();
     mode(ui, scene, intents);
     finger::choice(ui, scene, intents);
-    sound::choice(ui, scene, intents);
+    if IS_THERE {
+        sound::choice(ui, scene, intents);
+    }
     let level = |level| Edit::Level { slot, level };
     Quantity::level("Level".to_owned(), tone.level, &level).show(ui, setup, &mut view.fields, intents);
     Quantity::master(setup.master_db).show(ui, setup, &mut view.fields, intents);
@@ -86,7 +89,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         format!("The last change takes {:.0} ms: frequencies change no faster.", 1e3 * seconds)
     });
     lines(ui, stretched, palette.weak, 1);
-    sound::volume(ui, scene, &mut view.fields, intents);
+    if IS_THERE {
+        sound::volume(ui, scene, &mut view.fields, intents);
+    }
 
     ui.separator();
     feeling_fields::show(ui, scene, &mut view.fields, intents);

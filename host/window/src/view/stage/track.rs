@@ -5,7 +5,7 @@ use super::fingertip::{self, Look};
 use super::layout::Layout;
 use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
-use crate::sound::SoundChoice;
+use crate::sound::{self, SoundChoice};
 use crate::view::theme::{self, HANDLE};
 use eframe::egui::{
     self, Color32, CursorIcon, Pos2, Rect, Response, Sense, Shape, Stroke, UiBuilder, Vec2, pos2, vec2,
@@ -58,7 +58,9 @@ pub(super) fn finger(
         let offset = pointer.x - x;
         intents.push(Intent::Grab(Grab { held: Dragged::Finger, axis: layout.axis, offset }));
     }
-    mute(ui, scene, layout, intents);
+    if sound::IS_THERE {
+        mute(ui, scene, layout, intents);
+    }
 }
 
 /// The switch of the finger's sound, at the end of its track.

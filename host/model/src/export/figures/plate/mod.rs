@@ -268,5 +268,5 @@ impl Figure<'_> {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "painted"))]
 mod tests;

@@ -1,0 +1,119 @@
+//! A bench whose device is in another worker of a browser: what is done here is kept as changes, which are carried out there.
+//!
+//! ```text
+//! instrument --put, rest, tap--> Bench::elsewhere --BenchChange--> Bench::carry_out --> inputs of the device
+//!                                       ^-------- passed_over -----------'
+//! ```
+
+use super::Bench;
+use crate::rig::{PreparedRig, RigState};
+use serde::{Deserialize, Serialize};
+
+/// What the bench of the device must do.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub enum BenchChange {
+    /// As [`Bench::put`].
+    Put(PreparedRig),
+    /// As [`Bench::pass_over_to`].
+    PassOverTo(PreparedRig, f64),
+    /// A person has moved the sensor, or has caused or removed a fault.
+    State(RigState),
+    /// As [`Bench::rest`].
+    Rest(bool),
+    /// As [`Bench::tap`].
+    Tap,
+}
+
+/// The changes that are not carried out yet.
+#[derive(Default)]
+pub(super) struct Elsewhere {
+    changes: Vec<BenchChange>,
+    /// The latest rig, and its state as it was sent.
+    rig: Option<(PreparedRig, RigState)>,
+    is_resting: bool,
+    is_passing_over: bool,
+}
+
+impl Elsewhere {
+    pub(super) fn put(&mut self, rig: &PreparedRig) {
+        self.rig = Some((rig.clone(), rig.state()));
+        self.is_passing_over = false;
+        self.changes.push(BenchChange::Put(rig.clone()));
+    }
+
+    pub(super) fn pass_over_to(&mut self, rig: &PreparedRig, sample_rate_hz: f64) {
+        self.rig = Some((rig.clone(), rig.state()));
+        self.is_passing_over = true;
+        self.changes.push(BenchChange::PassOverTo(rig.clone(), sample_rate_hz));
+    }
+
+    pub(super) fn rest(&mut self, is_resting: bool) {
+        if self.is_resting != is_resting {
+            self.is_resting = is_resting;
+            self.changes.push(BenchChange::Rest(is_resting));
+        }
+    }
+
+    pub(super) fn tap(&mut self) {
+        self.changes.push(BenchChange::Tap);
+    }
+
+    pub(super) const fn is_passing_over(&self) -> bool {
+        self.is_passing_over
+    }
+
+    fn take_changes(&mut self) -> Vec<BenchChange> {
+        if let Some((rig, sent)) = &mut self.rig {
+            let state = rig.state();
+            if state != *sent {
+                self.changes.push(BenchChange::State(state.clone()));
+                *sent = state;
+            }
+        }
+        std::mem::take(&mut self.changes)
+    }
+}
+
+impl Bench {
+    /// A bench for a device in another worker: its changes must be carried out there.
+    #[must_use]
+    pub fn elsewhere() -> Self {
+        let bench = Self::default();
+        bench.rigs().elsewhere = Some(Elsewhere::default());
+        bench
+    }
+
+    /// What has changed since the last call, in order.
+    #[must_use]
+    pub fn take_changes(&self) -> Vec<BenchChange> {
+        self.rigs().elsewhere.as_mut().map(Elsewhere::take_changes).unwrap_or_default()
+    }
+
+    /// The other bench has ended its crossfade.
+    pub fn passed_over(&self) {
+        if let Some(elsewhere) = &mut self.rigs().elsewhere {
+            elsewhere.is_passing_over = false;
+        }
+    }
+
+    /// Does what a bench elsewhere has done. Returns the rig that it has brought along: a later state is that rig's.
+    pub fn carry_out(&self, change: BenchChange, rig: &mut Option<PreparedRig>) {
+        match change {
+            BenchChange::Put(other) => {
+                self.put(&other);
+                *rig = Some(other);
+            }
+            BenchChange::PassOverTo(other, sample_rate_hz) => {
+                self.pass_over_to(&other, sample_rate_hz);
+                *rig = Some(other);
+            }
+            BenchChange::State(state) => {
+                if let Some(rig) = rig {
+                    rig.set_state(state);
+                }
+            }
+            BenchChange::Rest(is_resting) => self.rest(is_resting),
+            BenchChange::Tap => self.tap(),
+        }
+    }
+}

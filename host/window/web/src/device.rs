@@ -1,0 +1,220 @@
+//! The device worker: the link and the simulated device, apart from all that computes.
+//!
+//! The page's thread may be busy or stuck, and this worker still sends the keep-alives; so the link watches whether
+//! the page's thread is alive, as it does with a window, and stops and disarms the device if it is not.
+
+use crate::clock::now;
+use crate::message::{self, FromDevice, ToDevice};
+use js_sys::{Function, Uint8Array};
+use slipline_instrument::bench::Bench;
+use slipline_instrument::rig::PreparedRig;
+use slipline_link::connection::Connection;
+use slipline_link::protocol::Command;
+use slipline_link::protocol::event::State;
+use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
+use slipline_link::simulator::{Options, SimulatedDevice};
+use slipline_link::transport::{Opener, Waker};
+use slipline_link::{
+    LinkError, LinkState, Port, PortInfo, Request, Severity, Snapshot, SnapshotUpdate, Ticket, TracedMessage,
+};
+use std::fmt::Write as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+use wasm_bindgen::JsValue;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+/// Steps in a row while the device answers at once.
+const STEPS: usize = 64;
+/// The ticket of requests that nobody waits for: those of the page's thread are numbered from 1.
+const UNAWAITED: Ticket = Ticket(0);
+
+/// The only port so far: the simulated device, switched on at its first use.
+struct SimulatedPort {
+    device: Option<Arc<Mutex<RealtimeDevice>>>,
+    bench: Bench,
+}
+
+impl Opener for SimulatedPort {
+    type Transport = RealtimeLine;
+
+    fn list(&mut self) -> Vec<PortInfo> {
+        vec![PortInfo::simulated()]
+    }
+
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<RealtimeLine, LinkError> {
+        if *port != Port::Simulated {
+            return Err(LinkError::NoSuchPort(port.clone()));
+        }
+        let device = self.device.get_or_insert_with(|| {
+            let device = SimulatedDevice::with_inputs(Options::default(), self.bench.inputs());
+            Arc::new(Mutex::new(RealtimeDevice::new(device, Arc::new(now))))
+        });
+        Ok(RealtimeLine::new(Arc::clone(device), waker.clone()))
+    }
+}
+
+/// The device worker's entry.
+#[wasm_bindgen]
+pub struct DeviceWorker {
+    connection: Connection<SimulatedPort>,
+    /// Whether the device has answered since the latest step.
+    is_woken: Arc<AtomicBool>,
+    /// What the simulated device's inputs are wired to, and the latest rig there.
+    bench: Bench,
+    rig: Option<PreparedRig>,
+    is_passing_over: bool,
+    /// The snapshot that the page's thread has.
+    published: Snapshot,
+    /// Sends what is new to the page's thread.
+    publish: Function,
+    /// Asks the page's thread for a sign of life.
+    ask: Function,
+    latest_sign: Duration,
+}
+
+#[wasm_bindgen]
+impl DeviceWorker {
+    /// A worker with no port open. `publish` gets what is new for the page's thread, as bytes; `ask` asks it for a
+    /// sign of life. `nonce` is random.
+    #[wasm_bindgen(constructor)]
+    #[must_use]
+    pub fn new(publish: Function, ask: Function, nonce: u32) -> Self {
+        let is_woken = Arc::new(AtomicBool::new(false));
+        let woken = Arc::clone(&is_woken);
+        let waker = Waker::new(move || woken.store(true, Ordering::Relaxed));
+        let mut nonce = nonce;
+        let nonces = Box::new(move || {
+            nonce = nonce.wrapping_add(1);
+            nonce.to_le_bytes()
+        });
+        let bench = Bench::default();
+        let port = SimulatedPort { device: None, bench: bench.clone() };
+        let mut connection = Connection::new(port, waker, nonces);
+        connection.keep_frames();
+        connection.watch_driver();
+        Self {
+            connection,
+            is_woken,
+            bench,
+            rig: None,
+            is_passing_over: false,
+            published: Snapshot::default(),
+            publish,
+            ask,
+            latest_sign: Duration::ZERO,
+        }
+    }
+
+    /// Takes a message of the page's thread.
+    pub fn take(&mut self, bytes: &[u8]) {
+        match message::read(bytes) {
+            Some(ToDevice::Request(ticket, request)) => self.connection.request(ticket, request, now()),
+            Some(ToDevice::Bench(change)) => self.bench.carry_out(change, &mut self.rig),
+            None => {}
+        }
+    }
+
+    /// Stops the drive.
+    pub fn stop(&mut self) {
+        self.connection.request(UNAWAITED, Request::Stop, now());
+    }
+
+    /// Stops and disarms because nobody sees the page any more; the log says why.
+    pub fn leave(&mut self, reason: &str) {
+        let now = now();
+        let state = self.connection.view().status.map(|status| status.state);
+        self.connection.request(UNAWAITED, Request::Stop, now);
+        self.connection.request(UNAWAITED, Request::Disarm, now);
+        if matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping)) {
+            let text = format!("{reason}: stopped and disarmed.");
+            self.connection.request(UNAWAITED, Request::Note(Severity::Warning, text), now);
+        }
+    }
+
+    /// The page's thread is alive.
+    pub fn sign(&mut self) {
+        self.latest_sign = now();
+    }
+
+    /// Performs what is due. Returns after how many milliseconds it must be called again; infinite while nothing is
+    /// pending.
+    pub fn step(&mut self) -> f64 {
+        for _ in 0..STEPS {
+            self.is_woken.store(false, Ordering::Relaxed);
+            self.connection.sign_of_life(self.latest_sign);
+            self.connection.step(now());
+            if !self.is_woken.load(Ordering::Relaxed) {
+                break;
+            }
+        }
+        if self.connection.take_sign_wanted() {
+            let _ = self.ask.call0(&JsValue::NULL);
+        }
+        let (is_changed, is_loud) = self.connection.take_changes();
+        if is_changed {
+            let update = SnapshotUpdate::between(&self.published, self.connection.view());
+            self.published = self.connection.view().clone();
+            self.send(&FromDevice::Update(Box::new(update)), is_loud);
+        }
+        let was_passing_over = std::mem::replace(&mut self.is_passing_over, self.bench.is_passing_over());
+        if was_passing_over && !self.is_passing_over {
+            self.send(&FromDevice::PassedOver, true);
+        }
+        if self.is_woken.load(Ordering::Relaxed) {
+            return 0.0;
+        }
+        let now = now();
+        let deadline = self.connection.deadline(now);
+        deadline.map_or(f64::INFINITY, |deadline| deadline.saturating_sub(now).as_secs_f64() * 1e3)
+    }
+
+    fn send(&self, message: &FromDevice, is_loud: bool) {
+        let bytes = message::bytes(message);
+        let state = state_text(self.connection.view());
+        let _ = self.publish.call3(
+            &JsValue::NULL,
+            &Uint8Array::from(bytes.as_slice()),
+            &is_loud.into(),
+            &state.into(),
+        );
+    }
+}
+
+/// The state of link and device as JSON, for `window.slipline.state()`. Times are those of this worker, in
+/// milliseconds.
+fn state_text(view: &Snapshot) -> String {
+    let link = match view.link {
+        LinkState::Disconnected => "disconnected",
+        LinkState::Connecting => "connecting",
+        LinkState::Connected => "connected",
+        LinkState::Lost(_) => "lost",
+        LinkState::Reconnecting(_) => "reconnecting",
+    };
+    let state = view.status.map(|status| status.state);
+    let is_armed = matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping));
+    let state = state.map_or_else(|| "null".to_owned(), |state| format!("\"{state:?}\""));
+    let mut text = format!(
+        "{{\"revision\":{},\"link\":\"{link}\",\"device_state\":{state},\"armed\":{is_armed},\"driver_stalls\":{}",
+        view.revision, view.driver_stalls
+    );
+    let sent_at = |is_it: fn(&Command) -> bool| {
+        let sent = view.frames.iter().rev().find(|frame| match &frame.message {
+            TracedMessage::Command(command) => is_it(command),
+            TracedMessage::Event(_) | TracedMessage::Unknown { .. } => false,
+        });
+        sent.map(|frame| frame.time.as_secs_f64() * 1e3)
+    };
+    for (name, at) in [
+        ("stop_sent_ms", sent_at(|command| matches!(command, Command::Stop))),
+        ("disarm_sent_ms", sent_at(|command| matches!(command, Command::Disarm))),
+    ] {
+        // Writing to a string cannot fail.
+        let _ = match at {
+            Some(at) => write!(text, ",\"{name}\":{at:.3}"),
+            None => write!(text, ",\"{name}\":null"),
+        };
+    }
+    text.push('}');
+    text
+}

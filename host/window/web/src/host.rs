@@ -1,0 +1,35 @@
+//! What the page's script does for the window: messages to the workers, files, the address.
+
+use js_sys::Promise;
+use wasm_bindgen::prelude::wasm_bindgen;
+
+#[wasm_bindgen]
+extern "C" {
+    /// An object of the page's script.
+    pub type Host;
+
+    /// Sends a message to the device worker.
+    #[wasm_bindgen(method, js_name = postDevice)]
+    pub(crate) fn post_device(this: &Host, bytes: &[u8]);
+
+    /// Sends a job to a worker of this name.
+    #[wasm_bindgen(method, js_name = postJob)]
+    pub(crate) fn post_job(this: &Host, lane: &str, bytes: &[u8]);
+
+    /// Ends the worker of this name, whatever it does, and starts another one.
+    #[wasm_bindgen(method, js_name = restartLane)]
+    pub(crate) fn restart_lane(this: &Host, lane: &str);
+
+    /// Has the user choose a file with one of these extensions, each with its dot and separated by commas; an empty
+    /// list means any file. Resolves with an array of name and bytes, or with null.
+    #[wasm_bindgen(method)]
+    pub(crate) fn choose(this: &Host, extensions: &str) -> Promise;
+
+    /// The address of the page without its fragment.
+    #[wasm_bindgen(method)]
+    pub(crate) fn address(this: &Host) -> String;
+
+    /// Has the browser save a file.
+    #[wasm_bindgen(method)]
+    pub(crate) fn save(this: &Host, name: &str, bytes: &[u8]);
+}

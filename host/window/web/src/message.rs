@@ -1,0 +1,34 @@
+//! Messages between the page's thread and the device worker.
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use slipline_instrument::bench::BenchChange;
+use slipline_link::{Request, SnapshotUpdate, Ticket};
+
+/// A message of the page's thread to the device worker.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum ToDevice {
+    /// Carry out this request.
+    Request(Ticket, Request),
+    /// Do this at the bench of the simulated device's inputs.
+    Bench(BenchChange),
+}
+
+/// A message of the device worker to the page's thread.
+#[derive(Serialize, Deserialize)]
+pub(crate) enum FromDevice {
+    /// What is new of link and device.
+    Update(Box<SnapshotUpdate>),
+    /// The bench has passed over to another rig.
+    PassedOver,
+}
+
+/// A message as bytes. What the types here hold can always be written.
+pub(crate) fn bytes(message: &impl Serialize) -> Vec<u8> {
+    postcard::to_extend(message, Vec::new()).unwrap_or_default()
+}
+
+/// The message in these bytes; `None` if they are not one of this build.
+pub(crate) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
+    postcard::from_bytes(bytes).ok()
+}

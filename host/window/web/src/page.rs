@@ -1,0 +1,266 @@
+//! The page's entry: the window on a canvas, with the browser's parts.
+
+use crate::files::{BrowserFiles, Dropped};
+use crate::host::Host;
+use crate::remote_link::RemoteLink;
+use crate::work::{self, Workers};
+use eframe::egui;
+use slipline_instrument::Jobs;
+use slipline_instrument::bench::Bench;
+use slipline_link::PortInfo;
+use slipline_model::export::figures::plate;
+use slipline_model::field::line::Holds;
+use slipline_model::jobs::JobQueue;
+use slipline_model::scenes::thumbnails;
+use slipline_model::setup::file::{self as setup_file, Opened};
+use slipline_model::setup::fragment;
+use slipline_model::sound::Sound;
+use slipline_window::app::{App, Desk, Parts, first_setup};
+use slipline_window::settings::Settings;
+use slipline_window::sound::{Speaker, SpeakerState};
+use slipline_window::view::theme;
+use std::cell::RefCell;
+use std::rc::Rc;
+use wasm_bindgen::JsValue;
+use wasm_bindgen::prelude::wasm_bindgen;
+use web_sys::HtmlCanvasElement;
+
+/// Keys of the values that are stored between visits.
+const KEPT_SETTINGS: &str = "slipline-settings";
+const KEPT_SETUP: &str = "slipline-setup";
+
+/// A browser plays no sound yet, and offers none.
+struct NoSpeaker;
+
+impl Speaker for NoSpeaker {
+    fn play(&self, _sound: Sound, _volume: f32) {}
+
+    fn state(&self) -> SpeakerState {
+        SpeakerState::Closed
+    }
+
+    fn retry(&self) {}
+}
+
+/// What the page's script has reported since the latest picture.
+#[derive(Default)]
+struct Reports {
+    /// STOP was pressed outside the canvas.
+    is_stopped: bool,
+    /// The page was hidden or left, and stopped: the sentence to show on return.
+    left: Option<String>,
+    /// A setup in the address, or why there is none.
+    fragment: Option<String>,
+}
+
+/// The window on the page.
+struct Window {
+    app: App,
+    link: RemoteLink,
+    dropped: Dropped,
+    workers: Rc<Workers>,
+    reports: Rc<RefCell<Reports>>,
+    /// Pictures so far.
+    frames: u64,
+}
+
+impl eframe::App for Window {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        let Reports { is_stopped, left, fragment } = self.reports.take();
+        if is_stopped {
+            self.app.press_stop();
+        }
+        if let Some(sentence) = left {
+            self.app.end_drive();
+            if !sentence.is_empty() {
+                self.app.fail(sentence);
+            }
+        }
+        if let Some(opened) = fragment.as_deref().and_then(fragment::read) {
+            match opened {
+                Ok(opened) => self.app.use_opened(opened),
+                Err(error) => self.app.fail(error.to_string()),
+            }
+        }
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        if !dropped.is_empty() {
+            self.dropped.replace(dropped);
+        }
+        self.app.logic(ctx);
+        self.link.send_bench();
+        self.workers.attend();
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.frames += 1;
+        self.app.show(ui);
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        theme::ground(visuals)
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        // The line of a demonstration is not the user's.
+        self.app.end_demonstration();
+        storage.set_string(KEPT_SETTINGS, self.app.settings().write());
+        storage.set_string(KEPT_SETUP, setup_file::write(self.app.setup()));
+    }
+
+    fn persist_egui_memory(&self) -> bool {
+        false
+    }
+
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
+    }
+}
+
+/// The page that is open; the script passes messages and events on to it.
+#[wasm_bindgen]
+pub struct Page {
+    runner: eframe::WebRunner,
+    link: RemoteLink,
+    workers: Rc<Workers>,
+    ctx: egui::Context,
+    reports: Rc<RefCell<Reports>>,
+}
+
+#[wasm_bindgen]
+impl Page {
+    /// Takes an update of the device worker; a loud one is worth a picture.
+    #[wasm_bindgen(js_name = deviceChanged)]
+    pub fn device_changed(&self, bytes: &[u8], is_loud: bool) {
+        self.link.update(bytes);
+        if is_loud {
+            self.ctx.request_repaint();
+        }
+    }
+
+    /// The device worker has failed.
+    #[wasm_bindgen(js_name = deviceCrashed)]
+    pub fn device_crashed(&self) {
+        self.link.crash();
+        self.ctx.request_repaint();
+    }
+
+    /// Takes the result of a job from the worker of this name; nothing if the worker has failed.
+    #[wasm_bindgen(js_name = jobDone)]
+    pub fn job_done(&self, lane: &str, bytes: Option<Vec<u8>>) {
+        self.workers.take(lane, bytes);
+    }
+
+    /// Takes the share that the worker of this name has done of its job.
+    #[wasm_bindgen(js_name = jobProgress)]
+    pub fn job_progress(&self, lane: &str, share: f64) {
+        self.workers.progress(lane, share);
+    }
+
+    /// STOP was pressed outside the canvas: the window wants no drive any more.
+    pub fn stop(&self) {
+        self.reports.borrow_mut().is_stopped = true;
+        self.ctx.request_repaint();
+    }
+
+    /// The page was hidden or left, and the device stopped: the sentence to show on return, or an empty one.
+    pub fn left(&self, sentence: String) {
+        self.reports.borrow_mut().left = Some(sentence);
+        self.ctx.request_repaint();
+    }
+
+    /// Opens the setup in the fragment of the address.
+    #[wasm_bindgen(js_name = openFragment)]
+    pub fn open_fragment(&self, fragment: String) {
+        self.reports.borrow_mut().fragment = Some(fragment);
+        self.ctx.request_repaint();
+    }
+
+    /// The lines and the setup on the screen as JSON, for `window.slipline.state()`; nothing after a panic.
+    pub fn state(&self) -> Option<String> {
+        let window = self.runner.app_mut::<Window>()?;
+        let shown = window.app.shown();
+        let tone = shown.setup.tone(shown.selected)?;
+        let line = shown.line(shown.selected)?;
+        let holds_edge = line.holds == Holds::FeltEdge;
+        let felt_edge = if holds_edge { line.place_m.to_string() } else { "null".to_owned() };
+        Some(format!(
+            "{{\"turning_point_m\":{},\"felt_edge_m\":{felt_edge},\"can_undo\":{},\"tones\":{},\"frames\":{}}}",
+            tone.position_m,
+            shown.undo.0.is_some(),
+            shown.setup.tones.len(),
+            window.frames,
+        ))
+    }
+
+    /// The setup on the screen as the fragment of an address, without its `#`.
+    pub fn fragment(&self) -> Option<String> {
+        self.runner.app_mut::<Window>().map(|window| fragment::write(window.app.setup()))
+    }
+}
+
+/// Opens the window on this canvas.
+///
+/// # Errors
+/// Why there can be no window, such as a browser without WebGL 2.
+#[wasm_bindgen(js_name = openPage)]
+pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) -> Result<Page, JsValue> {
+    let host = Rc::new(host);
+    let runner = eframe::WebRunner::new();
+    let bench = Bench::elsewhere();
+    let link = RemoteLink::new(Rc::clone(&host), bench.clone());
+    let reports = Rc::new(RefCell::new(Reports { fragment: Some(fragment), ..Reports::default() }));
+    let options = eframe::WebOptions {
+        // Noise under the last bit of a colour is not seen, and software graphics compute it for every pixel.
+        dithering: false,
+        ..Default::default()
+    };
+    let context = Rc::new(RefCell::new(None));
+    let (linked, reported, opened) = (link.clone(), Rc::clone(&reports), Rc::clone(&context));
+    let create = move |creation: &eframe::CreationContext<'_>| {
+        let (workers, jobs) = work::workers(&host, &creation.egui_ctx);
+        let workers = Rc::new(workers);
+        opened.replace(Some((creation.egui_ctx.clone(), Rc::clone(&workers))));
+        let dropped = Dropped::default();
+        let files = BrowserFiles::new(Rc::clone(&host), creation.egui_ctx.clone(), Rc::clone(&dropped));
+        let parts = parts(linked.clone(), jobs, bench, files, host.address());
+        let app = app(creation, parts)?;
+        Ok(Box::new(Window { app, link: linked, dropped, workers, reports: reported, frames: 0 })
+            as Box<dyn eframe::App>)
+    };
+    runner.start(canvas, options, Box::new(create)).await?;
+    let (ctx, workers) = context.take().ok_or("the window was not made")?;
+    Ok(Page { runner, link, workers, ctx, reports })
+}
+
+/// The window's parts, as a browser has them.
+fn parts(link: RemoteLink, jobs: Jobs, bench: Bench, files: BrowserFiles, address: String) -> Parts {
+    let desk = Desk {
+        scenes: JobQueue::inline(|(), task: &_| thumbnails(task)),
+        figures: JobQueue::inline(|job, task: &_| plate::work(&job, task)),
+        speaker: Box::new(NoSpeaker),
+        files: Box::new(files),
+        ports: Box::new(|| vec![PortInfo::simulated()]),
+        address: Some(address),
+    };
+    Parts { link: Box::new(link), jobs, bench, desk }
+}
+
+/// The app with what is stored of an earlier visit.
+fn app(
+    creation: &eframe::CreationContext<'_>,
+    parts: Parts,
+) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
+    let kept = |key: &str| creation.storage.and_then(|storage| storage.get_string(key));
+    let settings = kept(KEPT_SETTINGS);
+    let is_first_visit = settings.is_none();
+    let settings = settings.as_deref().map(Settings::read).unwrap_or_default();
+    let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
+        Some(Ok(Opened::Setup(setup))) => *setup,
+        _ => first_setup().ok_or("the first preset is damaged")?,
+    };
+    let mut app = App::new(&creation.egui_ctx, parts, setup, settings);
+    if is_first_visit {
+        app.demonstrate();
+    }
+    Ok(app)
+}

@@ -1,0 +1,124 @@
+"""The window on the page: a real pointer and real keys, setups in addresses, files."""
+
+import base64
+import contextlib
+import os
+import pathlib
+import unittest
+import zlib
+
+import shared
+
+SETUP = """slipline_setup = 1
+master_db = -3.0
+glide_s = 0.02
+[boundary]
+holds = "turning-point"
+[[tones]]
+slot = 0
+position_m = 0.15
+level = 0.5
+phase_turns = 0.0
+"""
+
+
+def fragment_of(text):
+    """A setup in an address, as the page writes it, made by other means."""
+    packed = zlib.compressobj(9, zlib.DEFLATED, -15)
+    raw = packed.compress(text.encode()) + packed.flush()
+    return "#setup=1." + base64.urlsafe_b64encode(raw).decode().rstrip("=")
+
+
+class Window(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.open = contextlib.ExitStack()
+        cls.address = cls.open.enter_context(shared.served())
+        cls.browser = cls.open.enter_context(shared.browser())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.open.close()
+
+    def setUp(self):
+        self.context = self.browser.new_context(viewport={"width": 1280, "height": 800})
+
+    def tearDown(self):
+        self.context.close()
+
+    def opened(self, fragment=""):
+        return shared.opened(self.context, self.address, fragment)
+
+    def picture(self, page, name):
+        folder = os.environ.get("SLIPLINE_PICTURES")
+        if folder:
+            page.screenshot(path=str(pathlib.Path(folder, f"{name}.png")))
+
+    def test_the_boundary_is_dragged_and_undone(self):
+        page, errors = self.opened()
+        # Any press ends the demonstration of a first visit.
+        page.mouse.click(420, 250)
+        shared.drive(page)
+        before = shared.state(page)
+        page.mouse.move(420, 250)
+        page.mouse.down()
+        for x in range(420, 560, 10):
+            page.mouse.move(x, 250)
+            page.wait_for_timeout(20)
+        page.mouse.up()
+        moved = shared.until(
+            page, lambda seen: abs(seen["turning_point_m"] - before["turning_point_m"]) > 5e-3, "dragged"
+        )
+        self.assertEqual(moved["device_state"], "Driving")
+        self.picture(page, "driving")
+        page.keyboard.press("Control+z")
+        shared.until(
+            page, lambda seen: abs(seen["turning_point_m"] - moved["turning_point_m"]) > 5e-3, "undone"
+        )
+        self.assertEqual(errors, [])
+
+    def test_a_setup_is_shown_in_a_second_tab(self):
+        page, errors = self.opened()
+        page.mouse.click(500, 250)
+        shown = shared.state(page)
+        fragment = page.evaluate("window.slipline.fragment()")
+        self.assertLess(len(fragment), 2000)
+        other, other_errors = self.opened("#" + fragment)
+        shared.until(other, lambda seen: seen["turning_point_m"] == shown["turning_point_m"], "the same setup")
+        self.assertEqual(errors + other_errors, [])
+
+    def test_a_setup_made_by_other_means_is_shown(self):
+        plate = pathlib.Path(__file__).parents[2] / "host/plate/presets/membrane.toml"
+        sections = plate.read_text().replace("\n[", "\n[plate.")
+        page, errors = self.opened(fragment_of(SETUP + "[plate]\n" + sections))
+        seen = shared.until(page, lambda seen: seen["turning_point_m"] == 0.15, "the setup of the address")
+        self.assertEqual(seen["tones"], 1)
+        self.assertEqual(errors, [])
+
+    def test_a_damaged_address_leaves_the_window_as_it_was(self):
+        page, errors = self.opened("#setup=1.AAAA")
+        self.assertTrue(shared.state(page)["is_open"])
+        self.assertFalse(shared.state(page)["has_failed"])
+        self.picture(page, "damaged")
+        self.assertEqual(errors, [])
+
+    def test_a_setup_is_saved_and_opened(self):
+        page, errors = self.opened()
+        before = shared.state(page)
+        page.mouse.click(450, 250)
+        kept = shared.settled(page, before)
+        with page.expect_download() as saved:
+            page.keyboard.press("Control+s")
+        path = saved.value.path()
+        self.assertIn("slipline_setup = 1", pathlib.Path(path).read_text())
+        page.mouse.click(560, 250)
+        shared.until(page, lambda seen: seen["turning_point_m"] != kept["turning_point_m"], "moved")
+        with page.expect_file_chooser() as chooser:
+            page.keyboard.press("Control+o")
+        chooser.value.set_files([{"name": "setup.toml", "mimeType": "text/plain", "buffer": pathlib.Path(path).read_bytes()}])
+        shared.until(page, lambda seen: seen["turning_point_m"] == kept["turning_point_m"], "opened")
+        self.assertEqual(errors, [])
+
+
+if __name__ == "__main__":
+    unittest.main()
