@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The folders of the product's sources, from the root.
-pub const PRODUCT: [&str; 11] = [
+pub const PRODUCT: [&str; 13] = [
     "shared/src",
     "firmware/app/src",
     "firmware/stm32/src",
@@ -14,6 +14,8 @@ pub const PRODUCT: [&str; 11] = [
     "host/instrument/src",
     "host/plate/src",
     "host/window/src",
+    "host/window/web/src",
+    "host/window/web/bindgen/src",
     "host/python/src",
 ];
 

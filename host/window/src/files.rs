@@ -112,7 +112,7 @@ pub enum FileError {
     Browser(String),
     /// It is too large to be read.
     #[cfg(target_arch = "wasm32")]
-    #[error("it has {bytes} bytes; allowed are up to {most}")]
+    #[error("it has {bytes} bytes, more than the {most} that are read")]
     TooBig {
         /// Its size.
         bytes: u64,

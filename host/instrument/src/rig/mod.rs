@@ -20,7 +20,7 @@ mod parts;
 mod prepared;
 mod sampler;
 #[cfg(feature = "serde")]
-mod sent;
+mod state;
 
 pub use error::RigError;
 pub use fault::RigFault;
@@ -29,7 +29,7 @@ pub use motor::{Motor, Transducer};
 pub use options::{RigOptions, limits};
 pub use prepared::PreparedRig;
 #[cfg(feature = "serde")]
-pub use sent::RigState;
+pub use state::RigState;
 
 use slipline_plate::truth::{Random, near};
 use slipline_plate::{Plate, PlateError};

@@ -42,11 +42,31 @@ const CURRENTS: u32 = 64;
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
-    serde(into = "super::sent::SentRig", from = "super::sent::SentRig")
+    serde(into = "SentRig", from = "SentRig")
 )]
 pub struct PreparedRig {
-    pub(super) parts: Arc<Parts>,
+    parts: Arc<Parts>,
     pub(super) bench: Arc<Mutex<Bench>>,
+}
+
+/// A rig on its way to another worker of a browser: what was computed is sent, so that nothing is computed for long there.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct SentRig(Arc<Parts>, Bench);
+
+#[cfg(feature = "serde")]
+impl From<PreparedRig> for SentRig {
+    fn from(rig: PreparedRig) -> Self {
+        let bench = super::bench::lock(&rig.bench).clone();
+        Self(rig.parts, bench)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<SentRig> for PreparedRig {
+    fn from(SentRig(parts, bench): SentRig) -> Self {
+        Self { parts, bench: Arc::new(Mutex::new(bench)) }
+    }
 }
 
 impl PreparedRig {

@@ -25,7 +25,7 @@ const SMALLEST: u8 = 10;
 #[derive(Debug, thiserror::Error)]
 pub enum FragmentError {
     /// It is too long.
-    #[error("the setup in the address has {0} characters; allowed are up to {FRAGMENT_MAX}")]
+    #[error("the setup in the address has {0} characters, more than the {FRAGMENT_MAX} that are read")]
     TooLong(usize),
     /// A version that this program does not know.
     #[error("the setup in the address is of version {0:?}: this page reads version {VERSION}; load it anew")]
@@ -107,7 +107,7 @@ mod tests {
             assert!(reason.contains("damaged"), "{damaged}: {reason}");
         }
         let long = format!("{fragment}{}", "A".repeat(FRAGMENT_MAX));
-        assert!(refused(&long).contains("allowed are up to 16000"));
+        assert!(refused(&long).contains("more than the 16000"));
         // What unpacks to more than a file may have is refused before it has filled the memory.
         let bomb = URL_SAFE_NO_PAD.encode(compress_to_vec(&vec![b'#'; 8 << 20], SMALLEST));
         assert!(bomb.len() < FRAGMENT_MAX && refused(&format!("setup=1.{bomb}")).contains("damaged"));

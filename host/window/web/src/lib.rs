@@ -13,6 +13,7 @@
 //! Elsewhere than in a browser the crate is empty.
 
 #![cfg(target_arch = "wasm32")]
+#![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used)]
 
 mod clock;

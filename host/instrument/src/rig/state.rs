@@ -1,27 +1,8 @@
-//! A rig on its way to another worker of a browser: what was computed is sent, so that nothing is computed for long there.
+//! What a person changes at a rig, for a copy of it in another worker of a browser.
 
 use super::bench::{Bench, lock};
-use super::parts::Parts;
 use super::prepared::PreparedRig;
 use serde::{Deserialize, Serialize};
-use std::sync::{Arc, Mutex};
-
-/// The parts of a rig, and the state of its bench.
-#[derive(Serialize, Deserialize)]
-pub(super) struct SentRig(Arc<Parts>, Bench);
-
-impl From<PreparedRig> for SentRig {
-    fn from(rig: PreparedRig) -> Self {
-        let bench = lock(&rig.bench).clone();
-        Self(rig.parts, bench)
-    }
-}
-
-impl From<SentRig> for PreparedRig {
-    fn from(SentRig(parts, bench): SentRig) -> Self {
-        Self { parts, bench: Arc::new(Mutex::new(bench)) }
-    }
-}
 
 /// Where the sensor of a rig stands, and the rig's fault.
 #[derive(Debug, Clone, Serialize, Deserialize)]
