@@ -58,7 +58,6 @@ impl Format {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
     svg: String,
-    #[cfg_attr(not(feature = "painted"), expect(dead_code, reason = "vectors have no dots"))]
     dots_per_inch: f64,
 }
 
