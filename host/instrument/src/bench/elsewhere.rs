@@ -117,3 +117,64 @@ impl Bench {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::RigOptions;
+    use slipline_plate::preset;
+
+    const RATE_HZ: f64 = 400e3;
+
+    /// What a device's inputs read while `act` does something every tenth block.
+    fn heard(bench: &Bench, mut act: impl FnMut(usize)) -> Vec<[[u16; 128]; 2]> {
+        let mut inputs = bench.inputs();
+        let codes: [u16; 128] = std::array::from_fn(|n| 2048 + 15 * n as u16);
+        let read = |block: usize| {
+            if block.is_multiple_of(10) {
+                act(block / 10);
+            }
+            let mut sensed = [[0; 128]; 2];
+            inputs.sample(&codes, false, &mut sensed);
+            sensed
+        };
+        (0..80).map(read).collect()
+    }
+
+    /// All that a person and the instrument do at a bench, one after another.
+    fn act(bench: &Bench, rig: &PreparedRig, step: usize) {
+        match step {
+            1 => bench.put(rig),
+            2 => rig.hand().put_sensor(0.16).expect("on the plate"),
+            3 => bench.rest(true),
+            4 => bench.rest(false),
+            5 => bench.tap(),
+            6 => bench.pass_over_to(rig, RATE_HZ),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn what_is_done_at_a_bench_elsewhere_is_heard_where_the_device_is() {
+        let options = RigOptions { place_m: 0.03, ..RigOptions::default() };
+        let rig =
+            || PreparedRig::new(&preset("membrane").expect("a plate"), &options, RATE_HZ).expect("a rig");
+        let (here, direct) = (rig(), Bench::default());
+        let expected = heard(&direct, |step| act(&direct, &here, step));
+        let (there, device, elsewhere) = (rig(), Bench::default(), Bench::elsewhere());
+        let mut known = None;
+        let received = heard(&device, |step| {
+            act(&elsewhere, &there, step);
+            for change in elsewhere.take_changes() {
+                let bytes = postcard::to_extend(&change, Vec::new()).expect("plain data");
+                device.carry_out(postcard::from_bytes(&bytes).expect("the same data"), &mut known);
+            }
+        });
+        assert!(received == expected, "the inputs differ");
+        assert!(elsewhere.is_passing_over() && device.is_passing_over() && direct.is_passing_over());
+        elsewhere.passed_over();
+        assert!(!elsewhere.is_passing_over());
+        let different = expected.iter().filter(|block| **block != expected[0]).count();
+        assert!(different > 40, "the rig is heard: {different}");
+    }
+}
