@@ -1,7 +1,7 @@
 //! A finished figure: SVG text for papers, and pixels rendered from it.
 
 #[cfg(feature = "painted")]
-use super::painting::{self, PaintError};
+use super::painting::{self, PaintError, Pixels};
 use png::{BitDepth, ColorType, Encoder, PixelDimensions, Unit};
 use std::path::Path;
 use thiserror::Error;
@@ -81,7 +81,7 @@ impl Drawing {
             Format::Svg => Ok(self.svg.clone().into_bytes()),
             #[cfg(feature = "painted")]
             Format::Png => {
-                let (size, rgba) = painting::pixels(&self.svg, self.dots_per_inch)?;
+                let Pixels { size, rgba } = painting::pixels(&self.svg, self.dots_per_inch)?;
                 encode(size, &rgba, Some(self.dots_per_inch))
             }
         }

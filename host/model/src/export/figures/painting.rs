@@ -21,8 +21,14 @@ pub enum PaintError {
     Size(u32, u32),
 }
 
-/// Renders an SVG file at this many dots per inch: width and height, and the pixels' red, green, blue and straight opacity.
-pub(super) fn pixels(svg: &str, dots_per_inch: f64) -> Result<((u32, u32), Vec<[u8; 4]>), PaintError> {
+/// A picture: width and height, and the pixels' red, green, blue and straight opacity.
+pub(super) struct Pixels {
+    pub(super) size: (u32, u32),
+    pub(super) rgba: Vec<[u8; 4]>,
+}
+
+/// Renders an SVG file at this many dots per inch.
+pub(super) fn pixels(svg: &str, dots_per_inch: f64) -> Result<Pixels, PaintError> {
     let tree = parsed(svg)?;
     let scale = dots_per_inch / POINTS_PER_INCH;
     let dots = |points: f32| (f64::from(points) * scale).round() as u32;
@@ -36,7 +42,7 @@ pub(super) fn pixels(svg: &str, dots_per_inch: f64) -> Result<((u32, u32), Vec<[
         .map(|pixel| pixel.demultiply())
         .map(|colour| [colour.red(), colour.green(), colour.blue(), colour.alpha()])
         .collect();
-    Ok(((width, height), rgba))
+    Ok(Pixels { size: (width, height), rgba })
 }
 
 /// The SVG file as the renderer parses it, with its size in points.
