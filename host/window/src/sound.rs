@@ -11,7 +11,6 @@
 #[cfg(not(target_arch = "wasm32"))]
 mod mix;
 #[cfg(not(target_arch = "wasm32"))]
-#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's sound"))]
 mod output;
 #[cfg(not(target_arch = "wasm32"))]
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the system's clock and a thread"))]
