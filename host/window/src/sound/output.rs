@@ -9,6 +9,7 @@ mod pulse;
 pub(super) use pulse::run;
 
 #[cfg(not(target_os = "linux"))]
+#[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "a thread of its own waits"))]
 mod native;
 #[cfg(not(target_os = "linux"))]
 pub(super) use native::run;
