@@ -242,7 +242,7 @@ mod tests {
     fn a_job_that_is_done_elsewhere_is_the_newest_and_a_cancelled_one_is_not_wanted() {
         let (handed, given) = channel();
         let (mut queue, finished) = JobQueue::<u32, u32>::elsewhere(move |number, job, task| {
-            handed.send((number, job, task)).unwrap()
+            handed.send((number, job, task)).unwrap();
         });
         queue.ask(1);
         queue.ask(2);
