@@ -58,8 +58,7 @@ class Window(unittest.TestCase):
         page, errors = self.opened()
         # Any press ends the demonstration of a first visit.
         page.mouse.click(420, 250)
-        shared.drive(page)
-        before = shared.state(page)
+        before = shared.settled(page, shared.drive(page))
         page.mouse.move(420, 250)
         page.mouse.down()
         for x in range(420, 560, 10):
@@ -79,8 +78,9 @@ class Window(unittest.TestCase):
 
     def test_a_setup_is_shown_in_a_second_tab(self):
         page, errors = self.opened()
+        before = shared.state(page)
         page.mouse.click(500, 250)
-        shown = shared.state(page)
+        shown = shared.settled(page, before)
         fragment = page.evaluate("window.slipline.fragment()")
         self.assertLess(len(fragment), 2000)
         other, other_errors = self.opened("#" + fragment)
