@@ -95,9 +95,10 @@ class Files(unittest.TestCase):
         found = [
             self.calibrated("--data", self.csv[0], "--data", path, *sensor) for path in (universal, comma, wide)
         ]
-        # These files state no noise, so the answers weigh a little otherwise than in the own one.
+        # These files state no noise, so the answers weigh a little otherwise than in the own one. How much depends on the
+        # noise, another one in each run: 0.05 to 0.8 % of the loss factor in seven runs, less of the others.
         for values in found:
-            self.assertTrue(close(values, own, 5e-3), f"{values} {own}")
+            self.assertTrue(close(values, own, 2e-2), f"{values} {own}")
         self.assertTrue(close(found[2], found[1]), "UTF-16 has all digits")
 
     def test_cut_files_and_recordings_open(self):
