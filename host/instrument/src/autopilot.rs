@@ -92,10 +92,7 @@ impl Autopilot {
     /// Whether a change of the setup must be sent to the device.
     #[must_use]
     pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
-        let takes_drives = snapshot.status.is_some_and(|status| {
-            matches!(status.state, State::Armed | State::Waiting | State::Driving | State::Stopping)
-        });
-        self.wants_drive && takes_drives && snapshot.is_connected() && snapshot.table.active.is_some()
+        self.wants_drive && snapshot.is_armed() && snapshot.is_connected() && snapshot.table.active.is_some()
     }
 
     /// Requests that follow from the changes of the snapshot. `made` is the table for the plate on the
@@ -146,9 +143,7 @@ impl Autopilot {
                 return actions;
             }
         }
-        if changes.table
-            || !matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping))
-        {
+        if changes.table || !now.is_armed() {
             self.has_driven = false;
         }
         // The same plate from another file has the same table, so only this flag shows that there are tones to

@@ -11,7 +11,6 @@
 use crate::commands::CommandQueue;
 use crate::log::Severity;
 use crate::recorder::Recorder;
-use slipline_protocol::event::State;
 use slipline_protocol::limits::DEAD_MAN_MS;
 use std::time::Duration;
 
@@ -73,9 +72,6 @@ impl DriverWatch {
 
     /// Requests a sign of life, and ends the drive if none is given.
     pub(crate) fn watch(&mut self, queue: &mut CommandQueue, recorder: &mut Recorder, now: Duration) {
-        let state = recorder.view.status.map(|status| status.state);
-        let is_armed =
-            matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping));
         // The link arms a simulated device automatically, also while the window is still being opened.
         if !self.has_signed
             && recorder.view.may_arm_unasked()
@@ -83,7 +79,7 @@ impl DriverWatch {
         {
             (armed.since, armed.stop_at) = (now, now + SIGN_PATIENCE);
         }
-        match self.step(is_armed, now) {
+        match self.step(recorder.view.is_armed(), now) {
             Due::Nothing => {}
             Due::Ask => self.is_asking = true,
             Due::Stop { is_first } => {

@@ -12,7 +12,8 @@ use slipline_protocol::Command;
 use slipline_protocol::board::BoardReport;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{
-    AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, Status, TableReport, TriggerReport,
+    AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
+    TriggerReport,
 };
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::hold::{Held, HoldProgress};
@@ -314,6 +315,14 @@ impl Snapshot {
     #[must_use]
     pub fn is_connected(&self) -> bool {
         self.link == LinkState::Connected
+    }
+
+    /// Whether the device takes drives: unmuted, whatever it plays, by its last report.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        self.status.is_some_and(|status| {
+            matches!(status.state, State::Armed | State::Waiting | State::Driving | State::Stopping)
+        })
     }
 
     /// The outcome of a request; `None` while it runs, and once the outcome is no longer kept. After a crash of the link it is

@@ -89,11 +89,12 @@ def _attributes(study: _Study) -> dict[str, str]:
 
 def _difference(name: str, kept: Any, wanted: str) -> str:
     """What differs, in words: of two specifications the first line that does."""
-    if name == "spec":
-        for ours, theirs in zip(str(kept).splitlines(), wanted.splitlines()):
-            if ours != theirs:
-                return f"with {ours}, not {theirs}"
-    return f"its {name} is {kept}, not {wanted}" if name != "spec" else "its specification has other lines"
+    if name != "spec":
+        return f"its {name} is {kept}, not {wanted}"
+    for its_line, line in zip(str(kept).splitlines(), wanted.splitlines()):
+        if its_line != line:
+            return f"with {its_line}, not {line}"
+    return "its specification has other lines"
 
 
 def _make(path: Path, study: _Study, chunk: int) -> None:

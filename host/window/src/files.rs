@@ -87,6 +87,13 @@ pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 /// recordings of the sweep.
 pub const MEASUREMENT_EXTENSIONS: [&str; 5] = ["txt", "frd", "uff", "unv", "wav"];
 
+/// The extensions of all that can be opened: setups, plates, recorded drags, measurements. A measurement has all of them, too:
+/// a description of a sweep is TOML and goes with a recording.
+#[must_use]
+pub fn openable_extensions() -> Vec<&'static str> {
+    [&["toml", "csv"][..], &MEASUREMENT_EXTENSIONS].concat()
+}
+
 /// Whether a file of this name is a measurement by another program.
 #[must_use]
 pub fn is_measurement(path: &Path) -> bool {

@@ -8,7 +8,6 @@ use pyo3::prelude::*;
 use slipline_instrument::native::{Client, InterruptibleLink};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::Port;
-use slipline_link::protocol::event::State as DeviceState;
 use slipline_link::simulator::Options;
 use slipline_plate::quantity::{OutOfRange, Range};
 use std::sync::{Arc, Mutex};
@@ -113,10 +112,6 @@ impl Device {
 
     /// Whether the device can be driven, by its latest status.
     pub(super) fn is_armed(&self) -> bool {
-        let state = self.client.snapshot().status.map(|status| status.state);
-        matches!(
-            state,
-            Some(DeviceState::Armed | DeviceState::Waiting | DeviceState::Driving | DeviceState::Stopping)
-        )
+        self.client.snapshot().is_armed()
     }
 }

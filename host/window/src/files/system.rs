@@ -1,8 +1,8 @@
 //! The dialogs and the disk of the system.
 
 use super::{
-    FileError, FileEvent, FileJob, Files, MEASUREMENT_EXTENSIONS, PROFILE_EXTENSIONS, Save, is_measurement,
-    native,
+    FileError, FileEvent, FileJob, Files, PROFILE_EXTENSIONS, Save, is_measurement, native,
+    openable_extensions,
 };
 use slipline_instrument::measured_file;
 use slipline_model::atomic_file;
@@ -64,18 +64,13 @@ fn perform(job: FileJob) -> Option<FileEvent> {
     match job {
         FileJob::Choose => {
             let path = rfd::FileDialog::new()
-                .add_filter(
-                    "Setup, plate, measurement or recorded drag",
-                    &[&["toml", "csv"][..], &MEASUREMENT_EXTENSIONS].concat(),
-                )
+                .add_filter("Setup, plate, measurement or recorded drag", &openable_extensions())
                 .pick_file()?;
             Some(open(path))
         }
         FileJob::Open(path) => Some(open(path)),
         FileJob::ChooseMeasurement => {
-            // A description of a sweep is TOML: it goes with a recording.
-            let extensions = [&["csv", "toml"][..], &MEASUREMENT_EXTENSIONS].concat();
-            let dialog = rfd::FileDialog::new().add_filter("Measurement", &extensions);
+            let dialog = rfd::FileDialog::new().add_filter("Measurement", &openable_extensions());
             Some(open_measurement(dialog.add_filter("Any file", &["*"]).pick_file()?))
         }
         FileJob::OpenMeasurement(path) => Some(open_measurement(path)),

@@ -10,7 +10,6 @@ use slipline_instrument::bench::Bench;
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::connection::Connection;
 use slipline_link::protocol::Command;
-use slipline_link::protocol::event::State;
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
 use slipline_link::transport::{Opener, Waker};
@@ -123,10 +122,10 @@ impl DeviceWorker {
     /// Stops and disarms because nobody sees the page any more; the log says why.
     pub fn leave(&mut self, reason: &str) {
         let now = now();
-        let state = self.connection.view().status.map(|status| status.state);
+        let was_armed = self.connection.view().is_armed();
         self.connection.request(UNAWAITED, Request::Stop, now);
         self.connection.request(UNAWAITED, Request::Disarm, now);
-        if matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping)) {
+        if was_armed {
             let text = format!("{reason}: stopped and disarmed.");
             self.connection.request(UNAWAITED, Request::Note(Severity::Warning, text), now);
         }
@@ -192,7 +191,7 @@ fn state_text(view: &Snapshot) -> String {
         LinkState::Reconnecting(_) => "reconnecting",
     };
     let state = view.status.map(|status| status.state);
-    let is_armed = matches!(state, Some(State::Armed | State::Waiting | State::Driving | State::Stopping));
+    let is_armed = view.is_armed();
     let state = state.map_or_else(|| "null".to_owned(), |state| format!("\"{state:?}\""));
     let mut text = format!(
         "{{\"revision\":{},\"link\":\"{link}\",\"device_state\":{state},\"armed\":{is_armed},\"driver_stalls\":{}",

@@ -7,7 +7,7 @@ use slipline_instrument::measured_file;
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use slipline_model::texture::PROFILE_FILE_BYTES_MAX;
 use slipline_window::files::{
-    FileError, FileEvent, FileJob, Files, MEASUREMENT_EXTENSIONS, PROFILE_EXTENSIONS, is_measurement,
+    FileError, FileEvent, FileJob, Files, PROFILE_EXTENSIONS, is_measurement, openable_extensions,
 };
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -101,10 +101,8 @@ fn profile(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
 impl Files for BrowserFiles {
     fn begin(&mut self, job: FileJob) {
         match job {
-            FileJob::Choose => self.choose(&[&["toml", "csv"][..], &MEASUREMENT_EXTENSIONS].concat(), opened),
-            FileJob::ChooseMeasurement => {
-                self.choose(&[&["csv", "toml"][..], &MEASUREMENT_EXTENSIONS].concat(), measurement);
-            }
+            FileJob::Choose => self.choose(&openable_extensions(), opened),
+            FileJob::ChooseMeasurement => self.choose(&openable_extensions(), measurement),
             FileJob::ChooseProfile => self.choose(&PROFILE_EXTENSIONS, profile),
             FileJob::Save(save) | FileJob::SaveAs { save, .. } => {
                 self.host.save(&save.name, &save.bytes);

@@ -126,8 +126,6 @@ function deviceFailed() {
   }
 }
 
-// ---- The window
-
 // ---- The job workers
 
 const lanes = {};
@@ -155,6 +153,8 @@ function startLane(name) {
   worker.postMessage({ entry: "jobs", module: compiled });
   lanes[name] = worker;
 }
+
+// ---- The window
 
 // What the window asks of the page.
 const host = {
