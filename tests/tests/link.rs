@@ -60,6 +60,24 @@ fn at_rest_the_link_wakes_only_for_its_keep_alives() {
 }
 
 #[test]
+fn a_status_that_is_requested_after_a_sleep_is_none_of_before() {
+    let mut rig = LinkRig::armed();
+    rig.ask(drive(0.05));
+    rig.pass_ms(100);
+    // The device answers a keep-alive, and the host sleeps before it reads the answer.
+    rig.ports().commands.clear();
+    while !rig.ports().commands.iter().any(|(_, command)| matches!(command, Command::KeepAlive(_))) {
+        rig.pass_ms(1);
+    }
+    rig.sleep(Duration::from_secs(2));
+    let refresh = rig.ask(Request::Refresh);
+    while rig.outcome(refresh).is_none() {
+        rig.pass_ms(1);
+    }
+    assert_eq!(rig.state(), State::Fault);
+}
+
+#[test]
 fn the_newest_drive_wins_and_a_stop_overtakes_all_of_them() {
     let mut rig = LinkRig::armed();
     rig.ports().commands.clear();

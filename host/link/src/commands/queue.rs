@@ -43,7 +43,10 @@ pub(crate) struct CommandQueue {
     pub(super) uploads: Uploads,
     upload_turn: bool,
     pub(super) keep_alive_due: Duration,
-    pub(super) status_wanted: Vec<Ticket>,
+    /// Requests for a status for which nothing has been sent yet.
+    status_wanted: Vec<Ticket>,
+    /// Requests for a status that the reply to the present keep-alive or status request answers.
+    pub(super) status_asked: Vec<Ticket>,
     /// A change has occurred that the status reports, so the status is requested before the next keep-alive.
     pub(super) status_stale: bool,
     pub(super) renumberings: u32,
@@ -67,6 +70,7 @@ impl CommandQueue {
             upload_turn: false,
             keep_alive_due: now + KEEP_ALIVE_PERIOD,
             status_wanted: Vec::new(),
+            status_asked: Vec::new(),
             status_stale: false,
             renumberings: 0,
             closing: None,
@@ -225,8 +229,9 @@ impl CommandQueue {
         }
         let upload = self.uploads.end();
         let tasks = self.tasks.iter().filter_map(|task| task.ticket);
+        let status = self.status_wanted.iter().chain(&self.status_asked);
         let open: Vec<Ticket> =
-            self.urgent.iter().chain(&self.status_wanted).copied().chain(upload).chain(tasks).collect();
+            self.urgent.iter().chain(status).copied().chain(upload).chain(tasks).collect();
         for ticket in open {
             recorder.finish(Some(ticket), outcome.clone());
         }
@@ -252,7 +257,10 @@ impl CommandQueue {
                     self.channel.send(hello, now);
                 }
                 Stage::Limited => {}
-                Stage::Reading | Stage::Connected => self.channel.keep_alive(now),
+                Stage::Reading | Stage::Connected => {
+                    self.channel.keep_alive(now);
+                    self.status_asked.append(&mut self.status_wanted);
+                }
             }
         }
         let is_wanted = self.status_stale || !self.status_wanted.is_empty();
@@ -262,6 +270,7 @@ impl CommandQueue {
         {
             self.status_stale = false;
             self.channel.send(Command::Status, now);
+            self.status_asked.append(&mut self.status_wanted);
         }
         while self.channel.is_free() && self.is_identified() && self.send_next(recorder, now) {}
         Next::Continue

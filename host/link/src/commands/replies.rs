@@ -125,7 +125,7 @@ impl CommandQueue {
         if is_first {
             recorder.acknowledge(status.now, Change::Session);
         }
-        for ticket in std::mem::take(&mut self.status_wanted) {
+        for ticket in std::mem::take(&mut self.status_asked) {
             recorder.finish(Some(ticket), Outcome::Done { at: status.now });
         }
     }
@@ -157,7 +157,7 @@ impl CommandQueue {
         if let Event::Status(status) = event {
             self.take_status(*status, recorder);
         } else if let Err(refusal @ Refusal::Device(_)) = accepted_at(event) {
-            for ticket in std::mem::take(&mut self.status_wanted) {
+            for ticket in std::mem::take(&mut self.status_asked) {
                 recorder.finish(Some(ticket), Outcome::Refused(refusal.clone()));
             }
         }
