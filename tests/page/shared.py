@@ -69,6 +69,11 @@ def opened(context, address, fragment=""):
     return page, errors
 
 
+def felt(page):
+    """The state once the felt edge is computed, which the line is: a press before that places the turning point instead."""
+    return until(page, lambda seen: seen["felt_edge_m"] is not None, "felt")
+
+
 def settled(page, since):
     """The state once there are pictures since that one, and the line stands where it stood a second before."""
     seen = until(page, lambda seen: seen["frames"] > since["frames"] + 1, "drawn")
