@@ -66,14 +66,16 @@ fn a_status_that_is_requested_after_a_sleep_is_none_of_before() {
     rig.pass_ms(100);
     // The device answers a keep-alive, and the host sleeps before it reads the answer.
     rig.ports().commands.clear();
-    while !rig.ports().commands.iter().any(|(_, command)| matches!(command, Command::KeepAlive(_))) {
+    let is_sent = (0..=KEEP_ALIVE_PERIOD_MS).any(|_| {
         rig.pass_ms(1);
-    }
+        rig.ports().commands.iter().any(|(_, command)| matches!(command, Command::KeepAlive(_)))
+    });
+    assert!(is_sent);
     rig.sleep(Duration::from_secs(2));
+    let awake_at = rig.ports().device.now();
     let refresh = rig.ask(Request::Refresh);
-    while rig.outcome(refresh).is_none() {
-        rig.pass_ms(1);
-    }
+    rig.pass_ms(100);
+    assert!(matches!(rig.outcome(refresh), Some(Outcome::Done { at }) if at >= awake_at));
     assert_eq!(rig.state(), State::Fault);
 }
 
