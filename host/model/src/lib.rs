@@ -22,6 +22,8 @@ pub mod atomic_file;
 pub mod colour_map;
 pub mod export;
 pub mod field;
+#[cfg(feature = "figures")]
+pub mod fonts;
 pub mod jobs;
 #[cfg(feature = "native")]
 pub mod named_plate;

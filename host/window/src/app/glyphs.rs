@@ -14,6 +14,10 @@ pub(super) struct Glyphs {
 impl App {
     /// Reports once each character of the names on the screen that no font has.
     pub(super) fn look_for_glyphs(&mut self, ctx: &egui::Context) {
+        // What these fonts lack is drawn with the browser's.
+        if cfg!(target_arch = "wasm32") {
+            return;
+        }
         let ports = self.ports.iter().map(|port| port.label.as_str());
         let names =
             ports.chain([self.instrument.setup().plate.name(), &self.instrument.background().draft.name]);

@@ -4,12 +4,13 @@ use crate::files::{BrowserFiles, Dropped};
 use crate::host::Host;
 use crate::remote_link::RemoteLink;
 use crate::work::{self, Workers};
-use eframe::egui;
+use eframe::egui::{self, FontData, FontDefinitions, FontFamily};
 use slipline_instrument::Jobs;
 use slipline_instrument::bench::Bench;
 use slipline_link::PortInfo;
 use slipline_model::export::figures::plate;
 use slipline_model::field::line::Holds;
+use slipline_model::fonts::{HACK, UBUNTU_LIGHT};
 use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
@@ -21,6 +22,7 @@ use slipline_window::sound::{Speaker, SpeakerState};
 use slipline_window::view::theme;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::Arc;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 use web_sys::HtmlCanvasElement;
@@ -222,6 +224,7 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
         opened.replace(Some((creation.egui_ctx.clone(), Rc::clone(&workers))));
         let dropped = Dropped::default();
         let files = BrowserFiles::new(Rc::clone(&host), creation.egui_ctx.clone(), Rc::clone(&dropped));
+        creation.egui_ctx.set_fonts(fonts());
         let parts = parts(linked.clone(), jobs, bench, files, host.address());
         let app = app(creation, parts)?;
         Ok(Box::new(Window { app, link: linked, dropped, workers, reports: reported, frames: 0 })
@@ -230,6 +233,21 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
     runner.start(canvas, options, Box::new(create)).await?;
     let (ctx, workers) = context.take().ok_or("the window was not made")?;
     Ok(Page { runner, link, workers, ctx, reports })
+}
+
+/// The window's fonts, in the order in which egui searches its own.
+fn fonts() -> FontDefinitions {
+    let mut fonts = FontDefinitions::empty();
+    for (name, font) in [("Ubuntu-Light", UBUNTU_LIGHT), ("Hack", HACK)] {
+        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(font)));
+    }
+    for (family, names) in [
+        (FontFamily::Proportional, &["Ubuntu-Light"][..]),
+        (FontFamily::Monospace, &["Hack", "Ubuntu-Light"]),
+    ] {
+        fonts.families.insert(family, names.iter().map(|&name| name.to_owned()).collect());
+    }
+    fonts
 }
 
 /// The window's parts, as a browser has them.

@@ -1,6 +1,6 @@
-//! The font of the figures. It is part of the program, so that figures look the same on every machine, even one
-//! without fonts.
+//! The font of the figures, and what fits into a line of it.
 
+use crate::fonts::{HACK, UBUNTU_LIGHT};
 use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider as _};
 use std::sync::OnceLock;
@@ -15,7 +15,7 @@ pub(super) const WEIGHT: u16 = 300;
 const UNKNOWN: f32 = 1.0;
 
 /// The fonts in the order in which they are searched: the second has letters that the first lacks.
-pub(super) const FONTS: [&[u8]; 2] = [epaint_default_fonts::UBUNTU_LIGHT, epaint_default_fonts::HACK_REGULAR];
+pub(super) const FONTS: [&[u8]; 2] = [UBUNTU_LIGHT, HACK];
 
 /// Width of a text of this size, in the unit of the size.
 pub(super) fn width(text: &str, size: f64) -> f64 {
