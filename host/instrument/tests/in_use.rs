@@ -124,6 +124,8 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
 fn the_script_of_a_window_runs_without_one() {
     let mut session = Session::new();
     let sent = script::play(&mut session);
+    // For the page's test, which compares what a browser computes with what this computer does: .ci/run page.
+    println!("{}", sent.join("\n"));
     let combs = sent.iter().filter(|request| request.starts_with("Play(Comb")).count();
     assert!(combs > 3, "a measurement plays combs: {sent:#?}");
     assert_eq!(session.state(), Some(State::Driving));

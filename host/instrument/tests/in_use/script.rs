@@ -90,22 +90,19 @@ pub(crate) fn play(hands: &mut impl Hands) -> Vec<String> {
     hands.replay();
     hands.pass(1000);
     // The recording includes the duration of a window's frames: the same moves, at other samples.
-    seen.extend(hands.take_sent().iter().map(in_words));
+    seen.extend(in_words(hands));
     seen
+}
+
+/// The requests since the last call.
+fn in_words(hands: &mut impl Hands) -> Vec<String> {
+    hands.take_sent().iter().map(|request| format!("{request:?}")).collect()
 }
 
 fn pass(hands: &mut impl Hands, ms: u64, seen: &mut Vec<String>) {
     hands.pass(ms);
-    seen.extend(hands.take_sent().iter().map(in_words));
+    seen.extend(in_words(hands));
     seen.push(format!("codes {:016x}", hands.digest()));
-}
-
-/// A request in words; a table by its checksum.
-fn in_words(request: &Request) -> String {
-    match request {
-        Request::Upload(table) => format!("Upload({:08x})", table.crc()),
-        request => format!("{request:?}"),
-    }
 }
 
 /// After each action the instrument is turned before time advances, as in the frames in which a window

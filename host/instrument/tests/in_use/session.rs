@@ -3,7 +3,7 @@
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use slipline_instrument::bench::Bench;
 use slipline_instrument::hold::Standing;
-use slipline_instrument::{Attention, DeviceIntent, Instrument, Jobs, MeasureIntent, Output, Page};
+use slipline_instrument::{Attention, DeviceIntent, Instrument, Jobs, Link, MeasureIntent, Output, Page};
 use slipline_link::protocol::event::State;
 use slipline_link::{Port, Request};
 use slipline_model::setup::{BoundaryMode, Setup};
@@ -31,11 +31,14 @@ pub(crate) fn setup() -> Setup {
 impl Session {
     /// A session with [`setup`], connected.
     pub(crate) fn new() -> Self {
-        let setup = setup();
+        Self::with(|worker| Box::new(SteppedLink(worker)), Jobs::inline())
+    }
+
+    /// A session whose instrument has this link to the device, and does its work so.
+    pub(crate) fn with(link: impl FnOnce(Rc<RefCell<SteppedWorker>>) -> Box<dyn Link>, jobs: Jobs) -> Self {
         let bench = Bench::default();
         let worker = Rc::new(RefCell::new(SteppedWorker::new(true, Some(bench.inputs()))));
-        let link = Box::new(SteppedLink(Rc::clone(&worker)));
-        let mut instrument = Instrument::new(link, Jobs::inline(), bench, setup);
+        let mut instrument = Instrument::new(link(Rc::clone(&worker)), jobs, bench, setup());
         instrument.perform_device(DeviceIntent::AutoReconnect(true));
         instrument.connect(Port::Simulated);
         let attention = Attention { is_animated: true, is_measurements_open: true, ..Attention::default() };

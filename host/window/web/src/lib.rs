@@ -24,3 +24,18 @@ mod message;
 pub mod page;
 mod remote_link;
 pub mod work;
+
+#[cfg(feature = "tests")]
+#[path = "../../../instrument/tests/in_use/pluggable_port.rs"]
+#[allow(dead_code, clippy::unwrap_used, reason = "it is a part of other programs of tests")]
+mod pluggable_port;
+#[cfg(feature = "tests")]
+pub mod script;
+#[cfg(feature = "tests")]
+#[path = "../../../instrument/tests/in_use/session.rs"]
+#[allow(dead_code, clippy::unwrap_used, reason = "it is a part of other programs of tests")]
+mod session;
+#[cfg(feature = "tests")]
+#[path = "../../../instrument/tests/in_use/script.rs"]
+#[allow(dead_code, reason = "it is a part of other programs of tests")]
+mod user;

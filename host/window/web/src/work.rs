@@ -5,12 +5,15 @@
 //!    ^                 |   <-number, result-
 //!    +----- result ----+
 //! ```
-//! A job in a worker hears no message while it runs. So one that is not wanted any more is ended with its worker, which
-//! is started anew at once; and a newer job of a kind waits for the older one, unless that has run for a while.
+
+mod lanes;
+
+pub(crate) use lanes::Workers;
 
 use crate::clock::now;
 use crate::host::Host;
 use eframe::egui;
+use lanes::{Lane, Lanes};
 use serde::{Deserialize, Serialize};
 use slipline_instrument::Jobs;
 use slipline_instrument::jobs::calibrate::{self, CalibrateDone, CalibrateJob};
@@ -29,14 +32,10 @@ use slipline_model::waveform::{self, Waveform, WaveformJob};
 use slipline_plate::exchange::Exchange;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
-use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
-
-/// A running job that is older than this is not waited for when a newer one of its kind is asked for.
-const PATIENCE: Duration = Duration::from_millis(300);
 
 type Work<Job, Done> = Box<dyn FnMut(Job, &Task) -> Option<Done>>;
 
@@ -90,11 +89,13 @@ macro_rules! kinds {
             $($queue: Work<$job, $done>,)*
         }
 
-        impl JobWorker {
-            fn begin() -> Self {
+        impl Default for JobWorker {
+            fn default() -> Self {
                 Self { exchange: Exchange::default(), $($queue: Box::new($work),)* }
             }
+        }
 
+        impl JobWorker {
             fn done(&mut self, job: Job) -> Done {
                 let task = Task::passing_on(pass_on);
                 match job {
@@ -135,7 +136,24 @@ macro_rules! kinds {
             )*
             let results = Results { $($queue: $queue.1,)* };
             let jobs = Jobs { $($queue: $queue.0,)* ..Jobs::inline() };
-            (Workers { lanes, results, ctx: ctx.clone() }, jobs)
+            (Workers::new(lanes, results, ctx.clone()), jobs)
+        }
+
+        /// For tests: the instrument's work, done at once by the entry of a worker.
+        #[cfg(feature = "tests")]
+        pub(crate) fn jobs_at_once() -> Jobs {
+            let [quick, long] = [(); 2].map(|()| Rc::new(RefCell::new(AtOnce::default())));
+            let lanes = Lanes { quick, long };
+            $(
+                let worker = Rc::clone(&lanes.$lane);
+                let $queue = JobQueue::inline(move |job, _: &Task| {
+                    match worker.borrow_mut().done(Job::$kind(job)) {
+                        Some(Done::$kind(done)) => done,
+                        _ => None,
+                    }
+                });
+            )*
+            Jobs { $($queue,)* ..Jobs::inline() }
         }
     };
 }
@@ -183,10 +201,9 @@ fn pass_on(share: f64) {
 impl JobWorker {
     /// A worker with nothing to do.
     #[wasm_bindgen(constructor)]
-    #[expect(clippy::new_without_default, reason = "it is a constructor of the script's")]
     #[must_use]
     pub fn new() -> Self {
-        Self::begin()
+        Self::default()
     }
 
     /// Does a job and returns its result, both as bytes; nothing for bytes that are no job of this build.
@@ -197,135 +214,20 @@ impl JobWorker {
     }
 }
 
-/// A job that runs in a worker.
-struct Running {
-    number: u64,
-    job: Job,
-    since: Duration,
-    task: Arc<Task>,
-}
-
-/// A job that waits for its worker.
-struct Waiting {
-    number: u64,
-    job: Job,
-    task: Arc<Task>,
-}
-
+/// The entry of a worker in the same thread, and the plates that were sent to it.
+#[cfg(feature = "tests")]
 #[derive(Default)]
-struct State {
+struct AtOnce {
     exchange: Exchange,
-    running: Option<Running>,
-    waiting: Vec<Waiting>,
-    /// Jobs that have ended without a result.
-    ended: Vec<(u64, Kind)>,
+    worker: JobWorker,
 }
 
-/// One worker, and the jobs that wait for it.
-struct Lane {
-    name: &'static str,
-    host: Rc<Host>,
-    state: RefCell<State>,
-}
-
-impl Lane {
-    fn new(name: &'static str, host: Rc<Host>) -> Rc<Self> {
-        Rc::new(Self { name, host, state: RefCell::default() })
-    }
-
-    /// Takes a job on; it replaces an older one of its kind that waits.
-    fn begin(&self, number: u64, job: Job, task: Arc<Task>) {
-        let mut state = self.state.borrow_mut();
-        state.waiting.retain(|waiting| waiting.job.kind() != job.kind());
-        state.waiting.push(Waiting { number, job, task });
-        self.go_on(&mut state);
-    }
-
-    /// Ends a job that is not wanted any more, and starts the next one.
-    fn go_on(&self, state: &mut State) {
-        if let Some(running) = state.running.as_ref().filter(|running| running.task.is_over()) {
-            let has_newer = state.waiting.iter().any(|waiting| waiting.job.kind() == running.job.kind());
-            if !has_newer || now().saturating_sub(running.since) > PATIENCE {
-                self.restart(state);
-            }
-        }
-        state.waiting.retain(|waiting| !waiting.task.is_over());
-        while state.running.is_none() && !state.waiting.is_empty() {
-            let Waiting { number, job, task } = state.waiting.remove(0);
-            match state.exchange.run(|| postcard::to_extend(&(number, &job), Vec::new())) {
-                Ok(bytes) => {
-                    self.host.post_job(self.name, &bytes);
-                    state.running = Some(Running { number, job, since: now(), task });
-                }
-                Err(_) => state.ended.push((number, job.kind())),
-            }
-        }
-    }
-
-    /// Starts the worker anew; the job that runs has no result.
-    fn restart(&self, state: &mut State) {
-        self.host.restart_lane(self.name);
-        state.exchange = Exchange::default();
-        state.ended.extend(state.running.take().map(|running| (running.number, running.job.kind())));
-    }
-}
-
-struct Lanes {
-    quick: Rc<Lane>,
-    long: Rc<Lane>,
-}
-
-/// The job workers, as the page's thread sees them.
-pub(crate) struct Workers {
-    lanes: Lanes,
-    results: Results,
-    ctx: egui::Context,
-}
-
-impl Workers {
-    fn lane(&self, name: &str) -> &Rc<Lane> {
-        if name == self.lanes.quick.name { &self.lanes.quick } else { &self.lanes.long }
-    }
-
-    /// Takes a worker's result; no bytes: the worker has failed, and was replaced.
-    pub(crate) fn take(&self, name: &str, bytes: Option<Vec<u8>>) {
-        let lane = self.lane(name);
-        let mut state = lane.state.borrow_mut();
-        let done =
-            bytes.and_then(|bytes| state.exchange.run(|| postcard::from_bytes::<(u64, Done)>(&bytes)).ok());
-        match done {
-            Some((number, done)) => {
-                let running = state.running.take().filter(|running| running.number == number);
-                let done = match &running {
-                    Some(Running { job, .. }) => done.of(job),
-                    None => done,
-                };
-                self.results.send(number, done);
-            }
-            None => lane.restart(&mut state),
-        }
-        lane.go_on(&mut state);
-        drop(state);
-        self.attend();
-        self.ctx.request_repaint();
-    }
-
-    /// Takes the share that a worker has done of its job.
-    pub(crate) fn progress(&self, name: &str, share: f64) {
-        if let Some(running) = &self.lane(name).state.borrow().running {
-            running.task.report(share);
-            self.ctx.request_repaint();
-        }
-    }
-
-    /// Ends what is not wanted any more; for each picture.
-    pub(crate) fn attend(&self) {
-        for lane in [&self.lanes.quick, &self.lanes.long] {
-            let mut state = lane.state.borrow_mut();
-            lane.go_on(&mut state);
-            for (number, kind) in state.ended.drain(..) {
-                self.results.send_none(number, kind);
-            }
-        }
+#[cfg(feature = "tests")]
+impl AtOnce {
+    fn done(&mut self, job: Job) -> Option<Done> {
+        let sent = self.exchange.run(|| postcard::to_extend(&(0_u64, &job), Vec::new())).ok()?;
+        let sent_back = self.worker.run(&sent)?;
+        let (_, done) = self.exchange.run(|| postcard::from_bytes::<(u64, Done)>(&sent_back)).ok()?;
+        Some(done.of(&job))
     }
 }

@@ -1,0 +1,63 @@
+"""A user's script of four minutes, in virtual time: what a browser computes of it is what this computer does.
+
+`SLIPLINE_SCRIPT` is the output of `cargo test --test in_use -- --ignored --nocapture`.
+"""
+
+import contextlib
+import math
+import os
+import pathlib
+import re
+import unittest
+
+import shared
+
+# Requests and digests of the codes, as the script prints them.
+LINE = re.compile(r"codes [0-9a-f]{16}|[A-Z][A-Za-z]*(\(.*\))?")
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e-?\d+)?")
+# The two have other functions of mathematics below them, which differ in the last bit; a fit makes more of it.
+RELATIVE = 1e-8
+
+
+def lines(text):
+    """The script's lines. The checksum of a table tells no more than its entries."""
+    return [re.sub(r"crc: \d+", "crc", line) for line in text.splitlines() if LINE.fullmatch(line)]
+
+
+def numbers(line):
+    return [float(number) for number in NUMBER.findall(line)]
+
+
+class Script(unittest.TestCase):
+    maxDiff = None
+
+    def test_a_script_gives_the_same_requests_and_codes(self):
+        native = lines(pathlib.Path(os.environ["SLIPLINE_SCRIPT"]).read_text())
+        program = next(pathlib.Path(shared.FOLDER).glob("slipline_page*.js")).name
+        code = next(pathlib.Path(shared.FOLDER).glob("slipline_page*.wasm")).name
+        with shared.served() as address, shared.browser() as browser:
+            page = browser.new_page()
+            # A place without the window, whose thread may be busy with it.
+            page.goto(address + "nothing")
+            page.set_default_timeout(600_000)
+            played = lines(page.evaluate(
+                """async ([program, code]) => {
+                  const { default: init, playScript } = await import(`/${program}`);
+                  await init({ module_or_path: `/${code}` });
+                  return playScript();
+                }""",
+                [program, code],
+            ))
+        codes = [line for line in native if line.startswith("codes ")]
+        self.assertGreater(len(codes), 20)
+        self.assertEqual([line for line in played if line.startswith("codes ")], codes)
+        self.assertEqual([NUMBER.sub("#", line) for line in played], [NUMBER.sub("#", line) for line in native])
+        for in_page, here in zip(played, native):
+            if not here.startswith("codes "):
+                for a, b in zip(numbers(in_page), numbers(here)):
+                    self.assertTrue(math.isclose(a, b, rel_tol=RELATIVE, abs_tol=1e-12), f"{a} {b}: {here[:300]}")
+        print(f"-- {len(played) - len(codes)} requests and {len(codes)} digests of codes: the same", flush=True)
+
+
+if __name__ == "__main__":
+    unittest.main()
