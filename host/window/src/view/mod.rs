@@ -61,11 +61,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
             .show(ui, |ui| bottom_row::show(ui, scene, view, &mut intents));
     }
     if room.panel {
-        egui::Panel::right("side")
-            .frame(frame)
-            .exact_size(side_panel::WIDTH)
-            .resizable(false)
-            .show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
+        let side = match room.below {
+            Some(height) => egui::Panel::bottom("below").exact_size(height),
+            None => egui::Panel::right("side").exact_size(side_panel::WIDTH),
+        };
+        side.frame(frame).resizable(false).show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
     }
     if !view.is_texture_open() {
         view.brush = Brush::default();

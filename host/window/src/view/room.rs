@@ -8,16 +8,21 @@ use eframe::egui::{self, Vec2, vec2};
 
 /// The least window for panel and plots at once, in points: the stage between them then has 440 x 270 points.
 const BOTH: Vec2 = vec2(760.0, 480.0);
+/// The share of an upright window's height that its panel has, below the stage.
+const PANEL_BELOW: f32 = 0.45;
 /// Height of the status line with the buttons that open one or the other, in points.
 const SWITCH: f32 = 34.0;
 
 /// The parts that are shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Room {
     pub(super) panel: bool,
     pub(super) plots: bool,
     /// Whether there is room for one of the two only.
     pub(super) takes_turns: bool,
+    /// The height of a panel below the stage, in points: in an upright window, such as on a telephone. `None` for a panel
+    /// at its side.
+    pub(super) below: Option<f32>,
 }
 
 impl Room {
@@ -31,6 +36,7 @@ impl Room {
             panel: panel && !(are_both && plots_win),
             plots: plots && (!are_both || plots_win),
             takes_turns,
+            below: (size.x < BOTH.x && size.y > size.x).then_some(PANEL_BELOW * size.y),
         }
     }
 
@@ -77,6 +83,15 @@ mod tests {
         }
         for settings in [&Settings::default(), &plots] {
             assert_eq!(shown(usual, settings), (true, true));
+        }
+    }
+
+    #[test]
+    fn an_upright_window_has_its_panel_below_the_stage() {
+        let below = |size: [f32; 2]| Room::of(Vec2::from(size), &Settings::default()).below;
+        assert_eq!(below([390.0, 844.0]), Some(PANEL_BELOW * 844.0));
+        for size in [[640.0, 480.0], [844.0, 390.0], [800.0, 1200.0]] {
+            assert_eq!(below(size), None, "{size:?}");
         }
     }
 }
