@@ -1,7 +1,7 @@
 //! Slipline in a browser.
 //!
 //! ```text
-//! page's thread:  window + instrument, draws    --requests-->  device worker: link, simulated device
+//! page's thread:  window + instrument, draws    --requests-->  device worker: link, simulated device, boards by USB
 //!                 RemoteLink                    <--updates---                 keep-alive, watch over the page
 //!                      |  --jobs-->  job workers: one for quick work, one for long work
 //!                      |  <-results-
@@ -23,4 +23,5 @@ mod host;
 mod message;
 pub mod page;
 mod remote_link;
+pub mod serial;
 pub mod work;
