@@ -33,7 +33,8 @@ export class SerialGlue {
 
   // Tells which boards there are, and which of them is new since the last look.
   async look() {
-    const ports = this.#serial ? await this.#serial.getPorts() : [];
+    // A server may forbid its pages to use ports: then there are none.
+    const ports = this.#serial ? await this.#serial.getPorts().catch(() => []) : [];
     const boards = [];
     let latest = null;
     for (const port of ports) {
