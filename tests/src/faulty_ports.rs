@@ -29,6 +29,8 @@ pub struct FaultyPorts {
     pub generation: u32,
     /// Why a port cannot be opened.
     pub open_error: Option<LinkError>,
+    /// Ports that are opened stay shut until this is false, as in a browser; [`FaultyPorts::error`] is why they fail.
+    pub is_opening: bool,
     /// Number of the next replies to drop.
     pub drop_replies: u32,
     /// Number of the next numbered commands to drop.
@@ -63,6 +65,7 @@ impl Default for FaultyPorts {
             is_stalled: false,
             generation: 0,
             open_error: None,
+            is_opening: false,
             drop_replies: 0,
             drop_commands: 0,
             drop_stops: 0,
@@ -173,6 +176,9 @@ impl Transport for Line {
             Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(0),
             result => result?,
         }
+        if ports.is_opening {
+            return Err(ErrorKind::WouldBlock.into());
+        }
         let mut bytes = Vec::new();
         ports.device.take(&mut bytes);
         for byte in bytes {
@@ -219,5 +225,9 @@ impl Transport for Line {
             ports.device.feed(&frame);
         }
         Ok(bytes.len())
+    }
+
+    fn is_open(&self) -> bool {
+        !lock(&self.ports).is_opening
     }
 }

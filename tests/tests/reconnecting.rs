@@ -1,5 +1,6 @@
 //! Devices that vanish and return, or are taken by another program, in virtual time.
 
+use std::io::ErrorKind;
 use std::time::Duration;
 
 use slipline_link::connection::SEEK_PERIOD;
@@ -105,6 +106,61 @@ fn a_missing_port_that_appears_but_cannot_be_used_tells_why_and_is_still_waited_
     assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::NoAnswer(port)));
     rig.ports().drop_replies = 0;
     rig.pass_ms(LOST_AFTER_MS + 1000);
+    assert_eq!(rig.view().link, LinkState::Connected);
+}
+
+#[test]
+fn a_port_that_opens_later_is_greeted_then() {
+    let mut rig = LinkRig::new();
+    rig.ports().is_opening = true;
+    let connect = rig.ask(Request::Connect(Port::Serial("A".to_owned())));
+    // Longer than any device may take to answer.
+    rig.pass_ms(LOST_AFTER_MS + 1000);
+    assert_eq!(rig.states, [LinkState::Connecting]);
+    assert!(rig.ports().commands.is_empty(), "nothing is written to a port that is shut");
+    assert_eq!(rig.connection.deadline(rig.now), None, "it wakes the link itself");
+    rig.ports().is_opening = false;
+    rig.pass_ms(100);
+    assert!(matches!(rig.outcome(connect), Some(Outcome::Done { .. })));
+    // The same when it comes back after a loss.
+    rig.ports().is_opening = true;
+    rig.ports().unplug();
+    rig.pass_ms(10);
+    rig.ports().listed = vec![board("A")];
+    rig.pass_ms(LOST_AFTER_MS + 1000);
+    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
+    rig.ports().is_opening = false;
+    rig.pass_ms(100);
+    assert_eq!(rig.view().link, LinkState::Connected);
+}
+
+#[test]
+fn an_opening_that_fails_later_tells_why_and_one_that_never_ends_can_be_given_up() {
+    let port = Port::Serial("A".to_owned());
+    let mut rig = LinkRig::new();
+    rig.ports().is_opening = true;
+    let connect = rig.ask(Request::Connect(port.clone()));
+    rig.pass_ms(300);
+    rig.ports().error = Some(ErrorKind::ResourceBusy);
+    rig.pass_ms(10);
+    let busy = LinkError::Busy(port.clone());
+    assert_eq!(rig.outcome(connect), Some(Outcome::Refused(busy.clone().into())));
+    assert_eq!((&rig.view().link, &rig.view().error), (&LinkState::Disconnected, &Some(busy)));
+    rig.pass_ms(2000);
+    assert_eq!(rig.ports().opened.len(), 1, "it is not taken from another program");
+    // Given up, for good and for another port.
+    rig.ports().error = None;
+    rig.ask(Request::Connect(port.clone()));
+    rig.pass_ms(300);
+    let leave = rig.ask(Request::Disconnect);
+    rig.pass_ms(10);
+    assert_eq!(rig.outcome(leave), Some(Outcome::Done { at: 0 }));
+    assert_eq!(rig.view().link, LinkState::Disconnected);
+    rig.ask(Request::Connect(port.clone()));
+    rig.pass_ms(300);
+    rig.ask(Request::Connect(port));
+    rig.ports().is_opening = false;
+    rig.pass_ms(100);
     assert_eq!(rig.view().link, LinkState::Connected);
 }
 

@@ -305,6 +305,8 @@ impl<O: Opener> Connection<O> {
                 (is_lost && self.recorder.view.auto_reconnect).then_some(now)
             }
             Phase::Seeking { next } => Some(*next),
+            // It wakes the worker.
+            Phase::Open(open) if !open.transport.is_open() => None,
             Phase::Open(open) => {
                 let unwritten = !open.queue.is_written();
                 let watch = self.driver.as_ref().and_then(DriverWatch::deadline);
@@ -319,6 +321,9 @@ impl<O: Opener> Connection<O> {
             self.has_more = false;
             return Next::Continue;
         };
+        if !open.transport.is_open() {
+            return self.await_opening();
+        }
         let mut buffer = [0; 4096];
         self.has_more = true;
         for _ in 0..READS {

@@ -20,6 +20,12 @@ pub trait Transport: Send {
     /// # Errors
     /// As above, or a system error.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize>;
+
+    /// Whether the port is open. A browser answers later than it is asked: until then nothing is written, and
+    /// [`Transport::read`] has no bytes or the error of the opening. Such a transport wakes its worker when that changes.
+    fn is_open(&self) -> bool {
+        true
+    }
 }
 
 impl<T: Transport + ?Sized> Transport for Box<T> {
@@ -29,6 +35,10 @@ impl<T: Transport + ?Sized> Transport for Box<T> {
 
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         (**self).write(bytes)
+    }
+
+    fn is_open(&self) -> bool {
+        (**self).is_open()
     }
 }
 

@@ -81,6 +81,8 @@ pub struct Desk {
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated device first.
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
+    /// Has the user choose a board, which [`Desk::ports`] lists from then on; `None` where every port is listed unasked.
+    pub ask_for_port: Option<Box<dyn FnMut()>>,
     /// The address of the page that the window is on, without a fragment; `None` outside a browser.
     pub address: Option<String>,
 }
@@ -175,6 +177,16 @@ impl App {
         self.instrument.shown()
     }
 
+    /// Looks for ports again.
+    pub fn look_for_ports(&mut self) {
+        self.ports = (self.desk.ports)();
+    }
+
+    /// Connects to a port that the user has chosen elsewhere than in the window.
+    pub fn choose_port(&mut self, port: Port) {
+        self.connect(port);
+    }
+
     /// Shows a failure.
     pub fn fail(&mut self, text: String) {
         self.instrument.fail(text);
@@ -259,6 +271,7 @@ impl App {
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
             has_address: self.desk.address.is_some(),
+            asks_for_port: self.desk.ask_for_port.is_some(),
             thumbnails: &self.thumbnails,
         };
         let intents = view::show(ui, &scene, &mut view);

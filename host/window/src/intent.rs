@@ -225,6 +225,8 @@ pub enum Intent {
     DismissNotice(u64),
     /// Look for ports again.
     RefreshPorts,
+    /// Choose a board in the browser's own list.
+    AskForPort,
     /// Colour the plate by its largest displacement, or by the present one.
     ShowAmplitude(bool),
     /// Show the plate in relief, or flat.

@@ -34,6 +34,8 @@ pub struct Scene<'a> {
     pub thumbnails: &'a [Thumbnail],
     /// Whether the window has an address, which can hold a setup: that of a page in a browser.
     pub has_address: bool,
+    /// Whether the user must be asked for a board before it is listed: so it is in a browser.
+    pub asks_for_port: bool,
     /// The page in front.
     pub dialog: Option<&'a Dialog>,
 }

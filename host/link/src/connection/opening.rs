@@ -8,7 +8,7 @@ use crate::port::{Port, PortInfo};
 use crate::rediscovery::Rediscovery;
 use crate::request::{Outcome, Ticket};
 use crate::snapshot::LinkState;
-use crate::transport::Opener;
+use crate::transport::{Opener, Transport as _};
 use std::time::Duration;
 
 /// A session shorter than this was probably ended by another program, not by a restart...
@@ -102,6 +102,23 @@ impl<O: Opener> Connection<O> {
         let queue = CommandQueue::begin((self.nonces)(), self.keeps_frames, ticket, now);
         self.phase = Phase::Open(Box::new(Open { transport, queue, is_new: true }));
         Ok(())
+    }
+
+    /// Waits for a port that opens later than it was asked to. The hello is sent, and counts as unanswered, only once it is
+    /// open.
+    pub(super) fn await_opening(&mut self) -> Next {
+        self.has_more = false;
+        let Phase::Open(open) = &mut self.phase else { return Next::Continue };
+        if self.leave.is_some() || self.next.is_some() {
+            return Next::Close;
+        }
+        let (Some(port), Err(error)) = (&self.recorder.view.port, open.transport.read(&mut [0])) else {
+            return Next::Continue;
+        };
+        match LinkError::transfer(&error) {
+            None => Next::Continue,
+            Some(_) => Next::Lose(LinkError::opening(port, &error)),
+        }
     }
 
     /// Looks once for the lost device or the missing port.

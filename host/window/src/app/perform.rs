@@ -144,7 +144,12 @@ impl App {
                     self.confirmed(confirm);
                 }
                 Intent::DismissNotice(number) => self.instrument.dismiss_notice(number),
-                Intent::RefreshPorts => self.ports = (self.desk.ports)(),
+                Intent::RefreshPorts => self.look_for_ports(),
+                Intent::AskForPort => {
+                    if let Some(ask) = &mut self.desk.ask_for_port {
+                        ask();
+                    }
+                }
                 Intent::ShowAmplitude(show) => self.settings.show_amplitude = show,
                 Intent::ShowRelief(show) => self.settings.show_relief = show,
                 Intent::ShowPanel(show) => {

@@ -155,6 +155,7 @@ impl Parts {
             speaker: Box::new(SystemSpeaker::new(wake(ctx))?),
             files: Box::new(SystemFiles::new(wake(ctx))),
             ports: Box::new(list_ports),
+            ask_for_port: None,
             address: None,
         };
         Ok(Self { link, jobs, bench: Bench::default(), desk })

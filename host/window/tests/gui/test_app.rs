@@ -365,6 +365,7 @@ fn parts(
         speaker: Box::new(FakeSpeaker::default()),
         files: Box::new(files.clone()),
         ports: Box::new(|| vec![PortInfo::simulated()]),
+        ask_for_port: None,
         address: None,
     };
     Parts { link, jobs, bench: Bench::default(), desk }

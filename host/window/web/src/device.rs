@@ -1,18 +1,19 @@
-//! The device worker: the link and the simulated device, apart from all that computes.
+//! The device worker: the link, the simulated device and the boards by USB, apart from all that computes.
 //!
 //! The page's thread may be busy or stuck, and this worker still sends the keep-alives; so the link watches whether
 //! the page's thread is alive, as it does with a window, and stops and disarms the device if it is not.
 
 use crate::clock::now;
 use crate::message::{self, FromDevice, ToDevice};
-use js_sys::{Function, Uint8Array};
+use crate::serial::{Boards, SerialGlue};
+use js_sys::{Function, JSON, Uint8Array};
 use slipline_instrument::bench::Bench;
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::connection::Connection;
 use slipline_link::protocol::Command;
 use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
 use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::transport::{Opener, Waker};
+use slipline_link::transport::{Opener, Transport, Waker};
 use slipline_link::{
     LinkError, LinkState, Port, PortInfo, Request, Severity, Snapshot, SnapshotUpdate, Ticket, TracedMessage,
 };
@@ -28,35 +29,39 @@ const STEPS: usize = 64;
 /// The ticket of requests that nobody waits for: those of the page's thread are numbered from 1.
 const UNAWAITED: Ticket = Ticket(0);
 
-/// The only port so far: the simulated device, switched on at its first use.
-struct SimulatedPort {
+/// The ports of a page: the simulated device, switched on at its first use, and boards by Web Serial.
+struct PagePorts {
     device: Option<Arc<Mutex<RealtimeDevice>>>,
     bench: Bench,
+    boards: Boards,
 }
 
-impl Opener for SimulatedPort {
-    type Transport = RealtimeLine;
+impl Opener for PagePorts {
+    type Transport = Box<dyn Transport>;
 
     fn list(&mut self) -> Vec<PortInfo> {
-        vec![PortInfo::simulated()]
+        std::iter::once(PortInfo::simulated()).chain(self.boards.list()).collect()
     }
 
-    fn open(&mut self, port: &Port, waker: &Waker) -> Result<RealtimeLine, LinkError> {
+    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError> {
         if *port != Port::Simulated {
-            return Err(LinkError::NoSuchPort(port.clone()));
+            return Ok(Box::new(self.boards.open(port)?));
         }
         let device = self.device.get_or_insert_with(|| {
             let device = SimulatedDevice::with_inputs(Options::default(), self.bench.inputs());
             Arc::new(Mutex::new(RealtimeDevice::new(device, Arc::new(now))))
         });
-        Ok(RealtimeLine::new(Arc::clone(device), waker.clone()))
+        Ok(Box::new(RealtimeLine::new(Arc::clone(device), waker.clone())))
     }
 }
 
 /// The device worker's entry.
 #[wasm_bindgen]
 pub struct DeviceWorker {
-    connection: Connection<SimulatedPort>,
+    connection: Connection<PagePorts>,
+    boards: Boards,
+    /// Has the browser's ports.
+    glue: SerialGlue,
     /// Whether the device has answered since the latest step.
     is_woken: Arc<AtomicBool>,
     /// What the simulated device's inputs are wired to, and the latest rig there.
@@ -75,10 +80,10 @@ pub struct DeviceWorker {
 #[wasm_bindgen]
 impl DeviceWorker {
     /// A worker with no port open. `publish` gets what is new for the page's thread, as bytes; `ask` asks it for a
-    /// sign of life. `nonce` is random.
+    /// sign of life; `glue` has the browser's ports. `nonce` is random.
     #[wasm_bindgen(constructor)]
     #[must_use]
-    pub fn new(publish: Function, ask: Function, nonce: u32) -> Self {
+    pub fn new(publish: Function, ask: Function, glue: SerialGlue, nonce: u32) -> Self {
         let is_woken = Arc::new(AtomicBool::new(false));
         let woken = Arc::clone(&is_woken);
         let waker = Waker::new(move || woken.store(true, Ordering::Relaxed));
@@ -88,12 +93,15 @@ impl DeviceWorker {
             nonce.to_le_bytes()
         });
         let bench = Bench::default();
-        let port = SimulatedPort { device: None, bench: bench.clone() };
-        let mut connection = Connection::new(port, waker, nonces);
+        let boards = Boards::default();
+        let ports = PagePorts { device: None, bench: bench.clone(), boards: boards.clone() };
+        let mut connection = Connection::new(ports, waker, nonces);
         connection.keep_frames();
         connection.watch_driver();
         Self {
             connection,
+            boards,
+            glue,
             is_woken,
             bench,
             rig: None,
@@ -136,6 +144,42 @@ impl DeviceWorker {
         self.latest_sign = now();
     }
 
+    /// Takes the boards that this page may open now: for each the glue's id, its USB vendor and its USB product.
+    #[wasm_bindgen(js_name = boardsListed)]
+    pub fn boards_listed(&self, boards: &[u32]) {
+        self.boards.listed(boards);
+    }
+
+    /// The user has chosen the board of this id.
+    #[wasm_bindgen(js_name = boardChosen)]
+    pub fn board_chosen(&self, id: u32) {
+        self.boards.choose(id);
+    }
+
+    /// A line to a board is open.
+    #[wasm_bindgen(js_name = boardOpened)]
+    pub fn board_opened(&self, line: u32) {
+        self.boards.opened(line);
+    }
+
+    /// A board has sent bytes.
+    #[wasm_bindgen(js_name = boardReceived)]
+    pub fn board_received(&self, line: u32, bytes: &[u8]) {
+        self.boards.received(line, bytes);
+    }
+
+    /// The bytes for a board are written.
+    #[wasm_bindgen(js_name = boardWritten)]
+    pub fn board_written(&self, line: u32) {
+        self.boards.written(line);
+    }
+
+    /// A line could not be opened or has failed: the name and the text of the browser's error.
+    #[wasm_bindgen(js_name = boardEnded)]
+    pub fn board_ended(&self, line: u32, name: &str, text: &str) {
+        self.boards.ended(line, name, text);
+    }
+
     /// Performs what is due. Returns after how many milliseconds it must be called again; infinite while nothing is
     /// pending.
     pub fn step(&mut self) -> f64 {
@@ -146,6 +190,14 @@ impl DeviceWorker {
             if !self.is_woken.load(Ordering::Relaxed) {
                 break;
             }
+        }
+        self.boards.carry_out(&self.glue);
+        if let Some(boards) = self.boards.take_list() {
+            let ports = std::iter::once(PortInfo::simulated()).chain(boards).collect();
+            self.send(&FromDevice::Ports(ports), true);
+        }
+        if let Some(port) = self.boards.take_chosen() {
+            self.send(&FromDevice::Chosen(port), true);
         }
         if self.connection.take_sign_wanted() {
             let _ = self.ask.call0(&JsValue::NULL);
@@ -197,6 +249,14 @@ fn state_text(view: &Snapshot) -> String {
         "{{\"revision\":{},\"link\":\"{link}\",\"device_state\":{state},\"armed\":{is_armed},\"driver_stalls\":{}",
         view.revision, view.driver_stalls
     );
+    let port = view.port.as_ref().map(ToString::to_string);
+    let board = view.identity.as_ref().map(|identity| identity.board.as_str());
+    let error = view.error.as_ref().map(ToString::to_string);
+    for (name, value) in [("port", port.as_deref()), ("board", board), ("error", error.as_deref())] {
+        let _ = write!(text, ",\"{name}\":{}", quoted(value));
+    }
+    let verified = view.upload_verified.map_or_else(|| "null".to_owned(), |verified| verified.to_string());
+    let _ = write!(text, ",\"table_verified\":{verified},\"commands\":{}", view.counters.commands);
     let sent_at = |is_it: fn(&Command) -> bool| {
         let sent = view.frames.iter().rev().find(|frame| match &frame.message {
             TracedMessage::Command(command) => is_it(command),
@@ -216,4 +276,10 @@ fn state_text(view: &Snapshot) -> String {
     }
     text.push('}');
     text
+}
+
+/// A text as JSON has it, or null.
+pub(crate) fn quoted(text: Option<&str>) -> String {
+    let quoted = text.and_then(|text| JSON::stringify(&text.into()).ok());
+    quoted.map_or_else(|| "null".to_owned(), String::from)
 }

@@ -25,6 +25,11 @@ extern "C" {
     #[wasm_bindgen(method)]
     pub(crate) fn choose(this: &Host, extensions: &str) -> Promise;
 
+    /// Has the user choose a board, which the device worker then lists. Resolves with a sentence if that cannot be, or
+    /// with an empty one.
+    #[wasm_bindgen(method, js_name = askForPort)]
+    pub(crate) fn ask_for_port(this: &Host) -> Promise;
+
     /// The address of the page without its fragment.
     #[wasm_bindgen(method)]
     pub(crate) fn address(this: &Host) -> String;

@@ -1,7 +1,7 @@
 //! Slipline in a browser.
 //!
 //! ```text
-//! page's thread:  window + instrument, draws    --requests-->  device worker: link, simulated device
+//! page's thread:  window + instrument, draws    --requests-->  device worker: link, simulated device, boards by USB
 //!                 RemoteLink                    <--updates---                 keep-alive, watch over the page
 //!                      |  --jobs-->  job workers: one for quick work, one for long work
 //!                      |  <-results-
@@ -19,10 +19,12 @@
 mod clock;
 pub mod device;
 mod files;
+mod fonts;
 mod host;
 mod message;
 pub mod page;
 mod remote_link;
+pub mod serial;
 pub mod work;
 
 #[cfg(feature = "tests")]

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use slipline_instrument::bench::BenchChange;
-use slipline_link::{Request, SnapshotUpdate, Ticket};
+use slipline_link::{Port, PortInfo, Request, SnapshotUpdate, Ticket};
 
 /// A message of the page's thread to the device worker.
 #[derive(Serialize, Deserialize)]
@@ -21,6 +21,10 @@ pub(crate) enum FromDevice {
     Update(Box<SnapshotUpdate>),
     /// The bench has passed over to another rig.
     PassedOver,
+    /// The ports that there are now.
+    Ports(Vec<PortInfo>),
+    /// The user has chosen this port in the browser's list.
+    Chosen(Port),
 }
 
 /// A message as bytes. What the types here hold can always be written.

@@ -1,16 +1,16 @@
 //! The page's entry: the window on a canvas, with the browser's parts.
 
+use crate::device::quoted;
 use crate::files::{BrowserFiles, Dropped};
+use crate::fonts::fonts;
 use crate::host::Host;
 use crate::remote_link::RemoteLink;
 use crate::work::{self, Workers};
-use eframe::egui::{self, FontData, FontDefinitions, FontFamily};
+use eframe::egui;
 use slipline_instrument::Jobs;
 use slipline_instrument::bench::Bench;
-use slipline_link::PortInfo;
 use slipline_model::export::figures::plate;
 use slipline_model::field::line::Holds;
-use slipline_model::fonts::{HACK, UBUNTU_LIGHT};
 use slipline_model::jobs::JobQueue;
 use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
@@ -22,9 +22,9 @@ use slipline_window::sound::{Speaker, SpeakerState};
 use slipline_window::view::theme;
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::Arc;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
+use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_sys::HtmlCanvasElement;
 
 /// Keys of the values that are stored between visits.
@@ -53,6 +53,8 @@ struct Reports {
     left: Option<String>,
     /// A setup in the address, or why there is none.
     fragment: Option<String>,
+    /// Why no board can be chosen.
+    no_board: Option<String>,
 }
 
 /// The window on the page.
@@ -68,7 +70,7 @@ struct Window {
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let Reports { is_stopped, left, fragment } = self.reports.take();
+        let Reports { is_stopped, left, fragment, no_board } = self.reports.take();
         if is_stopped {
             self.app.press_stop();
         }
@@ -83,6 +85,16 @@ impl eframe::App for Window {
                 Ok(opened) => self.app.use_opened(opened),
                 Err(error) => self.app.fail(error.to_string()),
             }
+        }
+        if let Some(sentence) = no_board {
+            self.app.fail(sentence);
+        }
+        let (are_ports_new, chosen) = self.link.take_port_news();
+        if are_ports_new {
+            self.app.look_for_ports();
+        }
+        if let Some(port) = chosen {
+            self.app.choose_port(port);
         }
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         if !dropped.is_empty() {
@@ -180,13 +192,14 @@ impl Page {
     /// The lines and the setup on the screen as JSON, for `window.slipline.state()`; nothing after a panic.
     pub fn state(&self) -> Option<String> {
         let window = self.runner.app_mut::<Window>()?;
+        let notice = quoted(window.app.notice().map(|notice| notice.text.as_str()));
         let shown = window.app.shown();
         let tone = shown.setup.tone(shown.selected)?;
         let line = shown.line(shown.selected)?;
         let holds_edge = line.holds == Holds::FeltEdge;
         let felt_edge = if holds_edge { line.place_m.to_string() } else { "null".to_owned() };
         Some(format!(
-            "{{\"turning_point_m\":{},\"felt_edge_m\":{felt_edge},\"can_undo\":{},\"tones\":{},\"frames\":{}}}",
+            "{{\"turning_point_m\":{},\"felt_edge_m\":{felt_edge},\"can_undo\":{},\"tones\":{},\"frames\":{},\"notice\":{notice}}}",
             tone.position_m,
             shown.undo.0.is_some(),
             shown.setup.tones.len(),
@@ -225,7 +238,8 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
         let dropped = Dropped::default();
         let files = BrowserFiles::new(Rc::clone(&host), creation.egui_ctx.clone(), Rc::clone(&dropped));
         creation.egui_ctx.set_fonts(fonts());
-        let parts = parts(linked.clone(), jobs, bench, files, host.address());
+        let ask_for_port = board_question(&host, &creation.egui_ctx, &reported);
+        let parts = parts(linked.clone(), jobs, bench, files, (host.address(), ask_for_port));
         let app = app(creation, parts)?;
         Ok(Box::new(Window { app, link: linked, dropped, workers, reports: reported, frames: 0 })
             as Box<dyn eframe::App>)
@@ -235,29 +249,38 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
     Ok(Page { runner, link, workers, ctx, reports })
 }
 
-/// The window's fonts, in the order in which egui searches its own.
-fn fonts() -> FontDefinitions {
-    let mut fonts = FontDefinitions::empty();
-    for (name, font) in [("Ubuntu-Light", UBUNTU_LIGHT), ("Hack", HACK)] {
-        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(font)));
-    }
-    for (family, names) in [
-        (FontFamily::Proportional, &["Ubuntu-Light"][..]),
-        (FontFamily::Monospace, &["Hack", "Ubuntu-Light"]),
-    ] {
-        fonts.families.insert(family, names.iter().map(|&name| name.to_owned()).collect());
-    }
-    fonts
+/// Has the user choose a board in the browser's list; a sentence if that cannot be goes to the reports.
+fn board_question(host: &Rc<Host>, ctx: &egui::Context, reports: &Rc<RefCell<Reports>>) -> Box<dyn FnMut()> {
+    let (host, ctx, reports) = (Rc::clone(host), ctx.clone(), Rc::clone(reports));
+    Box::new(move || {
+        let answer = JsFuture::from(host.ask_for_port());
+        let (ctx, reports) = (ctx.clone(), Rc::clone(&reports));
+        spawn_local(async move {
+            let sentence = answer.await.ok().and_then(|sentence| sentence.as_string());
+            if let Some(sentence) = sentence.filter(|sentence| !sentence.is_empty()) {
+                reports.borrow_mut().no_board = Some(sentence);
+                ctx.request_repaint();
+            }
+        });
+    })
 }
 
 /// The window's parts, as a browser has them.
-fn parts(link: RemoteLink, jobs: Jobs, bench: Bench, files: BrowserFiles, address: String) -> Parts {
+fn parts(
+    link: RemoteLink,
+    jobs: Jobs,
+    bench: Bench,
+    files: BrowserFiles,
+    (address, ask_for_port): (String, Box<dyn FnMut()>),
+) -> Parts {
+    let listing = link.clone();
     let desk = Desk {
         scenes: JobQueue::inline(|(), task: &_| thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| plate::work(&job, task)),
         speaker: Box::new(NoSpeaker),
         files: Box::new(files),
-        ports: Box::new(|| vec![PortInfo::simulated()]),
+        ports: Box::new(move || listing.ports()),
+        ask_for_port: Some(ask_for_port),
         address: Some(address),
     };
     Parts { link: Box::new(link), jobs, bench, desk }

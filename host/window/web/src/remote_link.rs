@@ -4,7 +4,7 @@ use crate::host::Host;
 use crate::message::{self, FromDevice, ToDevice};
 use slipline_instrument::Link;
 use slipline_instrument::bench::Bench;
-use slipline_link::{LinkError, LinkState, Request, Snapshot, Ticket};
+use slipline_link::{LinkError, LinkState, Port, PortInfo, Request, Snapshot, Ticket};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -20,11 +20,24 @@ struct Inner {
     /// The latest request's number.
     last: Cell<u64>,
     snapshot: RefCell<Arc<Snapshot>>,
+    ports: RefCell<Vec<PortInfo>>,
+    /// Whether the window has not seen these ports yet.
+    are_ports_new: Cell<bool>,
+    /// The port that the user has chosen in the browser's list.
+    chosen: RefCell<Option<Port>>,
 }
 
 impl RemoteLink {
     pub(crate) fn new(host: Rc<Host>, bench: Bench) -> Self {
-        Self(Rc::new(Inner { host, bench, last: Cell::new(0), snapshot: RefCell::default() }))
+        Self(Rc::new(Inner {
+            host,
+            bench,
+            last: Cell::new(0),
+            snapshot: RefCell::default(),
+            ports: RefCell::new(vec![PortInfo::simulated()]),
+            are_ports_new: Cell::new(false),
+            chosen: RefCell::default(),
+        }))
     }
 
     /// Takes an update of the device worker.
@@ -35,8 +48,25 @@ impl RemoteLink {
                 self.0.snapshot.replace(Arc::new(newer));
             }
             Some(FromDevice::PassedOver) => self.0.bench.passed_over(),
+            Some(FromDevice::Ports(ports)) => {
+                self.0.ports.replace(ports);
+                self.0.are_ports_new.set(true);
+            }
+            Some(FromDevice::Chosen(port)) => {
+                self.0.chosen.replace(Some(port));
+            }
             None => {}
         }
+    }
+
+    /// The ports that the device worker can open, the simulated device first.
+    pub(crate) fn ports(&self) -> Vec<PortInfo> {
+        self.0.ports.borrow().clone()
+    }
+
+    /// Whether there are other ports than at the last call, and the port that the user has chosen since.
+    pub(crate) fn take_port_news(&self) -> (bool, Option<Port>) {
+        (self.0.are_ports_new.take(), self.0.chosen.take())
     }
 
     /// Sends what was done at the bench. It goes before each request, too: a measurement must find its rig.

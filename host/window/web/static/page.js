@@ -7,6 +7,7 @@
 // The browser gives no script the keys and the pointer while this thread is stuck. Then the device worker, whose
 // questions are not answered, stops and disarms the device.
 
+import { FILTERS } from "./serial.js";
 import init, { openPage } from "./slipline_page.js";
 
 const canvas = document.getElementById("window");
@@ -18,6 +19,8 @@ const device = new Worker(new URL("worker.js", import.meta.url), { type: "module
 let page = null;
 // The latest state of link and device, as its worker reports it.
 let deviceState = null;
+// Whether that worker has Web Serial.
+let hasSerial = false;
 // Whether the window's own code has failed.
 let hasFailed = false;
 
@@ -104,6 +107,7 @@ device.onmessage = ({ data }) => {
   } else if (data.failed) {
     deviceFailed();
   } else {
+    hasSerial = data.hasSerial;
     deviceState = { ...JSON.parse(data.state), time_origin_ms: data.origin };
     showFocus();
     if (page && !hasFailed) {
@@ -177,6 +181,22 @@ const host = {
       });
       input.click();
     });
+  },
+  // The browser's own list: it opens because the user has just pressed something, and the user may close it again.
+  async askForPort() {
+    if (!navigator.serial || !hasSerial) {
+      return "This browser lets no page use a board: Chrome, Edge and Firefox from 151 do, on pages by https or of this computer.";
+    }
+    try {
+      const port = await navigator.serial.requestPort({ filters: FILTERS });
+      const { usbVendorId, usbProductId } = port.getInfo();
+      device.postMessage({ granted: [usbVendorId, usbProductId] });
+    } catch (error) {
+      if (error.name !== "NotFoundError") {
+        return `The browser lets no board be chosen: ${error.message}`;
+      }
+    }
+    return "";
   },
   address() {
     return location.href.split("#")[0];

@@ -1,5 +1,6 @@
 // A worker of the page. Its first message names its entry; later ones are the entry's own.
 
+import { SerialGlue } from "./serial.js";
 import init, { DeviceWorker, JobWorker } from "./slipline_page.js";
 
 // Messages that arrive before the WebAssembly runs wait for it, in their order.
@@ -35,13 +36,21 @@ function jobs() {
   };
 }
 
-// The link and the simulated device.
+// The link, the simulated device and the boards by USB.
 function device() {
   const origin = performance.timeOrigin;
-  const publish = (update, isLoud, state) => self.postMessage({ update, isLoud, state, origin }, [update.buffer]);
+  const hasSerial = navigator.serial !== undefined;
+  const publish = (update, isLoud, state) =>
+    self.postMessage({ update, isLoud, state, origin, hasSerial }, [update.buffer]);
   const ask = () => self.postMessage({ ask: true });
   const nonce = crypto.getRandomValues(new Uint32Array(1))[0];
-  const worker = new DeviceWorker(publish, ask, nonce);
+  const glue = new SerialGlue(navigator.serial, (event, ...values) => {
+    if (!hasFailed) {
+      worker[event](...values);
+      step();
+    }
+  });
+  const worker = new DeviceWorker(publish, ask, glue, nonce);
   let timer;
   let hasFailed = false;
   const step = () => {
@@ -56,11 +65,14 @@ function device() {
       self.postMessage({ failed: String(error) });
     }
   };
+  glue.look();
   return (data) => {
     if (hasFailed) {
       return;
     }
-    if (data.request) {
+    if (data.granted) {
+      glue.granted(data.granted);
+    } else if (data.request) {
       worker.take(data.request);
     } else if (data.stop) {
       worker.stop();

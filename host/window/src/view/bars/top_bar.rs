@@ -14,6 +14,12 @@ use theme::Palette;
 /// What looking for ports again does.
 pub(crate) const LOOK_AGAIN: &str = "Search this computer's ports once more, after a device was plugged in";
 
+/// The entry by which a browser is asked for a board, and what it does.
+pub(crate) const ASK_FOR_PORT: (&str, &str) = (
+    "A board by USB…",
+    "Choose a board in the browser's list: from then on it is among the ports of this page",
+);
+
 /// Height of the bar with its margins, in points.
 pub(crate) const HEIGHT: f32 = STOP.y + 20.0;
 /// Size of the STOP button, in points.
@@ -315,6 +321,9 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
             {
                 intents.push(Intent::Connect(info.port.clone()));
             }
+        }
+        if scene.asks_for_port && ui.button(ASK_FOR_PORT.0).on_hover_text(ASK_FOR_PORT.1).clicked() {
+            intents.push(Intent::AskForPort);
         }
         ui.separator();
         if ui.button("Look again").on_hover_text(LOOK_AGAIN).clicked() {

@@ -54,6 +54,10 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
             intents.push(Intent::Connect(info.port.clone()));
         }
     }
+    let (name, help) = top_bar::ASK_FOR_PORT;
+    if scene.asks_for_port && ui.button(name).on_hover_text(help).clicked() {
+        intents.push(Intent::AskForPort);
+    }
     if scene.ports.len() <= 1 {
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));
     }

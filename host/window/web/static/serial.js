@@ -1,0 +1,144 @@
+// Boards by Web Serial. The page's thread asks the user; the device worker has the ports, and tells the link what
+// becomes of them.
+
+// Slipline's own USB, and the ST-LINK of ST's boards, behind which their UART is.
+export const FILTERS = [
+  { usbVendorId: 0x1209, usbProductId: 0x0001 },
+  ...[0x374b, 0x374e, 0x374f, 0x3753].map((usbProductId) => ({ usbVendorId: 0x0483, usbProductId })),
+];
+
+// A receive buffer for some tenths of a second, in which a worker may be late.
+const OPTIONS = { baudRate: 921600, bufferSize: 32768 };
+
+// These end a reader and not the port: another reader goes on, and what was damaged is sent again.
+const PASSING = ["BreakError", "BufferOverrunError", "FramingError", "ParityError"];
+
+export class SerialGlue {
+  #serial;
+  #tell;
+  // The browser's ports by the ids under which they are told.
+  #ports = new Map();
+  #ids = 0;
+  #lines = new Map();
+
+  // `tell` gets the name of a method of the device worker and its arguments; it is not called before a call of this
+  // object has returned.
+  constructor(serial, tell) {
+    this.#serial = serial;
+    this.#tell = tell;
+    for (const event of ["connect", "disconnect"]) {
+      serial?.addEventListener(event, () => this.look());
+    }
+  }
+
+  // Tells which boards there are, and which of them is new since the last look.
+  async look() {
+    // A server may forbid its pages to use ports: then there are none.
+    const ports = this.#serial ? await this.#serial.getPorts().catch(() => []) : [];
+    const boards = [];
+    let latest = null;
+    for (const port of ports) {
+      const { usbVendorId, usbProductId } = port.getInfo();
+      if (usbVendorId === undefined || port.connected === false) {
+        continue;
+      }
+      let id = [...this.#ports].find(([, known]) => known === port)?.[0];
+      if (id === undefined) {
+        id = ++this.#ids;
+        this.#ports.set(id, port);
+        latest = id;
+      }
+      boards.push(id, usbVendorId, usbProductId);
+    }
+    this.#tell("boardsListed", new Uint32Array(boards));
+    return { boards, latest };
+  }
+
+  // The user has chosen a board of this kind: a new one, or one that was chosen before.
+  async granted([vendor, product]) {
+    const { boards, latest } = await this.look();
+    const place = boards.findIndex((_, at) => at % 3 === 0 && boards[at + 1] === vendor && boards[at + 2] === product);
+    const id = latest ?? boards[place];
+    if (id !== undefined) {
+      this.#tell("boardChosen", id);
+    }
+  }
+
+  open(line, id) {
+    const entry = { port: this.#ports.get(id), isClosed: false };
+    const before = [...this.#lines.values()].filter(({ port }) => port === entry.port).map(({ ended }) => ended);
+    this.#lines.set(line, entry);
+    entry.ended = Promise.all(before)
+      .then(() => this.#use(line, entry))
+      .finally(() => this.#lines.delete(line));
+  }
+
+  write(line, bytes) {
+    const written = this.#lines.get(line)?.writer?.write(bytes.slice());
+    written?.then(() => this.#tell("boardWritten", line), (error) => this.#end(line, error));
+  }
+
+  close(line) {
+    const entry = this.#lines.get(line);
+    if (entry) {
+      entry.isClosed = true;
+      entry.reader?.cancel().catch(() => {});
+    }
+  }
+
+  #end(line, error) {
+    this.#tell("boardEnded", line, error.name, error.message);
+  }
+
+  // From the opening of a port to its closing.
+  async #use(line, entry) {
+    const { port } = entry;
+    if (entry.isClosed) {
+      return;
+    }
+    try {
+      await port.open(OPTIONS);
+    } catch (error) {
+      this.#end(line, error);
+      return;
+    }
+    try {
+      entry.writer = port.writable.getWriter();
+      this.#tell("boardOpened", line);
+      await this.#read(line, entry);
+    } catch (error) {
+      this.#end(line, error);
+    }
+    await entry.writer?.abort().catch(() => {});
+    entry.writer?.releaseLock();
+    await port.close().catch(() => {});
+  }
+
+  // Reads until the line is closed or the port has failed.
+  async #read(line, entry) {
+    let failure = new DOMException("The port was closed.", "NetworkError");
+    while (entry.port.readable && !entry.isClosed) {
+      const reader = entry.port.readable.getReader();
+      entry.reader = reader;
+      try {
+        for (;;) {
+          const { done, value } = await reader.read();
+          if (done) {
+            break;
+          }
+          this.#tell("boardReceived", line, value);
+        }
+      } catch (error) {
+        failure = error;
+        if (!PASSING.includes(error.name)) {
+          break;
+        }
+      } finally {
+        reader.releaseLock();
+      }
+    }
+    if (!entry.isClosed) {
+      throw failure;
+    }
+  }
+}
