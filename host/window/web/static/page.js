@@ -8,6 +8,7 @@
 // questions are not answered, stops and disarms the device.
 
 import init, { openPage } from "./slipline_page.js";
+import { showOffer, watchUpdates } from "./updates.js";
 
 const canvas = document.getElementById("window");
 const line = document.getElementById("line");
@@ -106,6 +107,7 @@ device.onmessage = ({ data }) => {
   } else {
     deviceState = { ...JSON.parse(data.state), time_origin_ms: data.origin };
     showFocus();
+    showOffer();
     if (page && !hasFailed) {
       page.deviceChanged(data.update, data.isLoud);
     } else if (!hasFailed) {
@@ -121,7 +123,7 @@ function deviceFailed() {
   deviceState = null;
   if (page && !hasFailed) {
     page.deviceCrashed();
-  } else {
+  } else if (!hasFailed) {
     fail("The simulated device could not be started.");
   }
 }
@@ -219,7 +221,20 @@ function lacking() {
   if (!document.createElement("canvas").getContext("webgl2")) {
     return "WebGL 2";
   }
-  return null;
+  return hasModuleWorkers() ? null : "workers of modules";
+}
+
+// A browser that has them asks for the type.
+function hasModuleWorkers() {
+  let isAsked = false;
+  const options = {
+    get type() {
+      isAsked = true;
+      return "module";
+    },
+  };
+  new Worker("data:text/javascript,", options).terminate();
+  return isAsked;
 }
 
 // The WebAssembly's bytes, with the share that has arrived.
@@ -263,6 +278,8 @@ async function open() {
   loading.style.display = "none";
   canvas.focus();
   window.addEventListener("hashchange", () => page.openFragment(location.hash));
+  // After the first picture, for which there is enough to load.
+  watchUpdates({ isArmed: () => deviceState?.armed === true, setup: () => (hasFailed ? null : page.fragment()) });
 }
 
 open().catch((error) => {
