@@ -176,18 +176,29 @@ class Updates(unittest.TestCase):
         shared.drive(page)
         self.publish(self.second)
         look(page)
-        for _ in range(int(shared.PATIENCE_S * 10)):
-            if named(self.second, "worker") in kept(page):
-                break
-            page.wait_for_timeout(100)
         page.wait_for_function("navigator.serviceWorker.getRegistration().then((it) => it.waiting !== null)")
         page.wait_for_timeout(1000)
-        self.assertEqual([shared.state(page)["armed"], offer(page).is_hidden()], [True, True], shared.state(page))
-        # A press that comes all the same.
-        page.evaluate("document.getElementById('offer').click()")
+        # A busy computer's page may have been stopped meanwhile: then it is offered, and hidden with the next drive. In one step,
+        # so that the device is armed when it is pressed.
+        pressed = """() => {
+          const offer = document.getElementById("offer");
+          const [isArmed, isHidden] = [window.slipline.state().armed, offer.hidden];
+          if (isArmed) {
+            offer.click();
+            window.isSame = true;
+          }
+          return [isArmed, isHidden];
+        }"""
+        for _ in range(20):
+            is_armed, is_hidden = page.evaluate(pressed)
+            self.assertEqual(is_hidden, is_armed)
+            if is_armed:
+                break
+            shared.drive(page)
+        self.assertTrue(is_armed)
         page.wait_for_timeout(1000)
+        self.assertTrue(page.evaluate("window.isSame"))
         self.assertEqual(version(page), old)
-        self.assertEqual(shared.state(page)["device_state"], "Driving")
         # Twice: the second one disarms.
         page.locator("#stop").click()
         page.locator("#stop").click()
