@@ -5,7 +5,7 @@
 //! ```text
 //! signal --> does the command have its own orderly end (drive, serve, the window)?
 //!              yes: it is asked to end, stops its device, reports, and returns by itself --> by the signal
-//!                                                        (serve, watch, whose only end it is: --> exit code 0)
+//!                                                        (serve, page, watch, whose only end it is: --> exit code 0)
 //!              no, it takes too long, or a second signal comes:
 //!                   devices stopped and disarmed --> temporary files removed -------------> by the signal
 //! ```

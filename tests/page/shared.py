@@ -21,9 +21,9 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 @contextlib.contextmanager
-def served(kind=Quiet):
-    """The address of the built page, served by a handler of this kind."""
-    handler = functools.partial(kind, directory=FOLDER)
+def served(kind=Quiet, folder=None):
+    """The address of the built page, or of another folder, served by a handler of this kind."""
+    handler = functools.partial(kind, directory=folder or FOLDER)
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
         yield f"http://127.0.0.1:{server.server_port}/"

@@ -35,6 +35,7 @@ pub const EXAMPLES: &[(&str, &[&str])] = &[
     ("record", &["slipline record --plate membrane --turning-point 120mm --for 500ms --out codes.wav"]),
     ("verify", &["slipline verify --port sim --tones 4 --window 50ms"]),
     ("serve", &["slipline serve --socket slipline.sock --plate membrane"]),
+    ("page", &["slipline page --folder target/page"]),
     ("check", &["slipline check --plate membrane --turning-point 120mm"]),
     (
         "design",

@@ -33,6 +33,7 @@ mod measured_file;
 mod measuring;
 mod merit;
 mod output;
+mod page;
 mod presets;
 mod profile;
 mod progress;
@@ -66,6 +67,7 @@ pub use failure::Failure;
 pub use figures::FiguresArguments;
 pub use measure::MeasureArguments;
 pub use merit::MeritArguments;
+pub use page::PageArguments;
 pub use profile::ProfileArguments;
 pub use schema::SCHEMA;
 pub use study::StudyArguments;
@@ -97,7 +99,7 @@ the settings file, else sim and membrane. slipline info shows them, each with it
 
 Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was \
 checked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they end any other; \
-serve and watch, whose only end they are, end with 0.
+serve, page and watch, whose only end they are, end with 0.
 
 A file named - is standard input or standard output; ./- is a file of this name.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
@@ -169,6 +171,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Offer the simulated device to other programs, in real time, until it is interrupted.
     Serve(ServeArguments),
+    /// Offer the window as a page to the browsers of this computer, until it is interrupted.
+    Page(PageArguments),
     /// Check a plate: one light per question, with the reason. Red lights end it with exit code 3.
     #[command(after_help = CHECK_EXIT_CODES)]
     Check(CheckArguments),
@@ -502,6 +506,7 @@ impl Cli {
                 | Command::Check(_)
                 | Command::Merit(_)
                 | Command::Profile(_)
+                | Command::Page(_)
                 | Command::Completions(_),
             ) => ForceArgument::default(),
             Some(Command::Info { force, .. }) => *force,
@@ -556,6 +561,7 @@ impl Command {
             Self::Record(arguments) => record::run(&arguments, json),
             Self::Verify(arguments) => verify::run(&arguments, json),
             Self::Serve(arguments) => serve::run(&arguments, json),
+            Self::Page(arguments) => page::run(&arguments, json),
             Self::Check(arguments) => check::run(&arguments, json),
             Self::Design(arguments) => design::run(&arguments, json),
             Self::Texture(arguments) => texture::run(&arguments, json),

@@ -97,8 +97,8 @@ fn followed(folder: &Path, line: &str) -> Value {
     serde_json::from_str(text.lines().next().unwrap()).unwrap()
 }
 
-/// The example of `watch`: its first line.
-fn watched(folder: &Path, line: &str) -> Value {
+/// The first line of a command that only a signal ends.
+fn first_line(folder: &Path, line: &str) -> Value {
     let mut child = program(folder, line).stdin(Stdio::null()).stdout(Stdio::piped()).spawn().unwrap();
     let mut first = String::new();
     BufReader::new(child.stdout.take().unwrap()).read_line(&mut first).unwrap();
@@ -129,7 +129,13 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
                     add("serve", &offered);
                     add("info", &info);
                 }
-                "watch" => add("watch", &watched(&folder, line)),
+                "watch" => add("watch", &first_line(&folder, line)),
+                "page" => {
+                    std::fs::create_dir_all(folder.join("target/page")).unwrap();
+                    std::fs::write(folder.join("target/page/index.html"), "").unwrap();
+                    // Another program may have the port of the example.
+                    add("page", &first_line(&folder, &format!("{line} --listen 127.0.0.1:0")));
+                }
                 "calibrate" if line.contains("--plan") => add("calibrate --plan", &run(&folder, line)),
                 command => add(command, &run(&folder, line)),
             }

@@ -17,6 +17,8 @@ mod lights;
 mod measure;
 mod no_display;
 mod numbers;
+#[cfg(unix)]
+mod page;
 mod profile;
 mod progress;
 mod refusals;

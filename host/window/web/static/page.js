@@ -9,6 +9,7 @@
 
 import { FILTERS } from "./serial.js";
 import init, { openPage } from "./slipline_page.js";
+import { showOffer, watchUpdates } from "./updates.js";
 
 const canvas = document.getElementById("window");
 const line = document.getElementById("line");
@@ -110,6 +111,7 @@ device.onmessage = ({ data }) => {
     hasSerial = data.hasSerial;
     deviceState = { ...JSON.parse(data.state), time_origin_ms: data.origin };
     showFocus();
+    showOffer();
     if (page && !hasFailed) {
       page.deviceChanged(data.update, data.isLoud);
     } else if (!hasFailed) {
@@ -125,7 +127,7 @@ function deviceFailed() {
   deviceState = null;
   if (page && !hasFailed) {
     page.deviceCrashed();
-  } else {
+  } else if (!hasFailed) {
     fail("The simulated device could not be started.");
   }
 }
@@ -241,7 +243,20 @@ function lacking() {
   if (!canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, stencil: false })) {
     return "WebGL 2";
   }
-  return null;
+  return hasModuleWorkers() ? null : "workers of modules";
+}
+
+// A browser that has them asks for the type.
+function hasModuleWorkers() {
+  let isAsked = false;
+  const options = {
+    get type() {
+      isAsked = true;
+      return "module";
+    },
+  };
+  new Worker("data:text/javascript,", options).terminate();
+  return isAsked;
 }
 
 // The WebAssembly's bytes, with the share that has arrived.
@@ -285,6 +300,8 @@ async function open() {
   loading.style.display = "none";
   canvas.focus();
   window.addEventListener("hashchange", () => page.openFragment(location.hash));
+  // After the first picture, for which there is enough to load.
+  watchUpdates({ isArmed: () => deviceState?.armed === true, setup: () => (hasFailed ? null : page.fragment()) });
 }
 
 open().catch((error) => {
