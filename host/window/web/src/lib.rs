@@ -20,6 +20,9 @@ mod clock;
 pub mod device;
 mod files;
 mod host;
+mod keep_alives;
+#[cfg(feature = "labels")]
+mod labels;
 mod message;
 pub mod page;
 mod remote_link;
