@@ -4,6 +4,7 @@ import contextlib
 import functools
 import http.server
 import os
+import pathlib
 import threading
 import time
 
@@ -15,9 +16,53 @@ CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 PATIENCE_S = float(os.environ.get("SLIPLINE_PAGE_PATIENCE", "60"))
 
 
+# In front of the workers' script: each worker tells other pages that it lives, and the device's what its state is.
+TELLING = b"""
+{
+  const channel = new BroadcastChannel("told");
+  const tell = (state) => channel.postMessage({ name: self.name, at: performance.timeOrigin + performance.now(), state });
+  const post = self.postMessage.bind(self);
+  self.postMessage = (message, ...more) => {
+    if (message.state) {
+      tell(message.state);
+    }
+    post(message, ...more);
+  };
+  setInterval(tell, 20);
+}
+"""
+# A page that hears that: when each worker has told something last, and the device's latest state.
+HEARING = b"""<!DOCTYPE html><title>Heard</title><script>
+window.heard = {};
+new BroadcastChannel("told").onmessage = ({ data: { name, at, state } }) => {
+  heard[name] = { at, state: state ? JSON.parse(state) : heard[name]?.state };
+};
+</script>"""
+
+
 class Quiet(http.server.SimpleHTTPRequestHandler):
     def log_message(self, *_):
         pass
+
+
+class Telling(Quiet):
+    """Serves the page with workers that tell of themselves, and the page that hears it."""
+
+    def do_GET(self):
+        name = self.path.split("/")[-1]
+        if name == "heard.html":
+            self.answer("text/html", HEARING)
+        elif name.startswith("worker") and name.endswith(".js"):
+            self.answer("text/javascript", TELLING + pathlib.Path(FOLDER, name).read_bytes())
+        else:
+            super().do_GET()
+
+    def answer(self, kind, body):
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.end_headers()
+        self.wfile.write(body)
 
 
 @contextlib.contextmanager
@@ -96,3 +141,114 @@ def drive(page):
         except AssertionError:
             if time.monotonic() > end:
                 raise
+
+
+def computing(page, kind):
+    """Waits until a job of this kind runs."""
+    return until(page, lambda seen: kind in seen["computing"], f"computing a {kind}")
+
+
+# ---- By the names of what is on the screen: a build with the feature `tests`
+
+
+def has_names(page):
+    return page.evaluate("window.slipline.nodes !== undefined")
+
+
+def nodes(page):
+    return page.evaluate("window.slipline.nodes()")
+
+
+def words(page):
+    """All that can be read, a line each."""
+    seen = nodes(page)
+    return "\n".join(text for node in seen for text in [node["label"], node["value"]] if text)
+
+
+def reads(page, part, patience_s=PATIENCE_S):
+    """Waits until a part of a name or text can be read."""
+    end = time.monotonic() + patience_s
+    while part not in words(page):
+        if time.monotonic() > end:
+            raise AssertionError(f"not to be read: {part!r}\n{words(page)}")
+        page.wait_for_timeout(100)
+
+
+def found(page, label, role=None):
+    """The node of a name, or nothing; the highest of several, as an open menu's is."""
+    named = [node for node in nodes(page) if node["label"] == label and role in (None, node["role"])]
+    return min(named, key=lambda node: node["rect"][1], default=None)
+
+
+def whole(node):
+    """Whether the middle of a node is in sight."""
+    seen = node["seen_rect"]
+    x, y = middle(node["rect"])
+    return seen is not None and seen[0] < x < seen[2] and seen[1] < y < seen[3]
+
+
+def middle(rect):
+    left, top, right, bottom = rect
+    return (left + right) / 2, (top + bottom) / 2
+
+
+def reached(page, label, role=None):
+    """The node of a name once it can be pressed and has come to rest, scrolled to by the wheel."""
+    end = time.monotonic() + PATIENCE_S
+    before = None
+    while True:
+        node = found(page, label, role)
+        if node and whole(node) and not node["is_disabled"] and before == node["rect"]:
+            return node
+        if time.monotonic() > end:
+            raise AssertionError(f"{label!r} cannot be pressed: {node}\n{words(page)}")
+        if node and not whole(node) and before == node["rect"]:
+            # Over its column, at a height that every scrolled area has.
+            x, y = middle(node["rect"])
+            size = page.viewport_size
+            page.mouse.move(x, size["height"] * 0.4)
+            page.mouse.wheel(0, max(-200, min(200, y - size["height"] * 0.4)))
+        before = node and node["rect"]
+        page.wait_for_timeout(150)
+
+
+def press(page, label, role=None):
+    """Presses what has this name, by the pointer."""
+    x, y = middle(reached(page, label, role)["rect"])
+    page.mouse.move(x, y)
+    page.mouse.click(x, y)
+
+
+def tap(page, label, role=None):
+    """Presses what has this name, by a finger."""
+    page.touchscreen.tap(*middle(reached(page, label, role)["rect"]))
+
+
+def type_into(page, label, text):
+    """Types into the field of this name, in place of what it holds."""
+    x, y = middle(reached(page, label, "TextInput")["rect"])
+    page.mouse.click(x, y)
+    # Its keys go to a field of the page, which eframe has for that.
+    page.wait_for_function("document.activeElement instanceof HTMLInputElement")
+    page.keyboard.press("Control+a")
+    page.keyboard.type(text)
+    page.keyboard.press("Enter")
+
+
+def choose(page, menu, entry, role="Button"):
+    """Chooses an entry of a menu, whose name goes on with its keys."""
+    press(page, menu, "Button")
+    named = lambda node: node["role"] == role and (node["label"] or "").startswith(entry)
+    end = time.monotonic() + PATIENCE_S
+    while not (entries := [node for node in nodes(page) if named(node)]):
+        if time.monotonic() > end:
+            raise AssertionError(f"no entry {entry!r}\n{words(page)}")
+        page.wait_for_timeout(100)
+    press(page, entries[0]["label"], role)
+
+
+def picture(page, name):
+    """A picture to look at, into the folder that the environment names."""
+    folder = os.environ.get("SLIPLINE_PICTURES")
+    if folder:
+        page.screenshot(path=str(pathlib.Path(folder, f"{name}.png")))

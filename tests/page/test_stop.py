@@ -1,6 +1,9 @@
 """STOP comes first: with the focus anywhere, after the window has failed, out of sight, and while its thread is stuck."""
 
 import contextlib
+import os
+import pathlib
+import signal
 import unittest
 
 import shared
@@ -19,6 +22,13 @@ for (const name of ["keydown", "pointerdown", "visibilitychange", "freeze", "pag
   window.addEventListener(name, (event) => { noted[name] = performance.timeOrigin + event.timeStamp; }, { capture: true });
 }
 """
+
+HIDE = """() => {
+  Object.defineProperty(document, "hidden", { value: true, configurable: true });
+  document.dispatchEvent(new Event("visibilitychange"));
+  delete document.hidden;
+}"""
+FREEZE = "() => document.dispatchEvent(new Event('freeze'))"
 
 
 class Stop(unittest.TestCase):
@@ -40,13 +50,15 @@ class Stop(unittest.TestCase):
     def tearDown(self):
         self.context.close()
 
-    def latency(self, field, event, act):
-        """Milliseconds from an event to the frame that it has sent."""
+    def latency(self, field, event, act, computing=None):
+        """Milliseconds from an event to the frame that it has sent, while a job of this kind runs."""
         before = shared.drive(self.page)
+        if computing:
+            shared.computing(self.page, computing)
         act()
         after = shared.until(self.page, lambda seen: seen[field] not in (None, before[field]), f"{field} after {event}")
         latency = after["time_origin_ms"] + after[field] - self.page.evaluate(f"noted.{event}")
-        print(f"-- {self.id().split('.')[-1]}: {latency:.1f} ms", flush=True)
+        print(f"-- {self.id().split('.')[-1]}, {event}: {latency:.1f} ms", flush=True)
         return latency
 
     def assert_silent(self):
@@ -96,22 +108,55 @@ class Stop(unittest.TestCase):
             self.assertLess(latency, STOP_MS)
             stopped = after
 
+    def test_each_stop_while_sheets_are_computed(self):
+        if not shared.has_names(self.page):
+            self.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        shared.choose(self.page, "View", "Wave: 2-D sheet if possible", "RadioButton")
+        self.page.locator("#window").focus()
+        for field, event, act, limit_ms in [
+            ("stop_sent_ms", "keydown", lambda: self.page.keyboard.press("Escape"), STOP_MS),
+            ("stop_sent_ms", "pointerdown", self.page.locator("#stop").click, STOP_MS),
+            ("disarm_sent_ms", "visibilitychange", lambda: self.page.evaluate(HIDE), LEFT_MS),
+            ("disarm_sent_ms", "freeze", lambda: self.page.evaluate(FREEZE), LEFT_MS),
+        ]:
+            with self.subTest(event=event):
+                self.assertLess(self.latency(field, event, act, "Sheet"), limit_ms)
+                self.assert_silent()
+        self.assert_stuck_is_stopped("Sheet")
+        self.assertEqual(self.errors, [])
+
+    def test_a_key_stops_while_a_plate_is_designed(self):
+        if not shared.has_names(self.page):
+            self.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        shared.drive(self.page)
+        shared.press(self.page, "Plate", "Button")
+        shared.press(self.page, "Designer", "Button")
+        before = shared.computing(self.page, "Design")
+        self.page.locator("#window").focus()
+        self.page.keyboard.press("Escape")
+        after = shared.until(self.page, lambda seen: seen["stop_sent_ms"] not in (None, before["stop_sent_ms"]), "stopped")
+        latency = after["time_origin_ms"] + after["stop_sent_ms"] - self.page.evaluate("noted.keydown")
+        print(f"-- a key while a plate is designed: {latency:.1f} ms", flush=True)
+        self.assertLess(latency, STOP_MS)
+        self.assert_silent()
+        self.assertEqual(self.errors, [])
+
     def test_out_of_sight_it_stops_and_disarms(self):
-        hide = """() => {
-          Object.defineProperty(document, "hidden", { value: true, configurable: true });
-          document.dispatchEvent(new Event("visibilitychange"));
-        }"""
-        self.assertLess(self.latency("disarm_sent_ms", "visibilitychange", lambda: self.page.evaluate(hide)), LEFT_MS)
+        self.assertLess(self.latency("disarm_sent_ms", "visibilitychange", lambda: self.page.evaluate(HIDE)), LEFT_MS)
         shared.until(self.page, lambda seen: not seen["armed"], "disarmed")
         self.assertEqual(self.errors, [])
 
     def test_put_to_sleep_it_stops_and_disarms(self):
-        freeze = "() => document.dispatchEvent(new Event('freeze'))"
-        self.assertLess(self.latency("disarm_sent_ms", "freeze", lambda: self.page.evaluate(freeze)), LEFT_MS)
+        self.assertLess(self.latency("disarm_sent_ms", "freeze", lambda: self.page.evaluate(FREEZE)), LEFT_MS)
         shared.until(self.page, lambda seen: not seen["armed"], "disarmed")
 
     def test_the_watch_stops_and_disarms_while_the_thread_is_stuck(self):
+        self.assert_stuck_is_stopped()
+
+    def assert_stuck_is_stopped(self, computing=None):
         before = shared.drive(self.page)
+        if computing:
+            shared.computing(self.page, computing)
         began = self.page.evaluate("""() => {
           const began = performance.timeOrigin + performance.now();
           while (performance.timeOrigin + performance.now() < began + 5000);
@@ -122,6 +167,66 @@ class Stop(unittest.TestCase):
         print(f"-- a stuck thread: {latency:.0f} ms", flush=True)
         self.assertTrue(0 < latency < STUCK_MS, latency)
         self.assertFalse(after["armed"])
+
+
+class End(unittest.TestCase):
+    """A page that ends takes its workers along, and with them the simulated device. So what is shown is that nothing is sent
+    any more, to any device: a real one stops by its dead-man, which `tests/tests/health.rs` holds. Its workers tell
+    another page of the same origin of each frame and, fifty times a second, that they live.
+    """
+
+    def test_a_page_that_is_left_closed_or_killed_sends_nothing_any_more(self):
+        with contextlib.ExitStack() as open_:
+            address = open_.enter_context(shared.served(shared.Telling))
+            browser = open_.enter_context(shared.browser())
+            for name, end in [
+                ("left", lambda page: page.goto("about:blank")),
+                ("closed", lambda page: page.close()),
+                ("killed", lambda page: kill_workers_of(browser)),
+            ]:
+                with self.subTest(name), contextlib.closing(browser.new_context(viewport={"width": 1280, "height": 800})) as context:
+                    self.assert_silent_after(context, address, name, end)
+
+    def assert_silent_after(self, context, address, name, end):
+        witness = context.new_page()
+        witness.goto(address + "heard.html")
+        page, errors = shared.opened(context, address)
+        if shared.has_names(page):
+            shared.choose(page, "View", "Wave: 2-D sheet if possible", "RadioButton")
+        # No page that opens comes between this and the end: it would hide this one, which stops by itself.
+        page.bring_to_front()
+        shared.drive(page)
+        if shared.has_names(page):
+            shared.computing(page, "Sheet")
+        self.assertEqual(errors, [])
+        began = witness.evaluate("performance.timeOrigin + performance.now()")
+        heard = witness.evaluate("heard")
+        self.assertEqual(heard["device"]["state"]["device_state"], "Driving")
+        self.assertEqual(set(heard), {"device", "quick", "long"})
+        end(page)
+        # Until long after the time that is allowed: each worker would tell of itself fifty times in a second.
+        witness.wait_for_function("until => performance.timeOrigin + performance.now() > until", arg=began + 2 * STUCK_MS)
+        heard = witness.evaluate("heard")
+        latest = max(worker["at"] for worker in heard.values()) - began
+        state = heard["device"]["state"]
+        told = state["disarm_sent_ms"] is not None
+        print(f"-- {name}: the latest sign of a worker {latest:.0f} ms after; disarmed before: {told}", flush=True)
+        self.assertLess(latest, STUCK_MS)
+
+
+def kill_workers_of(browser):
+    """Kills the process of the page that has workers, as a system does that is out of memory."""
+    devtools = browser.new_browser_cdp_session()
+    processes = devtools.send("SystemInfo.getProcessInfo")["processInfo"]
+    renderers = [process["id"] for process in processes if process["type"] == "renderer"]
+    killed = [pid for pid in renderers if has_workers(pid)]
+    assert len(killed) == 1, renderers
+    os.kill(killed[0], signal.SIGKILL)
+
+
+def has_workers(pid):
+    threads = pathlib.Path("/proc", str(pid), "task").glob("*/comm")
+    return any(thread.read_text().startswith("Dedicated") for thread in threads)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 //! the page's thread is alive, as it does with a window, and stops and disarms the device if it is not.
 
 use crate::clock::now;
+use crate::keep_alives::KeepAlives;
 use crate::message::{self, FromDevice, ToDevice};
 use crate::serial::{Boards, SerialGlue};
 use js_sys::{Function, JSON, Uint8Array};
@@ -75,6 +76,7 @@ pub struct DeviceWorker {
     /// Asks the page's thread for a sign of life.
     ask: Function,
     latest_sign: Duration,
+    keep_alives: KeepAlives,
 }
 
 #[wasm_bindgen]
@@ -110,6 +112,7 @@ impl DeviceWorker {
             publish,
             ask,
             latest_sign: Duration::ZERO,
+            keep_alives: KeepAlives::default(),
         }
     }
 
@@ -204,6 +207,7 @@ impl DeviceWorker {
         }
         let (is_changed, is_loud) = self.connection.take_changes();
         if is_changed {
+            self.keep_alives.attend(self.connection.view());
             let update = SnapshotUpdate::between(&self.published, self.connection.view());
             self.published = self.connection.view().clone();
             self.send(&FromDevice::Update(Box::new(update)), is_loud);
@@ -222,7 +226,7 @@ impl DeviceWorker {
 
     fn send(&self, message: &FromDevice, is_loud: bool) {
         let bytes = message::bytes(message);
-        let state = state_text(self.connection.view());
+        let state = state_text(self.connection.view(), &self.keep_alives);
         let _ = self.publish.call3(
             &JsValue::NULL,
             &Uint8Array::from(bytes.as_slice()),
@@ -233,8 +237,8 @@ impl DeviceWorker {
 }
 
 /// The state of link and device as JSON, for `window.slipline.state()`. Times are those of this worker, in
-/// milliseconds.
-fn state_text(view: &Snapshot) -> String {
+/// milliseconds; the keep-alives are those since the device was armed.
+fn state_text(view: &Snapshot, keep_alives: &KeepAlives) -> String {
     let link = match view.link {
         LinkState::Disconnected => "disconnected",
         LinkState::Connecting => "connecting",
@@ -274,7 +278,12 @@ fn state_text(view: &Snapshot) -> String {
             None => write!(text, ",\"{name}\":null"),
         };
     }
-    text.push('}');
+    let longest_gap_ms = keep_alives.longest_gap.as_secs_f64() * 1e3;
+    let _ = write!(
+        text,
+        ",\"keep_alives\":{},\"keep_alive_longest_gap_ms\":{longest_gap_ms:.3}}}",
+        keep_alives.count
+    );
     text
 }
 

@@ -21,6 +21,9 @@ pub mod device;
 mod files;
 mod fonts;
 mod host;
+mod keep_alives;
+#[cfg(feature = "tests")]
+mod labels;
 mod message;
 pub mod page;
 mod remote_link;

@@ -189,7 +189,7 @@ impl Page {
         self.ctx.request_repaint();
     }
 
-    /// The lines and the setup on the screen as JSON, for `window.slipline.state()`; nothing after a panic.
+    /// The lines and the setup on the screen and the jobs that run as JSON, for `window.slipline.state()`; nothing after a panic.
     pub fn state(&self) -> Option<String> {
         let window = self.runner.app_mut::<Window>()?;
         let notice = quoted(window.app.notice().map(|notice| notice.text.as_str()));
@@ -199,12 +199,21 @@ impl Page {
         let holds_edge = line.holds == Holds::FeltEdge;
         let felt_edge = if holds_edge { line.place_m.to_string() } else { "null".to_owned() };
         Some(format!(
-            "{{\"turning_point_m\":{},\"felt_edge_m\":{felt_edge},\"can_undo\":{},\"tones\":{},\"frames\":{},\"notice\":{notice}}}",
+            "{{\"turning_point_m\":{},\"felt_edge_m\":{felt_edge},\"can_undo\":{},\"tones\":{},\"frames\":{},\
+             \"notice\":{notice},\"computing\":{}}}",
             tone.position_m,
             shown.undo.0.is_some(),
             shown.setup.tones.len(),
             window.frames,
+            self.workers.computing(),
         ))
+    }
+
+    /// The accessible nodes of the latest picture, for `window.slipline.nodes()` of a build for tests.
+    #[cfg(feature = "tests")]
+    #[must_use]
+    pub fn nodes(&self) -> js_sys::Array {
+        crate::labels::nodes(&self.ctx)
     }
 
     /// The setup on the screen as the fragment of an address, without its `#`.
@@ -232,6 +241,8 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
     let context = Rc::new(RefCell::new(None));
     let (linked, reported, opened) = (link.clone(), Rc::clone(&reports), Rc::clone(&context));
     let create = move |creation: &eframe::CreationContext<'_>| {
+        #[cfg(feature = "tests")]
+        crate::labels::keep(&creation.egui_ctx);
         let (workers, jobs) = work::workers(&host, &creation.egui_ctx);
         let workers = Rc::new(workers);
         opened.replace(Some((creation.egui_ctx.clone(), Rc::clone(&workers))));

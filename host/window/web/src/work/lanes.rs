@@ -135,6 +135,15 @@ impl Workers {
         self.ctx.request_repaint();
     }
 
+    /// The kinds of the jobs that run, as a list of JSON.
+    pub(crate) fn computing(&self) -> String {
+        let lanes = [&self.lanes.quick, &self.lanes.long];
+        let running =
+            lanes.map(|lane| lane.state.borrow().running.as_ref().map(|running| running.job.kind()));
+        let names: Vec<String> = running.iter().flatten().map(|kind| format!("\"{kind:?}\"")).collect();
+        format!("[{}]", names.join(","))
+    }
+
     /// Takes the share that a worker has done of its job.
     pub(crate) fn progress(&self, name: &str, share: f64) {
         if let Some(running) = &self.lane(name).state.borrow().running {
