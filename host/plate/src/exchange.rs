@@ -140,9 +140,69 @@ pub mod maybe_by_number {
     }
 }
 
+/// The serde form of rows of numbers, each with its frequency: the bytes that they are in memory. A rig has millions of them, and one
+/// by one they take a worker ten times as long.
+pub(crate) mod by_bytes {
+    use num_complex::Complex64;
+    use serde::de::{Deserializer, Error, Visitor};
+    use serde::ser::Serializer;
+    use std::fmt;
+
+    type Rows = Vec<(f64, Vec<Complex64>)>;
+
+    pub(crate) fn serialize<S: Serializer>(rows: &Rows, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut bytes = Vec::new();
+        for (frequency_hz, row) in rows {
+            bytes.extend_from_slice(&(row.len() as u64).to_le_bytes());
+            bytes.extend_from_slice(&frequency_hz.to_le_bytes());
+            bytes.reserve(16 * row.len());
+            for number in row {
+                bytes.extend_from_slice(&number.re.to_le_bytes());
+                bytes.extend_from_slice(&number.im.to_le_bytes());
+            }
+        }
+        serializer.serialize_bytes(&bytes)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Rows, D::Error> {
+        struct Bytes;
+
+        impl Visitor<'_> for Bytes {
+            type Value = Rows;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the bytes of rows of numbers")
+            }
+
+            fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Rows, E> {
+                let (words, rest) = bytes.as_chunks::<8>();
+                let mut words = words;
+                let mut rows = Rows::new();
+                while let [count, frequency_hz, others @ ..] = words {
+                    let count =
+                        usize::try_from(u64::from_le_bytes(*count)).ok().and_then(|it| it.checked_mul(2));
+                    let (row, next) = count
+                        .and_then(|count| others.split_at_checked(count))
+                        .ok_or_else(|| E::custom("a row is cut"))?;
+                    let (pairs, _) = row.as_chunks::<2>();
+                    let number = |&[re, im]: &[[u8; 8]; 2]| {
+                        Complex64::new(f64::from_le_bytes(re), f64::from_le_bytes(im))
+                    };
+                    rows.push((f64::from_le_bytes(*frequency_hz), pairs.iter().map(number).collect()));
+                    words = next;
+                }
+                if words.is_empty() && rest.is_empty() { Ok(rows) } else { Err(E::custom("a row is cut")) }
+            }
+        }
+
+        deserializer.deserialize_bytes(Bytes)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_complex::Complex64;
     use serde::{Deserialize, Serialize};
 
     #[derive(Serialize, Deserialize)]
@@ -213,5 +273,32 @@ mod tests {
             "a number that was not sent"
         );
         assert!(there.run(|| postcard::from_bytes::<Message>(&bytes)).is_ok());
+    }
+
+    #[derive(Debug, PartialEq, Serialize, Deserialize)]
+    struct Rows(#[serde(with = "by_bytes")] Vec<(f64, Vec<Complex64>)>);
+
+    /// Bytes as they are.
+    struct Raw<'a>(&'a [u8]);
+
+    impl Serialize for Raw<'_> {
+        fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+            serializer.serialize_bytes(self.0)
+        }
+    }
+
+    #[test]
+    fn rows_of_numbers_come_back_to_the_bit_and_cut_ones_are_refused() {
+        let row = vec![Complex64::new(0.1, -0.0), Complex64::new(f64::MIN_POSITIVE, 1e300)];
+        let rows = Rows(vec![(20.5, row), (21.0, Vec::new())]);
+        let sent = postcard::to_extend(&rows, Vec::new()).unwrap();
+        assert_eq!(postcard::from_bytes::<Rows>(&sent).unwrap(), rows);
+        // Their length stands before the bytes: 64 of them.
+        let [length, bytes @ ..] = sent.as_slice() else { panic!("nothing was sent") };
+        assert_eq!((usize::from(*length), bytes.len()), (64, 64));
+        for cut in [7, 8, 24, 47, 56, 63] {
+            let cut_short = postcard::to_extend(&Raw(&bytes[..cut]), Vec::new()).unwrap();
+            assert!(postcard::from_bytes::<Rows>(&cut_short).is_err(), "{cut}");
+        }
     }
 }

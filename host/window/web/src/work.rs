@@ -30,7 +30,7 @@ use slipline_model::jobs::texture::{self, TextureJob, Textured};
 use slipline_model::jobs::{JobQueue, Task};
 use slipline_model::waveform::{self, Waveform, WaveformJob};
 use slipline_plate::exchange::Exchange;
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::rc::Rc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -142,7 +142,7 @@ macro_rules! kinds {
         /// For tests: the instrument's work, done at once by the entry of a worker.
         #[cfg(feature = "tests")]
         pub(crate) fn jobs_at_once() -> Jobs {
-            let [quick, long] = [(); 2].map(|()| Rc::new(RefCell::new(AtOnce::default())));
+            let [quick, long] = [(); 2].map(|()| Rc::new(std::cell::RefCell::new(AtOnce::default())));
             let lanes = Lanes { quick, long };
             $(
                 let worker = Rc::clone(&lanes.$lane);

@@ -75,6 +75,8 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
     }
 }
 
+/// In windows narrower than this, in points, the device has a row of its own, below menus and STOP.
+const ROOM_FOR_ONE_ROW: f32 = 560.0;
 /// In windows narrower than this, in points, the program's name is left out.
 const ROOM_FOR_NAME: f32 = 760.0;
 /// In windows narrower than this, in points, the state names a fault without its cause; the tooltip has the cause.
@@ -95,55 +97,81 @@ const USUAL_STATE: &str = "stopping";
 const DEVICE: (f32, f32) = (70.0, 180.0);
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
-    let palette = theme::palette(ui);
+    let end = ui.max_rect().right();
+    if ui.available_width() >= ROOM_FOR_ONE_ROW {
+        row(ui, |ui| {
+            menus(ui, scene, intents);
+            ui.separator();
+            in_use(ui, scene, Some(end), intents);
+        });
+        return;
+    }
+    row(ui, |ui| {
+        menus(ui, scene, intents);
+        aligned::at_right(ui, |ui| stop_button(ui, theme::palette(ui), end, intents));
+    });
+    row(ui, |ui| in_use(ui, scene, None, intents));
+}
+
+fn row(ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui)) {
     ui.horizontal(|ui| {
-        ui.set_min_height(34.0);
-        let end = ui.max_rect().right();
-        let is_narrow = ui.available_width() < ROOM_FOR_NAME;
-        let is_wide = ui.available_width() >= ROOM_FOR_FAULT;
-        if is_narrow {
+        ui.set_min_height(STOP.y);
+        if ui.available_width() < ROOM_FOR_NAME {
             ui.spacing_mut().button_padding.x = NARROW;
             ui.spacing_mut().item_spacing.x = NARROW;
-        } else {
-            ui.label(RichText::new("Slipline").strong().size(18.0));
-            ui.add_space(4.0);
         }
-        match scene.visitors {
-            None => menu::show(ui, scene, intents),
-            Some((name, effect)) => visitors(ui, name, effect),
+        show(ui);
+    });
+}
+
+/// The program's name where there is room for it, and the menus.
+fn menus(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
+    if ui.available_width() >= ROOM_FOR_NAME {
+        ui.label(RichText::new("Slipline").strong().size(18.0));
+        ui.add_space(4.0);
+    }
+    match scene.visitors {
+        None => menu::show(ui, scene, intents),
+        Some((name, effect)) => visitors(ui, name, effect),
+    }
+}
+
+/// The device, its state, what is at work, and STOP up to this place, if it is in this row.
+fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut Intents) {
+    let palette = theme::palette(ui);
+    let row = ui.max_rect().width();
+    // The device menu is as wide as this window allows beside what usually follows it, and stays so whatever does: what is
+    // at work or the round trip get the rest.
+    let badge = Width::of(ui, "badge");
+    let gap = ui.spacing().item_spacing.x;
+    let after_state = if stop.is_some() { STOP.x + 6.0 + 3.0 * gap } else { 0.0 };
+    let usual =
+        usual_state(ui, scene) + after_state + if row < ROOM_FOR_NAME { SMALL_BADGE } else { ROUND_TRIP };
+    let room = ui.available_width() - after_state;
+    let device_width = (ui.available_width() - usual).clamp(DEVICE.0, DEVICE.1);
+    let device = match scene.visitors {
+        None => port_menu(ui, scene, device_width, intents).rect.width(),
+        Some(_) => 0.0,
+    };
+    let shown = ui.horizontal(|ui| {
+        let (word, colour, sentence) = state_words(scene, palette);
+        let fault = scene.snapshot.is_connected().then_some(scene.snapshot.status).flatten().and_then(fault);
+        chip(ui, (word, fault), row >= ROOM_FOR_FAULT, colour).on_hover_text(sentence);
+        offer_buttons(ui, scene, intents);
+    });
+    let room = room - device - shown.response.rect.width() - gap;
+    let round_trip = round_trip(ui, scene, room - badge.points() - gap);
+    aligned::at_right(ui, |ui| {
+        let is_small = room < WIDE_BADGE;
+        let shown = ui.horizontal(|ui| table_badge(ui, scene, is_small, intents)).response.rect.width();
+        badge.note(ui, shown);
+        if let Some(text) = round_trip {
+            ui.label(text).on_hover_text("From a command to its answer, running average");
         }
-        ui.separator();
-        // The device menu is as wide as this window allows beside what usually follows it, and stays so whatever does: what is
-        // at work or the round trip get the rest.
-        let badge = Width::of(ui, "badge");
-        let gap = ui.spacing().item_spacing.x;
-        let after_state = STOP.x + 6.0 + 3.0 * gap;
-        let usual = usual_state(ui, scene) + after_state + if is_narrow { SMALL_BADGE } else { ROUND_TRIP };
-        let room = ui.available_width() - after_state;
-        let device_width = (ui.available_width() - usual).clamp(DEVICE.0, DEVICE.1);
-        let device = match scene.visitors {
-            None => port_menu(ui, scene, device_width, intents).rect.width(),
-            Some(_) => 0.0,
-        };
-        let shown = ui.horizontal(|ui| {
-            let (word, colour, sentence) = state_words(scene, palette);
-            let fault =
-                scene.snapshot.is_connected().then_some(scene.snapshot.status).flatten().and_then(fault);
-            chip(ui, (word, fault), is_wide, colour).on_hover_text(sentence);
-            offer_buttons(ui, scene, intents);
-        });
-        let room = room - device - shown.response.rect.width() - gap;
-        let round_trip = round_trip(ui, scene, room - badge.points() - gap);
-        aligned::at_right(ui, |ui| {
-            let is_small = room < WIDE_BADGE;
-            let shown = ui.horizontal(|ui| table_badge(ui, scene, is_small, intents)).response.rect.width();
-            badge.note(ui, shown);
-            if let Some(text) = round_trip {
-                ui.label(text).on_hover_text("From a command to its answer, running average");
-            }
+        if let Some(end) = stop {
             ui.add_space(6.0);
             stop_button(ui, palette, end, intents);
-        });
+        }
     });
 }
 
