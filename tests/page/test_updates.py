@@ -240,6 +240,7 @@ class Lacking(unittest.TestCase):
     def test_a_sentence_names_what_a_browser_lacks(self):
         for missing, script in [
             ("WebAssembly", "delete window.WebAssembly"),
+            ("SIMD of WebAssembly", "WebAssembly.validate = () => false"),
             (
                 "WebGL 2",
                 """const get = HTMLCanvasElement.prototype.getContext;
