@@ -58,8 +58,10 @@ fn no_field_of_json_is_a_boundary() {
         assert!(!found.iter().any(|name| name.contains("boundar")), "{found:?}");
     }
     // The fields that the commands write themselves.
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/cli");
-    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+    let folders =
+        ["src/cli", "src/cli/page"].map(|folder| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
+    let entries = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    for path in entries.map(|entry| entry.unwrap().path()).filter(|path| path.is_file()) {
         let text = std::fs::read_to_string(&path).unwrap();
         for line in text.lines() {
             let field = line.split_once("\":").and_then(|(before, _)| before.rsplit('"').next());
