@@ -168,7 +168,8 @@ impl LinkRig {
         Ticket(self.tickets)
     }
 
-    fn step(&mut self) {
+    /// Calls the link, as its waker does.
+    pub fn step(&mut self) {
         self.connection.step(self.now);
         self.steps += 1;
         if self.connection.take_sign_wanted() {

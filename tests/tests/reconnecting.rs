@@ -123,9 +123,9 @@ fn a_port_that_opens_later_is_greeted_then() {
     rig.pass_ms(100);
     assert!(matches!(rig.outcome(connect), Some(Outcome::Done { .. })));
     // The same when it comes back after a loss.
-    rig.ports().is_opening = true;
     rig.ports().unplug();
     rig.pass_ms(10);
+    rig.ports().is_opening = true;
     rig.ports().listed = vec![board("A")];
     rig.pass_ms(LOST_AFTER_MS + 1000);
     assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
@@ -142,7 +142,8 @@ fn an_opening_that_fails_later_tells_why_and_one_that_never_ends_can_be_given_up
     let connect = rig.ask(Request::Connect(port.clone()));
     rig.pass_ms(300);
     rig.ports().error = Some(ErrorKind::ResourceBusy);
-    rig.pass_ms(10);
+    // The transport wakes the link.
+    rig.step();
     let busy = LinkError::Busy(port.clone());
     assert_eq!(rig.outcome(connect), Some(Outcome::Refused(busy.clone().into())));
     assert_eq!((&rig.view().link, &rig.view().error), (&LinkState::Disconnected, &Some(busy)));

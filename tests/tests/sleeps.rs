@@ -52,6 +52,7 @@ const SLEEPS: &[(&str, &[Sleep])] = &[
             Because("the same"),
         ],
     ),
+    ("tests/page/board.py", &[Polls]),
     ("tests/protocol/device_case.py", &[Polls]),
     ("tests/protocol/server.py", &[Polls]),
     (
