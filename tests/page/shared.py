@@ -155,6 +155,12 @@ def has_names(page):
     return page.evaluate("window.slipline.nodes !== undefined")
 
 
+def need_names(test, page):
+    """Leaves a test out in a build that tells no names."""
+    if not has_names(page):
+        test.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+
+
 def nodes(page):
     return page.evaluate("window.slipline.nodes()")
 

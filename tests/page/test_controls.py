@@ -33,8 +33,7 @@ class Controls(unittest.TestCase):
         context = self.browser.new_context(**{"viewport": DESK, **options})
         self.addCleanup(context.close)
         page, errors = shared.opened(context, self.address, fragment)
-        if not shared.has_names(page):
-            self.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        shared.need_names(self, page)
         # Any press ends the demonstration of a first visit; this one moves no line.
         shared.felt(page)
         page.locator("#window").focus()

@@ -73,8 +73,7 @@ class Drag(unittest.TestCase):
 
     def test_no_keep_alive_is_missed_while_sheets_are_computed(self):
         page = self.page
-        if not shared.has_names(page):
-            self.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        shared.need_names(self, page)
         shared.choose(page, "View", "Wave: 2-D sheet if possible", "RadioButton")
         before = shared.drive(page)
         shared.computing(page, "Sheet")

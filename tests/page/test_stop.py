@@ -56,10 +56,14 @@ class Stop(unittest.TestCase):
         if computing:
             shared.computing(self.page, computing)
         act()
+        return self.sent_after(event, field, before)[0]
+
+    def sent_after(self, event, field, before):
+        """Milliseconds from an event to a frame that was not sent before, and the state with it."""
         after = shared.until(self.page, lambda seen: seen[field] not in (None, before[field]), f"{field} after {event}")
         latency = after["time_origin_ms"] + after[field] - self.page.evaluate(f"noted.{event}")
         print(f"-- {self.id().split('.')[-1]}, {event}: {latency:.1f} ms", flush=True)
-        return latency
+        return latency, after
 
     def assert_silent(self):
         shared.until(self.page, lambda seen: seen["device_state"] not in ("Driving", "Waiting", "Stopping"), "silent")
@@ -102,15 +106,11 @@ class Stop(unittest.TestCase):
             ("keydown", lambda: self.page.keyboard.press("Escape")),
         ]:
             act()
-            after = shared.until(self.page, lambda seen: seen["stop_sent_ms"] != stopped["stop_sent_ms"], f"stopped by {event}")
-            latency = after["time_origin_ms"] + after["stop_sent_ms"] - self.page.evaluate(f"noted.{event}")
-            print(f"-- {event} after a failure: {latency:.1f} ms", flush=True)
+            latency, stopped = self.sent_after(event, "stop_sent_ms", stopped)
             self.assertLess(latency, STOP_MS)
-            stopped = after
 
     def test_each_stop_while_sheets_are_computed(self):
-        if not shared.has_names(self.page):
-            self.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        shared.need_names(self, self.page)
         shared.choose(self.page, "View", "Wave: 2-D sheet if possible", "RadioButton")
         self.page.locator("#window").focus()
         for field, event, act, limit_ms in [
@@ -126,18 +126,14 @@ class Stop(unittest.TestCase):
         self.assertEqual(self.errors, [])
 
     def test_a_key_stops_while_a_plate_is_designed(self):
-        if not shared.has_names(self.page):
-            self.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        shared.need_names(self, self.page)
         shared.drive(self.page)
         shared.press(self.page, "Plate", "Button")
         shared.press(self.page, "Designer", "Button")
         before = shared.computing(self.page, "Design")
         self.page.locator("#window").focus()
         self.page.keyboard.press("Escape")
-        after = shared.until(self.page, lambda seen: seen["stop_sent_ms"] not in (None, before["stop_sent_ms"]), "stopped")
-        latency = after["time_origin_ms"] + after["stop_sent_ms"] - self.page.evaluate("noted.keydown")
-        print(f"-- a key while a plate is designed: {latency:.1f} ms", flush=True)
-        self.assertLess(latency, STOP_MS)
+        self.assertLess(self.sent_after("keydown", "stop_sent_ms", before)[0], STOP_MS)
         self.assert_silent()
         self.assertEqual(self.errors, [])
 

@@ -27,6 +27,8 @@ mod renamed;
 mod serve;
 #[cfg(unix)]
 mod served;
+#[cfg(unix)]
+mod serving;
 mod setups;
 #[cfg(unix)]
 mod signals;

@@ -1,11 +1,12 @@
 //! `slipline page`: a browser gets the page's files, and nothing else.
 
-use super::{failure, file, signal};
+use super::serving::Serving;
+use super::{failure, file};
 use serde_json::Value;
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::Command;
 
 /// A folder of a page, beside a file that is not of it.
 fn built(name: &str) -> PathBuf {
@@ -24,24 +25,12 @@ fn built(name: &str) -> PathBuf {
     outside
 }
 
-/// A program that serves a page, and the line of JSON with which it began.
-struct Serving(Child, Value);
+/// Serves a page from this folder.
+fn start(folder: &Path, arguments: &[&str]) -> Serving {
+    Serving::start(folder, &[&["page", "--listen", "127.0.0.1:0"], arguments].concat())
+}
 
 impl Serving {
-    /// Begins in this folder.
-    fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-            .args(["--json", "page", "--listen", "127.0.0.1:0"])
-            .args(arguments)
-            .current_dir(folder)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-        Self(child, serde_json::from_str(&line).unwrap())
-    }
-
     /// Its address without scheme and slash.
     fn host(&self) -> &str {
         self.1["address"].as_str().unwrap().strip_prefix("http://").unwrap().strip_suffix('/').unwrap()
@@ -58,26 +47,12 @@ impl Serving {
         let body = bytes.split_off(end + 4);
         (String::from_utf8(bytes).unwrap().to_lowercase(), body)
     }
-
-    /// Ends it by this signal.
-    fn end(mut self, option: &str) -> ExitStatus {
-        signal(self.0.id(), option);
-        self.0.wait().unwrap()
-    }
-}
-
-impl Drop for Serving {
-    fn drop(&mut self) {
-        // Ended already, unless the test has failed.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
 }
 
 #[test]
 fn a_browser_gets_the_files_with_their_types_and_keeps_those_that_never_change() {
     let outside = built("page-types");
-    let serving = Serving::start(&outside, &["--folder", "target/page"]);
+    let serving = start(&outside, &["--folder", "target/page"]);
     assert_eq!(serving.1["folder"], "target/page");
     let kept = "cache-control: public, max-age=31536000, immutable\r\n";
     for (address, kind, cache, body) in [
@@ -114,7 +89,7 @@ fn a_browser_gets_the_files_with_their_types_and_keeps_those_that_never_change()
 #[test]
 fn nothing_else_is_answered() {
     let outside = built("page-else");
-    let serving = Serving::start(&outside, &["--folder", "target/page"]);
+    let serving = start(&outside, &["--folder", "target/page"]);
     for address in [
         "/nothing.js",
         "/../secret.txt",
@@ -143,7 +118,7 @@ fn nothing_else_is_answered() {
 fn without_the_option_it_is_the_page_that_was_built_here_and_a_signal_ends_it_with_0() {
     let outside = built("page-default");
     for option in ["-INT", "-TERM"] {
-        let serving = Serving::start(&outside, &[]);
+        let serving = start(&outside, &[]);
         // A program with the page in it has its own.
         let folder = if cfg!(feature = "page") { Value::Null } else { "target/page".into() };
         assert_eq!(serving.1["folder"], folder);
@@ -186,7 +161,7 @@ fn a_folder_without_a_page_and_an_address_that_is_taken_are_refused() {
         assert_eq!(output.status.code(), Some(2), "{message}");
         assert!(message.contains("build it by .ci/page") && message.contains("--folder"), "{message}");
     }
-    let serving = Serving::start(&outside, &["--folder", "target/page"]);
+    let serving = start(&outside, &["--folder", "target/page"]);
     let page = outside.join("target/page");
     let message = failure(&["page", "--folder", page.to_str().unwrap(), "--listen", serving.host()], 1);
     assert!(message.contains(&format!("--listen {}", serving.host())), "{message}");

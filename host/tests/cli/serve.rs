@@ -1,50 +1,25 @@
 //! `slipline serve`: another program reaches the simulated device at a socket or a pseudo-terminal.
 #![cfg(unix)]
 
-use crate::{failure, file, json, signal};
-use serde_json::Value;
+use crate::serving::Serving;
+use crate::{failure, file, json};
 use slipline_link::native::Worker;
 use slipline_link::protocol::event::State;
 use slipline_link::{Outcome, Port, Request};
-use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::path::Path;
 use std::time::Duration;
 
 /// Longer than anything here takes; no length is asserted.
 const PATIENCE: Duration = Duration::from_secs(30);
 
-/// A program that serves, and the line of JSON with which it began.
-struct Serving(Child, Value);
-
-impl Serving {
-    fn start(arguments: &[&str]) -> Self {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
-            .args(["--json", "serve"])
-            .args(arguments)
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut line = String::new();
-        BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();
-        Self(child, serde_json::from_str(&line).unwrap())
-    }
-
-    fn port(&self) -> Port {
-        self.1["port"].as_str().unwrap().parse().unwrap()
-    }
-
-    /// Ends it as `kill` does.
-    fn end(mut self) -> ExitStatus {
-        signal(self.0.id(), "-TERM");
-        self.0.wait().unwrap()
-    }
+/// Serves the simulated device.
+fn start(arguments: &[&str]) -> Serving {
+    Serving::start(Path::new("."), &[&["serve"], arguments].concat())
 }
 
-impl Drop for Serving {
-    fn drop(&mut self) {
-        // Ended already, unless the test has failed.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
+impl Serving {
+    fn port(&self) -> Port {
+        self.1["port"].as_str().unwrap().parse().unwrap()
     }
 }
 
@@ -64,20 +39,20 @@ fn talk(port: Port) -> Option<u32> {
 #[test]
 fn a_device_at_a_socket_serves_one_program_after_the_other_and_ends_with_its_file_removed() {
     let path = file("serve.sock");
-    let serving = Serving::start(&["--socket", path.to_str().unwrap()]);
+    let serving = start(&["--socket", path.to_str().unwrap()]);
     assert_eq!(serving.1["path"].as_str(), path.to_str());
     assert_eq!(talk(serving.port()), None);
     assert_eq!(talk(serving.port()), None);
     let message = failure(&["serve", "--socket", path.to_str().unwrap()], 1);
     assert!(message.contains("another program already serves"), "{message}");
-    assert_eq!(serving.end().code(), Some(0));
+    assert_eq!(serving.end("-TERM").code(), Some(0));
     assert!(!path.exists());
 }
 
 #[test]
 fn a_second_program_at_a_taken_device_hears_that_it_is_in_use_and_disturbs_nothing() {
     let path = file("taken.sock");
-    let serving = Serving::start(&["--socket", path.to_str().unwrap()]);
+    let serving = start(&["--socket", path.to_str().unwrap()]);
     let worker = Worker::spawn(|| ()).unwrap();
     let done = |request: Request| {
         let outcome = worker.wait(worker.send(request), PATIENCE);
@@ -98,9 +73,9 @@ fn a_second_program_at_a_taken_device_hears_that_it_is_in_use_and_disturbs_nothi
 
 #[test]
 fn a_device_at_a_pseudo_terminal_holds_the_plates_table() {
-    let serving = Serving::start(&["--pty", "--plate", "membrane"]);
+    let serving = start(&["--pty", "--plate", "membrane"]);
     assert!(talk(serving.port()).is_some());
-    assert_eq!(serving.end().code(), Some(0));
+    assert_eq!(serving.end("-TERM").code(), Some(0));
 }
 
 #[test]
@@ -117,7 +92,7 @@ fn a_device_with_a_sensor_is_measured_by_another_program() {
     let path = file("heard.sock");
     let path = path.to_str().unwrap();
     let plate = ["--plate", "al-bending", "--sensor", "30mm"];
-    let serving = Serving::start(&[&["--socket", path, "--actual-plate", "secret:5"], &plate[..]].concat());
+    let serving = start(&[&["--socket", path, "--actual-plate", "secret:5"], &plate[..]].concat());
     let port = serving.port().to_string();
     let measured = json(&[&["measure", "--port", &port, "--points", "16"], &plate[..]].concat());
     let (response, noise) = (measured["response"].as_array().unwrap(), measured["noise"].as_array().unwrap());
