@@ -1,7 +1,8 @@
 //! The job workers, as the page's thread sees them: what runs, and what waits.
 //!
 //! A job in a worker hears no message while it runs. So one that is not wanted any more is ended with its worker, which
-//! is started anew at once; and a newer job of a kind waits for the older one, unless that has run for a while.
+//! is started anew at once. But a browser lets a worker that is ended compute for a while, beside the new one: so only a
+//! job that has already taken as long is ended, and what waits, waits for any other.
 
 use super::{Done, Job, Kind, Results};
 use crate::clock::now;
@@ -14,8 +15,9 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A running job that is older than this is not waited for when a newer one of its kind is asked for.
-const PATIENCE: Duration = Duration::from_millis(300);
+/// A running job that is not wanted any more is ended when it is older than this: as long as Chromium lets a worker that is
+/// ended go on. With less, each place of a drag left another worker that computed for two seconds.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A job that runs in a worker.
 struct Running {
@@ -61,13 +63,12 @@ impl Lane {
         self.go_on(&mut state);
     }
 
-    /// Ends a job that is not wanted any more, and starts the next one.
-    fn go_on(&self, state: &mut State) {
-        if let Some(running) = state.running.as_ref().filter(|running| running.task.is_over()) {
-            let has_newer = state.waiting.iter().any(|waiting| waiting.job.kind() == running.job.kind());
-            if !has_newer || now().saturating_sub(running.since) > PATIENCE {
-                self.restart(state);
-            }
+    /// Ends a job that is not wanted any more, and starts the next one. Returns when to look again, where such a job runs on.
+    fn go_on(&self, state: &mut State) -> Option<Duration> {
+        let unwanted = state.running.as_ref().filter(|running| running.task.is_over());
+        let rest = unwanted.map(|running| PATIENCE.saturating_sub(now().saturating_sub(running.since)));
+        if rest == Some(Duration::ZERO) {
+            self.restart(state);
         }
         state.waiting.retain(|waiting| !waiting.task.is_over());
         while state.running.is_none() && !state.waiting.is_empty() {
@@ -80,6 +81,7 @@ impl Lane {
                 Err(_) => state.ended.push((number, job.kind())),
             }
         }
+        rest.filter(|rest| !rest.is_zero())
     }
 
     /// Starts the worker anew; the job that runs has no result.
@@ -156,7 +158,9 @@ impl Workers {
     pub(crate) fn attend(&self) {
         for lane in [&self.lanes.quick, &self.lanes.long] {
             let mut state = lane.state.borrow_mut();
-            lane.go_on(&mut state);
+            if let Some(rest) = lane.go_on(&mut state) {
+                self.ctx.request_repaint_after(rest);
+            }
             for (number, kind) in state.ended.drain(..) {
                 self.results.send_none(number, kind);
             }
