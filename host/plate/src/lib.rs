@@ -21,6 +21,7 @@ pub mod design;
 pub mod exchange;
 pub mod feeling;
 pub mod frequency;
+mod fused;
 pub mod merit;
 pub mod paper;
 pub mod physics;

@@ -6,6 +6,7 @@ use super::fdtd::FdtdGrid;
 use super::kernel::Weights;
 use super::tiling::{Cells, Column, ColumnPoint, plan_at};
 use super::vector::Width;
+use crate::fused::Fused;
 use proptest::prelude::*;
 
 /// Steps between two flushes of denormal numbers, as in the grid.
@@ -61,12 +62,12 @@ impl Naive {
                 }
                 let across = above[station] + below[station];
                 let rest = if weights.past == 1.0 {
-                    weights.across.mul_add(across, -past[station])
+                    weights.across.fused(across, -past[station])
                 } else {
-                    (-weights.past).mul_add(past[station], weights.across * across)
+                    (-weights.past).fused(past[station], weights.across * across)
                 };
-                let others = weights.along.mul_add(v[station - 1] + v[station + 1], rest);
-                next[station] = case.own[row][station - 1].mul_add(v[station], others);
+                let others = weights.along.fused(v[station - 1] + v[station + 1], rest);
+                next[station] = case.own[row][station - 1].fused(v[station], others);
                 let inertia = 1.0 + case.loss;
                 next[station] *= (inertia / (inertia + load.mass + load.loss)) as f32;
             }

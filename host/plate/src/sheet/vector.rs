@@ -1,10 +1,11 @@
 //! Vectors of sixteen numbers on any instruction set.
 //!
 //! [`Work`] is written once with the operations of [`Lanes`] and compiled for each instruction set; [`Width::run`]
-//! uses the widest of the machine. Fused products and sums are written out as such, and a fused operation rounds
-//! alike on every machine, so all machines and all widths compute the same bits. (Processors without a fused
+//! uses the widest of the machine. Products and sums are [`Fused`] where that is written, and a fused operation rounds
+//! alike on every machine, so all processors and all widths compute the same bits. (Those without a fused
 //! multiply-add, such as x86 before 2013, are slow.)
 
+use crate::fused::Fused;
 #[cfg(target_arch = "x86_64")]
 use pulp::x86::{V3, V4};
 use std::array::from_fn;
@@ -24,9 +25,9 @@ pub(super) trait Lanes: Copy {
     fn store(self, vector: Self::Vector, line: &mut Line);
     fn add(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
     fn multiply(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
-    /// a b + c, rounded once.
+    /// a b + c, [`Fused`].
     fn multiply_add(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
-    /// a b - c, rounded once.
+    /// a b - c, [`Fused`].
     fn multiply_subtract(self, a: Self::Vector, b: Self::Vector, c: Self::Vector) -> Self::Vector;
     /// The larger of |a| and b; b if a is NaN.
     fn larger_magnitude(self, a: Self::Vector, b: Self::Vector) -> Self::Vector;
@@ -70,12 +71,12 @@ impl Lanes for Plain {
 
     #[inline(always)]
     fn multiply_add(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
-        from_fn(|lane| a[lane].mul_add(b[lane], c[lane]))
+        from_fn(|lane| a[lane].fused(b[lane], c[lane]))
     }
 
     #[inline(always)]
     fn multiply_subtract(self, a: [f32; LANES], b: [f32; LANES], c: [f32; LANES]) -> [f32; LANES] {
-        from_fn(|lane| a[lane].mul_add(b[lane], -c[lane]))
+        from_fn(|lane| a[lane].fused(b[lane], -c[lane]))
     }
 
     #[inline(always)]

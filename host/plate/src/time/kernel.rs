@@ -1,8 +1,9 @@
 //! The three inner loops of the time-domain plate, compiled for the widest vectors of the machine.
 //!
-//! They consist of products and sums in a fixed order, fused where the code has `mul_add`; the filter's dot product
-//! adds eight partial sums in a fixed order. So every machine computes the same bits.
+//! They consist of products and sums in a fixed order, [`Fused`] where that is written; the filter's dot product adds
+//! eight partial sums in a fixed order. So every processor computes the same bits.
 
+use crate::fused::Fused;
 use pulp::{Simd, WithSimd};
 
 /// Number of positions whose sums are kept in registers together.
@@ -26,8 +27,8 @@ impl WithSimd for Filter<'_> {
         let (tap_im, im_rest) = self.tap_im.as_chunks::<8>();
         for ((w, a), b) in window.iter().zip(tap_re).zip(tap_im) {
             for lane in 0..8 {
-                re[lane] = w[lane].mul_add(a[lane], re[lane]);
-                im[lane] = w[lane].mul_add(b[lane], im[lane]);
+                re[lane] = w[lane].fused(a[lane], re[lane]);
+                im[lane] = w[lane].fused(b[lane], im[lane]);
             }
         }
         let mut sum = (re.iter().sum::<f64>(), im.iter().sum::<f64>());
@@ -73,8 +74,8 @@ impl WithSimd for Step<'_> {
             let mut next_re = re[i] * a_re[i] - im[i] * a_im[i];
             let mut next_im = re[i] * a_im[i] + im[i] * a_re[i];
             for k in 0..6 {
-                next_re = b_re[k][i].mul_add(c_re[k], (-b_im[k][i]).mul_add(c_im[k], next_re));
-                next_im = b_re[k][i].mul_add(c_im[k], b_im[k][i].mul_add(c_re[k], next_im));
+                next_re = b_re[k][i].fused(c_re[k], (-b_im[k][i]).fused(c_im[k], next_re));
+                next_im = b_re[k][i].fused(c_im[k], b_im[k][i].fused(c_re[k], next_im));
             }
             re[i] = next_re;
             im[i] = next_im;
@@ -105,8 +106,8 @@ impl WithSimd for FieldSum<'_> {
             let (rows, _) = rows.as_chunks::<2>();
             for ([a, b], z) in rows.iter().zip(self.signal) {
                 for lane in 0..TILE {
-                    sum_re[lane] = a[lane].mul_add(z[0], (-b[lane]).mul_add(z[1], sum_re[lane]));
-                    sum_im[lane] = a[lane].mul_add(z[1], b[lane].mul_add(z[0], sum_im[lane]));
+                    sum_re[lane] = a[lane].fused(z[0], (-b[lane]).fused(z[1], sum_re[lane]));
+                    sum_im[lane] = a[lane].fused(z[1], b[lane].fused(z[0], sum_im[lane]));
                 }
             }
             *re = sum_re;

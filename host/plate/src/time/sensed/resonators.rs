@@ -2,6 +2,7 @@
 
 use super::lanes::{LANES, Lanes, in_lanes};
 use super::output::Output;
+use crate::fused::Fused;
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -103,12 +104,12 @@ impl<'a, I: Iterator<Item = (f64, &'a mut f64, &'a mut f64)>> WithSimd for Run<'
             for i in 0..count {
                 for lane in 0..LANES {
                     let (x, y) = (
-                        a_re[i][lane].mul_add(re[i][lane], (-a_im[i][lane]).mul_add(im[i][lane], code)),
-                        a_re[i][lane].mul_add(im[i][lane], a_im[i][lane] * re[i][lane]),
+                        a_re[i][lane].fused(re[i][lane], (-a_im[i][lane]).fused(im[i][lane], code)),
+                        a_re[i][lane].fused(im[i][lane], a_im[i][lane] * re[i][lane]),
                     );
                     (re[i][lane], im[i][lane]) = (x, y);
-                    b_sum[lane] = b_re[i][lane].mul_add(x, (-b_im[i][lane]).mul_add(y, b_sum[lane]));
-                    c_sum[lane] = c_re[i][lane].mul_add(x, (-c_im[i][lane]).mul_add(y, c_sum[lane]));
+                    b_sum[lane] = b_re[i][lane].fused(x, (-b_im[i][lane]).fused(y, b_sum[lane]));
+                    c_sum[lane] = c_re[i][lane].fused(x, (-c_im[i][lane]).fused(y, c_sum[lane]));
                 }
             }
             *first = b_sum.iter().sum();
