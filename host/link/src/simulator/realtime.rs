@@ -20,6 +20,9 @@ use std::time::Duration;
 /// cooling of the coil is neglected.
 const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 
+/// A rendering that takes less is never too slow: the clock may be coarse, and the system may do other things.
+const NOTABLE: Duration = Duration::from_millis(100);
+
 /// The time since a fixed moment, monotonic: the computer's clock, or a test's.
 pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
@@ -69,9 +72,17 @@ impl RealtimeDevice {
         let rate = u64::from(self.device.sample_rate_hz());
         let blocks_in =
             |time: Duration| (time.as_micros() as u64).saturating_mul(rate) / (1_000_000 * BLOCK as u64);
-        let due = blocks_in((self.clock)().saturating_sub(self.since)).saturating_sub(self.blocks);
-        self.device.advance(due.min(blocks_in(LONGEST_CATCH_UP)), |_| {});
+        let began = (self.clock)();
+        let due = blocks_in(began.saturating_sub(self.since)).saturating_sub(self.blocks);
+        let rendered = due.min(blocks_in(LONGEST_CATCH_UP));
+        self.device.advance(rendered, |_| {});
         self.blocks += due;
+        // What senses its plate may take longer than the time that it renders, on a slow computer. The device would owe
+        // more at each command, and hear a stop later and later; so its time stands still meanwhile.
+        let took = (self.clock)().saturating_sub(began);
+        if took > NOTABLE && blocks_in(took) > rendered {
+            self.blocks += blocks_in(took);
+        }
         if self.device.is_in_bootloader() {
             // Nothing is flashed, so the chip starts the same image again.
             self.device.restart(ResetCause::Software);
@@ -115,5 +126,31 @@ impl Transport for RealtimeLine {
             self.waker.wake();
         }
         Ok(bytes.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Options;
+    use super::*;
+
+    /// The device's time in ms after commands, by a clock that is read at its start, and before and after each rendering.
+    fn device_ms(clock_ms: &[u64]) -> u64 {
+        let read = Mutex::new(clock_ms.to_vec().into_iter());
+        let clock: Clock = Arc::new(move || Duration::from_millis(read.lock().unwrap().next().unwrap()));
+        let mut paced = RealtimeDevice::new(SimulatedDevice::new(Options::default()), clock);
+        let rate = u64::from(paced.device.sample_rate_hz());
+        (0..clock_ms.len() / 2).for_each(|_| paced.catch_up());
+        (paced.now() + BLOCK as u64 / 2) * 1000 / rate
+    }
+
+    #[test]
+    fn a_rendering_that_is_slower_than_time_is_not_owed_at_the_next_command() {
+        // The second command meets what a quick rendering of the first took: all of it is rendered.
+        assert_eq!(device_ms(&[0, 1000, 1900, 1900, 1900]), 1900);
+        // A second that took two: they are left out, and the device renders the 500 ms after them.
+        assert_eq!(device_ms(&[0, 1000, 3000, 3500, 3500]), 1500);
+        // So short a rendering may have been interrupted.
+        assert_eq!(device_ms(&[0, 10, 90, 90, 90]), 90);
     }
 }

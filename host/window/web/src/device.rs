@@ -25,8 +25,8 @@ use std::time::Duration;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-/// Steps in a row while the device answers at once.
-const STEPS: usize = 64;
+/// Steps follow each other for this long while the device answers at once. A STOP that arrives meanwhile is heard after it.
+const STEPS_LAST: Duration = Duration::from_millis(20);
 /// The ticket of requests that nobody waits for: those of the page's thread are numbered from 1.
 const UNAWAITED: Ticket = Ticket(0);
 
@@ -186,11 +186,12 @@ impl DeviceWorker {
     /// Performs what is due. Returns after how many milliseconds it must be called again; infinite while nothing is
     /// pending.
     pub fn step(&mut self) -> f64 {
-        for _ in 0..STEPS {
+        let began = now();
+        loop {
             self.is_woken.store(false, Ordering::Relaxed);
             self.connection.sign_of_life(self.latest_sign);
             self.connection.step(now());
-            if !self.is_woken.load(Ordering::Relaxed) {
+            if !self.is_woken.load(Ordering::Relaxed) || now().saturating_sub(began) > STEPS_LAST {
                 break;
             }
         }
