@@ -15,6 +15,15 @@ CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 # The first picture is drawn by the processor, in a build that may not be optimised.
 PATIENCE_S = float(os.environ.get("SLIPLINE_PAGE_PATIENCE", "60"))
 
+# Milliseconds from a press of STOP to its frame on the link.
+STOP_MS = 50
+# Notes when the browser has made each event, in milliseconds since 1970.
+NOTE_EVENTS = """
+window.noted = {};
+for (const name of ["keydown", "pointerdown", "visibilitychange", "freeze", "pagehide"]) {
+  window.addEventListener(name, (event) => { noted[name] = performance.timeOrigin + event.timeStamp; }, { capture: true });
+}
+"""
 
 # In front of the workers' script: each worker tells other pages that it lives, and the device's what its state is.
 TELLING = b"""
@@ -148,6 +157,20 @@ def computing(page, kind):
     return until(page, lambda seen: kind in seen["computing"], f"computing a {kind}")
 
 
+def sent_since(before, field, seen):
+    """The times of the frames that were sent since a state."""
+    latest = max(before[field], default=0)
+    return [at for at in seen[field] if at > latest]
+
+
+def sent_after(test, page, event, field, before):
+    """Milliseconds from a noted event to the first frame that was not sent before, and the state with it."""
+    after = until(page, lambda seen: sent_since(before, field, seen), f"{field} after {event}")
+    latency = after["time_origin_ms"] + sent_since(before, field, after)[0] - page.evaluate(f"noted.{event}")
+    print(f"-- {test.id().split('.')[-1]}, {event}: {latency:.1f} ms", flush=True)
+    return latency, after
+
+
 # ---- By the names of what is on the screen: a build with the feature `tests`
 
 
@@ -222,7 +245,10 @@ def press(page, label, role=None):
     """Presses what has this name, by the pointer."""
     x, y = middle(reached(page, label, role)["rect"])
     page.mouse.move(x, y)
+    before = state(page)
     page.mouse.click(x, y)
+    # What it does can be seen, and the next press cannot meet what stood there before.
+    until(page, lambda seen: seen["frames"] > before["frames"] + 1, "drawn")
 
 
 def tap(page, label, role=None):

@@ -31,6 +31,7 @@ class Controls(unittest.TestCase):
     def opened(self, fragment="", **options):
         """A page of a visitor who was never here, with the demonstration ended."""
         context = self.browser.new_context(**{"viewport": DESK, **options})
+        context.add_init_script(shared.NOTE_EVENTS)
         self.addCleanup(context.close)
         page, errors = shared.opened(context, self.address, fragment)
         shared.need_names(self, page)
@@ -101,11 +102,13 @@ class Controls(unittest.TestCase):
         shared.press(page, "Calibrate…", "Button")
         for _ in range(2):
             shared.press(page, "Next", "Button")
+        # The place that is measured already, and another.
+        shared.press(page, "30.0 mm, run 1 at 30.0 mm")
+        shared.press(page, "Next", "Button")
+        shared.press(page, "Measure now", "Button")
         shared.picture(page, "calibrating")
-        for sensor in (1, 2):
-            shared.press(page, "Measure now", "Button")
-            self.wait_until_measured(page)
-            shared.press(page, "Next", "Button")
+        self.wait_until_measured(page)
+        self.assert_a_press_stops_while_it_is_computed(page)
         shared.reads(page, "Boundary off by", 3 * shared.PATIENCE_S)
         shared.picture(page, "calibrated")
         before = page.evaluate("window.slipline.fragment()")
@@ -116,6 +119,16 @@ class Controls(unittest.TestCase):
         page.keyboard.press("Control+z")
         page.wait_for_function("before => window.slipline.fragment() === before", arg=before)
         self.assertEqual(errors, [])
+
+    def assert_a_press_stops_while_it_is_computed(self, page):
+        shared.drive(page)
+        x, y = shared.middle(shared.reached(page, "Next", "Button")["rect"])
+        page.mouse.click(x, y)
+        before = shared.computing(page, "Calibration")
+        page.locator("#stop").click()
+        latency, after = shared.sent_after(self, page, "pointerdown", "stops_sent_ms", before)
+        self.assertEqual((before["device_state"], before["computing"]), ("Driving", ["Calibration"]))
+        self.assertLess(latency, shared.STOP_MS)
 
     def wait_until_measured(self, page):
         shared.reads(page, "Cancel measuring")

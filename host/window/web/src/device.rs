@@ -262,22 +262,22 @@ fn state_text(view: &Snapshot, keep_alives: &KeepAlives) -> String {
     }
     let verified = view.upload_verified.map_or_else(|| "null".to_owned(), |verified| verified.to_string());
     let _ = write!(text, ",\"table_verified\":{verified},\"commands\":{}", view.counters.commands);
+    // All in the trace: the window sends its own after one that was sent past it.
     let sent_at = |is_it: fn(&Command) -> bool| {
-        let sent = view.frames.iter().rev().find(|frame| match &frame.message {
+        let sent = view.frames.iter().filter(|frame| match &frame.message {
             TracedMessage::Command(command) => is_it(command),
             TracedMessage::Event(_) | TracedMessage::Unknown { .. } => false,
         });
-        sent.map(|frame| frame.time.as_secs_f64() * 1e3)
+        let times: Vec<String> =
+            sent.map(|frame| format!("{:.3}", frame.time.as_secs_f64() * 1e3)).collect();
+        times.join(",")
     };
     for (name, at) in [
-        ("stop_sent_ms", sent_at(|command| matches!(command, Command::Stop))),
-        ("disarm_sent_ms", sent_at(|command| matches!(command, Command::Disarm))),
+        ("stops_sent_ms", sent_at(|command| matches!(command, Command::Stop))),
+        ("disarms_sent_ms", sent_at(|command| matches!(command, Command::Disarm))),
     ] {
         // Writing to a string cannot fail.
-        let _ = match at {
-            Some(at) => write!(text, ",\"{name}\":{at:.3}"),
-            None => write!(text, ",\"{name}\":null"),
-        };
+        let _ = write!(text, ",\"{name}\":[{at}]");
     }
     let longest_gap_ms = keep_alives.longest_gap.as_secs_f64() * 1e3;
     let _ = write!(
