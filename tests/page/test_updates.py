@@ -57,6 +57,16 @@ def offered(page, is_offered=True):
     offer(page).wait_for(state="visible" if is_offered else "hidden", timeout=shared.PATIENCE_S * 1e3)
 
 
+def disarmed(page):
+    """Stops and disarms the simulated device, which the page arms by itself: nothing is offered before."""
+    shared.until(page, lambda seen: seen["armed"], "armed by itself")
+    page.bring_to_front()
+    # Two presses at once are an emergency stop; one leaves a simulated device armed.
+    page.locator("#stop").click()
+    page.locator("#stop").click()
+    shared.until(page, lambda seen: not seen["armed"], "disarmed")
+
+
 def gone(page, name):
     """Waits until a file is not kept any more."""
     for _ in range(int(shared.PATIENCE_S * 10)):
@@ -91,7 +101,7 @@ class Updates(unittest.TestCase):
         self.publish(self.first)
         self.server = contextlib.ExitStack()
         self.case.callback(self.server.close)
-        self.address = self.server.enter_context(shared.served(self.site))
+        self.address = self.server.enter_context(shared.served(folder=self.site))
         self.context = self.browser.new_context(viewport={"width": 1280, "height": 800})
         self.case.callback(self.context.close)
 
@@ -99,9 +109,13 @@ class Updates(unittest.TestCase):
         self.case.close()
 
     def publish(self, build):
-        """Puts a build on the server, in place of what is there."""
-        shutil.rmtree(self.site, ignore_errors=True)
-        shutil.copytree(build, self.site)
+        """Puts a build on the server in place of what is there, at once; its files are of now, by which the browser tells
+        them."""
+        fresh, link = (pathlib.Path(tempfile.mkdtemp(dir=self.site.parent)) for _ in range(2))
+        shutil.copytree(build, fresh, copy_function=shutil.copy, dirs_exist_ok=True)
+        link /= "site"
+        link.symlink_to(fresh)
+        link.replace(self.site)
 
     def opened(self):
         page, errors = shared.opened(self.context, self.address)
@@ -135,7 +149,9 @@ class Updates(unittest.TestCase):
         worker = named(self.first, "worker")
         self.assertIn(worker, kept(page))
         self.assertTrue(offer(page).is_hidden())
+        disarmed(page)
         other, _ = self.opened()
+        disarmed(other)
         self.publish(self.second)
         look(page)
         offered(page)
@@ -199,10 +215,7 @@ class Updates(unittest.TestCase):
         page.wait_for_timeout(1000)
         self.assertTrue(page.evaluate("window.isSame"))
         self.assertEqual(version(page), old)
-        # Twice: the second one disarms.
-        page.locator("#stop").click()
-        page.locator("#stop").click()
-        shared.until(page, lambda seen: not seen["armed"], "disarmed")
+        disarmed(page)
         offered(page)
         with page.expect_navigation():
             offer(page).click()
