@@ -40,13 +40,19 @@ class Stop(unittest.TestCase):
     def tearDown(self):
         self.context.close()
 
-    def latency(self, field, event, act, computing=None):
-        """Milliseconds from an event to the frame that it has sent, while a job of this kind runs."""
-        before = shared.drive(self.page)
-        if computing:
-            shared.computing(self.page, computing)
-        act()
-        return self.sent_after(event, field, before)[0]
+    def assert_soon(self, field, event, act, limit_ms, computing=None):
+        """An event is followed by its frame within the limit, while a job of this kind runs. It is made again where that took
+        longer, up to twice: the computer may have been busy with something else."""
+        for _ in range(3):
+            before = shared.drive(self.page)
+            if computing:
+                shared.computing(self.page, computing)
+            act()
+            latency, _ = self.sent_after(event, field, before)
+            self.assert_silent()
+            if latency < limit_ms:
+                return
+        self.fail(f"{field} {latency:.1f} ms after {event}, three times more than {limit_ms} ms")
 
     def sent_after(self, event, field, before):
         return shared.sent_after(self, self.page, event, field, before)
@@ -67,14 +73,11 @@ class Stop(unittest.TestCase):
                         else:
                             self.page.locator(focus).focus()
                         self.page.keyboard.press(key)
-                    latency = self.latency("stops_sent_ms", "keydown", press)
-                    self.assert_silent()
-                    self.assertLess(latency, shared.STOP_MS)
+                    self.assert_soon("stops_sent_ms", "keydown", press, shared.STOP_MS)
         self.assertEqual(self.errors, [])
 
     def test_the_button_stops(self):
-        self.assertLess(self.latency("stops_sent_ms", "pointerdown", self.page.locator("#stop").click), shared.STOP_MS)
-        self.assert_silent()
+        self.assert_soon("stops_sent_ms", "pointerdown", self.page.locator("#stop").click, shared.STOP_MS)
         self.assertEqual(self.errors, [])
 
     def test_button_and_keys_stop_after_the_window_has_failed(self):
@@ -108,9 +111,7 @@ class Stop(unittest.TestCase):
             ("disarms_sent_ms", "freeze", lambda: self.page.evaluate(FREEZE), LEFT_MS),
         ]:
             with self.subTest(event=event):
-                latency = self.latency(field, event, act, "Sheet")
-                self.assert_silent()
-                self.assertLess(latency, limit_ms)
+                self.assert_soon(field, event, act, limit_ms, "Sheet")
         self.assert_stuck_is_stopped("Sheet")
         self.assertEqual(self.errors, [])
 
@@ -127,12 +128,12 @@ class Stop(unittest.TestCase):
         self.assertEqual(self.errors, [])
 
     def test_out_of_sight_it_stops_and_disarms(self):
-        self.assertLess(self.latency("disarms_sent_ms", "visibilitychange", lambda: self.page.evaluate(HIDE)), LEFT_MS)
+        self.assert_soon("disarms_sent_ms", "visibilitychange", lambda: self.page.evaluate(HIDE), LEFT_MS)
         shared.until(self.page, lambda seen: not seen["armed"], "disarmed")
         self.assertEqual(self.errors, [])
 
     def test_put_to_sleep_it_stops_and_disarms(self):
-        self.assertLess(self.latency("disarms_sent_ms", "freeze", lambda: self.page.evaluate(FREEZE)), LEFT_MS)
+        self.assert_soon("disarms_sent_ms", "freeze", lambda: self.page.evaluate(FREEZE), LEFT_MS)
         shared.until(self.page, lambda seen: not seen["armed"], "disarmed")
 
     def test_the_watch_stops_and_disarms_while_the_thread_is_stuck(self):
