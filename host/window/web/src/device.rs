@@ -268,8 +268,7 @@ fn state_text(view: &Snapshot, keep_alives: &KeepAlives) -> String {
             TracedMessage::Command(command) => is_it(command),
             TracedMessage::Event(_) | TracedMessage::Unknown { .. } => false,
         });
-        let times: Vec<String> =
-            sent.map(|frame| format!("{:.3}", frame.time.as_secs_f64() * 1e3)).collect();
+        let times: Vec<String> = sent.map(|frame| format!("{:.3}", frame.time.as_secs_f64() * 1e3)).collect();
         times.join(",")
     };
     for (name, at) in [
