@@ -135,9 +135,9 @@ mod tests {
     use super::*;
 
     /// The device's time in ms after commands, by a clock that is read at its start, and before and after each rendering.
-    fn device_ms(clock_ms: &[u64]) -> u64 {
-        let read = Mutex::new(clock_ms.to_vec().into_iter());
-        let clock: Clock = Arc::new(move || Duration::from_millis(read.lock().unwrap().next().unwrap()));
+    fn device_ms(clock_ms: &'static [u64]) -> u64 {
+        let read = Mutex::new(clock_ms.iter());
+        let clock: Clock = Arc::new(move || Duration::from_millis(*read.lock().unwrap().next().unwrap()));
         let mut paced = RealtimeDevice::new(SimulatedDevice::new(Options::default()), clock);
         let rate = u64::from(paced.device.sample_rate_hz());
         (0..clock_ms.len() / 2).for_each(|_| paced.catch_up());
