@@ -243,7 +243,7 @@ function lacking() {
   if (typeof WebAssembly !== "object") {
     return "WebAssembly";
   }
-  // Letters are painted by it.
+  // Letters are painted, and fields computed, by it.
   if (!WebAssembly.validate(SIMD)) {
     return "SIMD of WebAssembly";
   }
