@@ -126,7 +126,7 @@ class Controls(unittest.TestCase):
         page.mouse.click(x, y)
         before = shared.computing(page, "Calibration")
         page.locator("#stop").click()
-        latency, after = shared.sent_after(self, page, "pointerdown", "stops_sent_ms", before)
+        latency, _ = shared.sent_after(self, page, "pointerdown", "stops_sent_ms", before)
         self.assertEqual((before["device_state"], before["computing"]), ("Driving", ["Calibration"]))
         self.assertLess(latency, shared.STOP_MS)
 
