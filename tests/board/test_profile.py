@@ -55,7 +55,6 @@ def test_forget_leaves_it(rig):
     assert (rig.host.profile(), rig.stored_crc()) == (("old", "loaded"), None)
 
 
-@pytest.mark.every_image
 @pytest.mark.parametrize("is_cut_clean", [False, pytest.param(True, marks=pytest.mark.nightly)], ids=["torn", "clean"])
 def test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_profile(rig, is_cut_clean):
     """R-79: whole, or the device says that it may have been lost and cannot be armed."""

@@ -233,7 +233,7 @@ def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(ar
 
 @on(G474)
 @pytest.mark.every_image
-@pytest.mark.parametrize("seconds", [1, pytest.param(10, marks=pytest.mark.nightly)])
+@pytest.mark.parametrize("seconds", [0.4, pytest.param(10, marks=pytest.mark.nightly)])
 def test_a_line_that_is_full_both_ways_costs_no_block_and_no_lock_in_while_all_comes_together(armed, seconds):
     """R-68: glides, tables and digests, while sixteen lock-ins measure one input and the other is captured."""
     board, host, cable = armed.board, armed.host, armed.cable
