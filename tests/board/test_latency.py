@@ -24,8 +24,6 @@ DRIVE_BLOCKS, STOP_BLOCKS = 4, 2
 # While sixteen lock-ins measure, which leaves the thread less than half of its time. A stop is as soon as ever.
 DRIVE_BLOCKS_LISTENING = 8
 LONGEST_WINDOW = 65_535
-# What is done for longest before a stop is taken.
-LONGEST_AHEAD = ("a chunk whose travel is judged", True)
 # Of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5 (per mille), and
 # the smallest share at rest (ppm).
 TRAVEL_LIMIT = b"\1" + varint(10_000_000_000) + varint(2500) + varint(1)
@@ -107,11 +105,19 @@ def test_sixteen_tones_on_the_largest_table_begin_soon(rig, measures):
     assert max(seen) + 1 / PHASES <= limit
 
 
-# Behind nothing, and behind what takes longest while the device measures, which leaves the thread least; behind the others at night.
+# What comes before the stop, and whether the device measures, which leaves the thread least; the others are for the night.
+STOPS_OF_THE_GATE = [("nothing", False), ("nothing", True), ("a chunk whose travel is judged", True)]
+
+
 @pytest.mark.parametrize(
     "ahead, measures",
     [
-        pytest.param(ahead, measures, id=f"{ahead}-{'while it measures' * measures}", marks=[pytest.mark.nightly] * (ahead != "nothing" and (ahead, measures) != LONGEST_AHEAD))
+        pytest.param(
+            ahead,
+            measures,
+            id=f"{ahead}-{'while it measures' * measures}",
+            marks=[] if (ahead, measures) in STOPS_OF_THE_GATE else [pytest.mark.nightly],
+        )
         for measures in (False, True)
         for ahead in ("nothing", "a drive", "a chunk", "a chunk whose travel is judged", "a commit", "a digest")
     ],
