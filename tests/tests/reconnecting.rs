@@ -129,6 +129,15 @@ fn a_port_that_opens_later_is_greeted_then() {
     rig.ports().listed = vec![board("A")];
     rig.pass_ms(LOST_AFTER_MS + 1000);
     assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
+    // A port that is still listed, and fails: not why the device is missing.
+    let tries = rig.ports().opened.len();
+    rig.ports().error = Some(ErrorKind::ResourceBusy);
+    rig.pass_ms(1000);
+    assert!(rig.ports().opened.len() > tries);
+    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
+    assert_eq!(rig.view().error, Some(LinkError::Gone));
+    rig.ports().error = None;
+    rig.pass_ms(1000);
     rig.ports().is_opening = false;
     rig.pass_ms(100);
     assert_eq!(rig.view().link, LinkState::Connected);

@@ -45,7 +45,12 @@ impl<O: Opener> Connection<O> {
         let is_short = error == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
         self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
         let was_seeking = matches!(self.recorder.view.link, LinkState::Reconnecting(_));
-        self.recorder.forget_device(Some(error.clone()));
+        let reason = match &self.recorder.view.link {
+            // For a device that has answered before, its loss remains the reason.
+            LinkState::Reconnecting(loss) if !self.waits_for_port => loss.clone(),
+            _ => error.clone(),
+        };
+        self.recorder.forget_device(Some(reason));
         if was_first || self.short_lives >= SHORT_LIVES {
             self.recorder.link(LinkState::Disconnected);
         } else if was_seeking {
@@ -135,8 +140,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Reports why the awaited port cannot be used yet: it may exist by now, but be busy or silent. For a
-    /// device that has answered before, its loss remains the reason.
+    /// Reports why the awaited port cannot be used yet: it may exist by now, but be busy or silent.
     fn still_missing(&mut self, error: LinkError) {
         let state = LinkState::Reconnecting(error.clone());
         if self.waits_for_port && self.recorder.view.link != state {
