@@ -245,10 +245,11 @@ def press(page, label, role=None):
     """Presses what has this name, by the pointer."""
     x, y = middle(reached(page, label, role)["rect"])
     page.mouse.move(x, y)
-    before = state(page)
     page.mouse.click(x, y)
-    # What it does can be seen, and the next press cannot meet what stood there before.
-    until(page, lambda seen: seen["frames"] > before["frames"] + 1, "drawn")
+    # What it does is seen in the pictures after it, and the next press cannot meet what stood there before. Press and release
+    # each compute a picture of their own, which still shows that.
+    pressed = state(page)
+    until(page, lambda seen: seen["frames"] > pressed["frames"], "drawn")
 
 
 def tap(page, label, role=None):

@@ -113,6 +113,8 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     assert!(is_enabled(&app, "Next") && has(&app, "Headroom: 12.0 dB left"));
     press(&mut app, "Next");
     assert!(has(&app, &format!("The sensor's place: {}", proposed[1])) && !is_enabled(&app, "Next"));
+    let stood = show_place(both[0].place_m);
+    assert!(stood != proposed[0] && has(&app, &format!("; it stood at {stood}")));
     // A file of something else is no answer, and says so.
     *app.files.contents.borrow_mut() = vec![(PathBuf::from("bad.csv"), Ok("# place_m = 1\n".to_owned()))];
     press(&mut app, "Open file…");

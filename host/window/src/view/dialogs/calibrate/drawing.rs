@@ -47,10 +47,20 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
     let font = FontId::proportional(11.5);
     let under = pos2(drawn.left(), area.bottom() - 2.0);
     painter.text(under, Align2::LEFT_BOTTOM, "driven end", font.clone(), palette.weak);
-    for (i, place_m) in calibration.places_m().into_iter().enumerate() {
-        let ink = match i.cmp(&sensor) {
-            std::cmp::Ordering::Less => palette.weak,
-            std::cmp::Ordering::Equal => palette.accent,
+    let mut name = format!(
+        "The sensor's place: {} from the driven end, on the centre line",
+        show_place(calibration.places_m()[sensor])
+    );
+    for (i, proposed_m) in calibration.places_m().into_iter().enumerate() {
+        let (place_m, ink) = match i.cmp(&sensor) {
+            // It may have stood elsewhere than proposed.
+            std::cmp::Ordering::Less => {
+                let answer = calibration.answer(i);
+                let stood_m = answer.map_or(proposed_m, |answer| answer.measurement.place_m);
+                name += &format!("; it stood at {}", show_place(stood_m));
+                (stood_m, palette.weak)
+            }
+            std::cmp::Ordering::Equal => (proposed_m, palette.accent),
             std::cmp::Ordering::Greater => continue,
         };
         let x = drawn.left() + (place_m / length_m) as f32 * drawn.width();
@@ -58,7 +68,5 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
         painter.circle(pos2(x, drawn.center().y), 5.0, palette.panel, Stroke::new(2.0, ink));
         painter.text(pos2(x, area.top()), Align2::CENTER_TOP, show_place(place_m), font.clone(), ink);
     }
-    let place = show_place(calibration.places_m()[sensor]);
-    let name = format!("The sensor's place: {place} from the driven end, on the centre line");
     theme::describe(&response, &name, HELP);
 }
