@@ -105,10 +105,19 @@ class Controls(unittest.TestCase):
         # The place that is measured already, and another.
         shared.press(page, "30.0 mm, run 1 at 30.0 mm")
         shared.press(page, "Next", "Button")
-        shared.press(page, "Measure now", "Button")
-        shared.picture(page, "calibrating")
-        self.wait_until_measured(page)
-        self.assert_a_press_stops_while_it_is_computed(page)
+        # Measured anew, should STOP be pressed again: what was fitted is not fitted once more.
+        backs = iter([None, "Back", "Back"])
+        def begin():
+            if back := next(backs):
+                shared.press(page, back, "Button")
+            shared.press(page, "Measure now", "Button")
+            shared.picture(page, "calibrating")
+            self.wait_until_measured(page)
+            shared.drive(page)
+            x, y = shared.middle(shared.reached(page, "Next", "Button")["rect"])
+            page.mouse.click(x, y)
+        press = page.locator("#stop").click
+        shared.assert_soon(self, page, "stops_sent_ms", "pointerdown", press, shared.STOP_MS, "Calibration", begin)
         shared.reads(page, "Boundary off by", 3 * shared.PATIENCE_S)
         shared.picture(page, "calibrated")
         before = page.evaluate("window.slipline.fragment()")
@@ -119,16 +128,6 @@ class Controls(unittest.TestCase):
         page.keyboard.press("Control+z")
         page.wait_for_function("before => window.slipline.fragment() === before", arg=before)
         self.assertEqual(errors, [])
-
-    def assert_a_press_stops_while_it_is_computed(self, page):
-        shared.drive(page)
-        x, y = shared.middle(shared.reached(page, "Next", "Button")["rect"])
-        page.mouse.click(x, y)
-        before = shared.computing(page, "Calibration")
-        page.locator("#stop").click()
-        latency, _ = shared.sent_after(self, page, "pointerdown", "stops_sent_ms", before)
-        self.assertEqual((before["device_state"], before["computing"]), ("Driving", ["Calibration"]))
-        self.assertLess(latency, shared.STOP_MS)
 
     def wait_until_measured(self, page):
         shared.reads(page, "Cancel measuring")
