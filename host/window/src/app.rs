@@ -278,6 +278,7 @@ impl App {
         self.view = view;
         self.perform(&ui.ctx().clone(), intents);
         self.view.is_stopped = false;
+        self.view.was_typing = ui.ctx().text_edit_focused();
     }
 }
 

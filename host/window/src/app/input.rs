@@ -21,7 +21,10 @@ impl App {
 
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
         end_zoom(ctx);
-        let is_typing = ctx.text_edit_focused();
+        // At Escape egui takes the focus before anything of a frame is seen; what was typed before is in the same frame, if
+        // that took long.
+        let is_left = self.view.was_typing && ctx.input(|input| input.key_pressed(Key::Escape));
+        let is_typing = is_left || ctx.text_edit_focused();
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
         // The line is what the window is for; the controls follow it.
@@ -170,10 +173,14 @@ impl App {
     }
 }
 
-/// How often a key of STOP was pressed: Escape, and Space unless text is typed. A key that is held was pressed once.
-fn stop_presses(input: &egui::InputState, is_typing: bool) -> usize {
+/// How often a key of STOP was pressed: Escape, and Space unless text is typed, which Escape ends. A key that is held was
+/// pressed once.
+fn stop_presses(input: &egui::InputState, mut is_typing: bool) -> usize {
     let is_press = |event: &&egui::Event| match event {
-        egui::Event::Key { key: Key::Escape, pressed: true, repeat: false, .. } => true,
+        egui::Event::Key { key: Key::Escape, pressed: true, repeat: false, .. } => {
+            is_typing = false;
+            true
+        }
         egui::Event::Key { key: Key::Space, pressed: true, repeat: false, modifiers, .. } => {
             !is_typing && modifiers.matches_logically(Modifiers::NONE)
         }

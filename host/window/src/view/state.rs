@@ -54,6 +54,8 @@ pub(crate) struct ViewState {
     pub(crate) focused_finger: Option<egui::Id>,
     /// When egui took the latest input that was processed.
     pub(crate) input_time_s: Option<f64>,
+    /// Whether a text field had the focus when the latest frame was shown.
+    pub(crate) was_typing: bool,
     /// The press on the plate or the envelope.
     pub(crate) pressing: Pressing,
     /// The brush of the envelope: it is there while the page Texture is open.

@@ -99,15 +99,13 @@ fn two_presses_within_a_second_are_an_emergency_stop_by_whichever_of_the_three()
     }
 }
 
+fn press_of(key: Key, pressed: bool) -> Event {
+    Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE }
+}
+
 #[test]
 fn two_presses_that_a_window_sees_in_one_frame_are_two_and_a_key_that_is_held_is_one() {
-    let key = |pressed| Event::Key {
-        key: Key::Space,
-        physical_key: None,
-        pressed,
-        repeat: false,
-        modifiers: Modifiers::NONE,
-    };
+    let key = |pressed| press_of(Key::Space, pressed);
     let link = real_device(State::Driving);
     let mut window = show(&link);
     // Not by `event`, of which each makes a frame of its own.
@@ -120,6 +118,25 @@ fn two_presses_that_a_window_sees_in_one_frame_are_two_and_a_key_that_is_held_is
         window.run_steps(2);
     }
     assert_eq!(sent(&link), "SD");
+}
+
+#[test]
+fn a_space_that_was_typed_just_before_escape_is_no_press_and_one_after_it_is() {
+    let key = |key| [true, false].map(|pressed| press_of(key, pressed));
+    for (keys, expected) in [
+        (vec![Key::Space, Key::Escape], "SD"),
+        (vec![Key::Space, Key::Escape, Key::Space], "SDE"),
+        (vec![Key::Escape, Key::Space], "SDE"),
+    ] {
+        let link = real_device(State::Driving);
+        let mut window = show(&link);
+        window.get_by_role_and_label(Role::TextInput, "Boundary position").focus();
+        window.run_steps(2);
+        // A frame that took long sees them all at once.
+        window.input_mut().events.extend(keys.iter().flat_map(|&one| key(one)));
+        window.step();
+        assert_eq!(sent(&link), expected, "{keys:?}");
+    }
 }
 
 #[test]
