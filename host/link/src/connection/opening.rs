@@ -45,11 +45,13 @@ impl<O: Opener> Connection<O> {
         let is_short = error == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
         self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
         let was_seeking = matches!(self.recorder.view.link, LinkState::Reconnecting(_));
-        let reason = match &self.recorder.view.link {
+        let mut reason = error.clone();
+        if let LinkState::Reconnecting(loss) = &self.recorder.view.link
+            && !self.waits_for_port
+        {
             // For a device that has answered before, its loss remains the reason.
-            LinkState::Reconnecting(loss) if !self.waits_for_port => loss.clone(),
-            _ => error.clone(),
-        };
+            reason.clone_from(loss);
+        }
         self.recorder.forget_device(Some(reason));
         if was_first || self.short_lives >= SHORT_LIVES {
             self.recorder.link(LinkState::Disconnected);
