@@ -178,14 +178,12 @@ def assert_silent(test, page):
     test.assertNotEqual(state(page)["device_state"], "Driving", "nothing drives it again")
 
 
-def assert_soon(test, page, field, event, act, limit_ms, computing_kind=None, begin=lambda: None):
-    """An event is followed by its frame within the limit while it drives and, once `begin` has begun it, a job of this kind
-    runs. It is made again where that took longer, up to twice: the computer may have been busy with something else."""
+def assert_soon(test, page, field, event, act, limit_ms, kind=None, begin=drive):
+    """An event is followed by its frame within the limit, while it drives and a job of this kind runs, as `begin` has left it.
+    It is made again where that took longer, up to twice: the computer may have been busy with something else."""
     for _ in range(3):
-        before = drive(page)
-        begin()
-        if computing_kind:
-            before = computing(page, computing_kind)
+        begin(page)
+        before = computing(page, kind) if kind else state(page)
         test.assertEqual(before["device_state"], "Driving")
         act()
         latency, _ = sent_after(test, page, event, field, before)

@@ -106,9 +106,10 @@ class Stop(unittest.TestCase):
         shared.press(self.page, "Wave: Bending, supported", "ComboBox")
         shared.press(self.page, "Bending, clamped")
         bands = iter(["39 kHz", "38 kHz", "37 kHz"])
-        def begin():
-            shared.type_into(self.page, "Band to", next(bands))
-            self.page.locator("#window").focus()
+        def begin(page):
+            shared.drive(page)
+            shared.type_into(page, "Band to", next(bands))
+            page.locator("#window").focus()
         press = lambda: self.page.keyboard.press("Escape")
         self.assert_soon("stops_sent_ms", "keydown", press, shared.STOP_MS, "Design", begin)
         self.assertEqual(self.errors, [])

@@ -44,14 +44,14 @@ impl<O: Opener> Connection<O> {
         }
         let is_short = error == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
         self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
-        let was_seeking = matches!(self.recorder.view.link, LinkState::Reconnecting(_));
-        let mut reason = error.clone();
-        if let LinkState::Reconnecting(loss) = &self.recorder.view.link
-            && !self.waits_for_port
-        {
-            // For a device that has answered before, its loss remains the reason.
-            reason.clone_from(loss);
-        }
+        let earlier = if let LinkState::Reconnecting(loss) = &self.recorder.view.link {
+            Some(loss.clone())
+        } else {
+            None
+        };
+        let was_seeking = earlier.is_some();
+        // For a device that has answered before, its loss remains the reason.
+        let reason = earlier.filter(|_| !self.waits_for_port).unwrap_or_else(|| error.clone());
         self.recorder.forget_device(Some(reason));
         if was_first || self.short_lives >= SHORT_LIVES {
             self.recorder.link(LinkState::Disconnected);

@@ -47,26 +47,21 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
     let font = FontId::proportional(11.5);
     let under = pos2(drawn.left(), area.bottom() - 2.0);
     painter.text(under, Align2::LEFT_BOTTOM, "driven end", font.clone(), palette.weak);
-    let mut name = format!(
-        "The sensor's place: {} from the driven end, on the centre line",
-        show_place(calibration.places_m()[sensor])
-    );
-    for (i, proposed_m) in calibration.places_m().into_iter().enumerate() {
-        let (place_m, ink) = match i.cmp(&sensor) {
-            // It may have stood elsewhere than proposed.
-            std::cmp::Ordering::Less => {
-                let answer = calibration.answer(i);
-                let stood_m = answer.map_or(proposed_m, |answer| answer.measurement.place_m);
-                name += &format!("; it stood at {}", show_place(stood_m));
-                (stood_m, palette.weak)
-            }
-            std::cmp::Ordering::Equal => (proposed_m, palette.accent),
-            std::cmp::Ordering::Greater => continue,
-        };
+    // Where it stood may be elsewhere than proposed.
+    let place_m = |i: usize| {
+        let stood = calibration.answer(i).filter(|_| i < sensor);
+        stood.map_or(calibration.places_m()[i], |answer| answer.measurement.place_m)
+    };
+    for i in 0..=sensor {
+        let ink = if i == sensor { palette.accent } else { palette.weak };
+        let place_m = place_m(i);
         let x = drawn.left() + (place_m / length_m) as f32 * drawn.width();
         painter.vline(x, area.top() + 16.0..=area.bottom() - 16.0, Stroke::new(1.2, ink));
         painter.circle(pos2(x, drawn.center().y), 5.0, palette.panel, Stroke::new(2.0, ink));
         painter.text(pos2(x, area.top()), Align2::CENTER_TOP, show_place(place_m), font.clone(), ink);
     }
+    let stood: String = (0..sensor).map(|i| format!("; it stood at {}", show_place(place_m(i)))).collect();
+    let place = show_place(place_m(sensor));
+    let name = format!("The sensor's place: {place} from the driven end, on the centre line{stood}");
     theme::describe(&response, &name, HELP);
 }
