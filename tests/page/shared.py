@@ -29,7 +29,7 @@ for (const name of ["keydown", "pointerdown", "visibilitychange", "freeze", "pag
 TELLING = b"""
 {
   const channel = new BroadcastChannel("told");
-  const tell = (state) => channel.postMessage({ name: self.name, at: performance.timeOrigin + performance.now(), state });
+  const tell = (state) => channel.postMessage({ name: self.name, origin: performance.timeOrigin, now: performance.now(), state });
   const post = self.postMessage.bind(self);
   self.postMessage = (message, ...more) => {
     if (message.state) {
@@ -40,11 +40,11 @@ TELLING = b"""
   setInterval(tell, 20);
 }
 """
-# A page that hears that: when each worker has told something last, and the device's latest state.
+# A page that hears that: when each worker has told something last, by the time of its origin, and the device's latest state.
 HEARING = b"""<!DOCTYPE html><title>Heard</title><script>
 window.heard = {};
-new BroadcastChannel("told").onmessage = ({ data: { name, at, state } }) => {
-  heard[name] = { at, state: state ? JSON.parse(state) : heard[name]?.state };
+new BroadcastChannel("told").onmessage = ({ data: { name, origin, now, state } }) => {
+  heard[name] = { origin, at: origin + now, state: state ? JSON.parse(state) : heard[name]?.state };
 };
 </script>"""
 
@@ -269,8 +269,9 @@ def press(page, label, role=None):
     page.mouse.move(x, y)
     page.mouse.click(x, y)
     # What it does is seen in the pictures after it, and the next press cannot meet what stood there before. Press and release
-    # each compute a picture of their own, which still shows that.
+    # each compute a picture of their own, which still shows that; the one after them may be drawn before it can be waited for.
     pressed = state(page)
+    page.mouse.move(x + 1, y)
     until(page, lambda seen: seen["frames"] > pressed["frames"], "drawn")
 
 

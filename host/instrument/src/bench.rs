@@ -68,22 +68,20 @@ impl Bench {
         let mut rigs = self.rigs();
         #[cfg(feature = "serde")]
         if let Some(elsewhere) = &mut rigs.elsewhere {
-            return elsewhere.put(rig);
+            return elsewhere.put(rig.copy());
         }
-        (rigs.present, rigs.coming) = (Some(rig.inputs()), None);
-        rigs.missed.clear();
+        rigs.put(rig.inputs());
     }
 
     /// Replaces the rig without a step, as when a finger is placed or lifted: the new rig runs unseen until
     /// its plate has settled, then the inputs crossfade to it.
     pub fn pass_over_to(&self, rig: &PreparedRig, sample_rate_hz: f64) {
+        let mut rigs = self.rigs();
         #[cfg(feature = "serde")]
-        if let Some(elsewhere) = &mut self.rigs().elsewhere {
-            return elsewhere.pass_over_to(rig, sample_rate_hz);
+        if let Some(elsewhere) = &mut rigs.elsewhere {
+            return elsewhere.pass_over_to(rig.copy(), sample_rate_hz);
         }
-        let samples = |seconds: f64| (seconds * sample_rate_hz) as u64;
-        let (settled, touch) = (samples(SETTLES_S), samples(TOUCH_S));
-        self.rigs().coming = Some(Coming { rig: rig.inputs(), run: 0, settled, touch });
+        rigs.pass_over_to(rig.inputs(), sample_rate_hz);
     }
 
     /// Lets the rig rest, or has it heard again.
@@ -117,12 +115,29 @@ impl Bench {
         rigs.coming.is_some()
     }
 
+    /// Whether a plate is computed with the codes: it takes most of what the simulated device takes.
+    #[must_use]
+    pub fn is_heard(&self) -> bool {
+        let rigs = self.rigs();
+        rigs.present.is_some() && !rigs.is_resting
+    }
+
     fn rigs(&self) -> MutexGuard<'_, Rigs> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Rigs {
+    fn put(&mut self, rig: Box<dyn SimulatedInputs>) {
+        (self.present, self.coming) = (Some(rig), None);
+        self.missed.clear();
+    }
+
+    fn pass_over_to(&mut self, rig: Box<dyn SimulatedInputs>, sample_rate_hz: f64) {
+        let samples = |seconds: f64| (seconds * sample_rate_hz) as u64;
+        self.coming = Some(Coming { rig, run: 0, settled: samples(SETTLES_S), touch: samples(TOUCH_S) });
+    }
+
     /// The codes, with the knocks of a tap.
     fn knocked(&mut self, codes: &[u16; 128]) -> [u16; 128] {
         if self.tapped == 0 {

@@ -11,6 +11,8 @@
 
 mod bench;
 mod converter;
+#[cfg(feature = "serde")]
+mod copy;
 mod error;
 mod fault;
 mod hand;
@@ -19,17 +21,15 @@ mod options;
 mod parts;
 mod prepared;
 mod sampler;
-#[cfg(feature = "serde")]
-mod state;
 
+#[cfg(feature = "serde")]
+pub use copy::{RigCopy, RigState};
 pub use error::RigError;
 pub use fault::RigFault;
 pub use hand::RigHand;
 pub use motor::{Motor, Transducer};
 pub use options::{RigOptions, limits};
 pub use prepared::PreparedRig;
-#[cfg(feature = "serde")]
-pub use state::RigState;
 
 use slipline_plate::truth::{Random, near};
 use slipline_plate::{Plate, PlateError};

@@ -3,20 +3,20 @@
 use super::error::RigError;
 use super::fault::RigFault;
 use super::options::RigOptions;
+use super::sampler::Signals;
 use slipline_plate::{Output, SensedPlate};
 use std::fmt;
+use std::sync::Arc;
 
 /// The computed parts of a rig.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Parts {
     pub(super) plate: SensedPlate,
     pub(super) options: RigOptions,
-    /// The current through the shunt.
-    pub(super) current: Output,
-    /// Values at the ends of both inputs' ranges: in the sensor's unit, and in ampere.
-    pub(super) full_scale: [f64; 2],
-    /// Sensor delay: whole samples and the remaining fraction in seconds.
-    pub(super) late: (usize, f64),
+    /// What a device samples.
+    pub(super) signals: Arc<Signals>,
+    /// The fraction of a sample of the sensor's delay, seconds.
+    pub(super) late_s: f64,
 }
 
 impl fmt::Debug for Parts {
@@ -39,6 +39,6 @@ impl Parts {
             _ => 0.0,
         };
         let stands_m = if off_m == 0.0 { place_m } else { (place_m + off_m).clamp(0.0, length_m) };
-        Ok(self.plate.sensor(self.options.sensor, stands_m, self.late.1)?)
+        Ok(self.plate.sensor(self.options.sensor, stands_m, self.late_s)?)
     }
 }

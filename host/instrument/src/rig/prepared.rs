@@ -6,7 +6,7 @@ use super::hand::RigHand;
 use super::motor::{Motor, Transducer};
 use super::options::RigOptions;
 use super::parts::Parts;
-use super::sampler::Sampler;
+use super::sampler::{Sampler, Signals};
 use crate::measure::KnownDrive;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
@@ -45,11 +45,11 @@ const CURRENTS: u32 = 64;
     serde(into = "SentRig", from = "SentRig")
 )]
 pub struct PreparedRig {
-    parts: Arc<Parts>,
+    pub(super) parts: Arc<Parts>,
     pub(super) bench: Arc<Mutex<Bench>>,
 }
 
-/// A rig on its way to another worker of a browser: what was computed is sent, so that nothing is computed for long there.
+/// A rig on its way from the worker of a browser that has put it together.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct SentRig(Arc<Parts>, Bench);
@@ -78,9 +78,7 @@ impl PreparedRig {
     pub fn new(truth: &Plate, options: &RigOptions, sample_rate_hz: f64) -> Result<Self, RigError> {
         options.check()?;
         let plate = SensedPlate::new(truth, options.finger.as_ref(), sample_rate_hz)?;
-        let samples = options.sensor_delay_s * sample_rate_hz;
-        // The remaining fraction of a sample.
-        let late = (samples as usize, samples.fract() / sample_rate_hz);
+        let late = options.sensor_delay_s * sample_rate_hz;
         let motor = Motor::of(truth);
         let amplifier =
             |hz: f64| truth.spec().actuator.as_ref().map_or(Complex64::ONE, |actuator| actuator.response(hz));
@@ -93,7 +91,16 @@ impl PreparedRig {
             .fold(0.0, f64::max);
         let even = plate.even_amplitude(options.sensor)?;
         let full_scale = [options.full_scale.unwrap_or(ROOM * even), SHUNT_ROOM * largest_a];
-        let parts = Parts { plate, options: options.clone(), current, full_scale, late };
+        let signals = Signals {
+            at_rest: plate.at_rest(),
+            current,
+            full_scale,
+            late: late as usize,
+            seed: options.seed,
+            noise_lsb: options.noise_lsb,
+        };
+        let late_s = late.fract() / sample_rate_hz;
+        let parts = Parts { plate, options: options.clone(), signals: Arc::new(signals), late_s };
         let sensor = Arc::new(parts.sensor_at(options.place_m, None)?);
         let bench = Bench { place_m: options.place_m, sensor, fault: None };
         Ok(Self { parts: Arc::new(parts), bench: Arc::new(Mutex::new(bench)) })
@@ -102,7 +109,7 @@ impl PreparedRig {
     /// The inputs of a device that is wired to the rig: its plate is at rest.
     #[must_use]
     pub fn inputs(&self) -> Box<dyn SimulatedInputs> {
-        Box::new(Sampler::new(self.parts.clone(), self.bench.clone()))
+        Box::new(Sampler::new(self.parts.signals.clone(), self.bench.clone()))
     }
 
     /// A person at the rig.
@@ -120,13 +127,13 @@ impl PreparedRig {
     /// Sensor value at the end of the input's range, in metres, m/s, m/s^2 or strain.
     #[must_use]
     pub fn sensor_full_scale(&self) -> f64 {
-        self.parts.full_scale[0]
+        self.parts.signals.full_scale[0]
     }
 
     /// The current through the shunt per code of 1 in the steady state, in ampere, with the hold of the codes.
     #[must_use]
     pub fn current(&self, frequency_hz: f64) -> Complex64 {
-        self.parts.plate.steady(&self.parts.current, frequency_hz)
+        self.parts.plate.steady(&self.parts.signals.current, frequency_hz)
     }
 
     /// Data-sheet values of the drive, and the shunt's range.
@@ -145,6 +152,6 @@ impl PreparedRig {
     /// Current at the end of the shunt's range, in ampere.
     #[must_use]
     pub fn shunt_full_scale_a(&self) -> f64 {
-        self.parts.full_scale[1]
+        self.parts.signals.full_scale[1]
     }
 }

@@ -3,16 +3,39 @@
 use super::bench::{Bench, lock};
 use super::converter::{HALF, code};
 use super::fault::RigFault;
-use super::parts::Parts;
 use slipline_link::BLOCK;
 use slipline_link::simulator::SimulatedInputs;
-use slipline_plate::Resonators;
 use slipline_plate::truth::Random;
+use slipline_plate::{Output, Resonators};
+use std::fmt;
 use std::sync::{Arc, Mutex};
+
+/// What a device samples of a rig, apart from the sensor's place and the fault.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Signals {
+    /// The true plate.
+    pub(super) at_rest: Resonators,
+    /// The current through the shunt.
+    pub(super) current: Output,
+    /// Values at the ends of both inputs' ranges: in the sensor's unit, and in ampere.
+    pub(super) full_scale: [f64; 2],
+    /// Whole samples of the sensor's delay.
+    pub(super) late: usize,
+    /// Seed and standard deviation of the inputs' noise, in steps of the converter.
+    pub(super) seed: u64,
+    pub(super) noise_lsb: f64,
+}
+
+impl fmt::Debug for Signals {
+    /// Omits some thousand numbers.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Signals").field("full_scale", &self.full_scale).finish_non_exhaustive()
+    }
+}
 
 /// One device connected to the rig.
 pub(super) struct Sampler {
-    parts: Arc<Parts>,
+    signals: Arc<Signals>,
     bench: Arc<Mutex<Bench>>,
     resonators: Resonators,
     /// Ring buffer of the sensor's signals during its delay.
@@ -23,13 +46,13 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    pub(super) fn new(parts: Arc<Parts>, bench: Arc<Mutex<Bench>>) -> Self {
+    pub(super) fn new(signals: Arc<Signals>, bench: Arc<Mutex<Bench>>) -> Self {
         Self {
-            resonators: parts.plate.at_rest(),
-            late: vec![0.0; parts.late.0],
+            resonators: signals.at_rest.clone(),
+            late: vec![0.0; signals.late],
             oldest: 0,
-            random: Random::new(parts.options.seed),
-            parts,
+            random: Random::new(signals.seed),
+            signals,
             bench,
         }
     }
@@ -62,9 +85,9 @@ impl SimulatedInputs for Sampler {
         let drive = |volts: f64| codes.map(|code| volts * (f64::from(code) - HALF) / HALF);
         let mut signals = [[0.0; BLOCK]; 2];
         let [of_sensor, of_shunt] = &mut signals;
-        self.resonators.run(&drive(volts), [&*sensor, &self.parts.current], [of_sensor, of_shunt]);
+        self.resonators.run(&drive(volts), [&*sensor, &self.signals.current], [of_sensor, of_shunt]);
         self.delay(&mut signals[0]);
-        let [full_scale, full_scale_a] = self.parts.full_scale;
+        let [full_scale, full_scale_a] = self.signals.full_scale;
         let gain = match fault {
             Some(RigFault::Unplugged) => 0.0,
             Some(RigFault::Clipped) => RigFault::TOO_MUCH,
@@ -78,7 +101,7 @@ impl SimulatedInputs for Sampler {
             Some(RigFault::ShortedMotor) => signals[1] = drive(if muted { 0.0 } else { RigFault::TOO_MUCH }),
             _ => {}
         }
-        let noise_lsb = self.parts.options.noise_lsb;
+        let noise_lsb = self.signals.noise_lsb;
         for n in 0..BLOCK {
             let noise = self.random.normals();
             for input in 0..2 {

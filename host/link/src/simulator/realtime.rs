@@ -68,7 +68,8 @@ impl RealtimeDevice {
         self.device.now()
     }
 
-    fn catch_up(&mut self) {
+    /// Renders what is due, which the next command would render otherwise.
+    pub fn catch_up(&mut self) {
         let rate = u64::from(self.device.sample_rate_hz());
         let blocks_in =
             |time: Duration| (time.as_micros() as u64).saturating_mul(rate) / (1_000_000 * BLOCK as u64);

@@ -6,21 +6,17 @@
 use crate::clock::now;
 use crate::keep_alives::KeepAlives;
 use crate::message::{self, FromDevice, ToDevice};
-use crate::serial::{Boards, SerialGlue};
+use crate::ports::PagePorts;
+use crate::serial::SerialGlue;
 use js_sys::{Function, JSON, Uint8Array};
-use slipline_instrument::bench::Bench;
-use slipline_instrument::rig::PreparedRig;
+use slipline_instrument::rig::RigCopy;
 use slipline_link::connection::Connection;
 use slipline_link::protocol::Command;
-use slipline_link::simulator::realtime::{RealtimeDevice, RealtimeLine};
-use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::transport::{Opener, Transport, Waker};
-use slipline_link::{
-    LinkError, LinkState, Port, PortInfo, Request, Severity, Snapshot, SnapshotUpdate, Ticket, TracedMessage,
-};
+use slipline_link::transport::Waker;
+use slipline_link::{LinkState, Request, Severity, Snapshot, SnapshotUpdate, Ticket, TracedMessage};
 use std::fmt::Write as _;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
@@ -30,44 +26,17 @@ const STEPS_LAST: Duration = Duration::from_millis(20);
 /// The ticket of requests that nobody waits for: those of the page's thread are numbered from 1.
 const UNAWAITED: Ticket = Ticket(0);
 
-/// The ports of a page: the simulated device, switched on at its first use, and boards by Web Serial.
-struct PagePorts {
-    device: Option<Arc<Mutex<RealtimeDevice>>>,
-    bench: Bench,
-    boards: Boards,
-}
-
-impl Opener for PagePorts {
-    type Transport = Box<dyn Transport>;
-
-    fn list(&mut self) -> Vec<PortInfo> {
-        std::iter::once(PortInfo::simulated()).chain(self.boards.list()).collect()
-    }
-
-    fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError> {
-        if *port != Port::Simulated {
-            return Ok(Box::new(self.boards.open(port)?));
-        }
-        let device = self.device.get_or_insert_with(|| {
-            let device = SimulatedDevice::with_inputs(Options::default(), self.bench.inputs());
-            Arc::new(Mutex::new(RealtimeDevice::new(device, Arc::new(now))))
-        });
-        Ok(Box::new(RealtimeLine::new(Arc::clone(device), waker.clone())))
-    }
-}
-
 /// The device worker's entry.
 #[wasm_bindgen]
 pub struct DeviceWorker {
     connection: Connection<PagePorts>,
-    boards: Boards,
+    ports: PagePorts,
     /// Has the browser's ports.
     glue: SerialGlue,
     /// Whether the device has answered since the latest step.
     is_woken: Arc<AtomicBool>,
-    /// What the simulated device's inputs are wired to, and the latest rig there.
-    bench: Bench,
-    rig: Option<PreparedRig>,
+    /// The latest rig on the bench.
+    rig: Option<RigCopy>,
     is_passing_over: bool,
     /// The snapshot that the page's thread has.
     published: Snapshot,
@@ -94,18 +63,15 @@ impl DeviceWorker {
             nonce = nonce.wrapping_add(1);
             nonce.to_le_bytes()
         });
-        let bench = Bench::default();
-        let boards = Boards::default();
-        let ports = PagePorts { device: None, bench: bench.clone(), boards: boards.clone() };
-        let mut connection = Connection::new(ports, waker, nonces);
+        let ports = PagePorts::default();
+        let mut connection = Connection::new(ports.clone(), waker, nonces);
         connection.keep_frames();
         connection.watch_driver();
         Self {
             connection,
-            boards,
+            ports,
             glue,
             is_woken,
-            bench,
             rig: None,
             is_passing_over: false,
             published: Snapshot::default(),
@@ -120,7 +86,7 @@ impl DeviceWorker {
     pub fn take(&mut self, bytes: &[u8]) {
         match message::read(bytes) {
             Some(ToDevice::Request(ticket, request)) => self.connection.request(ticket, request, now()),
-            Some(ToDevice::Bench(change)) => self.bench.carry_out(change, &mut self.rig),
+            Some(ToDevice::Bench(change)) => self.ports.bench.carry_out(change, &mut self.rig),
             None => {}
         }
     }
@@ -150,37 +116,37 @@ impl DeviceWorker {
     /// Takes the boards that this page may open now: for each the glue's id, its USB vendor and its USB product.
     #[wasm_bindgen(js_name = boardsListed)]
     pub fn boards_listed(&self, boards: &[u32]) {
-        self.boards.listed(boards);
+        self.ports.boards.listed(boards);
     }
 
     /// The user has chosen the board of this id.
     #[wasm_bindgen(js_name = boardChosen)]
     pub fn board_chosen(&self, id: u32) {
-        self.boards.choose(id);
+        self.ports.boards.choose(id);
     }
 
     /// A line to a board is open.
     #[wasm_bindgen(js_name = boardOpened)]
     pub fn board_opened(&self, line: u32) {
-        self.boards.opened(line);
+        self.ports.boards.opened(line);
     }
 
     /// A board has sent bytes.
     #[wasm_bindgen(js_name = boardReceived)]
     pub fn board_received(&self, line: u32, bytes: &[u8]) {
-        self.boards.received(line, bytes);
+        self.ports.boards.received(line, bytes);
     }
 
     /// The bytes for a board are written.
     #[wasm_bindgen(js_name = boardWritten)]
     pub fn board_written(&self, line: u32) {
-        self.boards.written(line);
+        self.ports.boards.written(line);
     }
 
     /// A line could not be opened or has failed: the name and the text of the browser's error.
     #[wasm_bindgen(js_name = boardEnded)]
     pub fn board_ended(&self, line: u32, name: &str, text: &str) {
-        self.boards.ended(line, name, text);
+        self.ports.boards.ended(line, name, text);
     }
 
     /// Performs what is due. Returns after how many milliseconds it must be called again; infinite while nothing is
@@ -195,12 +161,12 @@ impl DeviceWorker {
                 break;
             }
         }
-        self.boards.carry_out(&self.glue);
-        if let Some(boards) = self.boards.take_list() {
-            let ports = std::iter::once(PortInfo::simulated()).chain(boards).collect();
-            self.send(&FromDevice::Ports(ports), true);
+        let render_after = self.ports.render_due();
+        self.ports.boards.carry_out(&self.glue);
+        if let Some(boards) = self.ports.boards.take_list() {
+            self.send(&FromDevice::Ports(PagePorts::with_simulated(boards)), true);
         }
-        if let Some(port) = self.boards.take_chosen() {
+        if let Some(port) = self.ports.boards.take_chosen() {
             self.send(&FromDevice::Chosen(port), true);
         }
         if self.connection.take_sign_wanted() {
@@ -213,7 +179,8 @@ impl DeviceWorker {
             self.published = self.connection.view().clone();
             self.send(&FromDevice::Update(Box::new(update)), is_loud);
         }
-        let was_passing_over = std::mem::replace(&mut self.is_passing_over, self.bench.is_passing_over());
+        let was_passing_over =
+            std::mem::replace(&mut self.is_passing_over, self.ports.bench.is_passing_over());
         if was_passing_over && !self.is_passing_over {
             self.send(&FromDevice::PassedOver, true);
         }
@@ -221,8 +188,9 @@ impl DeviceWorker {
             return 0.0;
         }
         let now = now();
-        let deadline = self.connection.deadline(now);
-        deadline.map_or(f64::INFINITY, |deadline| deadline.saturating_sub(now).as_secs_f64() * 1e3)
+        let deadline = self.connection.deadline(now).map(|deadline| deadline.saturating_sub(now));
+        let after = [deadline, render_after].into_iter().flatten().min();
+        after.map_or(f64::INFINITY, |after| after.as_secs_f64() * 1e3)
     }
 
     fn send(&self, message: &FromDevice, is_loud: bool) {

@@ -26,6 +26,7 @@ mod keep_alives;
 mod labels;
 mod message;
 pub mod page;
+mod ports;
 mod remote_link;
 pub mod serial;
 pub mod work;

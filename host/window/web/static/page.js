@@ -165,10 +165,12 @@ function startLane(name) {
 // What the window asks of the page.
 const host = {
   postDevice(bytes) {
-    device.postMessage({ request: bytes.slice() });
+    const request = bytes.slice();
+    device.postMessage({ request }, [request.buffer]);
   },
   postJob(name, bytes) {
-    lanes[name].postMessage({ job: bytes.slice() });
+    const job = bytes.slice();
+    lanes[name].postMessage({ job }, [job.buffer]);
   },
   restartLane: startLane,
   choose(extensions) {
