@@ -330,3 +330,26 @@ fn a_long_name_of_a_port_moves_nothing_out_of_the_smallest_window() {
         assert!(beyond.is_empty(), "{beyond:?}");
     }
 }
+
+#[test]
+fn on_an_upright_telephone_nothing_is_cut_in_the_top_bar_and_a_picture_is_laid_out_once() {
+    for size in [[390.0, 844.0], [360.0, 740.0], [844.0, 390.0], [1280.0, 800.0]] {
+        let mut app = small(size);
+        app.wait(500);
+        for name in ["Device: ", "State: ", "round trip", "STOP"] {
+            let shown = app.window.query_by_label_contains(name).map(|node| node.rect());
+            assert!(
+                shown.is_none_or(|shown| screen(size).contains_rect(shown)),
+                "{size:?} {name}: {shown:?}"
+            );
+            assert!(shown.is_some() || name == "round trip", "{size:?} {name}");
+        }
+        let counts =
+            |app: &TestApp| (app.window.ctx.cumulative_pass_nr(), app.window.ctx.cumulative_frame_nr());
+        let before = counts(&app);
+        app.wait(200);
+        let after = counts(&app);
+        assert!(after.1 > before.1);
+        assert_eq!(after.0 - before.0, after.1 - before.1, "{size:?}: passes and pictures");
+    }
+}

@@ -99,29 +99,31 @@ const DEVICE: (f32, f32) = (70.0, 180.0);
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let end = ui.max_rect().right();
     if ui.available_width() >= ROOM_FOR_ONE_ROW {
-        row(ui, |ui| {
+        row(ui, "row", |ui| {
             menus(ui, scene, intents);
             ui.separator();
             in_use(ui, scene, Some(end), intents);
         });
         return;
     }
-    row(ui, |ui| {
+    row(ui, "menus", |ui| {
         menus(ui, scene, intents);
         aligned::at_right(ui, |ui| stop_button(ui, theme::palette(ui), end, intents));
     });
-    row(ui, |ui| in_use(ui, scene, None, intents));
+    row(ui, "device", |ui| in_use(ui, scene, None, intents));
 }
 
-fn row(ui: &mut egui::Ui, show: impl FnOnce(&mut egui::Ui)) {
-    ui.horizontal(|ui| {
+/// A row of this name, under which its widths are kept.
+fn row(ui: &mut egui::Ui, name: &str, show: impl FnOnce(&mut egui::Ui)) {
+    let show = |ui: &mut egui::Ui| {
         ui.set_min_height(STOP.y);
         if ui.available_width() < ROOM_FOR_NAME {
             ui.spacing_mut().button_padding.x = NARROW;
             ui.spacing_mut().item_spacing.x = NARROW;
         }
         show(ui);
-    });
+    };
+    ui.push_id(name, |ui| ui.horizontal(show));
 }
 
 /// The program's name where there is room for it, and the menus.

@@ -36,7 +36,7 @@ impl Width {
 
 /// A heading, and controls at the right end of its row; the heading is shortened if there is too little space.
 pub(crate) fn headed<R>(ui: &mut egui::Ui, heading: &str, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
-    ui.horizontal(|ui| {
+    let show = |ui: &mut egui::Ui| {
         let taken = Width::of(ui, AT_RIGHT).points() + ui.spacing().item_spacing.x;
         ui.scope(|ui| {
             ui.set_max_width((ui.available_width() - taken).max(0.0));
@@ -44,13 +44,13 @@ pub(crate) fn headed<R>(ui: &mut egui::Ui, heading: &str, add: impl FnOnce(&mut 
             ui.add(egui::Label::new(text).truncate());
         });
         at_right(ui, add)
-    })
-    .inner
+    };
+    ui.push_id(heading, |ui| ui.horizontal(show).inner).inner
 }
 
 const AT_RIGHT: &str = "at right";
 
-/// Adds controls at the right end of the row.
+/// Adds controls at the right end of the row. Beside another such row, each needs an id of its own: the width is kept under it.
 pub(crate) fn at_right<R>(ui: &mut egui::Ui, add: impl FnOnce(&mut egui::Ui) -> R) -> R {
     let width = Width::of(ui, AT_RIGHT);
     // Before the first pass nothing is left free: beyond the row they would widen a page, which stands in the middle.
