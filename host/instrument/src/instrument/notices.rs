@@ -21,7 +21,7 @@ enum About {
     Hang,
     /// Why there is no connection, until there is one.
     Trouble,
-    /// Why Drive cannot act, until the device's state changes.
+    /// Why Drive cannot act yet, until the device's state changes.
     Obstacle,
     /// The latest success or failure.
     Latest,
@@ -117,6 +117,12 @@ impl Notices {
     pub(crate) fn hinder(&mut self, text: String) {
         self.unlogged.push((Severity::Warning, line(&text)));
         self.put(About::Obstacle, text, true, Some(ERROR_S));
+    }
+
+    /// Reports why Drive acts only later.
+    pub(crate) fn delay(&mut self, text: String) {
+        self.unlogged.push((Severity::Info, line(&text)));
+        self.put(About::Obstacle, text, false, Some(PLAIN_S));
     }
 
     /// Removes the message about the connection: it exists, or a new attempt has begun.

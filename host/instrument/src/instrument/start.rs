@@ -73,7 +73,7 @@ impl Instrument {
         }
         if !self.is_table_there() {
             let text = "The plate is driven as soon as the device holds its table.";
-            self.notices.post(text.to_owned());
+            self.notices.delay(text.to_owned());
         }
         self.run_autopilot(&Changes::default());
     }
