@@ -183,9 +183,9 @@ class End(unittest.TestCase):
         latest = max(worker["at"] for worker in heard.values()) - began
         disarmed = [round(heard["device"]["origin"] + at - began) for at in heard["device"]["state"]["disarms_sent_ms"]]
         print(f"-- {name}: disarmed after {disarmed} ms, the latest sign of a worker after {latest:.0f} ms", flush=True)
+        self.assertLess(min([latest, *disarmed]), STUCK_MS)
         # A browser may let the workers of a page that it leaves end later: disarmed, they drive nothing.
-        self.assertFalse(disarmed and heard["device"]["state"]["armed"])
-        self.assertLess(min(disarmed, default=latest), STUCK_MS)
+        self.assertFalse(latest > STUCK_MS and heard["device"]["state"]["armed"])
 
 
 def kill_workers_of(browser):
