@@ -161,3 +161,21 @@ impl Notices {
         self.standing.iter().map(|(_, notice)| notice)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn why_drive_acts_later_ends_with_the_state_and_not_what_was_done_meanwhile() {
+        let mut notices = Notices::default();
+        notices.delay("Later".to_owned());
+        notices.post("Saved".to_owned());
+        let shown = |notices: &Notices| notices.iter().map(|notice| notice.text.clone()).collect::<Vec<_>>();
+        assert_eq!(shown(&notices), ["Later", "Saved"]);
+        assert!(notices.iter().all(|notice| !notice.is_error && notice.lasts_s == Some(PLAIN_S)));
+        notices.state_changed();
+        assert_eq!(shown(&notices), ["Saved"]);
+        assert_eq!(notices.take_unlogged().len(), 2);
+    }
+}
