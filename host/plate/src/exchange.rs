@@ -140,8 +140,8 @@ pub mod maybe_by_number {
     }
 }
 
-/// The serde form of rows of numbers, each with its frequency: the bytes that they are in memory. A rig has millions of them, and a
-/// worker that reads them one by one hears nothing else meanwhile.
+/// The serde form of rows of numbers, each with its frequency: the bytes that they are in memory. A rig has millions of them, and the
+/// page's thread, which would read them one by one, draws nothing meanwhile.
 pub(crate) mod by_bytes {
     use num_complex::Complex64;
     use serde::de::{Deserializer, Error, Visitor};

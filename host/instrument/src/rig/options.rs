@@ -19,7 +19,6 @@ pub mod limits {
 
 /// Place and properties of the sensor. The default is a healthy rig.
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RigOptions {
     /// The sensor's place on the centre line, metres from the driven end (0 to the plate's length).
     pub place_m: f64,

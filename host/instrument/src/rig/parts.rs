@@ -2,8 +2,8 @@
 
 use super::error::RigError;
 use super::fault::RigFault;
-use super::options::RigOptions;
 use super::sampler::Signals;
+use slipline_plate::calibrate::SensorKind;
 use slipline_plate::{Output, SensedPlate};
 use std::fmt;
 use std::sync::Arc;
@@ -12,7 +12,8 @@ use std::sync::Arc;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Parts {
     pub(super) plate: SensedPlate,
-    pub(super) options: RigOptions,
+    /// The quantity that the sensor shows.
+    pub(super) sensor: SensorKind,
     /// What a device samples.
     pub(super) signals: Arc<Signals>,
     /// The fraction of a sample of the sensor's delay, seconds.
@@ -23,10 +24,7 @@ impl fmt::Debug for Parts {
     /// Shows the plate by its name; the other fields are some thousand numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("Parts");
-        debug
-            .field("plate", &self.plate.plate().name())
-            .field("options", &self.options)
-            .finish_non_exhaustive()
+        debug.field("plate", &self.plate.plate().name()).field("sensor", &self.sensor).finish_non_exhaustive()
     }
 }
 
@@ -39,6 +37,6 @@ impl Parts {
             _ => 0.0,
         };
         let stands_m = if off_m == 0.0 { place_m } else { (place_m + off_m).clamp(0.0, length_m) };
-        Ok(self.plate.sensor(self.options.sensor, stands_m, self.late_s)?)
+        Ok(self.plate.sensor(self.sensor, stands_m, self.late_s)?)
     }
 }

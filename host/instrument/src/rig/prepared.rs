@@ -100,7 +100,7 @@ impl PreparedRig {
             noise_lsb: options.noise_lsb,
         };
         let late_s = late.fract() / sample_rate_hz;
-        let parts = Parts { plate, options: options.clone(), signals: Arc::new(signals), late_s };
+        let parts = Parts { plate, sensor: options.sensor, signals: Arc::new(signals), late_s };
         let sensor = Arc::new(parts.sensor_at(options.place_m, None)?);
         let bench = Bench { place_m: options.place_m, sensor, fault: None };
         Ok(Self { parts: Arc::new(parts), bench: Arc::new(Mutex::new(bench)) })
