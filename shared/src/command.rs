@@ -35,6 +35,8 @@ messages! {
         0x05 since 3 Board -> Board,
         /// Asks for the profile of the board's actuator, which the device keeps.
         0x06 since 3 Profile -> Profile,
+        /// Asks how worn the profile's flash is, and how many tables may be stored in a row.
+        0x07 since 3 Wear -> Wear,
         /// Unmutes the amplifier and accepts drives. Needs a device without latched faults. An armed device stays as it is, with
         /// its lease if it has one (`ArmFor`).
         0x10 since 0 Arm -> Accepted,
@@ -82,20 +84,22 @@ messages! {
         0x31 since 0 DigestRead -> Digest,
         /// Keeps the table in force in flash. Only while the device is disarmed and nothing sounds, because it may take up
         /// to 5 s, in which the device does not answer and takes no stop. A table that is kept already is not written
-        /// again; `Unchanged` says so.
+        /// again; `Unchanged` says so. 16 may be stored or forgotten in a row, then one a minute (`StoresSpent`).
         0x40 since 0 Store -> Accepted,
         /// Erases what is kept in flash. Only while the device is disarmed and nothing sounds; may take up to 5 s, in
         /// which the device does not answer. Where nothing is kept nothing is written; `Unchanged` says so.
         0x41 since 0 Forget -> Accepted,
         /// Keeps a profile of the board's actuator in flash and puts it in force, or erases it. Only while the device is disarmed,
-        /// nothing sounds, and the board's user button is pressed (`HoldButton`): a host alone cannot do it. It may take up to 5 s,
+        /// nothing sounds, and the board's user button is held and was pressed within the last 30 s (`HoldButton`). That is a guard
+        /// against mistakes, not a lock: a button that was held while the device started counts as pressed for 30 s from its
+        /// release. It may take up to 5 s,
         /// in which the device does not answer. A profile that is kept already is not written again; `Unchanged` says so. `Forget`
         /// leaves it.
         0x42 since 3 WriteProfile(ProfileSetting) -> Accepted,
         /// First step into the ROM bootloader: asks for a token. Only while disarmed.
         0x50 since 0 BootloaderToken -> BootloaderToken,
-        /// Second step into the ROM bootloader: shows the token. Only while disarmed; the device answers and then
-        /// restarts.
+        /// Second step into the ROM bootloader: shows the token. Only while disarmed, and where an actuator's profile is kept only
+        /// with the board's user button held as for `WriteProfile`; the device answers and then restarts.
         0x51 since 0 BootloaderEnter(u32) -> Accepted,
         /// Asks for the number, lock-ins and delay of the device's inputs, and how many of their blocks were lost.
         0x60 since 3 Inputs -> Inputs,

@@ -4,7 +4,7 @@ use crate::board::BoardReport;
 use crate::command::{TableHeader, TravelSetting};
 pub use crate::fault::{Fault, Faults};
 use crate::hold::Held;
-use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME};
+use crate::limits::{FOLDBACK_PERIODS, MAX_CRASH, MAX_NAME, STORES};
 use crate::listen::{Captured, InputsReport, Listened};
 use crate::message::{Older, messages};
 use crate::profile::ActuatorProfile;
@@ -27,6 +27,8 @@ messages! {
         0x85 since 3 Board(BoardReport),
         /// The profile of the board's actuator.
         0x86 since 3 Profile(ProfileReport),
+        /// How worn the profile's flash is, and how many tables may be stored.
+        0x87 since 3 Wear(Wear),
         /// Done, or will be done at this index.
         0x90 since 0 Accepted(Accepted),
         /// Not done; nothing has changed.
@@ -286,6 +288,19 @@ body! {
         /// Whether the brown-out reset level is set as the board needs it, so that a failing supply stops the chip before
         /// it goes wrong; true where there is no such level.
         pub brown_out_guarded: bool [""],
+    }
+}
+
+body! {
+    /// The body of [`Event::Wear`].
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub struct Wear {
+        /// How often the two places of the actuator's profile have been erased, counted as the table's in `Maintenance`.
+        pub profile_erasures: u32 [""],
+        /// The erasures that the chip's data sheet promises, both places together; 0 where the device keeps no profile.
+        pub profile_erasures_promised: u32 [""],
+        /// How many tables may be stored or forgotten now; one more each minute, up to 16.
+        pub stores_left: u8 ["", 0, STORES],
     }
 }
 

@@ -28,11 +28,15 @@ choices! {
         /// One of the two places of the kept table is torn or has decayed; the table in the other is in use, and may be
         /// an older one. A host of 1.0 gets `StoreDamaged`.
         9 since 1 StoreFellBack or Self::StoreDamaged,
-        /// The stop on the desk was used: the board's button, or the stop input. A host of 1.2 gets `EmergencyStop`.
+        /// The stop on the desk was used: the board's button, or the stop input. It can be cleared 2 s after the button was
+        /// released. A host of 1.2 gets `EmergencyStop`.
         10 since 3 DeskStop or Self::EmergencyStop,
+        /// The newest copy of the actuator's profile is damaged; the older one is in force. It stands until it is cleared, or a
+        /// profile is written, with the board's user button held. A host of 1.2 gets `StoreFellBack`.
+        11 since 3 ProfileFellBack or Self::StoreFellBack,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        11 since 4 CoilOpen or Self::Overheat,
+        12 since 4 CoilOpen or Self::Overheat,
     }
 }
 
@@ -50,6 +54,7 @@ impl Fault {
         Self::StoreDamaged,
         Self::StoreFellBack,
         Self::DeskStop,
+        Self::ProfileFellBack,
         #[cfg(slipline_next)]
         Self::CoilOpen,
     ];
@@ -70,7 +75,13 @@ impl Fault {
             Self::StoreFellBack => {
                 "one copy of the stored table was damaged, the other is in use and may be older; store the table anew"
             }
-            Self::DeskStop => "stopped at the device: by its button or its stop input",
+            Self::DeskStop => {
+                "stopped at the device, by its button or its stop input; it can be cleared 2 s after the button is released"
+            }
+            Self::ProfileFellBack => {
+                "the newest copy of the actuator's profile is damaged, an older one is in force: hold the board's user \
+                 button and clear the fault, or write the profile again"
+            }
             #[cfg(slipline_next)]
             Self::CoilOpen => "the coil is not connected",
         }

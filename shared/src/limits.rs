@@ -93,6 +93,14 @@ pub const MAX_APPLY_AHEAD_MS: u32 = 60_000;
 pub const STAGING_TIMEOUT_MS: u32 = 2000;
 /// A reply that the host has not taken after this time is dropped.
 pub const TRANSMIT_TIMEOUT_MS: u32 = 20;
+/// After its button was released a desk stop cannot be cleared for this time.
+pub const DESK_STOP_MS: u32 = 2000;
+/// For this time after a press of the button the hand counts as being on the board: a profile may be written then.
+pub const HAND_MS: u32 = 30_000;
+/// Tables that may be stored or forgotten in a row; one more every [`STORE_PERIOD_MS`]. It spares the flash.
+pub const STORES: u8 = 16;
+/// The time after which one more table may be stored.
+pub const STORE_PERIOD_MS: u32 = 60_000;
 /// A bootloader token is valid for this time.
 pub const BOOTLOADER_TOKEN_MS: u32 = 5000;
 /// The longest drive with no command from the user.

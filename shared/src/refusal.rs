@@ -240,11 +240,16 @@ choices! {
             /// Its slot.
             slot: u8 [""],
         } or Self::NotSupported,
-        /// The command needs the board's user button to be pressed meanwhile.
+        /// The command needs the board's user button, pressed within the last 30 s and still held.
         27 since 3 HoldButton or Self::NotSupported,
+        /// So many tables were stored or forgotten in a row that the flash is spared for a while.
+        28 since 3 StoresSpent {
+            /// The time after which one more is stored.
+            wait_s: u16 ["s"],
+        } or Self::StoreFailed,
         #[cfg(slipline_next)]
         /// Rehearsal of the next minor: no current flows.
-        28 since 4 CoilOpen or Self::NotSupported,
+        29 since 4 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -328,7 +333,13 @@ impl core::fmt::Display for Refusal {
                 peak_per_mille % 10
             ),
             Self::SilentTone { slot } => write!(f, "no tone sounds in slot {slot}"),
-            Self::HoldButton => f.write_str("hold the user button on the board while this is done"),
+            Self::HoldButton => f.write_str(
+                "press and hold the user button on the board while this is done (after 30 s press it again)",
+            ),
+            Self::StoresSpent { wait_s } => write!(
+                f,
+                "16 tables in a row were stored or forgotten, and flash wears; the next one can be in {wait_s} s"
+            ),
             #[cfg(slipline_next)]
             Self::CoilOpen => f.write_str("the coil is not connected"),
         }

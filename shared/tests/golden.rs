@@ -210,10 +210,13 @@ fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
 #[test]
 fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
     let mut received = events_of(3).into_iter().map(|(_, event)| as_received(&event, minor(2)));
-    assert!(received.by_ref().take(6).all(|event| event.is_none()), "what the board is");
+    assert!(received.by_ref().take(8).all(|event| event.is_none()), "what the board is");
     let Some(Some(Event::Status(status))) = received.next() else { panic!("a stop on the desk is known") };
     let emergency = Fault::EmergencyStop;
     assert_eq!((status.faults, status.first_fault), (Faults::NONE.with(emergency), Some(emergency)));
+    let Some(Some(Event::Status(status))) = received.next() else { panic!("an older profile is known") };
+    let fell_back = Fault::StoreFellBack;
+    assert_eq!((status.faults, status.first_fault), (Faults::NONE.with(fell_back), Some(fell_back)));
     let seen: Vec<Option<Event>> = received.collect();
     // No host of 1.2 sends what these refuse; so none ever gets these.
     let refused = |field| Some(Event::Refused(Refusal::OutOfRange { field, min: 0, max: 1, got: 2 }));
@@ -221,6 +224,7 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
     expected.extend(vec![None; 12]);
     expected.push(Some(Event::Refused(Refusal::Busy(Busy::DriveActive))));
     expected.push(Some(Event::Refused(Refusal::NotSupported)));
+    expected.push(Some(Event::Refused(Refusal::StoreFailed)));
     expected.push(Some(Event::Refused(Refusal::NotSupported)));
     let stand_ins = [
         Field::Glide,

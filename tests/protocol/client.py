@@ -31,7 +31,7 @@ from messages import (
     AT_TRIGGER, COMMANDS, EVENTS, NEXT_BLOCK, RECTANGULAR, VERSION_1_3, Accepted, ActuatorProfile, ArmLease, BoardEvent, Capture,
     CaptureRead, Chord, ChordTone, Comb, CombTone, DigestStart, Drive, HeldEvent, Hello, HelloEvent, Hold, HoldTone, InputsEvent,
     KeepAlive, Listen, ListenRead, MaintenanceEvent, ProfileEvent, SetTravelLimit, StatusEvent, TableEvent, Tone, TravelLimit,
-    TriggerEvent, Version, WriteProfile, at, fault_names,
+    TriggerEvent, Version, WearEvent, WriteProfile, at, fault_names,
 )  # fmt: skip
 from postcard import check_integer
 from records import Choice
@@ -292,6 +292,11 @@ class Client:
         """Keeps a profile of the actuator in the device's flash, or erases it. The device refuses with `HoldButton` while the user
         button on its board is not pressed. Raises `FieldError`, and `SliplineError` with a device older than 1.3."""
         return self._accepted("WriteProfile", WriteProfile(profile))
+
+    def wear(self) -> WearEvent:
+        """The wear of the profile's flash, and the tables that may be stored now. Raises `SliplineError` with a device older than
+        1.3."""
+        return self._request("Wear", "Wear")[1]
 
     def maintenance(self) -> MaintenanceEvent:
         """The wear of the flash, and whether the supply is guarded. Raises `SliplineError` with a device of 1.0."""

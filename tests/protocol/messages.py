@@ -26,6 +26,7 @@ FAULT = Enumeration(
     "StoreDamaged",
     "StoreFellBack",  # since 1.1
     "DeskStop",  # since 1.3
+    "ProfileFellBack",  # since 1.3
 )  # fmt: skip
 MUTE_RESISTOR = Enumeration("MuteResistor", "NotLooked", "Present", "Missing")  # since 1.3
 USER_BUTTON = Enumeration("UserButton", "None", "Released", "Pressed")  # since 1.3
@@ -69,6 +70,7 @@ REFUSAL = Enumeration(
     ("Peak", {"peak_per_mille": U16}),  # since 1.2
     ("SilentTone", {"slot": U8}),  # since 1.3
     "HoldButton",  # since 1.3
+    ("StoresSpent", {"wait_s": U16}),  # since 1.3
 )
 RESET_CAUSE = Enumeration("ResetCause", "PowerOn", "Pin", "Software", "Watchdog", "BrownOut", "Panic", "HardFault")
 STATE = Enumeration(
@@ -439,6 +441,15 @@ class MaintenanceEvent(Record):
 
 
 @dataclass(frozen=True)
+class WearEvent(Record):
+    """The wear of the profile's flash, and the tables that may be stored now. Since 1.3."""
+
+    profile_erasures: int = field(U32)
+    profile_erasures_promised: int = field(U32)
+    stores_left: int = field(U8)
+
+
+@dataclass(frozen=True)
 class BoardEvent(Record):
     """What the device has found on its board. Since 1.3."""
 
@@ -579,6 +590,7 @@ COMMANDS = {
         Kind(0x04, "Maintenance", since=1),
         Kind(0x05, "Board", since=3),
         Kind(0x06, "Profile", since=3),
+        Kind(0x07, "Wear", since=3),
         Kind(0x10, "Arm"),
         Kind(0x11, "Disarm"),
         Kind(0x12, "Drive", Fields(Drive)),
@@ -623,6 +635,7 @@ EVENTS = {
         Kind(0x84, "Maintenance", Fields(MaintenanceEvent), since=1),
         Kind(0x85, "Board", Fields(BoardEvent), since=3),
         Kind(0x86, "Profile", Fields(ProfileEvent), since=3),
+        Kind(0x87, "Wear", Fields(WearEvent), since=3),
         Kind(0x90, "Accepted", Fields(Accepted)),
         Kind(0x91, "Refused", REFUSAL),
         Kind(0x92, "Unchanged", Fields(Accepted), since=1),

@@ -322,6 +322,8 @@ class AtSocket(DriveCase):
         board = client.board()
         self.assertEqual((board.core_hz, board.mute_resistor.name, board.user_button.name), (0, "Present", "Released"))
         self.assertEqual((client.profile().profile, client.profile().stored.name), (None, "Empty"))
+        wear = client.wear()
+        self.assertEqual((wear.profile_erasures, wear.profile_erasures_promised, wear.stores_left), (0, 20_000, 16))
         travel = TravelLimit(resonance_uhz=60_000_000, quality_per_mille=2000, static_ppm=500_000)
         profile = ActuatorProfile("coil", 800, travel, CoilHeat(8000, 120_000, 1300), 600, 60_000, False)
         for setting in (profile, None):

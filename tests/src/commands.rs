@@ -29,6 +29,7 @@ pub fn every_command() -> Vec<Command> {
         Command::Maintenance,
         Command::Board,
         Command::Profile,
+        Command::Wear,
         Command::Arm,
         Command::Disarm,
         Command::Drive(drive(&[(0, 0.1, 0.2), (3, 0.9, 0.3)], 3000)),

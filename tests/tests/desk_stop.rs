@@ -4,11 +4,11 @@ use slipline_link::simulator::Options;
 use slipline_link::{Change, Request};
 use slipline_protocol::board::{BoardReport, MuteResistor, UserButton};
 use slipline_protocol::event::{Event, Fault, Faults, State};
-use slipline_protocol::limits::EMERGENCY_RAMP_MS;
+use slipline_protocol::limits::{DESK_STOP_MS, EMERGENCY_RAMP_MS};
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
 use slipline_tests::link_rig::{self, LinkRig};
-use slipline_tests::rig::{BLOCK, Rig, Table, drive};
+use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
 
 fn driving() -> Rig {
     let mut rig = Rig::armed();
@@ -41,6 +41,7 @@ fn the_button_is_an_emergency_stop_of_its_own_name() {
     let status = rig.status();
     assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::DeskStop)));
     assert!(status.first_fault_at.abs_diff(pressed) <= 2 * BLOCK);
+    rig.live_ms(DESK_STOP_MS);
     rig.accepted(&Command::ClearFaults);
     rig.arm();
     assert_eq!(rig.status().state, State::Armed);
@@ -77,9 +78,34 @@ fn while_it_is_held_the_device_cannot_be_armed_and_disarmed_it_does_nothing() {
     rig.accepted(&Command::ClearFaults);
     assert_eq!(rig.status().faults, Faults::NONE.with(Fault::DeskStop), "its cause is still there");
     rig.device.press_button(false);
+    rig.live_ms(DESK_STOP_MS + 10);
     rig.accepted(&Command::ClearFaults);
     rig.arm();
     assert_eq!(rig.status().state, State::Armed);
+}
+
+#[test]
+fn no_host_moves_the_plate_again_before_two_seconds_have_passed_since_the_release() {
+    // a host that clears, arms and drives as fast as it can; it presses no button, and the user only once.
+    for held_ms in [10, 500] {
+        let mut rig = driving();
+        rig.device.press_button(true);
+        rig.live_ms(held_ms);
+        rig.device.press_button(false);
+        let released = rig.device.now();
+        rig.record();
+        while rig.device.now() < released + rig.samples(DESK_STOP_MS + 100) {
+            rig.send(&Command::ClearFaults);
+            rig.send(&Command::Arm);
+            rig.send(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
+            rig.live_blocks(3);
+        }
+        let rest = rig.samples(DESK_STOP_MS) as usize;
+        let after_ramp = rig.samples(EMERGENCY_RAMP_MS) as usize + 3 * BLOCK as usize;
+        let codes = rig.recording.from(released);
+        assert!(codes[after_ramp..rest - BLOCK as usize].iter().all(|code| *code == MID), "held {held_ms} ms");
+        assert!(codes[rest..].iter().any(|code| *code != MID), "and not much longer");
+    }
 }
 
 #[test]
@@ -143,6 +169,7 @@ fn the_link_reads_what_the_board_is_and_ends_the_drive_in_its_journal() {
     assert_eq!((&last.change, last.is_exact), (&Change::Stop, false));
     assert!(rig.view().log.iter().any(|line| line.text.contains(Fault::DeskStop.text())));
     rig.ports().device.press_button(false);
+    rig.pass_ms(u64::from(DESK_STOP_MS) + 300);
     rig.ask(Request::ClearFaults);
     rig.pass_ms(300);
     assert_eq!(rig.state(), State::Idle);

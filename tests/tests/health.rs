@@ -370,6 +370,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
             Command::Maintenance => matches!(event, Event::Maintenance(_)),
             Command::Board => matches!(event, Event::Board(_)),
             Command::Profile => matches!(event, Event::Profile(_)),
+            Command::Wear => matches!(event, Event::Wear(_)),
             Command::WriteProfile(_) => event == Event::Refused(Refusal::HoldButton),
             Command::Trigger => matches!(event, Event::Trigger(_)),
             Command::Inputs => matches!(event, Event::Inputs(_)),

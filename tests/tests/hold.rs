@@ -244,6 +244,43 @@ fn where_there_is_no_room_the_tones_stay_at_the_limit_and_say_which() {
 }
 
 #[test]
+fn a_table_that_ends_a_hold_does_not_let_the_next_one_rise_from_there() {
+    // four holds of 6 dB at most on one drive, each ended by a table; a fifth asks for less, and gets less.
+    let levels = [(2, 0.05), (5, 0.02)];
+    let (mut rig, finger) = touched(Options::default());
+    rig.accepted(&sounds(&levels));
+    rig.live_ms(20);
+    finger.put(Touch::Part(0.3));
+    let rise = |rig: &mut Rig, (slot, level): (u8, f64), most: i16| {
+        let asked = HoldSetting { max_rise: CentiDecibel(most), ..setting(&[(slot, codes(level))]) };
+        rig.accepted(&Command::Hold(asked));
+        let sum = live(rig, 8);
+        let report = held(rig);
+        assert_eq!(states(&report), [(slot, HoldState::AtLimit(HoldLimit::Rise))], "{report:?}");
+        assert!((decibels(&report.tones[0]) - f64::from(most) / 100.0).abs() < 0.011, "{report:?}");
+        sum
+    };
+    let both = 2.0 * (50.0 + 20.0);
+    for (round, tone) in [levels[0], levels[1], levels[0], levels[1]].into_iter().enumerate() {
+        let sum = f64::from(rise(&mut rig, tone, 602));
+        let most = if round == 0 { 100.0 + 20.0 } else { both };
+        assert!((sum - most).abs() <= 2.0, "round {round}: {sum}");
+        rig.upload(&Table::line(65, 60_000.0, 20_000.0, |_| 1.0));
+        rig.live_ms(60);
+        assert_eq!(held(&mut rig).progress, HoldProgress::Ended);
+    }
+    let sum = f64::from(rise(&mut rig, levels[0], 300));
+    assert!((sum - (50.0 * 10_f64.powf(0.15) + 40.0)).abs() <= 2.0, "{sum}");
+    // The end brings back the whole drive, of the slot that is not held, too.
+    rig.accepted(&OFF);
+    assert_eq!(live(&mut rig, 2), 71);
+    // A new drive is a new measure.
+    rig.accepted(&sounds(&[(2, 0.1)]));
+    rig.live_ms(20);
+    assert!((f64::from(rise(&mut rig, (2, 0.1), 602)) - 200.0).abs() <= 2.0);
+}
+
+#[test]
 fn an_answer_that_cannot_be_trusted_ends_in_the_levels_of_the_drive() {
     for (loss, touch) in [
         (HoldLoss::TooWeak, Touch::Unplugged),

@@ -132,17 +132,46 @@ fn chords_combs_and_rises_of_the_trigger_input_begin_it_anew() {
     assert_eq!(rig.recording.end_of_sound(), None);
 }
 
+/// A tone that begins this long from now, and the index.
+fn later(rig: &Rig, ms: u32) -> (Command, u64) {
+    let at = rig.device.now() + rig.samples(ms);
+    (Command::Drive(Drive { apply: Apply::At(at), ..drive(&[(0, 0.5, 0.5)], 100) }), at)
+}
+
 #[test]
-fn a_drive_that_begins_later_is_waited_for() {
+fn a_drive_begins_the_lease_where_it_begins_and_not_where_it_is_sent() {
     //
     let mut rig = leased(1000);
-    let at = rig.device.now() + rig.samples(5000);
-    let later = Command::Drive(Drive { apply: Apply::At(at), ..drive(&[(0, 0.5, 0.5)], 100) });
-    rig.accepted(&later);
-    rig.live_ms(5500);
+    let (command, at) = later(&rig, 700);
+    rig.accepted(&command);
+    rig.live_ms(1500);
     assert_eq!(rig.status().state, State::Driving);
     let until = disarmed(&mut rig, 1000);
     assert!(until.abs_diff(at + rig.samples(1000)) <= 8 * BLOCK);
+}
+
+#[test]
+fn a_drive_at_a_later_index_does_not_put_off_the_lease() {
+    // the sounding drive ends with its own lease, and the one that waits is dropped, whether anything sounds or not.
+    for sounds in [false, true] {
+        let mut rig = leased(1000);
+        let mut from = rig.device.now() - rig.samples(100);
+        if sounds {
+            from = rig.accepted(&one_tone(0.3));
+            rig.live_ms(50);
+        }
+        let (command, at) = later(&rig, 3000);
+        rig.accepted(&command);
+        rig.live_ms(500);
+        // Neither does a command that is refused, nor the lease of an armed device that is asked for again later than it ends.
+        rig.refused(&one_tone(0.7));
+        let until = disarmed(&mut rig, 1000);
+        assert!(until.abs_diff(from + rig.samples(1000)) <= 8 * BLOCK, "sounds: {sounds}");
+        rig.record();
+        rig.live_ms(3000);
+        assert!(rig.device.now() > at);
+        assert_eq!(rig.recording.end_of_sound(), None, "sounds: {sounds}");
+    }
 }
 
 #[test]

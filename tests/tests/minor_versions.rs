@@ -258,9 +258,9 @@ fn a_newer_device_does_not_know_a_new_command_from_an_older_host() {
     line.device.feed(&hello.frame_for(Minor::OURS, 0, 9).unwrap());
     line.device.take(&mut bytes);
     let session = bytes.iter().find_map(|&byte| decoder.push(byte, |frame| frame.header.session)).unwrap();
-    // Numbers 1 to 6 were the host's: to ask for the upkeep, the board, its profile and the inputs, to look at the table, and to arm
-    // a device that is simulated.
-    let ask = Command::MeasureCoil(CoilTest { current_ma: 5 }).frame_for(Minor::OURS, session, 7).unwrap();
+    // Numbers 1 to 7 were the host's: to ask for the upkeep, the board, its profile and its wear, and the inputs, to look at the
+    // table, and to arm a device that is simulated.
+    let ask = Command::MeasureCoil(CoilTest { current_ma: 5 }).frame_for(Minor::OURS, session, 8).unwrap();
     line.device.feed(&ask);
     line.device.take(&mut bytes);
     let answers: Vec<(u8, Vec<u8>)> = bytes

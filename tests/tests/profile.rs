@@ -2,16 +2,16 @@
 
 use proptest::prelude::*;
 use slipline_link::simulator::{MemoryFlash, Options};
-use slipline_protocol::command::{ProfileSetting, TravelSetting};
-use slipline_protocol::event::{Event, Fault, ProfileReport, ResetCause, State, StoredConfig};
-use slipline_protocol::limits::{MAX_DRIVE_MS, MAX_RISE_CDB};
+use slipline_protocol::command::{Apply, Drive, ProfileSetting, TravelSetting};
+use slipline_protocol::event::{Event, Fault, Faults, ProfileReport, ResetCause, State, StoredConfig};
+use slipline_protocol::limits::{HAND_MS, MAX_DRIVE_MS, MAX_RISE_CDB, STOP_RAMP_MS};
 use slipline_protocol::profile::{ActuatorProfile, CoilHeat, TravelLimit};
 use slipline_protocol::refusal::Field;
 use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
 use slipline_tests::measure::peak;
-use slipline_tests::rig::{Rig, Table, chord, comb, drive};
+use slipline_tests::rig::{BLOCK, Rig, Table, chord, comb, drive};
 use std::sync::OnceLock;
 
 /// The constants of a device without a profile.
@@ -44,9 +44,17 @@ fn report(rig: &mut Rig) -> ProfileReport {
     }
 }
 
+/// Presses the button, and holds it.
+fn press(rig: &mut Rig) {
+    rig.device.press_button(false);
+    rig.live_ms(10);
+    rig.device.press_button(true);
+    rig.live_ms(10);
+}
+
 /// Writes a profile with the button held.
 fn write(rig: &mut Rig, profile: Option<ActuatorProfile>) {
-    rig.device.press_button(true);
+    press(rig);
     rig.accepted(&writes(profile));
     rig.device.press_button(false);
     rig.live_ms(10);
@@ -83,16 +91,14 @@ fn a_profile_is_not_written_without_the_button_nor_while_it_is_armed() {
     assert_eq!(rig.refused(&writes(Some(plain()))), Refusal::DisarmFirst);
     rig.accepted(&Command::Disarm);
     rig.live_ms(50);
-    rig.device.press_button(true);
-    rig.live_ms(10);
+    press(&mut rig);
     rig.accepted(&writes(Some(plain())));
     assert!(matches!(rig.send(&writes(Some(plain()))), Event::Unchanged(_)), "not written again");
     assert_eq!(report(&mut rig), ProfileReport { profile: Some(plain()), stored: StoredConfig::Loaded });
     rig.device.restart(ResetCause::Pin);
     rig.hello();
     assert_eq!(report(&mut rig).profile, Some(plain()));
-    rig.device.press_button(true);
-    rig.live_ms(10);
+    press(&mut rig);
     rig.accepted(&writes(None));
     rig.device.press_button(false);
     assert_eq!(report(&mut rig), ProfileReport::default());
@@ -134,6 +140,77 @@ fn values_out_of_range_are_named() {
         );
     }
     assert_eq!(report(&mut rig), ProfileReport::default());
+}
+
+#[test]
+fn a_profile_is_written_within_30_s_of_a_press_that_this_run_has_seen() {
+    // not by a button that is stuck, or that is held since before the start.
+    let mut rig = Rig::new(Options { sample_rate_hz: 8000, ..Options::default() });
+    rig.hello();
+    rig.live_ms(100);
+    press(&mut rig);
+    rig.live_ms(HAND_MS - 50);
+    rig.accepted(&writes(Some(plain())));
+    rig.live_ms(100);
+    assert_eq!(rig.refused(&writes(None)), Refusal::HoldButton, "stuck");
+    press(&mut rig);
+    rig.accepted(&writes(Some(quiet())));
+    rig.device.restart(ResetCause::Pin);
+    rig.hello();
+    rig.live_ms(100);
+    assert_eq!(rig.refused(&writes(None)), Refusal::HoldButton, "held since before the start");
+    press(&mut rig);
+    rig.accepted(&writes(None));
+}
+
+#[test]
+fn the_older_profile_limits_until_a_hand_on_the_board_accepts_it() {
+    // the newer one has decayed. The table's copy, which has a fault of its own, is cleared by a host alone.
+    for minor in 0..=3 {
+        let mut flash = kept();
+        for slot in [1, 3] {
+            flash.slots[slot][40] ^= 1;
+        }
+        let mut rig = Rig::new(Options { flash, ..Options::default() });
+        rig.hello_of_minor(minor);
+        rig.upload(&Table::usual());
+        rig.accepted(&Command::ClearFaults);
+        let fault = [Fault::StoreDamaged, Fault::StoreFellBack, Fault::StoreFellBack, Fault::ProfileFellBack];
+        assert_eq!(rig.status().faults, Faults::NONE.with(fault[usize::from(minor)]));
+        assert!(matches!(rig.refused(&Command::Arm), Refusal::Faulted { .. }));
+        press(&mut rig);
+        rig.accepted(&Command::ClearFaults);
+        rig.device.press_button(false);
+        rig.live_ms(2100);
+        rig.arm();
+        assert_eq!(rig.status().state, State::Armed);
+        let loud = rig.refused(&Command::Drive(drive(&[(0, 1.0, 0.41)], 2000)));
+        assert!(matches!(loud, Refusal::Headroom { sum_per_mille: 410..=411 }), "{loud:?}");
+        // The next start asks again.
+        rig.device.restart(ResetCause::Pin);
+        rig.hello();
+        assert_eq!(report(&mut rig), ProfileReport { profile: Some(quiet()), stored: StoredConfig::FellBack });
+    }
+}
+
+#[test]
+fn where_a_profile_is_kept_the_bootloader_wants_the_button() {
+    // the next image would know nothing of it.
+    for minor in 0..=3 {
+        let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });
+        rig.hello_of_minor(minor);
+        let token = |rig: &mut Rig| match rig.send(&Command::BootloaderToken) {
+            Event::BootloaderToken(token) => token,
+            other => panic!("{other:?}"),
+        };
+        let shown = token(&mut rig);
+        let refusal = if minor < 3 { Refusal::NotSupported } else { Refusal::HoldButton };
+        assert_eq!(rig.refused(&Command::BootloaderEnter(shown)), refusal);
+        press(&mut rig);
+        rig.accepted(&Command::BootloaderEnter(shown));
+        rig.live_ms(100);
+        assert!(rig.device.is_in_bootloader());
+    }
 }
 
 #[test]
@@ -217,6 +294,35 @@ fn its_time_and_heat_are_the_devices() {
             assert_eq!(status.first_fault, Some(fault));
         } else {
             assert!(status.foldback_per_mille < 1000 || status.first_fault == Some(fault), "{status:?}");
+        }
+    }
+}
+
+#[test]
+fn a_drive_that_begins_later_does_not_lengthen_the_one_that_sounds() {
+    // a longest drive of a second, and one that begins three seconds later; from silence one may begin when it likes.
+    let profile = ActuatorProfile { max_drive_ms: 1000, ..plain() };
+    for sounds in [true, false] {
+        let flash = flash_with(profile.clone());
+        let mut rig = Rig::new(Options { sample_rate_hz: 8000, flash, ..Options::default() });
+        rig.hello();
+        rig.upload(&Table::usual().at_rate(8000));
+        rig.arm();
+        rig.record();
+        let first = drive(&[(0, 1.0, 0.9)], 100);
+        let from = if sounds { rig.accepted(&Command::Drive(first.clone())) } else { rig.device.now() };
+        rig.live_ms(50);
+        let at = from + rig.samples(3000);
+        rig.accepted(&Command::Drive(Drive { apply: Apply::At(at), ..first }));
+        rig.live_ms(3600);
+        let (end, status) = (rig.recording.end_of_sound().unwrap(), rig.status());
+        if sounds {
+            assert!(end < from + rig.samples(1000 + STOP_RAMP_MS) + 16 * BLOCK, "{}", end - from);
+            assert_eq!(status.first_fault, Some(Fault::DriveTime));
+        } else {
+            assert_eq!(status.state, State::Driving);
+            rig.live_ms(600);
+            assert_eq!(rig.status().first_fault, Some(Fault::DriveTime), "then its own time runs");
         }
     }
 }
@@ -332,7 +438,12 @@ proptest! {
         match (&found.profile, found.stored) {
             (Some(profile), StoredConfig::FellBack) => {
                 prop_assert!([quiet(), plain()].contains(profile));
-                prop_assert_eq!(rig.status().first_fault, Some(Fault::StoreFellBack));
+                prop_assert_eq!(rig.status().first_fault, Some(Fault::ProfileFellBack));
+                // A host alone does not clear it.
+                rig.accepted(&Command::ClearFaults);
+                prop_assert_eq!(rig.status().first_fault, Some(Fault::ProfileFellBack));
+                let is_refused = matches!(rig.refused(&Command::Arm), Refusal::Faulted { .. });
+                prop_assert!(is_refused);
             }
             // The damage lies where the older record has nothing, or behind the newer one's header.
             (Some(profile), StoredConfig::Loaded) => prop_assert_eq!((profile, slot), (&plain(), 2)),

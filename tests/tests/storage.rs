@@ -3,7 +3,7 @@
 
 use proptest::prelude::*;
 use slipline_link::simulator::{MemoryFlash, Options};
-use slipline_protocol::event::{Event, Fault, Maintenance, ResetCause, State, StoredConfig};
+use slipline_protocol::event::{Event, Fault, Maintenance, ResetCause, State, StoredConfig, Wear};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
@@ -39,6 +39,13 @@ fn kept() -> MemoryFlash {
 /// Another table than the usual one.
 fn other(first_hz: f64) -> Table {
     Table::line(33, first_hz, 20_000.0, |_| 0.5)
+}
+
+fn wear(rig: &mut Rig) -> Wear {
+    match rig.send(&Command::Wear) {
+        Event::Wear(wear) => wear,
+        other => panic!("{other:?}"),
+    }
 }
 
 fn maintenance(rig: &mut Rig) -> Maintenance {
@@ -103,6 +110,44 @@ fn what_the_flash_holds_already_is_not_written_again_and_the_reply_tells_it() {
     rig.accepted(&Command::Forget);
     assert!(matches!(rig.send(&Command::Forget), Event::Unchanged(_)));
     assert_eq!(maintenance(&mut rig).erasures, 4);
+}
+
+#[test]
+fn two_tables_stored_in_turn_wear_the_flash_by_16_erasures_and_one_a_minute() {
+    // a host that stores without a pause, at 8 kS/s, so that a minute is few blocks.
+    let mut rig = Rig::new(Options { sample_rate_hz: 8000, ..Options::default() });
+    rig.hello();
+    let tables = [60_001.0, 60_002.0].map(|first_hz| other(first_hz).at_rate(8000));
+    let mut turn = 0;
+    let mut try_often = |rig: &mut Rig| {
+        rig.upload(&tables[turn % 2]);
+        rig.live_ms(50);
+        turn += 1;
+        rig.send(&if turn % 5 == 0 { Command::Forget } else { Command::Store })
+    };
+    for stored in 1..=16 {
+        assert!(matches!(try_often(&mut rig), Event::Accepted(_)));
+        assert_eq!(wear(&mut rig).stores_left, 16 - stored);
+    }
+    let refused = try_often(&mut rig);
+    assert!(matches!(refused, Event::Refused(Refusal::StoresSpent { wait_s: 55..=60 })), "{refused:?}");
+    for _ in 0..20 {
+        rig.live_ms(30_000);
+        try_often(&mut rig);
+        // A turn at which the same table is kept already takes none.
+        assert!(wear(&mut rig).stores_left <= 1);
+    }
+    let erasures = maintenance(&mut rig).erasures;
+    assert!((16 + 5..=16 + 11).contains(&erasures), "{erasures}");
+    // What is kept already costs nothing.
+    let kept = rig.send(&Command::Store);
+    assert!(matches!(kept, Event::Unchanged(_) | Event::Refused(_)), "{kept:?}");
+    // To a host of 1.2 it is a store that failed.
+    rig.hello_of_minor(2);
+    assert_eq!(try_often(&mut rig), Event::Refused(Refusal::StoreFailed));
+    rig.live_ms(16 * 60_000);
+    rig.hello();
+    assert_eq!(wear(&mut rig).stores_left, 16);
 }
 
 #[test]

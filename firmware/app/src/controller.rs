@@ -44,6 +44,7 @@ use crate::safety::bounds::Bounds;
 use crate::safety::excursion::Excursion;
 use crate::safety::thermal::Thermal;
 use crate::slots::TableRef;
+use crate::store::Budget;
 use crate::timing::{BLOCK_SAMPLES, Timing};
 use crate::upload::{self, Upload};
 
@@ -73,8 +74,10 @@ pub struct Controller<'a, F, S> {
     flash: F,
     system: S,
     stored: StoredConfig,
-    /// Erasures of both slots; 0 in safe mode, which does not read the flash.
+    /// Erasures of both slots, and of the profile's; 0 in safe mode, which does not read the flash.
     erasures: u32,
+    profile_erasures: u32,
+    stores: Budget,
     thermal: Thermal,
     /// The active table; its slot holds the knots.
     table: Option<TableHeader>,
@@ -86,7 +89,6 @@ pub struct Controller<'a, F, S> {
     captured: &'a Values,
     holding: hold::Holding,
     last_keep_alive: Option<u32>,
-    user_acted_at: SampleIndex,
     bootloader: BootloaderEntry,
     /// Blocks that the renderer has begun while the last motion was planned.
     lead: Cell<u64>,
@@ -114,6 +116,8 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             system,
             stored: StoredConfig::Empty,
             erasures: 0,
+            profile_erasures: 0,
+            stores: Budget::FULL,
             table: None,
             active: TableRef::default(),
             upload: None,
@@ -123,7 +127,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             captured,
             holding: hold::Holding::NONE,
             last_keep_alive: None,
-            user_acted_at: 0,
             bootloader: BootloaderEntry::default(),
             lead: Cell::new(0),
         }
@@ -194,17 +197,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Chord(chord) => self.chord(chord, is_stopped, mailbox).map(accepted),
             Command::Comb(comb) => self.comb(comb, is_stopped, mailbox).map(accepted),
             Command::ClearFaults => {
-                let mut standing = Faults::NONE;
-                if self.thermal.is_warm() {
-                    standing = standing.with(Fault::Overheat);
-                }
-                if self.bounds.is_lost() {
-                    standing = standing.with(Fault::StoreDamaged);
-                }
-                if self.is_stopped_on_the_desk() {
-                    standing = standing.with(Fault::DeskStop);
-                }
-                mailbox.clear_faults(standing);
+                self.clear_faults(mailbox);
                 Ok(accepted(mailbox.now()))
             }
             Command::SetTravelLimit(setting) => self.set_travel_limit(*setting, mailbox),
@@ -263,6 +256,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             Command::Store => self.store(mailbox),
             Command::Forget => self.forget(mailbox),
             Command::Maintenance => Ok(Event::Maintenance(self.maintenance())),
+            Command::Wear => Ok(Event::Wear(self.wear(mailbox.now()))),
             Command::Board => Ok(Event::Board(self.system.board())),
             Command::Profile => Ok(Event::Profile(self.bounds.report())),
             Command::WriteProfile(setting) => self.write_profile(setting, mailbox),
@@ -272,6 +266,10 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             }
             Command::BootloaderEnter(token) => {
                 self.refuse_unless_leavable(mailbox)?;
+                if self.bounds.is_kept() {
+                    // Another firmware knows nothing of the profile.
+                    self.refuse_without_hand(mailbox)?;
+                }
                 let now = mailbox.now();
                 self.bootloader.show_token(*token, now, &self.timing)?;
                 Ok(accepted(now))
@@ -307,6 +305,22 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         }
     }
 
+    /// Clears all faults but those whose cause stands.
+    fn clear_faults<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
+        if self.refuse_without_hand(mailbox).is_ok() {
+            self.bounds.accept_older();
+        }
+        let has_rested =
+            |last: SampleIndex| mailbox.now().saturating_sub(last) >= self.timing.desk_stop;
+        let is_stopped = self.is_stopped_on_the_desk() || !mailbox.hand().last.is_none_or(has_rested);
+        let causes = [
+            self.thermal.is_warm().then_some(Fault::Overheat),
+            is_stopped.then_some(Fault::DeskStop),
+            self.bounds.fault(),
+        ];
+        mailbox.clear_faults(causes.into_iter().flatten().fold(Faults::NONE, Faults::with));
+    }
+
     /// Control-rate work: the thermal model, the drive time, the time-outs, the level hold. That may take as long as a drive, so
     /// it asks `is_stopped` now and then whether a stop has come, and starts nothing after one.
     pub fn tick<M: RawMutex>(&mut self, is_stopped: &mut dyn FnMut() -> bool, mailbox: &Mailbox<M>) {
@@ -317,11 +331,9 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         if self.thermal.is_over() && !view.faults.set().contains(Fault::Overheat) {
             mailbox.fault(Fault::Overheat, Stop::Normal);
         }
-        // An instrument at the trigger input acts for the user.
-        self.user_acted_at = self.user_acted_at.max(mailbox.trigger().1.unwrap_or(0));
         // A table swap that is pending is no drive.
         let sounds = view.armed && !view.report.silent;
-        if sounds && now.saturating_sub(self.user_acted_at) >= self.bounds.max_drive(&self.timing) {
+        if sounds && now.saturating_sub(mailbox.drive_began()) >= self.bounds.max_drive(&self.timing) {
             mailbox.fault(Fault::DriveTime, Stop::Normal);
         }
         if self.upload.as_ref().is_some_and(|upload| upload.is_stale(now, self.timing.staging)) {

@@ -30,6 +30,7 @@
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
 mod course;
+mod hand;
 mod interrupt_side;
 mod listening;
 mod orders;
@@ -54,6 +55,7 @@ use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
 
 pub use self::course::Course;
+pub use self::hand::Hand;
 pub use self::listening::{CaptureReport, Inputs, MeasurementReport};
 pub(crate) use self::listening::{ListenOrders, Order};
 pub use self::orders::Orders;
@@ -195,6 +197,7 @@ impl<M: RawMutex> Mailbox<M> {
             if !shared.armed.get() {
                 shared.ready_at.set(next.saturating_add(SETTLE_BLOCKS * BLOCK_SAMPLES));
                 shared.armed.set(true);
+                shared.drive_began.set(next);
                 shared.lease.set(NO_LEASE);
                 shared.lease_ends.set(NO_LEASE);
             }
@@ -203,17 +206,17 @@ impl<M: RawMutex> Mailbox<M> {
         })
     }
 
-    /// Disarms the device `lease` samples after `from`, or after the latest drive.
-    pub fn lease(&self, lease: u64, from: SampleIndex) {
+    /// Disarms the device `lease` samples from now, or after each drive that begins before that.
+    pub fn lease(&self, lease: u64) {
         self.shared.lock(|shared| {
             shared.lease.set(lease);
-            shared.lease_ends.set(from.saturating_add(lease));
+            shared.lease_ends.set(shared.next.get().saturating_add(lease));
         });
     }
 
-    /// The lease begins anew at an index, where a drive begins.
-    pub fn begin_lease(&self, from: SampleIndex) {
-        self.shared.lock(|shared| shared.begin_lease(from));
+    /// Where the user's last drive began, or the device was armed after that.
+    pub fn drive_began(&self) -> SampleIndex {
+        self.shared.lock(|shared| shared.drive_began.get())
     }
 
     /// Accepts drives from `ready_at` on; for a mirror, which sounds what a device has accepted.

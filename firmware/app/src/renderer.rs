@@ -122,7 +122,8 @@ impl Renderer {
             begins: false,
             listens: false,
             has_risen: false,
-            was_pressed: false,
+            // A button that is held through the start is no press.
+            was_pressed: true,
             digester: Digester::new(),
             report: Report::SILENT,
             begun: false,
@@ -222,6 +223,9 @@ impl Renderer {
 
     /// An emergency stop from the next block on if the button is pressed for the second block, and the device is armed.
     fn look_at_button<M: RawMutex>(&mut self, is_pressed: bool, mailbox: &Mailbox<M>) {
+        if is_pressed {
+            mailbox.note_press(self.index, !self.was_pressed);
+        }
         if is_pressed && self.was_pressed && mailbox.disarm_if_armed((Fault::DeskStop, self.index)) {
             self.fade(Stop::Emergency, mailbox);
         }

@@ -24,6 +24,7 @@ use slipline_protocol::limits::MAX_KNOTS;
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::Gain;
 
+mod budget;
 mod profile;
 mod slots;
 
@@ -31,7 +32,8 @@ use self::slots::{is_whole_beside, newest, wipe};
 use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 use crate::upload::check_header;
 
-pub use self::profile::{holds_profile, load_profile, save_profile};
+pub use self::budget::Budget;
+pub use self::profile::{holds_profile, load_profile, profile_erasures, save_profile};
 pub use self::slots::{erasures, has_lost_a_copy};
 
 type Word = [u8; FLASH_WORD];

@@ -42,6 +42,12 @@ pub struct Timing {
     pub transmit: u64,
     /// [`limits::BOOTLOADER_TOKEN_MS`].
     pub bootloader_token: u64,
+    /// [`limits::DESK_STOP_MS`].
+    pub desk_stop: u64,
+    /// [`limits::HAND_MS`].
+    pub hand: u64,
+    /// [`limits::STORE_PERIOD_MS`].
+    pub store_period: u64,
     /// [`limits::MAX_DRIVE_MS`].
     pub max_drive: u64,
     /// [`limits::FOLDBACK_PERIOD_MS`] in whole blocks, at least one.
@@ -66,6 +72,9 @@ impl Timing {
             staging: samples(sample_rate_hz, limits::STAGING_TIMEOUT_MS),
             transmit: samples(sample_rate_hz, limits::TRANSMIT_TIMEOUT_MS),
             bootloader_token: samples(sample_rate_hz, limits::BOOTLOADER_TOKEN_MS),
+            desk_stop: samples(sample_rate_hz, limits::DESK_STOP_MS),
+            hand: samples(sample_rate_hz, limits::HAND_MS),
+            store_period: samples(sample_rate_hz, limits::STORE_PERIOD_MS),
             max_drive: samples(sample_rate_hz, limits::MAX_DRIVE_MS),
             limit_period: {
                 let blocks = samples(sample_rate_hz, limits::FOLDBACK_PERIOD_MS) / BLOCK_SAMPLES;

@@ -46,6 +46,12 @@ pub struct DeviceInfo {
     pub flash_erasures: Option<u32>,
     /// Erasures that its data sheet guarantees.
     pub flash_erasures_promised: Option<u32>,
+    /// Erasures of the flash of the actuator's profile until now.
+    pub profile_erasures: Option<u32>,
+    /// Erasures of it that its data sheet guarantees.
+    pub profile_erasures_promised: Option<u32>,
+    /// Tables that may be stored or forgotten now.
+    pub stores_left: Option<u8>,
     /// Whether the brown-out level is set.
     pub brown_out_guarded: Option<bool>,
     /// The processor's clock.
@@ -138,6 +144,7 @@ impl DeviceInfo {
         let identity = snapshot.identity.as_deref();
         let status = snapshot.status.as_ref();
         let maintenance = snapshot.maintenance.as_ref();
+        let wear = snapshot.wear.as_ref();
         let board = snapshot.board.as_ref();
         let text = |of: fn(&Identity) -> &str| identity.map(|it| of(it).to_owned());
         Self {
@@ -159,6 +166,9 @@ impl DeviceInfo {
             stored: identity.map(|it| name(&it.stored)),
             flash_erasures: maintenance.map(|it| it.erasures),
             flash_erasures_promised: maintenance.map(|it| it.erasures_promised),
+            profile_erasures: wear.map(|it| it.profile_erasures),
+            profile_erasures_promised: wear.map(|it| it.profile_erasures_promised),
+            stores_left: wear.map(|it| it.stores_left),
             brown_out_guarded: maintenance.map(|it| it.brown_out_guarded),
             core_hz: board.map(|it| it.core_hz).filter(|&hz| hz > 0),
             mute_resistor: board.map(|it| name(&it.mute_resistor)),

@@ -65,6 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     | Command::Maintenance
                     | Command::Board
                     | Command::Profile
+                    | Command::Wear
                     | Command::WriteProfile(_)
                     | Command::Arm
                     | Command::ArmFor(_)

@@ -13,7 +13,7 @@ use crate::undecided::{Held, Undecided};
 use crate::upkeep;
 use slipline_protocol::board::BoardReport;
 use slipline_protocol::command::{ArmLease, TravelLimit};
-use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport};
+use slipline_protocol::event::{Maintenance, ProfileReport, State, Status, TableReport, TriggerReport, Wear};
 use slipline_protocol::hold;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::Compatibility;
@@ -233,6 +233,12 @@ impl Recorder {
         self.touch();
     }
 
+    /// Stores the device's report on the wear of its profile's flash.
+    pub(crate) fn wear(&mut self, reported: Wear) {
+        self.view.wear = Some(reported);
+        self.touch();
+    }
+
     /// Stores the device's report on its actuator's profile.
     pub(crate) fn profile(&mut self, reported: ProfileReport) {
         match &reported.profile {
@@ -359,6 +365,7 @@ impl Recorder {
         let view = &mut self.view;
         view.identity = None;
         view.maintenance = None;
+        view.wear = None;
         view.board = None;
         view.profile = None;
         view.inputs = None;

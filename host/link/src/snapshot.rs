@@ -13,7 +13,7 @@ use slipline_protocol::board::BoardReport;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{
     AcceptedUntil, Fault, Faults, Identity, Maintenance, ProfileReport, State, Status, TableReport,
-    TriggerReport,
+    TriggerReport, Wear,
 };
 use slipline_protocol::frame::DecoderCounters;
 use slipline_protocol::hold::{Held, HoldProgress};
@@ -137,6 +137,9 @@ pub struct Snapshot {
     /// The wear of its flash and the guard of its supply, while connected; `None` with a device of protocol
     /// 1.0, which does not report it. Read at the start and after each write to the flash.
     pub maintenance: Option<Maintenance>,
+    /// The wear of its profile's flash, and the tables that it still stores in a row, while connected; `None` with a protocol older
+    /// than 1.3. Read at the start and after each write to the flash.
+    pub wear: Option<Wear>,
     /// What it has found on its board, while connected; `None` with a protocol older than 1.3. Read at the start.
     pub board: Option<BoardReport>,
     /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.

@@ -1,7 +1,7 @@
 //! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
 use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
-use slipline_protocol::event::Maintenance;
+use slipline_protocol::event::{Maintenance, Wear};
 use slipline_protocol::listen::InputsReport;
 
 /// Number of flash erasures so far, and the number that its data sheet guarantees.
@@ -21,6 +21,26 @@ pub fn wear(maintenance: &Maintenance) -> String {
         0 => "nothing stored".to_owned(),
         promised => format!("{} of {promised} times", maintenance.erasures),
     }
+}
+
+/// Number of erasures of the profile's flash so far, the number that its data sheet guarantees, and how many tables may be stored
+/// now.
+///
+/// ```
+/// use slipline_link::protocol::event::Wear;
+/// use slipline_link::upkeep::profile_wear;
+///
+/// let wear = Wear { profile_erasures: 1, profile_erasures_promised: 20_000, stores_left: 15 };
+/// assert_eq!(profile_wear(&wear), "1 of 20000 times; 15 tables may be stored now");
+/// ```
+#[must_use]
+pub fn profile_wear(wear: &Wear) -> String {
+    let erased = match wear.profile_erasures_promised {
+        0 => "nothing stored".to_owned(),
+        promised => format!("{} of {promised} times", wear.profile_erasures),
+    };
+    let tables = if wear.stores_left == 1 { "table" } else { "tables" };
+    format!("{erased}; {} {tables} may be stored now", wear.stores_left)
 }
 
 /// The device's inputs, and the number of blocks lost.

@@ -73,6 +73,9 @@ pub(super) fn run(argument: &PortArgument, is_port_given: bool, as_json: bool) -
             lines.extend(upkeep::before_arming(it).map(|warning| ("Warning", warning.to_owned())));
             lines.extend(upkeep::worn(it).map(|warning| ("Warning", warning)));
         }
+        if let Some(it) = &snapshot.wear {
+            lines.push(("Profile's flash erased", upkeep::profile_wear(it)));
+        }
         if let Some(it) = board {
             lines.extend(upkeep::user_button(it).map(|state| ("User button", state.to_owned())));
             lines.extend(upkeep::stop_input(it).map(|state| ("Stop input", state.to_owned())));

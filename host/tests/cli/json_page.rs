@@ -144,8 +144,9 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
     std::fs::write(folder.join("profile.csv"), "0,0\n0.1,1\n0.25,1\n0.3,0\n").unwrap();
     std::fs::write(folder.join("coil.toml"), COIL).unwrap();
     let board = Served::new("json-page.sock", Options::default());
-    board.device.lock().unwrap().press_button(true);
     for (label, line) in MORE {
+        // Pressed since the device has started.
+        board.device.lock().unwrap().press_button(*label == "profile");
         let port = if *label == "profile" { format!(" --port {}", board.port) } else { String::new() };
         add(label, &run(&folder, &format!("{line}{port}")));
     }

@@ -4,7 +4,9 @@ use super::Example;
 use heapless::Vec;
 use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
 use slipline_protocol::command::{Apply, ArmLease, Comb, CombTone, ProfileSetting};
-use slipline_protocol::event::{AcceptedUntil, Fault, Faults, ProfileReport, State, Status, StoredConfig};
+use slipline_protocol::event::{
+    AcceptedUntil, Fault, Faults, ProfileReport, State, Status, StoredConfig, Wear,
+};
 use slipline_protocol::hold::{
     Held, HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldSetting, HoldState, HoldTone,
 };
@@ -57,6 +59,7 @@ pub(crate) fn commands() -> std::vec::Vec<Example<Command>> {
         ("comb-largest", Command::Comb(largest)),
         ("board", Command::Board),
         ("profile", Command::Profile),
+        ("wear", Command::Wear),
         ("write-profile", Command::WriteProfile(ProfileSetting { profile: Some(profile()) })),
         ("write-profile-none", Command::WriteProfile(ProfileSetting { profile: None })),
         ("arm-for", Command::ArmFor(ArmLease { lease_ms: 60_000 })),
@@ -245,7 +248,27 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
             Event::Profile(ProfileReport { profile: Some(profile()), stored: StoredConfig::Loaded })
         ),
         ("profile-reply-none".to_owned(), Event::Profile(ProfileReport::default())),
+        (
+            "wear-reply".to_owned(),
+            Event::Wear(Wear { profile_erasures: 3, profile_erasures_promised: 20_000, stores_left: 15 })
+        ),
+        (
+            "wear-reply-largest".to_owned(),
+            Event::Wear(Wear {
+                profile_erasures: u32::MAX,
+                profile_erasures_promised: u32::MAX,
+                stores_left: u8::MAX,
+            })
+        ),
         ("status-reply-fault-10".to_owned(), Event::Status(desk_stop)),
+        (
+            "status-reply-fault-11".to_owned(),
+            Event::Status(Status {
+                faults: Faults::NONE.with(Fault::ProfileFellBack),
+                first_fault: Some(Fault::ProfileFellBack),
+                ..desk_stop
+            })
+        ),
         ("accepted-until".to_owned(), Event::AcceptedUntil(AcceptedUntil { at: 128_000, until: 138_485 }),),
         ("inputs-reply".to_owned(), Event::Inputs(inputs)),
         ("inputs-reply-largest".to_owned(), Event::Inputs(most)),
@@ -276,6 +299,7 @@ pub(crate) fn events() -> std::vec::Vec<Example<Event>> {
     events.extend(held().map(|(label, event)| (label.to_owned(), event)));
     events.push(("refused-holding".to_owned(), Event::Refused(Refusal::Busy(Busy::Holding))));
     events.push(("refused-hold-button".to_owned(), Event::Refused(Refusal::HoldButton)));
+    events.push(("refused-stores-spent".to_owned(), Event::Refused(Refusal::StoresSpent { wait_s: 60 })));
     events.push(("refused-silent-tone".to_owned(), Event::Refused(Refusal::SilentTone { slot: 7 })));
     for (label, field) in fields {
         let refusal = Refusal::OutOfRange { field, min: 0, max: 1, got: 2 };

@@ -43,7 +43,6 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             mailbox.latch(slipline_protocol::event::Fault::CoilOpen);
             return Err(Refusal::CoilOpen);
         }
-        self.user_acted_at = view.next;
         Ok(mailbox.arm())
     }
 
@@ -55,15 +54,9 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let (least, most) = limits::LEASE_MS;
         in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
         let ready = self.arm(mailbox)?;
-        // Of an armed device only the lease begins anew: the longest drive counts from what the user drives.
-        mailbox.lease(self.timing.samples(lease_ms), self.user_acted_at.max(mailbox.now()));
+        // Of an armed device only the lease begins again: the longest drive counts from what the user drives.
+        mailbox.lease(self.timing.samples(lease_ms));
         Ok(ready)
-    }
-
-    /// The user has acted, or will at this index: the drive's time and the lease begin anew.
-    fn user_acts<M: RawMutex>(&mut self, at: SampleIndex, mailbox: &Mailbox<M>) {
-        self.user_acted_at = self.user_acted_at.max(at);
-        mailbox.begin_lease(at);
     }
 
     /// Whether the user holds the button, or the stop input is open.
@@ -114,7 +107,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acts(published.at, mailbox);
+        self.holding.forget_drive();
         Ok(published)
     }
 
@@ -174,7 +167,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             Ok(motion)
         })?;
         self.end_hold(mailbox);
-        self.user_acts(at, mailbox);
+        self.holding.forget_drive();
         Ok(at)
     }
 

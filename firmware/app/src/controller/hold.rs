@@ -50,6 +50,9 @@ pub(super) struct Holding {
     /// What each slot's level is multiplied by, and the amplitudes of the slots that are not held, Q1.31.
     gains: [Gain; TONES],
     others: u64,
+    /// The drive's level of each slot that a hold has had since that drive; 0 of the others. It outlives a hold that leaves its
+    /// levels behind, so that the next one cannot rise from there.
+    drive_levels: [Gain; TONES],
     /// The mailbox's count of changes when the motion in force was last the hold's own.
     changes: u32,
     /// The start of the levels that were published last, until they are in force.
@@ -67,9 +70,15 @@ impl Holding {
         amplitudes: [0; TONES],
         gains: [Gain(0); TONES],
         others: 0,
+        drive_levels: [Gain(0); TONES],
         changes: 0,
         published: None,
     };
+
+    /// Forgets the levels of the drive before: a new one is accepted.
+    pub(super) fn forget_drive(&mut self) {
+        self.drive_levels.fill(Gain(0));
+    }
 
     /// Forgets the hold.
     pub(super) const fn clear(&mut self) {
@@ -181,13 +190,20 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let mut slots = 0;
         for &wire::HoldTone { slot, amplitude } in &asked.tones {
             // A slot that does not exist is refused below, as one that is silent is.
-            let level = places.get(usize::from(slot)).map_or(Gain::FULL, |place| place.level);
+            let sounding = places.get(usize::from(slot)).map_or(Gain::FULL, |place| place.level);
+            let held_before = self.holding.drive_levels.get(usize::from(slot)).filter(|level| level.0 > 0);
+            let level = *held_before.unwrap_or(&sounding);
             // There is room: just as many are asked for.
-            let _ = tones.push(ToneToHold { slot, amplitude, level });
+            let _ = tones.push(ToneToHold { slot, amplitude, level, sounding });
             slots |= 1_u16.checked_shl(slot.into()).unwrap_or(0);
         }
         let holding = &mut self.holding;
         holding.hold.set(setting, &tones, self.timing.min_glide).map_err(refusal)?;
+        for tone in &tones {
+            if let Some(level) = holding.drive_levels.get_mut(usize::from(tone.slot)) {
+                *level = tone.level;
+            }
+        }
         // After a refusal the last hold can still be read.
         holding.others = 0;
         for ((slot, place), gain) in places.iter().enumerate().zip(&mut holding.gains) {
@@ -214,8 +230,8 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     ) -> Result<SampleIndex, Refusal> {
         let mut at = mailbox.now();
         if self.holding.is_on() {
-            let (levels, in_force) = (self.holding.hold.drive_levels(), self.holding.hold.levels());
-            if levels != in_force {
+            let levels = self.holding.drive_levels.map(|level| (level.0 > 0).then_some(level));
+            if levels != self.holding.hold.levels() {
                 at = self.publish_levels(&levels, is_stopped, mailbox)?;
             }
             mailbox.drop_measurement();

@@ -2,8 +2,9 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::command::ProfileSetting;
-use slipline_protocol::event::{Event, Fault, StoredConfig};
+use slipline_protocol::event::{Event, StoredConfig};
 use slipline_protocol::refusal::{Busy, Refusal};
+use slipline_protocol::units::SampleIndex;
 
 use super::tables::{refuse_unless_muted, unchanged};
 use super::{Controller, accepted};
@@ -21,17 +22,25 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     #[inline(never)]
     pub(super) fn load_profile<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
         let (profile, mut stored) = store::load_profile(&mut self.flash);
+        self.profile_erasures = store::profile_erasures(&mut self.flash);
         let tables = self.tables();
         if self.bounds.set(profile, tables, mailbox.slots()).is_err() {
             stored = StoredConfig::Damaged;
         }
         self.bounds.found(stored);
         self.apply_profile();
-        match stored {
-            StoredConfig::Damaged => mailbox.latch(Fault::StoreDamaged),
-            StoredConfig::FellBack => mailbox.latch(Fault::StoreFellBack),
-            StoredConfig::Empty | StoredConfig::Loaded | StoredConfig::WrongVersion => {}
+        if let Some(fault) = self.bounds.fault() {
+            mailbox.latch(fault);
         }
+    }
+
+    /// Refuses what a host alone must not do: the board's user button is pressed, and was not for too long. A guard against mistakes,
+    /// not a lock: whoever can press the button can do it.
+    pub(super) fn refuse_without_hand<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+        let is_pressed = self.system.board().user_button == UserButton::Pressed;
+        let is_fresh =
+            |since: SampleIndex| mailbox.now().saturating_sub(since) < self.timing.hand;
+        if is_pressed && mailbox.hand().since.is_some_and(is_fresh) { Ok(()) } else { Err(Refusal::HoldButton) }
     }
 
     fn apply_profile(&mut self) {
@@ -59,15 +68,14 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
         refuse_unless_muted(mailbox)?;
-        if self.system.board().user_button != UserButton::Pressed {
-            return Err(Refusal::HoldButton);
-        }
+        self.refuse_without_hand(mailbox)?;
         let is_kept = store::holds_profile(&mut self.flash, profile.as_ref());
         if !is_kept {
             store::save_profile(&mut self.flash, profile.as_ref()).map_err(|_| Refusal::StoreFailed)?;
         }
         let tables = self.tables();
         self.bounds.set(profile.clone(), tables, mailbox.slots())?;
+        self.profile_erasures = store::profile_erasures(&mut self.flash);
         self.bounds.found(if profile.is_some() { StoredConfig::Loaded } else { StoredConfig::Empty });
         self.apply_profile();
         Ok(if is_kept { unchanged(mailbox.now()) } else { accepted(mailbox.now()) })

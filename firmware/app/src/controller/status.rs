@@ -2,9 +2,9 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::String;
-use slipline_protocol::event::{Counters, Identity, Maintenance, State, Status};
+use slipline_protocol::event::{Counters, Identity, Maintenance, State, Status, Wear};
 use slipline_protocol::limits;
-use slipline_protocol::units::per_mille;
+use slipline_protocol::units::{SampleIndex, per_mille};
 use slipline_protocol::version::Version;
 
 use super::Controller;
@@ -13,6 +13,7 @@ use crate::mailbox::Mailbox;
 use crate::mailbox::View;
 use crate::ports::{FlashPages, System};
 use crate::safety::foldback::Foldback;
+use crate::store;
 
 /// Bits of a DAC code.
 const DAC_BITS: u8 = 12;
@@ -76,6 +77,16 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             // There are two slots.
             erasures_promised: self.flash.endurance().saturating_mul(2),
             brown_out_guarded: self.system.is_brown_out_guarded(),
+        }
+    }
+
+    /// What [`Command::Maintenance`](slipline_protocol::Command::Maintenance) leaves out.
+    pub(super) fn wear(&mut self, now: SampleIndex) -> Wear {
+        let places = if self.flash.profile_slot_len() < store::SLOT_BYTES { 0 } else { 2 };
+        Wear {
+            profile_erasures: self.profile_erasures,
+            profile_erasures_promised: self.flash.endurance().saturating_mul(places),
+            stores_left: self.stores.left(now, &self.timing),
         }
     }
 

@@ -29,7 +29,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             return Err(refusal);
         }
-        let Published { at, .. } = publish(mailbox, &self.lead, Mailbox::publish, |view, lead| {
+        let Published { at, .. } = publish(mailbox, &self.lead, Mailbox::publish_swap, |view, lead| {
             if view.waits() {
                 // It was planned by the table in force.
                 return Err(Refusal::Busy(Busy::CommitPending));
@@ -86,6 +86,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if store::holds(&mut self.flash, &header, knot) {
             return Ok(unchanged(mailbox.now()));
         }
+        self.take_store(mailbox)?;
         let saved = store::save(&mut self.flash, &header, knot);
         self.erasures = store::erasures(&mut self.flash);
         saved.map_err(|_| Refusal::StoreFailed)?;
@@ -100,11 +101,16 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if store::holds_nothing(&mut self.flash) {
             return Ok(unchanged(mailbox.now()));
         }
+        self.take_store(mailbox)?;
         let forgotten = store::forget(&mut self.flash);
         self.erasures = store::erasures(&mut self.flash);
         forgotten.map_err(|_| Refusal::StoreFailed)?;
         self.stored = StoredConfig::Empty;
         Ok(accepted(mailbox.now()))
+    }
+
+    fn take_store<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
+        self.stores.take(mailbox.now(), &self.timing).map_err(|wait_s| Refusal::StoresSpent { wait_s })
     }
 
     fn refuse_unless_silent<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {

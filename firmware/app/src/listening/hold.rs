@@ -23,7 +23,8 @@
 //! **Limits.** The hold decides nothing about what a drive may be. It proposes, and the planner that every drive goes
 //! through accepts or refuses; a refusal keeps what is in force. The caller says how much more is allowed ([`Room`]), so
 //! that refusals are rare and the limit is reached exactly: of the headroom what is left of full scale, nothing while the
-//! thermal limit folds back. No tone rises above [`LoopSetting::max_rise`] or level 1 either. What falls is always proposed,
+//! thermal limit folds back. No tone rises above level 1 either, nor above [`LoopSetting::max_rise`], which counts from the drive's
+//! level through all holds of that drive ([`ToneToHold::level`]). What falls is always proposed,
 //! also after a refusal. At a limit the integral waits: when the finger leaves, the tone is louder by what the hold had
 //! added until the loop has seen it, 5 `tau` later within 1 dB again, and never more than 0.1 dB below its set value. The
 //! test of this has 3 dB of room.
@@ -254,12 +255,6 @@ impl Hold {
     #[must_use]
     pub fn levels(&self) -> Levels {
         self.tones.map(|tone| tone.map(|tone| tone.level_in_force()))
-    }
-
-    /// The levels of the drive, as they were given.
-    #[must_use]
-    pub fn drive_levels(&self) -> Levels {
-        self.tones.map(|tone| tone.map(|tone| tone.drive_level()))
     }
 
     /// Whether there is nothing left to do: every tone is lost, and back at the table's level.

@@ -66,6 +66,9 @@ impl<M: RawMutex> Mailbox<M> {
                     if due.waits {
                         shared.begin_waiting(index);
                     }
+                    if due.drives {
+                        shared.begin_drive(index);
+                    }
                     shared.live.set(shared.live.get().other());
                     shared.count_change();
                 }

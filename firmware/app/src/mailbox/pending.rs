@@ -15,6 +15,8 @@ pub struct Pending {
     pub sounds: bool,
     /// It begins with the first block after a rise of the trigger input.
     pub waits: bool,
-    /// It gives way to any other motion: one that waits, and the level hold's own.
+    /// Any other motion may replace it: one that waits, and the level hold's own.
     pub yields: bool,
+    /// It is a drive of the user's: drive time and lease begin with it. Not a table's swap, nor the level hold's own.
+    pub drives: bool,
 }

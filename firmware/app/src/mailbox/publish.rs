@@ -20,24 +20,33 @@ pub enum NotPublished {
 struct Manner {
     waits: bool,
     yields: bool,
+    drives: bool,
 }
 
 impl<M: RawMutex> Mailbox<M> {
-    /// Hands over a motion that goes on from that of `view`: it is pending until its start. One that [yields](Pending::yields)
-    /// is dropped for it.
+    /// Hands over a drive that goes on from the motion of `view`: it is pending until its start. A pending motion that
+    /// [yields](Pending::yields) is dropped for it.
     ///
     /// # Errors
     /// [`NotPublished`]; nothing has begun then.
     pub fn publish(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, Manner { waits: false, yields: false })
+        self.hand_over(motion, view, Manner { waits: false, yields: false, drives: true })
     }
 
-    /// As [`Mailbox::publish`] a motion that gives way to any other as long as it has not begun.
+    /// Like [`Mailbox::publish`], for a table's swap, which is no drive.
     ///
     /// # Errors
     /// As [`Mailbox::publish`].
-    pub fn publish_yielding(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, Manner { waits: false, yields: true })
+    pub fn publish_swap(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
+        self.hand_over(motion, view, Manner { waits: false, yields: false, drives: false })
+    }
+
+    /// Like [`Mailbox::publish_swap`], for levels that any later motion may replace until they begin.
+    ///
+    /// # Errors
+    /// As [`Mailbox::publish`].
+    pub fn publish_levels(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
+        self.hand_over(motion, view, Manner { waits: false, yields: true, drives: false })
     }
 
     /// As [`Mailbox::publish`] a motion that begins with the first block after a rise of the trigger input. The rise
@@ -46,10 +55,10 @@ impl<M: RawMutex> Mailbox<M> {
     /// # Errors
     /// As [`Mailbox::publish`].
     pub fn publish_waiting(&self, motion: &Motion, view: &View) -> Result<(), NotPublished> {
-        self.hand_over(motion, view, Manner { waits: true, yields: true })
+        self.hand_over(motion, view, Manner { waits: true, yields: true, drives: true })
     }
 
-    /// Drops what has been [published yielding](Mailbox::publish_yielding) and has not begun; returns whether there was any.
+    /// Drops what has been published by [`Mailbox::publish_levels`] and has not begun; returns whether there was any.
     pub fn drop_levels(&self) -> bool {
         self.shared.lock(|shared| {
             let waits = shared.pending.get().is_some_and(|pending| pending.yields && !pending.waits);
@@ -95,6 +104,7 @@ impl<M: RawMutex> Mailbox<M> {
                 sounds: !motion.ends_silent(),
                 waits: manner.waits,
                 yields: manner.yields,
+                drives: manner.drives,
             }));
             Ok(())
         })

@@ -6,6 +6,7 @@ use slipline_protocol::event::Fault;
 use slipline_protocol::units::SampleIndex;
 
 use super::listening::Listening;
+use super::hand::Hand;
 use super::{Pending, Report, Stop};
 use crate::digest::DigestState;
 use crate::motion::outline::Outline;
@@ -39,6 +40,8 @@ pub(super) struct Shared {
     pub(super) armed: Cell<bool>,
     pub(super) ready_at: Cell<SampleIndex>,
     pub(super) fed_at: Cell<SampleIndex>,
+    /// Where the user's last drive began, or the device was armed.
+    pub(super) drive_began: Cell<SampleIndex>,
     /// How long the device stays armed without a drive, in samples; [`NO_LEASE`] for ever.
     pub(super) lease: Cell<u64>,
     /// The index at which that is over.
@@ -46,6 +49,7 @@ pub(super) struct Shared {
     pub(super) limit_per_mille: Cell<Option<u16>>,
     pub(super) report: Cell<Report>,
     pub(super) faults: Cell<FaultLatch>,
+    pub(super) hand: Cell<Hand>,
     pub(super) digest: Cell<DigestState>,
     pub(super) listening: Listening,
 }
@@ -92,11 +96,13 @@ impl Shared {
             armed: Cell::new(false),
             ready_at: Cell::new(0),
             fed_at: Cell::new(0),
+            drive_began: Cell::new(0),
             lease: Cell::new(NO_LEASE),
             lease_ends: Cell::new(NO_LEASE),
             limit_per_mille: Cell::new(None),
             report: Cell::new(Report::SILENT),
             faults: Cell::new(FaultLatch::new()),
+            hand: Cell::new(Hand { since: None, last: None }),
             digest: Cell::new(DigestState::None),
             listening: Listening::new(),
         }
@@ -126,12 +132,12 @@ impl Shared {
         let outline = self.live.get().other().of(&self.outlines);
         outline.set(outline.get().starting_at(index));
         self.began.set(Some(index));
-        self.begin_lease(index);
     }
 
-    /// The lease begins anew at an index, unless it has begun later.
-    pub(super) fn begin_lease(&self, index: SampleIndex) {
-        self.lease_ends.set(index.saturating_add(self.lease.get()).max(self.lease_ends.get()));
+    /// A drive of the user's begins at an index, and with it drive time and lease.
+    pub(super) fn begin_drive(&self, index: SampleIndex) {
+        self.drive_began.set(index);
+        self.lease_ends.set(index.saturating_add(self.lease.get()));
     }
 
     pub(super) fn disarm_now(&self, fault: Option<(Fault, SampleIndex)>) {

@@ -8,7 +8,7 @@
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
-use slipline_protocol::event::{ProfileReport, StoredConfig};
+use slipline_protocol::event::{Fault, ProfileReport, StoredConfig};
 use slipline_protocol::limits::{self, MAX_RISE_CDB};
 use slipline_protocol::profile::ActuatorProfile;
 use slipline_protocol::refusal::{Field, Refusal};
@@ -60,10 +60,27 @@ impl Bounds {
         self.stored = stored;
     }
 
-    /// Whether a profile may have been lost, so that the device must not be armed.
+    /// The fault that keeps the device from being armed: a profile may have been lost, or an older one is in force.
     #[must_use]
-    pub fn is_lost(&self) -> bool {
-        self.stored == StoredConfig::Damaged
+    pub const fn fault(&self) -> Option<Fault> {
+        match self.stored {
+            StoredConfig::Damaged => Some(Fault::StoreDamaged),
+            StoredConfig::FellBack => Some(Fault::ProfileFellBack),
+            StoredConfig::Empty | StoredConfig::Loaded | StoredConfig::WrongVersion => None,
+        }
+    }
+
+    /// Accepts the older profile for this run, as its user does with a hand on the board.
+    pub const fn accept_older(&mut self) {
+        if matches!(self.stored, StoredConfig::FellBack) {
+            self.stored = StoredConfig::Loaded;
+        }
+    }
+
+    /// Whether the flash keeps a profile, or may have lost one.
+    #[must_use]
+    pub const fn is_kept(&self) -> bool {
+        self.profile.is_some() || self.fault().is_some()
     }
 
     /// The report to the host.

@@ -4,8 +4,8 @@ use slipline_protocol::event::StoredConfig;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::profile::{ActuatorProfile, PROFILE_BYTES};
 
-use super::slots::{has_lost_a_copy, is_whole_beside, newest};
-use super::{FORGOTTEN, LAYOUT, PROFILE, Word, put, write_record};
+use super::slots::{erasures, has_lost_a_copy, is_whole_beside, newest, other_record};
+use super::{FORGOTTEN, LAYOUT, PROFILE, RecordHeader, Word, put, write_record};
 use crate::ports::{FLASH_WORD, FlashError, FlashPages, FlashSlot};
 
 /// Words of a profile's record behind its header.
@@ -59,8 +59,28 @@ pub fn load_profile(flash: &mut impl FlashPages) -> (Option<ActuatorProfile>, St
         (Ok(Some(profile)), true) => (Some(profile), StoredConfig::FellBack),
         (Ok(None), false) => (None, StoredConfig::Empty),
         (Ok(None), true) => (None, StoredConfig::Damaged),
-        (Err(stored), _) => (None, stored),
+        // The older one limits, if it is whole.
+        (Err(stored), _) => match older(&mut pages) {
+            Some(profile) => (Some(profile), StoredConfig::FellBack),
+            None => (None, stored),
+        },
     }
+}
+
+/// Erasures of the profile's slots together, as [`erasures`] counts the table's.
+pub fn profile_erasures(flash: &mut impl FlashPages) -> u32 {
+    erasures(&mut ProfilePages(flash))
+}
+
+/// The profile beside the newest record, which is a damaged profile.
+fn older(pages: &mut impl FlashPages) -> Option<ActuatorProfile> {
+    let (slot, _) = newest(pages).ok().filter(|(_, record)| is_profile(record))?;
+    let older = other_record(pages, slot).filter(is_profile)?;
+    payload(pages, slot.other(), &older)
+}
+
+fn is_profile(record: &RecordHeader) -> bool {
+    (record.layout, record.kind) == (LAYOUT, PROFILE)
 }
 
 /// The newest record: a profile, or that there is none.
@@ -71,21 +91,22 @@ fn read(pages: &mut impl FlashPages) -> Result<Option<ActuatorProfile>, StoredCo
         Err(stored) => return Err(stored),
     };
     // A layout or a kind that is not known may be a profile of another version: it must not be ignored.
-    match (record.layout, record.kind) {
-        (LAYOUT, FORGOTTEN) => return Ok(None),
-        (LAYOUT, PROFILE) => {}
-        _ => return Err(StoredConfig::Damaged),
+    if (record.layout, record.kind) == (LAYOUT, FORGOTTEN) {
+        return Ok(None);
     }
+    let profile = is_profile(&record).then(|| payload(pages, slot, &record)).flatten();
+    profile.map(Some).ok_or(StoredConfig::Damaged)
+}
+
+/// The profile of a record in a slot, if it is whole.
+fn payload(pages: &mut impl FlashPages, slot: FlashSlot, record: &RecordHeader) -> Option<ActuatorProfile> {
     let mut bytes = [0; PROFILE_BYTES];
     for (index, part) in bytes.chunks_exact_mut(FLASH_WORD).enumerate() {
         let mut word = [0; FLASH_WORD];
-        pages.read(slot, (index + 1) * FLASH_WORD, &mut word).map_err(|FlashError| StoredConfig::Damaged)?;
+        pages.read(slot, (index + 1) * FLASH_WORD, &mut word).ok()?;
         part.copy_from_slice(&word);
     }
-    if CRC.checksum(&bytes) != record.crc {
-        return Err(StoredConfig::Damaged);
-    }
-    ActuatorProfile::read(&bytes).map(Some).ok_or(StoredConfig::Damaged)
+    (CRC.checksum(&bytes) == record.crc).then(|| ActuatorProfile::read(&bytes))?
 }
 
 /// Whether this very profile is kept, or that there is none, and the other slot is whole: to write it would change nothing.

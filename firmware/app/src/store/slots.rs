@@ -51,6 +51,14 @@ pub(super) fn newest(flash: &mut impl FlashPages) -> Result<(FlashSlot, RecordHe
     }
 }
 
+/// The record in the slot beside this one.
+pub(super) fn other_record(flash: &mut impl FlashPages, slot: FlashSlot) -> Option<RecordHeader> {
+    match content(flash, slot.other()) {
+        Content::Record(record) => Some(record),
+        Content::Blank | Content::Broken => None,
+    }
+}
+
 /// Whether the slot beside the newest record is as a store leaves it: it holds the record before, or the newest record
 /// is the first one and nothing was ever written there. Anything else is a store that the power cut short, or a header
 /// that has decayed and may have been the newest.

@@ -120,6 +120,10 @@ impl CommandQueue {
                 recorder.maintenance(reported);
                 recorder.finish(task.ticket, Outcome::Done { at: 0 });
             }
+            Event::Wear(reported) => {
+                recorder.wear(reported);
+                recorder.finish(task.ticket, Outcome::Done { at: 0 });
+            }
             Event::Profile(reported) => {
                 recorder.profile(reported);
                 recorder.finish(task.ticket, Outcome::Done { at: 0 });
@@ -245,16 +249,13 @@ impl CommandQueue {
                 recorder.finish(task.ticket, Outcome::Done { at });
                 return Next::Close;
             }
-            Command::WriteProfile(_) => self.tasks.push_back(Task::new(None, Job::Send(Command::Profile))),
-            Command::Store | Command::Forget => {
-                if self.channel.is_known(&Command::Maintenance) {
-                    self.tasks.push_back(Task::new(None, Job::Send(Command::Maintenance)));
-                }
-            }
+            Command::WriteProfile(_) => self.read_again(&[Command::Profile, Command::Wear]),
+            Command::Store | Command::Forget => self.read_again(&[Command::Maintenance, Command::Wear]),
             // They do not change the journal, or are not sent as tasks.
             Command::Maintenance
             | Command::Board
             | Command::Profile
+            | Command::Wear
             | Command::SetTravelLimit(_)
             | Command::TravelLimit
             | Command::Trigger
@@ -284,6 +285,15 @@ impl CommandQueue {
         let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
         self.status_stale |= !(is_dragging && matches!(task.job, Job::Play(Sounding::Drive(_))));
         Next::Continue
+    }
+
+    /// Reads again what the device reports of itself, as far as it knows the messages.
+    fn read_again(&mut self, reports: &[Command]) {
+        for report in reports {
+            if self.channel.is_known(report) {
+                self.tasks.push_back(Task::new(None, Job::Send(report.clone())));
+            }
+        }
     }
 
     /// Records a drive, a chord or a comb that the device has accepted.

@@ -87,7 +87,7 @@ impl CommandQueue {
             self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
             self.channel.keep_alive(now);
             self.tasks.push_front(Task::new(None, Job::FirstReadBack));
-            for command in [Command::Inputs, Command::Profile, Command::Board, Command::Maintenance] {
+            for command in [Command::Inputs, Command::Profile, Command::Wear, Command::Board, Command::Maintenance] {
                 if self.channel.is_known(&command) {
                     self.tasks.push_front(Task::new(None, Job::Send(command)));
                 }
@@ -174,6 +174,7 @@ fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
         | Event::Maintenance(_)
         | Event::Board(_)
         | Event::Profile(_)
+        | Event::Wear(_)
         | Event::Unchanged(_)
         | Event::TravelLimit(_)
         | Event::Trigger(_)

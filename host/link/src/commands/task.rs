@@ -73,6 +73,7 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         | Command::Maintenance
         | Command::Board
         | Command::Profile
+        | Command::Wear
         | Command::WriteProfile(_)
         | Command::Disarm
         | Command::Stop

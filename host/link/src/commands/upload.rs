@@ -204,6 +204,7 @@ impl Uploads {
                 | Event::Maintenance(_)
                 | Event::Board(_)
                 | Event::Profile(_)
+                | Event::Wear(_)
                 | Event::AcceptedUntil(_)
                 | Event::Unchanged(_)
                 | Event::Trigger(_)

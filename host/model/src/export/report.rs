@@ -210,6 +210,9 @@ fn device(page: &mut Page, snapshot: &Snapshot, identity: &Identity) {
         page.line("Flash erased", upkeep::wear(maintenance));
         page.line("Brown-out level", upkeep::brown_out_level(maintenance));
     }
+    if let Some(wear) = &snapshot.wear {
+        page.line("Profile's flash erased", upkeep::profile_wear(wear));
+    }
     page.line("Last crash", if crash.is_empty() { "none" } else { crash.as_str() });
 }
 

@@ -91,7 +91,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         mailbox: &Mailbox<M>,
     ) -> Result<SampleIndex, Refusal> {
         let (changes, glide) = (self.holding.changes, self.holding.hold.glide());
-        let published = publish(mailbox, &self.lead, Mailbox::publish_yielding, |view, lead| {
+        let published = publish(mailbox, &self.lead, Mailbox::publish_levels, |view, lead| {
             self.refuse_unless_armed(view.armed, view.faults)?;
             if view.pending.is_some() {
                 return Err(Refusal::Busy(Busy::CommitPending));

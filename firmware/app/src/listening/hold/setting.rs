@@ -33,8 +33,10 @@ pub struct ToneToHold {
     pub slot: u8,
     /// The amplitude to hold, in 1/256 code at the input, [`MIN_AMPLITUDE`]`..=`[`MAX_AMPLITUDE`].
     pub amplitude: u32,
-    /// Its level by the drive in force, master included; above 0, at most 1.
+    /// Its level by the drive in force, master included; above 0, at most 1. The largest rise counts from here.
     pub level: Gain,
+    /// The level that sounds, in the same range: another one where an earlier hold of this drive has left it.
+    pub sounding: Gain,
 }
 
 /// Why a hold cannot begin.
@@ -98,7 +100,7 @@ impl ToneToHold {
         if !(MIN_AMPLITUDE..=MAX_AMPLITUDE).contains(&self.amplitude) {
             return Err(SettingError::Amplitude { slot, amplitude: self.amplitude });
         }
-        if !(1..=Gain::FULL.0).contains(&self.level.0) {
+        if [self.level, self.sounding].iter().any(|level| !(1..=Gain::FULL.0).contains(&level.0)) {
             return Err(SettingError::Level { slot });
         }
         Ok(())

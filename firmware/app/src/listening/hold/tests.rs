@@ -22,7 +22,8 @@ fn setting(tau: u32) -> LoopSetting {
 
 /// A hundredth of full scale.
 fn tone(slot: u8) -> ToneToHold {
-    ToneToHold { slot, amplitude: (SET_CODES * 256.0) as u32, level: Gain(Gain::FULL.0 / 100) }
+    let level = Gain(Gain::FULL.0 / 100);
+    ToneToHold { slot, amplitude: (SET_CODES * 256.0) as u32, level, sounding: level }
 }
 
 fn hold(slots: &[u8]) -> Hold {
@@ -194,7 +195,8 @@ fn nothing_rises_without_room_and_every_limit_is_named() {
     let parts = take(&mut hold, Some(&answers(&[(0, 1.0)])), ROOMY);
     assert!((parts[0] - 1.0).abs() < 1e-3, "{parts:?}");
 
-    let loud = ToneToHold { level: Gain(Gain::FULL.0 / 2), ..tone(9) };
+    let level = Gain(Gain::FULL.0 / 2);
+    let loud = ToneToHold { level, sounding: level, ..tone(9) };
     let gentle = LoopSetting { max_rise: Octaves(1 << 15), ..setting(0) };
     for (setting, ends, limit) in [(setting(0), 2.0, Limit::Level), (gentle, 2_f64.sqrt(), Limit::Rise)] {
         let mut hold = Hold::new(&setting, &[loud], MIN_GLIDE).expect("it can be held");

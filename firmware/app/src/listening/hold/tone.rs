@@ -23,7 +23,7 @@ struct Stand {
 pub(super) struct Tone {
     /// The logarithm of the set amplitude in 1/256 code.
     set: Octaves,
-    /// The table's level, and how far above it level 1 lies.
+    /// The drive's level, and how far above it level 1 lies.
     level: Gain,
     below_full: i64,
     /// What is in force, and what is proposed in its place.
@@ -41,13 +41,18 @@ pub(super) struct Tone {
 
 impl Tone {
     pub(super) fn new(tone: &ToneToHold) -> Self {
-        let below_full = Octaves::log2(Gain::FULL.0.into()).0 - Octaves::log2(tone.level.0.into()).0;
+        let above_drive = |level: Gain| {
+            fine(Octaves(Octaves::log2(level.0.into()).0 - Octaves::log2(tone.level.0.into()).0))
+        };
+        // What an earlier hold has left.
+        let correction = above_drive(tone.sounding);
+        let begin = Stand { correction, integral: correction };
         Self {
             set: Octaves::log2(tone.amplitude.into()),
             level: tone.level,
-            below_full: fine(Octaves(below_full)),
-            accepted: Stand::default(),
-            proposed: Stand::default(),
+            below_full: above_drive(Gain::FULL),
+            accepted: begin,
+            proposed: begin,
             weak: 0,
             at_rise: 0,
             frozen: 0,
@@ -85,7 +90,7 @@ impl Tone {
         let is_beyond = self.control(error, ceiling, law);
         self.state = if error.0.abs() <= Octaves::DECIBEL.0 {
             LoopState::Held
-        } else if error > Octaves::NONE && (is_beyond && !is_weak || left == 0) {
+        } else if error > Octaves::NONE && (is_beyond && !is_weak || left <= 0) {
             LoopState::AtLimit(limit)
         } else if error < Octaves::NONE && self.proposed.correction == FLOOR {
             LoopState::AtLimit(Limit::Fall)
@@ -118,7 +123,7 @@ impl Tone {
         wanted > ceiling
     }
 
-    /// The highest correction, and what makes it so. Never below the one in force.
+    /// The highest correction, and what makes it so. Below the one in force only where an earlier hold was allowed more.
     fn ceiling(&self, room: Room, law: &Law) -> (i64, Limit) {
         let accepted = self.accepted.correction;
         let limits = [
@@ -149,11 +154,6 @@ impl Tone {
     /// Whether what is proposed is another level than the one in force.
     pub(super) fn is_changed(&self) -> bool {
         level(self.level, self.proposed) != level(self.level, self.accepted)
-    }
-
-    /// The level of the drive.
-    pub(super) const fn drive_level(&self) -> Gain {
-        self.level
     }
 
     /// The level in force.

@@ -106,6 +106,7 @@ fn commands() -> Vec<(Command, [Fate; 3])> {
         Command::Maintenance = Command::Maintenance, Kept, Kept, Kept;
         Command::Board = Command::Board, Kept, Kept, Kept;
         Command::Profile = Command::Profile, Kept, Kept, Kept;
+        Command::Wear = Command::Wear, Kept, Kept, Kept;
         Command::WriteProfile(_) = Command::WriteProfile(ProfileSetting::default()), Kept, Kept, Kept;
         Command::Arm = Command::Arm, Kept, Dropped, Kept;
         Command::ArmFor(_) = Command::ArmFor(ArmLease { lease_ms: 1000 }), Kept, Dropped, Kept;

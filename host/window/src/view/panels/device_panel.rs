@@ -156,6 +156,9 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ui.label(RichText::new(warning).small().color(palette.warn));
         }
     }
+    if let Some(wear) = snapshot.wear.as_ref().filter(|_| snapshot.keeps_profile()) {
+        row(ui, "Profile's flash", upkeep::profile_wear(wear));
+    }
     if let Some(report) = snapshot.profile.as_ref().filter(|_| snapshot.keeps_profile()) {
         let name = report.profile.as_ref().map_or("none", |profile| profile.name.as_str());
         row(ui, "Actuator profile", name);
