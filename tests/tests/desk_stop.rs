@@ -103,7 +103,10 @@ fn no_host_moves_the_plate_again_before_two_seconds_have_passed_since_the_releas
         let rest = rig.samples(DESK_STOP_MS) as usize;
         let after_ramp = rig.samples(EMERGENCY_RAMP_MS) as usize + 3 * BLOCK as usize;
         let codes = rig.recording.from(released);
-        assert!(codes[after_ramp..rest - BLOCK as usize].iter().all(|code| *code == MID), "held {held_ms} ms");
+        assert!(
+            codes[after_ramp..rest - BLOCK as usize].iter().all(|code| *code == MID),
+            "held {held_ms} ms"
+        );
         assert!(codes[rest..].iter().any(|code| *code != MID), "and not much longer");
     }
 }

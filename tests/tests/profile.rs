@@ -189,7 +189,10 @@ fn the_older_profile_limits_until_a_hand_on_the_board_accepts_it() {
         // The next start asks again.
         rig.device.restart(ResetCause::Pin);
         rig.hello();
-        assert_eq!(report(&mut rig), ProfileReport { profile: Some(quiet()), stored: StoredConfig::FellBack });
+        assert_eq!(
+            report(&mut rig),
+            ProfileReport { profile: Some(quiet()), stored: StoredConfig::FellBack }
+        );
     }
 }
 

@@ -310,8 +310,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         if self.refuse_without_hand(mailbox).is_ok() {
             self.bounds.accept_older();
         }
-        let has_rested =
-            |last: SampleIndex| mailbox.now().saturating_sub(last) >= self.timing.desk_stop;
+        let has_rested = |last: SampleIndex| mailbox.now().saturating_sub(last) >= self.timing.desk_stop;
         let is_stopped = self.is_stopped_on_the_desk() || !mailbox.hand().last.is_none_or(has_rested);
         let causes = [
             self.thermal.is_warm().then_some(Fault::Overheat),

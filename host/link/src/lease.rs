@@ -25,7 +25,8 @@ impl Lease {
 
     /// A drive begins at `at`, and the lease with it again, if it is not over before.
     pub(crate) fn drive(&mut self, at: SampleIndex) {
-        self.ends = self.ends.map(|ends| if at < ends { ends.max(at.saturating_add(self.samples)) } else { ends });
+        self.ends =
+            self.ends.map(|ends| if at < ends { ends.max(at.saturating_add(self.samples)) } else { ends });
     }
 
     /// The device was disarmed by a request.
@@ -82,7 +83,11 @@ mod tests {
         assert_eq!(lease.take_status(&status(State::Idle, 12_000)), Some((Duration::from_secs(1), 12_000)));
         lease.begin(1000, 8000, 0);
         lease.drive(8000);
-        assert_eq!(lease.take_status(&status(State::Idle, 8000)), Some((Duration::from_secs(1), 8000)), "too late");
+        assert_eq!(
+            lease.take_status(&status(State::Idle, 8000)),
+            Some((Duration::from_secs(1), 8000)),
+            "too late"
+        );
         lease.begin(1000, 8000, 0);
         lease.end();
         assert_eq!(lease.take_status(&status(State::Idle, u64::MAX)), None);

@@ -38,9 +38,12 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// not a lock: whoever can press the button can do it.
     pub(super) fn refuse_without_hand<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
         let is_pressed = self.system.board().user_button == UserButton::Pressed;
-        let is_fresh =
-            |since: SampleIndex| mailbox.now().saturating_sub(since) < self.timing.hand;
-        if is_pressed && mailbox.hand().since.is_some_and(is_fresh) { Ok(()) } else { Err(Refusal::HoldButton) }
+        let is_fresh = |since: SampleIndex| mailbox.now().saturating_sub(since) < self.timing.hand;
+        if is_pressed && mailbox.hand().since.is_some_and(is_fresh) {
+            Ok(())
+        } else {
+            Err(Refusal::HoldButton)
+        }
     }
 
     fn apply_profile(&mut self) {

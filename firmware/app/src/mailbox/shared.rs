@@ -5,8 +5,8 @@ use core::cell::Cell;
 use slipline_protocol::event::Fault;
 use slipline_protocol::units::SampleIndex;
 
-use super::listening::Listening;
 use super::hand::Hand;
+use super::listening::Listening;
 use super::{Pending, Report, Stop};
 use crate::digest::DigestState;
 use crate::motion::outline::Outline;

@@ -59,7 +59,10 @@ mod tests {
         }
         assert_eq!(budget.take(5000, &timing), Err(60));
         assert_eq!(budget.take(4999 + minute, &timing), Err(1));
-        assert_eq!((budget.take(5000 + minute, &timing), budget.take(5000 + minute, &timing)), (Ok(()), Err(60)));
+        assert_eq!(
+            (budget.take(5000 + minute, &timing), budget.take(5000 + minute, &timing)),
+            (Ok(()), Err(60))
+        );
         assert_eq!(budget.left(5000 + 11 * minute, &timing), 10);
         assert_eq!(budget.left(u64::MAX, &timing), 16);
     }
