@@ -23,8 +23,11 @@ SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
 CHORD = 0x19
 COMB = 0x1A
 BOARD, PROFILE, BOARD_REPLY, PROFILE_REPLY = 0x05, 0x06, 0x85, 0x86
+WEAR, WEAR_REPLY = 0x07, 0x87
 FORGET, WRITE_PROFILE = 0x41, 0x42
 HOLD_BUTTON = b"\x1b"
+# Then the seconds until the next store.
+STORES_SPENT = 0x1C
 ARM_FOR = 0x1B
 DIGEST_READ, DIGEST_REPLY = 0x31, 0xB1
 INPUTS, LISTEN, CAPTURE, CAPTURE_READ, INPUTS_REPLY, CAPTURED_REPLY = 0x60, 0x61, 0x64, 0x65, 0xE0, 0xE5
@@ -39,7 +42,7 @@ RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard
 STORED = ("empty", "loaded", "wrong version", "damaged", "fell back")
 FAULTS = (
     "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
-    "store damaged", "store fell back", "desk stop",
+    "store damaged", "store fell back", "desk stop", "profile fell back",
 )  # fmt: skip
 PROGRESS = ("idle", "running", "finished", "broken")
 # In the place of an index: a drive waits for the trigger input.
@@ -193,11 +196,11 @@ def _multiples(tones, glide, at):
     return body + zigzag(0) + varint(glide) + _apply(at)
 
 
-def profile(name, sum_per_mille=1000, stop_input=False, travel=None):
+def profile(name, sum_per_mille=1000, stop_input=False, travel=None, drive_ms=600_000):
     """A profile: the constants of a device without one, but for what is given. `travel`: uHz, 1/1000, ppm."""
     body = b"\1" + bytes([len(name)]) + name.encode() + varint(sum_per_mille)
     body += b"\0" if travel is None else b"\1" + b"".join(map(varint, travel))
-    return body + varint(8000) + varint(120_000) + varint(1300) + zigzag(2000) + varint(600_000) + bytes([stop_input])
+    return body + varint(8000) + varint(120_000) + varint(1300) + zigzag(2000) + varint(drive_ms) + bytes([stop_input])
 
 
 class Host:
@@ -271,6 +274,13 @@ class Host:
         r = Reader(body)
         return r.number(), r.number(), bool(r.byte())
 
+    def wear(self):
+        """Erasures of the profile's places, those that the data sheet promises, and the stores of tables that are left."""
+        _, reply, body = self.exchange(WEAR)
+        assert reply == WEAR_REPLY, f"{reply:#x} {body.hex()}"
+        r = Reader(body)
+        return r.number(), r.number(), r.byte()
+
     def board_report(self):
         """The core's clock, and what is known of the mute resistor, the user button and the stop input."""
         _, reply, body = self.exchange(BOARD)
@@ -333,10 +343,11 @@ class Host:
             if not sent or len(codes) == count:
                 return progress, at, codes
 
-    def hold(self, tones, blocks):
-        """Holds tones (slot, codes of amplitude) at the sensor, with windows of `blocks` blocks and a rise of at most 12 dB."""
+    def hold(self, tones, blocks, rise=1200):
+        """Holds tones (slot, codes of amplitude) at the sensor, with windows of `blocks` blocks and a rise of at most 12 dB, or of
+        another one in 1/100 dB."""
         listed = b"".join(bytes([slot]) + varint(round(256 * codes)) for slot, codes in tones)
-        body = b"\0\0" + varint(blocks) + zigzag(1200) + zigzag(602) + bytes([len(tones)]) + listed
+        body = b"\0\0" + varint(blocks) + zigzag(rise) + zigzag(602) + bytes([len(tones)]) + listed
         return self.accept(HOLD, body)
 
     def held(self):

@@ -1,13 +1,19 @@
 """Arming is a lease: a host that only keeps alive is left by the device."""
-from host import ARM_FOR, varint
+import pytest
+
+from host import ARM_FOR, DRIVE, RATE_HZ, drive, varint
 from rig import start
 
 
 # The renderer's matter, not the chip's: the other images have it at night.
-def test_a_device_that_is_armed_on_a_lease_disarms_by_itself(armed):
+@pytest.mark.parametrize("later", [pytest.param(False, marks=pytest.mark.nightly), True], ids=["no other drive", "a later drive"])
+def test_a_device_that_is_armed_on_a_lease_disarms_by_itself(armed, later):
+    """R-81: a drive that is to begin later has not begun, and is dropped."""
     armed.host.accept(ARM_FOR, varint(1000))
     at = start(armed)
     began = armed.board.seconds
+    if later:
+        armed.host.accept(DRIVE, drive([(0, 0.4, 0.3)], 2000, at + 3 * RATE_HZ))
     armed.board.is_hasty = True
     armed.host.live(0.9)
     assert armed.board.pin(armed.facts.unmute) == 1

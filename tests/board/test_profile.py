@@ -3,7 +3,12 @@ import pytest
 
 from copies import on_copy
 from core.processor import PowerCut
-from host import DRIVE, FORGET, HOLD_BUTTON, REFUSED, WRITE_PROFILE, drive, profile
+from host import (
+    ACCEPTED, ARM, BOOTLOADER_ENTER, BOOTLOADER_TOKEN, CLEAR_FAULTS, DRIVE, FORGET, HOLD_BUTTON, RATE_HZ, REFUSED, UNCHANGED,
+    WRITE_PROFILE, Reader, drive, profile, varint,
+)  # fmt: skip
+from leaps import leap
+from rig import MILLISECOND, start
 
 HEADROOM = 0x0A
 # The longest that the device may take: a sector of 128 KiB of the F407's takes 2 s.
@@ -20,6 +25,25 @@ def write(rig, body):
     rig.board.pins.drive(rig.facts.button, 0)
 
 
+def press(rig):
+    rig.board.pins.drive(rig.facts.button, 0)
+    rig.host.live(0.002)
+    rig.board.pins.drive(rig.facts.button, 1)
+    rig.host.live(0.002)
+
+
+def restart(rig, cause):
+    rig.board.reset(cause)
+    rig.host.inbox.clear()
+    rig.host.connect()
+    rig.host.live(0.005)
+
+
+def refused_without_a_hand(rig, body):
+    _, reply, answer = rig.host.exchange(WRITE_PROFILE, body)
+    return (reply, answer) == (REFUSED, HOLD_BUTTON)
+
+
 @pytest.mark.every_image
 def test_it_is_written_with_the_button_only_and_in_force_for_every_session(rig):
     """R-79."""
@@ -29,16 +53,22 @@ def test_it_is_written_with_the_button_only_and_in_force_for_every_session(rig):
     _, reply, body = rig.host.exchange(WRITE_PROFILE, OLD)
     assert (reply, body) == (REFUSED, HOLD_BUTTON)
     write(rig, OLD)
-    assert rig.host.profile() == ("old", "loaded")
+    assert rig.host.profile() == ("old", "loaded") and rig.host.wear() == (1, 20_000, 16)
     kept = rig.keep(33)
+    assert rig.host.wear() == (1, 20_000, 15)
     rig.board.reset("power")
     rig.host.inbox.clear()
     rig.host.connect()
     assert (rig.host.profile(), rig.stored_crc()) == (("old", "loaded"), kept)
     rig.host.arm()
+    assert is_limited_to_old(rig)
+
+
+def is_limited_to_old(rig):
     for level, is_taken in ((0.39, True), (0.41, False)):
         _, reply, body = rig.host.exchange(DRIVE, drive([(0, 1, level)], 2000))
         assert is_taken or (reply == REFUSED and body[0] == HEADROOM), (level, reply, body)
+    return True
 
 
 @pytest.mark.nightly
@@ -80,3 +110,87 @@ def test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_profile(rig, is_
 
     for operation in range(on_copy(rig, operations)):
         on_copy(rig, lambda copy: case(copy, operation))
+
+
+# What follows is the application's matter, not the chip's: the other images have it at night.
+
+
+def newest(rig):
+    """Where the record of the profile `NEW` begins to differ from every other one."""
+    memory = bytes(rig.board.cpu.mem_read(rig.board.FLASH_START, rig.board.MEMORIES[rig.board.FLASH_START]))
+    assert memory.count(b"\x03new") == 1
+    return rig.board.FLASH_START + memory.index(b"\x03new") + 1
+
+
+def test_of_a_damaged_one_the_older_limits_until_a_hand_on_the_board_accepts_it(rig):
+    """R-79."""
+    host, board = rig.host, rig.board
+    host.connect()
+    write(rig, OLD)
+    write(rig, NEW)
+    assert host.wear()[0] == 2
+    board.cpu.mem_write(newest(rig), b"l")
+    restart(rig, "power")
+    assert host.profile() == ("old", "fell back")
+    host.upload()
+    host.accept(CLEAR_FAULTS)
+    assert host.status()["faults"] == {"profile fell back"} and host.exchange(ARM)[1] == REFUSED
+    press(rig)
+    host.accept(CLEAR_FAULTS)
+    board.pins.drive(rig.facts.button, 0)
+    assert host.status()["faults"] == set()
+    host.live(0.002)
+    host.arm()
+    assert is_limited_to_old(rig)
+
+
+def test_a_button_that_is_held_through_the_start_is_a_hand_for_thirty_seconds_after_its_release(rig):
+    """R-79: its level at the start counts as that at rest, so its release is an edge like a press, which nothing tells from one."""
+    rig.board.pins.drive(rig.facts.button, 1)
+    rig.host.connect()
+    rig.host.live(0.01)
+    assert rig.host.board_report()[2] == "released" and refused_without_a_hand(rig, OLD)
+    rig.board.pins.drive(rig.facts.button, 0)
+    rig.host.live(0.002)
+    assert rig.host.board_report()[2] == "pressed"
+    leap(rig, 29.9)
+    rig.host.accept(WRITE_PROFILE, OLD, patience=PATIENCE)
+    leap(rig, 0.1)
+    assert rig.host.board_report()[2] == "pressed" and refused_without_a_hand(rig, NEW), "it reads so for ever"
+
+
+def test_where_one_is_kept_the_rom_bootloader_wants_the_button(rig):
+    """R-63 and R-79: another program knows nothing of it."""
+    host = rig.host
+    host.connect()
+    write(rig, OLD)
+    host.live(0.002)
+    _, _, body = host.exchange(BOOTLOADER_TOKEN)
+    token = varint(Reader(body).number())
+    _, reply, answer = host.exchange(BOOTLOADER_ENTER, token)
+    assert (reply, answer) == (REFUSED, HOLD_BUTTON)
+    press(rig)
+    assert rig.board.resets == []
+    assert host.exchange(BOOTLOADER_ENTER, token)[1] == ACCEPTED
+    rig.board.run_until(lambda: rig.board.resets, 0.1, step=0.001)
+    rig.board.run(0.001)
+    assert rig.board.resets == ["software"] and rig.board.pc & ~1 == rig.facts.rom + 0x100
+
+
+@pytest.mark.nightly
+def test_a_drive_that_begins_later_does_not_put_off_the_longest_drive(rig):
+    """R-79."""
+    host, board = rig.host, rig.board
+    host.connect()
+    write(rig, profile("short", drive_ms=1000))
+    host.upload()
+    host.arm()
+    at = start(rig)
+    host.accept(DRIVE, drive([(0, 0.4, 0.3)], 2000, at + 3 * RATE_HZ))
+    board.is_hasty = True
+    host.live(0.95)
+    assert host.status()["state"] == "driving"
+    # The ramp of 30 ms, and the blocks of mid-scale behind it.
+    board.run_until(lambda: not board.pin(rig.facts.unmute), 0.2, step=0.001)
+    status = host.status()
+    assert (status["first_fault"], status["now"] - at < 1060 * MILLISECOND) == ("drive time", True)

@@ -5,7 +5,7 @@ import pytest
 
 from copies import on_copy
 from core.processor import PowerCut
-from host import STORE
+from host import CLEAR_FAULTS, FORGET, REFUSED, STORE, STORES_SPENT, UNCHANGED
 
 HEADER_BYTES = 32
 # What a cut in the middle of a word leaves of it: the bits that it has not got yet, of all that fall.
@@ -30,6 +30,27 @@ def test_a_board_without_its_brown_out_level_says_so(rig):
     rig.board.flash.take_brown_out_level()
     rig.host.connect()
     assert rig.host.maintenance() == (0, 20_000, False)
+
+
+# The application's matter, not the chip's: the other images have it at night.
+def test_sixteen_stores_in_a_row_and_the_flash_is_spared(rig):
+    """R-89: what is stored and forgotten in turn is erased each time."""
+    host = rig.host
+    host.connect()
+    host.upload(33)
+    host.live(0.002)
+    assert host.wear() == (0, 20_000, 16)
+    for left in reversed(range(16)):
+        host.accept(FORGET if left % 2 == 0 else STORE, patience=rig.facts.store_seconds)
+        assert host.wear()[2] == left
+    erasures = host.maintenance()[0]
+    assert erasures == 16
+    _, reply, body = host.exchange(STORE, patience=rig.facts.store_seconds)
+    assert (reply, body[0], host.maintenance()[0]) == (REFUSED, STORES_SPENT, erasures)
+    # The seconds of a minute that are left; the erasures took some.
+    assert 60 - 16 * rig.facts.store_seconds < body[1] <= 60
+    # What is kept already costs nothing.
+    assert host.exchange(FORGET)[1] == UNCHANGED
 
 
 def operation_at(facts, words):
@@ -71,6 +92,9 @@ def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(kept, words):
     is_told = words > 0 or kept.facts.word_bytes > 4
     assert stored == ("fell back" if is_told else "loaded")
     assert kept.host.status()["faults"] == ({"store fell back"} if is_told else set())
+    # A table limits nothing, so a host alone may go on with the older one.
+    kept.host.accept(CLEAR_FAULTS)
+    assert kept.host.status()["faults"] == set()
     assert kept.stored_crc() == kept.old
     stores_again(kept, erasures=2 + is_told)
 
