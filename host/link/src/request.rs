@@ -57,9 +57,9 @@ pub enum Request {
     /// Erase the stored data from the device's flash. Only when silent.
     Forget,
     /// Write this profile of the board's actuator into the device's flash, or erase it. Only when disarmed and silent, and while the
-    /// board's user button is pressed.
+    /// board's user button is held, pressed within the last 30 s.
     WriteProfile(Box<Option<ActuatorProfile>>),
-    /// Restart into the ROM bootloader (both steps). Only when disarmed.
+    /// Restart into the ROM bootloader (both steps). Only when disarmed; where a profile is kept only with the button as for one.
     Bootloader,
     /// Rehearsal of the protocol's next minor: measure the coil's resistance.
     #[cfg(slipline_next)]

@@ -26,7 +26,7 @@ pub struct ProfileArguments {
 /// A change of the profile, which the board's user confirms with the button on the board.
 #[derive(Debug, Subcommand)]
 enum Change {
-    /// Write a profile into the board's flash. Hold the board's user button meanwhile.
+    /// Write a profile into the board's flash. Press the board's user button and hold it meanwhile.
     Write {
         /// The profile: a TOML file, as `slipline profile` prints it.
         #[arg(value_name = "PROFILE.toml")]
@@ -34,7 +34,7 @@ enum Change {
         #[command(flatten)]
         port: PortArgument,
     },
-    /// Erase the profile. Hold the board's user button meanwhile.
+    /// Erase the profile. Press the board's user button and hold it meanwhile.
     Erase {
         #[command(flatten)]
         port: PortArgument,

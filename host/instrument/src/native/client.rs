@@ -200,7 +200,7 @@ impl<W: BlockingLink> Client<W> {
     /// Writes the profile of the board's actuator, or erases it.
     ///
     /// # Errors
-    /// A request's error: refused while the board's user button is not pressed.
+    /// A request's error: refused unless the board's user button is held, pressed within the last 30 s.
     pub fn write_profile(&self, profile: Option<ActuatorProfile>) -> Result<(), ClientError> {
         self.perform(Request::WriteProfile(Box::new(profile))).map(drop)
     }

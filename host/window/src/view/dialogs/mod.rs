@@ -233,7 +233,7 @@ const fn words(confirm: Confirm) -> (&'static str, &'static str, &'static str) {
         ),
         Confirm::Bootloader => (
             "Restart into the bootloader?",
-            "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again.",
+            "The device leaves Slipline and waits for new firmware. It comes back after flashing, or when it is plugged in again. Where the board keeps a profile, press its user button and hold it meanwhile.",
             "Restart",
         ),
     }

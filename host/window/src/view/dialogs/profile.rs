@@ -18,8 +18,8 @@ pub(super) fn show(
     ui.add_space(6.0);
     ui.add(egui::Label::new(RichText::new(profile_file::write(profile).trim_end()).monospace()).wrap());
     ui.add_space(6.0);
-    let text = "Hold the user button on the board, press Write, and let the button go when the device has answered: for up to 5 s it takes no \
-                stop. From then on the device refuses what exceeds these limits, from every program. An armed device is disarmed first.";
+    let text = "Press the user button on the board and hold it, press Write within 30 s, and let the button go when the device has answered: for up \
+                to 5 s it takes no stop. From then on the device refuses what exceeds these limits, from every program. An armed device is disarmed first.";
     ui.add(egui::Label::new(text).wrap());
     ui.add_space(10.0);
     ui.horizontal(|ui| {
