@@ -23,6 +23,7 @@ pub mod faulty_link;
 pub mod faulty_ports;
 pub mod fuzz;
 pub mod link_rig;
+pub mod mass_on_a_spring;
 pub mod measure;
 pub mod named_tests;
 pub mod programs;

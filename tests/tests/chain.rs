@@ -56,6 +56,7 @@ mod sweep;
 mod texture;
 mod transcripts;
 mod travel;
+mod travel_in_step;
 mod trigger;
 mod trigger_input;
 mod underrun;

@@ -14,45 +14,28 @@ use slipline_protocol::refusal::Field;
 use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
+use slipline_tests::mass_on_a_spring::{FULL, travel};
 use slipline_tests::measure::peak;
 use slipline_tests::rig::{BLOCK, MID, RATE_HZ, Rig, Table, chord, comb, drive};
-use std::f64::consts::TAU;
 
-/// Codes from mid-scale to full scale.
-const FULL: f64 = 2047.0;
 const RESONANCE_HZ: f64 = 30_000.0;
 const QUALITY: f64 = 4.0;
 /// Samples, long enough for the actuator to follow.
 const GLIDE: u32 = 2000;
 const UNLIMITED: Command = Command::SetTravelLimit(TravelSetting { limit: None });
 
-/// A profile with a resonance in the middle of the usual table; `static_travel` as a share of the peak travel.
-fn resonant(max_sum_per_mille: u16, static_travel: f64) -> ActuatorProfile {
-    let travel = TravelLimit {
+/// An actuator with a resonance in the middle of the usual table; `static_travel` as a share of the peak travel.
+fn resonator(static_travel: f64) -> TravelLimit {
+    TravelLimit {
         resonance_uhz: (RESONANCE_HZ * 1e6) as u64,
         quality_per_mille: (QUALITY * 1e3) as u32,
         static_ppm: (static_travel * 1e6) as u32,
-    };
-    ActuatorProfile { max_sum_per_mille, travel: Some(travel), ..plain() }
+    }
 }
 
-/// The largest deflection, of the peak travel, of a mass on a spring that a voltage of these codes, held from each to the next,
-/// drives: `x'' + w/Q x' + w^2 (x - static_travel u) = 0`, in closed form for each sample.
-fn travel(codes: &[u16], static_travel: f64) -> f64 {
-    let resonance = TAU * RESONANCE_HZ;
-    let decay = resonance / (2.0 * QUALITY);
-    let ringing = (resonance * resonance - decay * decay).sqrt();
-    let step = 1.0 / f64::from(RATE_HZ);
-    let (sine, cosine, left) = ((ringing * step).sin(), (ringing * step).cos(), (-decay * step).exp());
-    let (mut place, mut speed, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for &code in codes {
-        let rest = static_travel * (f64::from(code) - f64::from(MID)) / FULL;
-        let away = place - rest;
-        place = rest + left * (away * cosine + (speed + decay * away) / ringing * sine);
-        speed = left * (speed * cosine - (decay * speed + resonance * resonance * away) / ringing * sine);
-        most = most.max(place.abs());
-    }
-    most
+/// Its profile.
+fn resonant(max_sum_per_mille: u16, static_travel: f64) -> ActuatorProfile {
+    ActuatorProfile { max_sum_per_mille, travel: Some(resonator(static_travel)), ..plain() }
 }
 
 /// Something that a host or its user does with these random numbers from 0 to 1.
@@ -338,7 +321,7 @@ fn the_model_moves_by_what_the_limit_says() {
     rig.record();
     rig.accepted(&tone(f64::from(allowed_per_mille) / 1000.0));
     rig.live_ms(30);
-    let most = travel(&rig.recording.codes, 0.5);
+    let most = travel(&rig.recording.codes, &resonator(0.5));
     assert!((0.98..1.005).contains(&most), "{most}");
 }
 
@@ -358,7 +341,7 @@ fn keeps_within_its_travel(
     }
     bench.judge()?;
     // What a change adds as free motion, and the noise of the codes.
-    let most = travel(&bench.rig.recording.codes, static_travel);
+    let most = travel(&bench.rig.recording.codes, &resonator(static_travel));
     prop_assert!(most <= 1.03, "{most} of the peak travel");
     Ok(())
 }
