@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -44,3 +45,12 @@ def firmware(board):
         # A process that reads the old copy continues to read that.
         copy.with_suffix(".new").replace(copy)
     return copy
+
+
+@functools.cache
+def flash_files(board):
+    """The files by which a board's image is flashed, by the ends of their names; made as `.ci/images` makes them."""
+    elf = firmware(board)
+    with tempfile.TemporaryDirectory() as folder:
+        subprocess.run([ROOT / ".ci" / "flash-files", elf, Path(folder, "image")], check=True)
+        return {path.name.removeprefix("image"): path.read_bytes() for path in Path(folder).iterdir()}

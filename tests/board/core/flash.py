@@ -53,8 +53,8 @@ class Flash:
 
 
 class EccFlash(Flash):
-    # The chip's facts: bytes that one code protects, and where the flash is.
-    WORD = START = SIZE = None
+    # The chip's facts: bytes that one code protects, where the flash is, and its sectors (or pages), all of one size.
+    WORD = START = SIZE = SECTOR = None
 
     def __init__(self, board):
         # Addresses of words that cannot be corrected. Watching reads costs time, so it begins with the first.
@@ -66,6 +66,10 @@ class EccFlash(Flash):
     def reset(self):
         super().reset()
         self.busy_until = 0.0
+
+    def sector_at(self, address):
+        """Start address and size of the sector in which an address lies."""
+        return address // self.SECTOR * self.SECTOR, self.SECTOR
 
     # --- operations
 

@@ -38,6 +38,9 @@ class Flash(flash.Flash):
         """BOR_LEV = 11: off, as delivered."""
         self.options |= 0b11 << 2
 
+    def sector_at(self, address):
+        return next((start, size) for start, size in map(sector, range(12)) if start <= address < start + size)
+
     def programmed(self, address, size, value):
         """The processor stores into the flash; called before the memory changes."""
         assert self.control & PROGRAM and not self.control & LOCK, f"a store into locked flash at {address:#x}"

@@ -18,7 +18,7 @@ WORD = 8
 
 
 class Flash(EccFlash):
-    WORD, START, SIZE = WORD, START, SIZE
+    WORD, START, SIZE, SECTOR = WORD, START, SIZE, PAGE
     # The option bytes, which outlive every reset.
     options = OPTIONS
 

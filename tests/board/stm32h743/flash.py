@@ -20,7 +20,7 @@ WORD = 32
 
 
 class Flash(EccFlash):
-    WORD, START, SIZE = WORD, START, SIZE
+    WORD, START, SIZE, SECTOR = WORD, START, SIZE, SECTOR
     # The option bytes, which outlive every reset.
     options = OPTIONS
 
