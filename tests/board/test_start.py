@@ -3,7 +3,7 @@ import struct
 
 import pytest
 
-from boards import DAC_IRQ, RENDERER_IRQ, TIME_IRQ
+from boards import DAC_IRQ, H743, RENDERER_IRQ, TIME_IRQ, on, on_f407
 from core.usb import UsbHost
 from host import BOOTLOADER_ENTER, BOOTLOADER_TOKEN, DISARM, RATE_HZ, TOKEN_REPLY, Reader, varint
 from rig import MID, is_silent
@@ -59,12 +59,14 @@ def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(rig):
 
 
 def enter_bootloader(rig):
-    rig.host.connect()
+    identity = rig.host.connect()
+    rig.board.resets.clear()
     _, reply, body = rig.host.exchange(BOOTLOADER_TOKEN)
     assert reply == TOKEN_REPLY
     rig.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
     rig.board.run(0.1)
     assert rig.board.resets == ["software"]
+    return identity
 
 
 def test_the_rom_bootloader_is_entered_in_two_steps(rig):
@@ -78,6 +80,33 @@ def test_the_rom_bootloader_is_entered_in_two_steps(rig):
     rig.board.reset("pin")
     rig.host.inbox.clear()
     rig.host.connect()
+
+
+@pytest.mark.every_image
+@on(H743)
+def test_the_usb_clocks_are_off_at_the_reset_into_the_rom(rig):
+    """R-84: else the ROM's DFU never appears."""
+    enter_bootloader(rig)
+    assert not rig.board.clocks.was_usb_on_at_reset
+
+
+@pytest.mark.nightly
+@on_f407
+def test_each_time_the_rom_misses_the_crystal_the_program_is_back_and_can_be_asked_again(rig):
+    """R-84: the ROM resets then. The request is used up, so that neither that reset nor DFU's leave ends in the ROM; and five
+    such resets are no crashes in a row."""
+    for _ in range(5):
+        enter_bootloader(rig)
+        rig.board.reset("software")
+        rig.host.inbox.clear()
+    identity = enter_bootloader(rig)
+    assert (identity["reset"], identity["crash"]) == ("software", "")
+    assert rig.board.pc & ~1 == rig.facts.rom + 0x100
+    rig.board.leave_bootloader()
+    rig.host.inbox.clear()
+    rig.host.connect()
+    rig.host.upload()
+    rig.host.arm()
 
 
 def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(rig):

@@ -27,6 +27,7 @@
 //! | `tune_flash()`, `tune_dac()` | the settings of flash and DAC that embassy does not make |
 //! | `admit_break_pin()` | lets the pin with the mute timer's break function through to its break, where there is a gate |
 //! | `map_system_memory()` | maps the ROM bootloader's vectors to address 0, as a boot from ROM does |
+//! | `stop_usb_clocks()` | switches off, before the reset into the ROM bootloader, what the ROM's USB could not start with |
 //! | `take(..)` | sorts the peripherals by their use, and mutes the amplifier |
 //! | `guard_clock()`, `take_clock_failure()` | the clock security system: switches it on; whether it has found a failure |
 //! | `set_debug_freezes()` | what stands still while a debugger has halted the core |

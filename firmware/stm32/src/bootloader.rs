@@ -22,6 +22,8 @@ const BOOTLOADER: u32 = 0x510b_007d;
 /// Asks for the ROM bootloader, and resets.
 pub(crate) fn reset_into() -> ! {
     crash::silence();
+    // The ROM finds it as the reset leaves it, so it goes off before that.
+    board::stop_usb_clocks();
     // SAFETY: see `Request`.
     unsafe { REQUEST.0.get().write_volatile(BOOTLOADER) };
     SCB::sys_reset();

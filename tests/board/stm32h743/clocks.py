@@ -45,6 +45,11 @@ class H743Clocks(Clocks):
         HSEON: (1 << 17, CRYSTAL_SECONDS), **{on: (on << 1, PLL_SECONDS) for on in PLLONS},
     }  # fmt: skip
 
+    def reset(self, cause="power"):
+        # Bits 25 to 28 of AHB1ENR. The ROM's DFU appears only if they were clear (ST's forum, thread 148198).
+        self.was_usb_on_at_reset = cause != "power" and bool(self.registers[AHB1] >> 25 & 0b1111)
+        super().reset(cause)
+
     def reset_values(self):
         """RM0433 8.7."""
         zeros = (CFGR, D1CFGR, D2CFGR, D3CFGR, D1CCIPR, D2CCIP1R, D2CCIP2R, D3CCIPR, CIER, CIFR, CICR, BDCR, CSR, CRRCR)

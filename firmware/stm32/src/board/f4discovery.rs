@@ -155,6 +155,9 @@ pub(crate) fn map_system_memory() {
     pac::SYSCFG.memrm().modify(|w| w.set_mem_mode(0b01));
 }
 
+/// Nothing to do: the ROM starts its USB whatever this program has left on.
+pub(crate) fn stop_usb_clocks() {}
+
 pub(crate) fn take(p: Peripherals) -> Board {
     // PA4 is also the word select of the board's audio codec. PD4 low keeps that chip in reset, so it does not disturb
     // the pin. `forget`, because an `Output` that is dropped makes its pin an input again.

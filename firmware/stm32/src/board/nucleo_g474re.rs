@@ -215,6 +215,9 @@ pub(crate) fn map_system_memory() {
     pac::SYSCFG.memrmp().modify(|w| w.set_mem_mode(0b001));
 }
 
+/// Nothing to do: this link has no USB core.
+pub(crate) fn stop_usb_clocks() {}
+
 pub(crate) struct Link {
     uart: Peri<'static, peripherals::USART2>,
     receive: Peri<'static, peripherals::PA3>,

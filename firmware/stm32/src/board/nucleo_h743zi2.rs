@@ -219,6 +219,18 @@ pub(crate) fn admit_break_pin() {
 /// Nothing to do: this chip has no remap to address 0, so VTOR alone leads to the bootloader's vectors.
 pub(crate) fn map_system_memory() {}
 
+/// RCC_AHB1ENR (RM0433 8.7.40): the enables of both USB cores and of their ULPI, bits 25 to 28. If a core is on at the reset the
+/// ROM runs, but its DFU never appears to the host; resetting the core (AHB1RSTR) does not help, this does. Found on a
+/// NUCLEO-H743ZI2 (ST's forum, thread 148198); the manual gives no reason.
+pub(crate) fn stop_usb_clocks() {
+    pac::RCC.ahb1enr().modify(|w| {
+        w.set_usb_otg_hsen(false);
+        w.set_usb_otg_hs_ulpien(false);
+        w.set_usb_otg_fsen(false);
+        w.set_usb_otg_fs_ulpien(false);
+    });
+}
+
 /// The instruction cache hides the flash's wait states. The data cache stays off: it does not serve the DTCM, where the
 /// variables are, and the DMA's ring must not be cached.
 ///
