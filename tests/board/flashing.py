@@ -10,7 +10,7 @@ VENDOR, PRODUCT = 0x0483, 0xDF11
 
 
 def read_dfuse(file):
-    """The elements of a DfuSe file (UM0391) for the chip's flash (alternate setting 0), and where `:leave` starts."""
+    """The elements of a DfuSe file (UM0391) for the chip's flash (alternate setting 0), in the order in which they are written."""
     body, suffix = file[:-16], struct.unpack("<4H3sBI", file[-16:])
     assert suffix[1:] == (PRODUCT, VENDOR, 0x011A, b"UFD", 16, zlib.crc32(file[:-4]) ^ 0xFFFFFFFF)
     assert struct.unpack_from("<5sBIB", body) == (b"DfuSe", 1, len(body), 1), "one target"

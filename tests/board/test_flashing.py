@@ -20,10 +20,14 @@ def whole_flash(rig):
 
 @pytest.mark.every_image
 def test_each_released_file_makes_a_factory_new_board_that_can_be_armed_and_drives(rig):
-    """R-83."""
+    """R-93."""
     released = flash_files(rig.facts.feature)
     for_new_boards_only = {"-factory-new.bin"} if rig.facts == F407 else set()
     assert set(released) == FOR_UPDATES[rig.facts.feature] | for_new_boards_only
+    if ".dfu" in released:
+        at, vectors = flashing.read_dfuse(released[".dfu"])[-1]
+        # dfu-util's `:leave` starts what lies at the address that was written last; it writes 2048 bytes at a time.
+        assert at == rig.board.FLASH_START and len(vectors) <= 2048
     as_loaded = whole_flash(rig)
     for name, file in released.items():
         flashing.make_factory_new(rig.board)
@@ -40,7 +44,7 @@ def test_each_released_file_makes_a_factory_new_board_that_can_be_armed_and_driv
 
 @pytest.mark.every_image
 def test_an_update_keeps_table_and_profile(kept):
-    """R-83: whichever of its two places holds the newest profile, after one write of it and after three."""
+    """R-93: whichever of its two places holds the newest profile, after one write of it and after three."""
     kept.board.is_hasty = True
     for number in range(3):
         write(kept, profile(f"profile {number}", 400 - 50 * number))

@@ -85,7 +85,7 @@ def test_the_rom_bootloader_is_entered_in_two_steps(rig):
 @pytest.mark.every_image
 @on(H743)
 def test_the_usb_clocks_are_off_at_the_reset_into_the_rom(rig):
-    """R-84: else the ROM's DFU never appears."""
+    """R-94: else the ROM's DFU never appears."""
     enter_bootloader(rig)
     assert not rig.board.clocks.was_usb_on_at_reset
 
@@ -93,7 +93,7 @@ def test_the_usb_clocks_are_off_at_the_reset_into_the_rom(rig):
 @pytest.mark.nightly
 @on_f407
 def test_each_time_the_rom_misses_the_crystal_the_program_is_back_and_can_be_asked_again(rig):
-    """R-84: the ROM resets then. The request is used up, so that neither that reset nor DFU's leave ends in the ROM; and five
+    """R-94: the ROM resets then. The request is used up, so that neither that reset nor DFU's leave ends in the ROM; and five
     such resets are no crashes in a row."""
     for _ in range(5):
         enter_bootloader(rig)
