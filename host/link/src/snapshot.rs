@@ -8,6 +8,7 @@ use crate::refusal::Refusal;
 use crate::request::{Outcome, Ticket};
 use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
+use crate::upkeep;
 use slipline_protocol::Command;
 use slipline_protocol::board::BoardReport;
 use slipline_protocol::command::{TravelLimit, TravelSetting};
@@ -277,9 +278,13 @@ impl Snapshot {
         Duration::from_millis(profile.map_or(MAX_DRIVE_MS, |profile| profile.max_drive_ms).into())
     }
 
-    /// A fault in words; the longest drive is that of the actuator's profile.
+    /// A fault in words; the longest drive is that of the actuator's profile, and a damaged store says whose it is and what to do.
     #[must_use]
     pub fn fault_text(&self, fault: Fault) -> Cow<'static, str> {
+        if fault == Fault::StoreDamaged {
+            let stored = self.profile.as_ref().map(|report| report.stored);
+            return Cow::Borrowed(upkeep::damaged_store(stored));
+        }
         let longest = self.longest_drive();
         if fault == Fault::DriveTime && longest != Duration::from_millis(MAX_DRIVE_MS.into()) {
             return Cow::Owned(format!("{} s without a command", longest.as_secs_f64()));

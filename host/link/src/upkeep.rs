@@ -1,7 +1,7 @@
 //! Texts about a device's [`Maintenance`] and inputs, for the person who maintains it.
 
 use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
-use slipline_protocol::event::{Maintenance, Wear};
+use slipline_protocol::event::{Maintenance, StoredConfig, Wear};
 use slipline_protocol::listen::InputsReport;
 
 /// Number of flash erasures so far, and the number that its data sheet guarantees.
@@ -104,6 +104,26 @@ pub const fn muted_for_good(board: &BoardReport) -> Option<&'static str> {
             "Muted: no resistor at the mute pin. Everything else works; the amplifier stays off until the device is \
              restarted with the resistor in its place (firmware/BOARDS.md).",
         ),
+    }
+}
+
+/// What is damaged in the device's flash, and the cure; `profile` is the result of reading the actuator's profile, if the device
+/// keeps one. What was never written and is not blank looks like damage, too.
+///
+/// ```
+/// use slipline_link::protocol::event::StoredConfig;
+/// use slipline_link::upkeep::damaged_store;
+///
+/// assert!(damaged_store(Some(StoredConfig::Damaged)).contains("hold the board's user button"));
+/// assert!(damaged_store(Some(StoredConfig::Loaded)).contains("keep a table again"));
+/// ```
+#[must_use]
+pub const fn damaged_store(profile: Option<StoredConfig>) -> &'static str {
+    if matches!(profile, Some(StoredConfig::Damaged)) {
+        "the actuator's profile is damaged, or its place was never written but was filled when the board was flashed; to arm, hold \
+         the board's user button and write the profile, or erase it if the board never had one"
+    } else {
+        "the kept table is damaged; clear the fault and keep a table again"
     }
 }
 

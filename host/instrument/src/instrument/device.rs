@@ -152,7 +152,8 @@ impl Instrument {
             Some(Outcome::Done { at }) if status.now >= *at => {
                 self.clear_sent = None;
                 if !status.faults.is_empty() {
-                    let text = format!("Not cleared: {}. Its cause is still there.", status.faults);
+                    let faults = self.snapshot.faults_text(status.faults);
+                    let text = format!("Not cleared: {faults}. Its cause is still there.");
                     self.notices.hinder(text);
                 }
             }
