@@ -4,6 +4,7 @@
 //! `alone.rs`.
 
 mod bootloader;
+mod bootloader_entry;
 mod boundary;
 mod chord;
 mod comb;

@@ -5,10 +5,10 @@ use slipline_tests::source_tree::root;
 use std::collections::BTreeSet;
 
 /// The rows that were found weak once, or whose tests had not been seen red; each must stay in the table.
-const ROWS: [&str; 37] = [
+const ROWS: [&str; 39] = [
     "R-06", "R-20", "R-23", "R-32", "R-36", "R-37", "R-38", "R-43", "R-44", "R-50", "R-51", "R-53", "R-54",
     "R-55", "R-56", "R-57", "R-60", "R-61", "R-63", "R-64", "R-66", "R-67", "R-68", "R-69", "R-70", "R-71",
-    "R-72", "R-73", "R-76", "R-77", "R-78", "R-79", "R-80", "R-81", "R-82", "R-88", "R-89",
+    "R-72", "R-73", "R-76", "R-77", "R-78", "R-79", "R-80", "R-81", "R-82", "R-88", "R-89", "R-93", "R-94",
 ];
 
 /// Row, requirement, test, mutation.

@@ -13,9 +13,11 @@
 //! from another program, and a missing permission requires the user. A device that returns is disarmed; only
 //! the user arms it again.
 
+mod bootloader;
 mod driver;
 mod opening;
 
+use self::bootloader::BootloaderEntry;
 use crate::commands::{CommandQueue, Next};
 use crate::driver_watch::DriverWatch;
 use crate::error::LinkError;
@@ -104,6 +106,8 @@ pub struct Connection<O: Opener> {
     nonces: Nonces,
     phase: Phase<O::Transport>,
     rediscovery: Option<Rediscovery>,
+    /// A device that was sent into its bootloader.
+    entry: Option<BootloaderEntry>,
     /// The port was missing when it was to be opened, and no device has answered there yet.
     waits_for_port: bool,
     /// The port to open once the present device is closed.
@@ -131,6 +135,7 @@ impl<O: Opener> Connection<O> {
             nonces,
             phase: Phase::Closed,
             rediscovery: None,
+            entry: None,
             waits_for_port: false,
             next: None,
             leave: None,
@@ -179,6 +184,9 @@ impl<O: Opener> Connection<O> {
             matches!(request, Request::Play(_) | Request::Listen(_) | Request::Refresh | Request::Note(..));
         if !is_of_many {
             self.recorder.log(Severity::Detail, format!("Request: {}.", request.name()));
+        }
+        if matches!(request, Request::Connect(_) | Request::Disconnect) {
+            self.end_entry();
         }
         match request {
             Request::Connect(port) => {
@@ -289,8 +297,10 @@ impl<O: Opener> Connection<O> {
         match verdict {
             Next::Continue => {}
             Next::Close => self.close(now),
+            Next::EnterBootloader(ticket, at) => self.enter_bootloader(ticket, at, now),
             Next::Lose(error) => self.lose(error, now),
         }
+        self.watch_entry(now);
     }
 
     /// The latest time of the next [`Connection::step`]; `None` while nothing is pending.
@@ -299,7 +309,7 @@ impl<O: Opener> Connection<O> {
         if self.has_more {
             return Some(now);
         }
-        match &self.phase {
+        let due = match &self.phase {
             Phase::Closed => {
                 let is_lost = matches!(self.recorder.view.link, LinkState::Lost(_));
                 (is_lost && self.recorder.view.auto_reconnect).then_some(now)
@@ -313,7 +323,8 @@ impl<O: Opener> Connection<O> {
                 let deadline = watch.into_iter().fold(open.queue.deadline(), Duration::min);
                 Some(if unwritten { deadline.min(now + WRITE_PAUSE) } else { deadline })
             }
-        }
+        };
+        due.into_iter().chain(self.entry_deadline()).min()
     }
 
     fn exchange(&mut self, now: Duration) -> Next {
@@ -333,7 +344,9 @@ impl<O: Opener> Connection<O> {
                     let bytes = buffer.get(..count).unwrap_or_default();
                     match open.queue.receive(bytes, &mut self.recorder, now) {
                         Next::Continue => {}
-                        verdict @ (Next::Close | Next::Lose(_)) => return verdict,
+                        verdict @ (Next::Close | Next::EnterBootloader(..) | Next::Lose(_)) => {
+                            return verdict;
+                        }
                     }
                 }
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
@@ -351,7 +364,9 @@ impl<O: Opener> Connection<O> {
         }
         match open.queue.send_due(&mut self.recorder, now) {
             Next::Continue => {}
-            verdict @ (Next::Close | Next::Lose(_)) => return verdict,
+            verdict @ (Next::Close | Next::EnterBootloader(..) | Next::Lose(_)) => {
+                return verdict;
+            }
         }
         self.recorder.count(open.queue.channel());
         let output = open.queue.output();

@@ -246,8 +246,7 @@ impl CommandQueue {
             }
             Command::BootloaderEnter(_) => {
                 recorder.log(Severity::Info, "The device restarts into its bootloader.");
-                recorder.finish(task.ticket, Outcome::Done { at });
-                return Next::Close;
+                return Next::EnterBootloader(task.ticket, at);
             }
             Command::WriteProfile(_) => self.read_again(&[Command::Profile, Command::Wear]),
             Command::Store | Command::Forget => self.read_again(&[Command::Maintenance, Command::Wear]),

@@ -15,6 +15,7 @@ use crate::refusal::Refusal;
 use crate::request::{Outcome, Request, Ticket};
 use slipline_protocol::Command;
 use slipline_protocol::command::{ArmLease, ProfileSetting};
+use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 use std::time::Duration;
 
@@ -27,6 +28,8 @@ pub(crate) enum Next {
     Continue,
     /// Stopped and disarmed: close the port.
     Close,
+    /// Close the port: the device restarts into its bootloader, after this sample.
+    EnterBootloader(Option<Ticket>, SampleIndex),
     /// Close the port, and look for the device again.
     Lose(LinkError),
 }

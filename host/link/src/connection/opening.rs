@@ -29,6 +29,13 @@ impl<O: Opener> Connection<O> {
     }
 
     pub(super) fn lose(&mut self, error: LinkError, now: Duration) {
+        if self.entry_deadline().is_some() {
+            // It was not yet gone, is only coming back, or another device answers at its port.
+            self.shut(&Outcome::NotConnected);
+            self.recorder.forget_device(None);
+            self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
+            return;
+        }
         let was_first = self.recorder.view.link == LinkState::Connecting;
         let error = match (&self.recorder.view.port, error) {
             (Some(port), LinkError::Silent) if was_first || self.waits_for_port => {
