@@ -16,7 +16,7 @@ use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
 use slipline_tests::mass_on_a_spring::{FULL, travel};
 use slipline_tests::measure::peak;
-use slipline_tests::rig::{BLOCK, MID, RATE_HZ, Rig, Table, chord, comb, drive};
+use slipline_tests::rig::{BLOCK, MID, Rig, Table, chord, comb, drive};
 
 const RESONANCE_HZ: f64 = 30_000.0;
 const QUALITY: f64 = 4.0;
