@@ -5,6 +5,7 @@ import pytest
 from unicorn.arm_const import UC_ARM_REG_PRIMASK
 
 from copies import on_copy
+from core.outputs import BDTR
 from host import (
     ARM, BLOCK, CLEAR_FAULTS, DIGEST_READ, DIGEST_REPLY, DIGEST_START, DRIVE, RATE_HZ, REFUSED, WRITE_PROFILE, Reader, drive, profile,
     varint,
@@ -191,6 +192,36 @@ def test_the_stop_input_mutes_by_hardware_whatever_the_core_does(rig):
 
     for state in DEAD:
         on_copy(rig, lambda copy: case(copy, state))
+
+
+@pytest.mark.every_image
+def test_a_spike_on_the_stop_wire_is_reported_as_the_stop_that_it_is(rig):
+    """R-80: it is over when the renderer looks; the break's flag stays."""
+    fitted(rig)
+    rig.host.upload()
+    rig.host.arm()
+    start(rig)
+
+    def case(rig, seconds, late):
+        rig.board.run(late)
+        rig.board.pins.drive(rig.facts.stop_input, None)
+        rig.board.run(seconds)
+        rig.board.pins.drive(rig.facts.stop_input, 0)
+        assert rig.board.pin(rig.facts.unmute) == 0
+        rig.host.live(0.005)
+        status = rig.host.status()
+        assert (status["state"], status["first_fault"], status["underruns"]) == ("fault", "desk stop", 0)
+        rig.host.accept(CLEAR_FAULTS)
+        rig.host.arm()
+        start(rig)
+        # What the flag of before says counts no more: an amplifier that goes off now has no blocks.
+        assert rig.host.status()["faults"] == set() and rig.board.pin(rig.facts.unmute) == 1
+        rig.board.timers[rig.facts.mute_timer].write(BDTR, 0)
+        rig.host.live(0.005)
+        assert rig.host.status()["first_fault"] == "underrun"
+
+    for seconds, late in ((1e-6, 0), (1e-6, 0.00017), (100e-6, 0)):
+        on_copy(rig, lambda copy: case(copy, seconds, late))
 
 
 @pytest.mark.every_image

@@ -386,6 +386,27 @@ fn the_stop_input_mutes_and_keeps_the_device_from_being_armed() {
 }
 
 #[test]
+fn a_spike_on_the_stop_wire_is_a_stop_and_no_underrun() {
+    // it is over before the next block.
+    let mut rig = armed(ActuatorProfile { has_stop_input: true, ..plain() }, 3);
+    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
+    rig.live_ms(10);
+    rig.device.open_stop_input(true);
+    rig.device.open_stop_input(false);
+    assert!(rig.device.is_muted());
+    rig.live_ms(5);
+    let status = rig.status();
+    assert_eq!((status.first_fault, status.counters.underruns), (Some(Fault::DeskStop), 0));
+    rig.accepted(&Command::ClearFaults);
+    rig.arm();
+    rig.live_ms(10);
+    // Another cause, later, is no stop.
+    rig.device.inject_mute();
+    rig.live_ms(5);
+    assert_eq!(rig.status().first_fault, Some(Fault::Underrun));
+}
+
+#[test]
 fn a_table_that_is_forgotten_or_of_an_older_image_leaves_the_profile_and_the_reverse() {
     let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });
     rig.hello();

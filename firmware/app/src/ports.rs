@@ -134,8 +134,9 @@ pub trait Mute {
     /// [`HasMuted`] if it is off already. It stays off until it is muted and unmuted again.
     fn stay_on(&mut self) -> Result<(), HasMuted>;
 
-    /// Whether the stop input is open now, which has muted it then.
-    fn is_stop_open(&mut self) -> bool {
+    /// Whether it was the stop input that has muted it: it was open since it was unmuted, if only for a moment. Asked when
+    /// [`Mute::stay_on`] has failed.
+    fn was_stopped(&mut self) -> bool {
         false
     }
 }

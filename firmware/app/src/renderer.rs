@@ -212,7 +212,7 @@ impl Renderer {
                 trigger.rise();
             }
             if !self.muted && mute.stay_on().is_err() {
-                self.was_muted(mute.is_stop_open(), mailbox);
+                self.was_muted(mute.was_stopped(), mailbox);
             }
             let before = cycles.cycles();
             listener.catch_up(&mut sense, mailbox);
@@ -312,12 +312,12 @@ impl Renderer {
         mailbox.end_block(self.report);
     }
 
-    /// Handles an amplifier that has gone off by itself: the stop input is open, blocks were missing for too long, or the supervisor has
+    /// Handles an amplifier that has gone off by itself: the stop input was open, blocks were missing for too long, or the supervisor has
     /// muted it.
     /// An armed device latches the fault even in silence, because the next drive would not be heard.
-    fn was_muted<M: RawMutex>(&mut self, is_stop_open: bool, mailbox: &Mailbox<M>) {
+    fn was_muted<M: RawMutex>(&mut self, was_stopped: bool, mailbox: &Mailbox<M>) {
         self.muted = true;
-        if is_stop_open {
+        if was_stopped {
             mailbox.disarm_if_armed((Fault::DeskStop, self.index));
         } else if mailbox.disarm_if_armed((Fault::Underrun, self.index)) {
             self.report.underruns = self.report.underruns.saturating_add(1);

@@ -20,10 +20,12 @@
 //! * CCxNE alone, without CCxE: the complementary output follows the channel's reference, not its complement.
 //! * BKE = 1 with BKP = 1 (active high): no pin is mapped to the break input, which reads 0 then, and the clock security
 //!   system's failure takes effect, as the other internal sources do. AOE = 0: only the program sets MOE again.
+//! * SR.BIF is set as soon as the break input is active, and kept until the program clears it, which it cannot while the input is
+//!   active. On the G474 and the H743 the chip's own sources of a break set SBIF instead.
 //! * LOCK = 2 keeps all this, and the polarities, until the next reset. Level 3 would keep the mode, too.
 
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
-use embassy_stm32::pac::gpio::vals::{Idr, Moder};
+use embassy_stm32::pac::gpio::vals::Idr;
 use embassy_stm32::pac::timer::vals::{Bkp, Lock, Ossi};
 use embassy_stm32::{Peri, rcc};
 use slipline_app::ports::{HasMuted, Mute};
@@ -111,9 +113,10 @@ impl Mute for MutePin {
         Ok(())
     }
 
-    fn is_stop_open(&mut self) -> bool {
-        let (port, number) = board::STOP_INPUT_PIN;
-        port.moder().read().moder(number) == Moder::ALTERNATE && is_stop_input_high()
+    /// The stop input alone breaks the output of a program that goes on: the other sources of a break end it (`crash`), or are the end
+    /// of the core.
+    fn was_stopped(&mut self) -> bool {
+        TIMER.sr().read().bif(0)
     }
 }
 
@@ -144,6 +147,7 @@ fn on() {
     TIMER.sr().write(|w| {
         w.0 = u32::MAX;
         w.set_ccif(CHANNEL, false);
+        w.set_bif(0, false);
     });
     set_mode(FORCED_ACTIVE);
     set_mode(INACTIVE_ON_MATCH);
@@ -157,7 +161,8 @@ pub(crate) fn off() {
 }
 
 /// Whether the amplifier is on: the pin has been switched on, and neither has the counter reached its mark since, nor has
-/// a break come.
+/// a break come. One that came while it was being switched on has left its flag only.
 pub(crate) fn is_on() -> bool {
-    TIMER.bdtr().read().moe() && !TIMER.sr().read().ccif(CHANNEL)
+    let seen = TIMER.sr().read();
+    TIMER.bdtr().read().moe() && !seen.ccif(CHANNEL) && !seen.bif(0)
 }

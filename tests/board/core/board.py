@@ -171,7 +171,7 @@ class Board(Processor):
 
     def break_timers(self):
         for timer in self.timers.values():
-            timer.break_in()
+            timer.break_in(by_system=True)
 
     def lock_up(self):
         """The core stops for good (ARMv7-M B1.5.15)."""

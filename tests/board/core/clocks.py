@@ -131,7 +131,7 @@ class Clocks:
             self.is_failed = self.board.nvic.nmi_due = True
             self.change(self.fall_back())
             for timer in self.board.timers.values():
-                timer.break_in()
+                timer.break_in(by_system=True)
         else:
             self.change({})
 

@@ -1,7 +1,8 @@
 """A timer: counts up, updates, compares, triggers others (RM0090 chapters 17 to 20, RM0440 chapters 28 to 31, RM0433
 chapters 38 to 43; the three chips have the same counter).
 
-What the counter does to pins, and the break, is in `outputs`; what pins do to flags in `inputs`. Of the slave modes there is one: another timer's trigger
+What the counter does to pins, and the break, is in `outputs` (a second break input, which no image enables, is not modelled); what pins do to
+flags in `inputs`. Of the slave modes there is one: another timer's trigger
 output as the clock. What is not modelled (counting down, the other slave modes) is a failure when it is switched on.
 """
 from typing import NamedTuple
@@ -15,6 +16,8 @@ CR1, CR2, SMCR, DIER, SR, EGR, CNT, PSC, ARR, RCR, CCR1 = (
 ENABLED, NO_UPDATES, UPDATE_FROM_OVERFLOW_ONLY, ONE_PULSE, PRELOADS_RELOAD = 1 << 0, 1 << 1, 1 << 2, 1 << 3, 1 << 7
 DIRECTION_AND_CENTRE = 0b111 << 4
 UPDATED, BROKEN, UPDATE_REQUESTS_DMA = 1 << 0, 1 << 7, 1 << 8
+# SR.SBIF: a break by the chip's own sources, on the chips whose break pin has a gate (RM0440 and RM0433, TIMx_SR).
+SYSTEM_BROKEN = 1 << 13
 COMPARED = 0b1111 << 1
 TRGO_ON_UPDATE = 0b010
 # SMCR: a slave's mode, and where it gets its clock.
@@ -48,7 +51,7 @@ class Timer:
         self.is_frozen = False
         update, compare, break_ = (facts.irqs * 3)[:3] if len(facts.irqs) == 1 else facts.irqs
         self.interrupts = {update: 0, compare: 0, break_: 0}
-        for irq, flags in ((update, UPDATED), (compare, COMPARED), (break_, BROKEN)):
+        for irq, flags in ((update, UPDATED), (compare, COMPARED), (break_, BROKEN | SYSTEM_BROKEN)):
             self.interrupts[irq] |= flags
         for irq, flags in self.interrupts.items():
             board.add_line(irq, lambda flags=flags: bool(self.status & self.enabled & flags))
@@ -207,10 +210,10 @@ class Timer:
         self.raise_interrupt()
         self.board.at(self.board.now + (self.reload + 1) * self.cycles_per_count(), self.match, generation, channel)
 
-    def break_in(self, by_program=False):
-        """A break: the break input, the chip's clock failure, or the program."""
+    def break_in(self, by_program=False, by_system=False):
+        """A break: the break input, one of the chip's own sources (a clock failure, the supply, a lock-up), or the program."""
         if self.outputs.break_in(by_program):
-            self.status |= BROKEN
+            self.status |= SYSTEM_BROKEN if by_system and self.facts.gated else BROKEN
             self.outputs.show()
             self.raise_interrupt()
 
@@ -240,7 +243,8 @@ class Timer:
 
     def write(self, offset, value):
         if offset == SR:
-            self.status &= value
+            # The break's flag can be cleared only while the input is not active.
+            self.status &= value | (BROKEN if self.outputs.has_main() and self.outputs.is_break_input_active() else 0)
             return
         self.hold()
         if offset == CR1:

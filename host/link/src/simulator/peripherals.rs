@@ -64,6 +64,8 @@ pub(super) struct PeripheralState {
     pub(super) muted: bool,
     /// The amplifier's pin has gone low by itself.
     pub(super) has_muted: bool,
+    /// That was the stop input, which may be closed again.
+    was_stopped: bool,
     /// The inputs sampled by the ADC, if there is one.
     pub(super) inputs: Option<Inputs>,
     pub(super) flash: MemoryFlash,
@@ -111,6 +113,7 @@ impl Peripherals {
             fading: false,
             muted: true,
             has_muted: false,
+            was_stopped: false,
             inputs,
             flash,
             brown_out_guarded,
@@ -216,6 +219,7 @@ impl PeripheralState {
     /// The open stop input mutes an amplifier that is on.
     pub(super) fn break_if_open(&mut self) {
         if self.is_stopped() {
+            self.was_stopped |= !self.muted;
             self.has_muted |= !self.muted;
             self.muted = true;
         }
@@ -264,6 +268,7 @@ impl Mute for Peripherals {
     fn set_muted(&mut self, muted: bool) {
         let mut state = self.lock();
         state.has_muted &= !muted;
+        state.was_stopped &= !muted;
         state.muted = muted || state.has_muted || state.mute_resistor_missing;
         state.break_if_open();
     }
@@ -272,8 +277,8 @@ impl Mute for Peripherals {
         if self.lock().has_muted { Err(HasMuted) } else { Ok(()) }
     }
 
-    fn is_stop_open(&mut self) -> bool {
-        self.lock().is_stopped()
+    fn was_stopped(&mut self) -> bool {
+        self.lock().was_stopped
     }
 }
 
