@@ -23,6 +23,7 @@ class Facts(NamedTuple):
     chip: type
     cable: type
     unmute: str
+    mute_timer: int
     # The trigger output and input.
     trigger: str
     trigger_input: str
@@ -33,9 +34,10 @@ class Facts(NamedTuple):
     watchdog_seconds: float
     erasure_watchdog_seconds: float
     watchdog_slowest_hz: float
-    # The interrupts of the DAC's DMA and of the link, and that DMA's controller and stream.
+    # The interrupts of the DAC's DMA and of the link (those above the renderer, and those that wake the link), and that DMA's controller and stream.
     dma_irq: int
-    link_irqs: tuple
+    urgent_link_irqs: tuple
+    waking_link_irqs: tuple
     dma: tuple
     # Those of the inputs, and the inputs' pins: the sensor's and the shunt's.
     sense_dma: tuple
@@ -66,23 +68,23 @@ class Facts(NamedTuple):
 
 
 F407 = Facts(
-    feature="board-f4discovery", name="STM32F4DISCOVERY", chip=stm32f407.Board, cable=UsbHost, unmute="PB1", trigger="PB8", trigger_input="PB7", lamp="PD12", button="PA0", stop_input="PE15",
+    feature="board-f4discovery", name="STM32F4DISCOVERY", chip=stm32f407.Board, cable=UsbHost, unmute="PB1", mute_timer=1, trigger="PB8", trigger_input="PB7", lamp="PD12", button="PA0", stop_input="PE15",
     watchdog_seconds=0.3, erasure_watchdog_seconds=4.0, watchdog_slowest_hz=17e3,
-    dma_irq=16, link_irqs=(67,), dma=(1, 5), sense_dma=(2, 0), inputs=("PA1", "PA2"), rom=0x1FFF0000, rom_map=(0x40013800, 1),
+    dma_irq=16, urgent_link_irqs=(), waking_link_irqs=(67,), dma=(1, 5), sense_dma=(2, 0), inputs=("PA1", "PA2"), rom=0x1FFF0000, rom_map=(0x40013800, 1),
     store_seconds=1.5, erasures=1, word_bytes=4, detector=(0x00, 5, 0b100),
     brown_out=(0b11 << 2, 0b11 << 2), crash="ep_num",
 )  # fmt: skip
 G474 = Facts(
-    feature="board-nucleo-g474re", name="NUCLEO-G474RE", chip=stm32g474.Board, cable=SerialHost, unmute="PB5", trigger="PC7", trigger_input="PA6", lamp="PA5", button="PC13", stop_input="PB7",
+    feature="board-nucleo-g474re", name="NUCLEO-G474RE", chip=stm32g474.Board, cable=SerialHost, unmute="PB5", mute_timer=8, trigger="PC7", trigger_input="PA6", lamp="PA5", button="PC13", stop_input="PB7",
     watchdog_seconds=0.3, erasure_watchdog_seconds=2.0, watchdog_slowest_hz=29.5e3,
-    dma_irq=11, link_irqs=(38, 14), dma=(1, 0), sense_dma=(1, 1), inputs=("PA0", "PA1"), rom=0x1FFF0000, rom_map=(0x40010000, 1),
+    dma_irq=11, urgent_link_irqs=(38,), waking_link_irqs=(13, 14), dma=(1, 0), sense_dma=(1, 1), inputs=("PA0", "PA1"), rom=0x1FFF0000, rom_map=(0x40010000, 1),
     store_seconds=0.5, erasures=8, word_bytes=8, detector=(0x04, 1, 0b110), brown_out=(0b111 << 8, 0),
     crash="NMI",
 )  # fmt: skip
 H743 = Facts(
-    feature="board-nucleo-h743zi2", name="NUCLEO-H743ZI2", chip=stm32h743.Board, cable=UsbHost, unmute="PE9", trigger="PD15", trigger_input="PD14", lamp="PB0", button="PC13", stop_input="PE15",
+    feature="board-nucleo-h743zi2", name="NUCLEO-H743ZI2", chip=stm32h743.Board, cable=UsbHost, unmute="PE9", mute_timer=1, trigger="PD15", trigger_input="PD14", lamp="PB0", button="PC13", stop_input="PE15",
     watchdog_seconds=0.3, erasure_watchdog_seconds=10.0, watchdog_slowest_hz=29.8e3,
-    dma_irq=11, link_irqs=(101,), dma=(1, 0), sense_dma=(1, 1), inputs=("PA3", "PC0"), rom=0x1FF09800, rom_map=None,
+    dma_irq=11, urgent_link_irqs=(), waking_link_irqs=(101,), dma=(1, 0), sense_dma=(1, 1), inputs=("PA3", "PC0"), rom=0x1FF09800, rom_map=None,
     store_seconds=4.5, erasures=1, word_bytes=32, detector=(0x00, 5, 0b110),
     brown_out=(0b11 << 2, 0), crash="ep_num",
 )  # fmt: skip

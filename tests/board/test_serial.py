@@ -4,15 +4,17 @@ import random
 import pytest
 
 from boards import on_serial
+from copies import on_copy
 from core import dma_channels
-from core.uart import FRAMING, NOISE, OVERRUN, SerialHost, levels, sampled
-from host import DISARM, EMERGENCY_STOP, STATUS, STOP, frame
+from core.uart import FRAMING, NOISE, OVERRUN, READINGS, TAKEN, SerialHost, levels, sampled
+from host import BLOCK, DISARM, EMERGENCY_STOP, RATE_HZ, STATUS, STOP, frame
 from rig import MILLISECOND, is_silent, start
 
 # The link's two channels of DMA1, counted from 0: USART2's receiver and transmitter.
 RECEIVES, SENDS = 2, 3
 # A byte's time on the line.
 BYTE = 10 / SerialHost.BAUD
+BLOCK_SECONDS = BLOCK / RATE_HZ
 
 # Of the rates that a host's program may have been set to, those that the gate tries.
 SOME, OTHERS = [115_200, 1_000_000], [9_600, 57_600, 230_400, 460_800, 1_500_000, 1_843_200, 2_000_000, 3_000_000]
@@ -112,12 +114,12 @@ def test_a_byte_with_a_noisy_bit_counts_as_it_was_voted(sounding):
 @on_serial
 @pytest.mark.every_image
 @pytest.mark.parametrize("place", ["at its begin", "within it", "at its end", "alone"])
-@pytest.mark.parametrize("leaves_errors_out", [True, False], ids=["the DMA leaves it out", "the DMA takes it"])
-def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, place, leaves_errors_out):
+@pytest.mark.parametrize("reading", READINGS)
+def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, place, reading):
     """By the manual the DMA does not take it, and its frame is lost. If it does take it the frame's own CRC decides. Either way something is
     counted as damaged, and the next frame is answered."""
     uart, host = sounding.board.uart, sounding.host
-    uart.leaves_errors_out = leaves_errors_out
+    uart.reading = reading
     before = host.status()["crc_errors"]
     data = frame(host.session, 9, STATUS, b"")
     bad = {"at its begin": 0, "within it": 5, "at its end": len(data) - 1, "alone": len(data)}[place]
@@ -126,15 +128,53 @@ def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, pl
     sounding.board.run(5e-3)
     answers = len(list(host.replies()))
     # The last byte belongs to what follows.
-    assert answers <= (place == "alone" or not leaves_errors_out)
+    assert answers <= (place == "alone" or reading == TAKEN)
     assert is_undisturbed(sounding)["crc_errors"] > before
 
 
 @on_serial
 @pytest.mark.every_image
-def test_an_overrun_is_counted_and_the_link_goes_on(sounding):
-    """The DMA is kept from the bus for longer than the receiver's FIFO has room: it receives nothing while the flag stands."""
+@pytest.mark.parametrize("reading", READINGS)
+def test_a_stop_right_behind_a_bad_byte_is_obeyed(sounding, reading):
+    """The bad byte was the end of a frame, and nobody has looked since: what came before it must not spoil the stop. At any time of a
+    block, so in the renderer's turn, too."""
+    data = frame(sounding.host.session, 9, STATUS, b"") + frame(sounding.host.session, 9, STOP, b"")
+    bad = data.index(0)
+
+    def case(rig, late):
+        board, uart = rig.board, rig.board.uart
+        uart.reading = reading
+        board.run(late * BLOCK_SECONDS / 8)
+        for i, byte in enumerate(data):
+            board.at(board.now + (i + 1) * BYTE * board.CORE_HZ, uart.take, byte, FRAMING if i == bad else 0)
+        board.run(5e-3)
+        rig.cable.receive()
+        assert not uart.flags & FRAMING
+        assert rig.host.status()["state"] in ("stopping", "armed"), f"late by {late}/8 of a block"
+
+    for late in range(8):
+        on_copy(sounding, lambda copy: case(copy, late))
+
+
+@on_serial
+@pytest.mark.every_image
+@pytest.mark.parametrize("reading", READINGS)
+def test_a_host_that_begins_at_another_rate_is_answered_once_it_has_the_right_one(armed, reading):
+    """A program that opens the port at 115200 baud first, as many do."""
+    armed.board.uart.reading = reading
+    armed.cable.move_line(levels(b"AT\r"), 115_200)
+    armed.board.run(2e-3)
+    armed.cable.receive()
+    assert armed.host.status()["state"] == "armed"
+
+
+@on_serial
+@pytest.mark.every_image
+@pytest.mark.parametrize("reading", READINGS)
+def test_an_overrun_is_counted_and_the_link_goes_on(sounding, reading):
+    """The DMA is kept from the bus for longer than the receiver has room: it receives nothing while the flag stands."""
     board, host = sounding.board, sounding.host
+    board.uart.reading = reading
     before = host.status()["crc_errors"]
     board.dma[1].blocked.add(RECEIVES)
     sounding.cable.send(frame(host.session, 9, STATUS, b"") * 3)

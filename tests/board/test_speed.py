@@ -205,7 +205,7 @@ def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(ar
     """R-68: of the link's interrupts those count that lie above the renderer's (R-44). Their cycles are what they are, whatever a
     block does."""
     board, cable = armed.board, armed.cable
-    above = [irq for irq in G474.link_irqs if board.priorities[irq] <= board.priorities[RENDERER_IRQ]]
+    above = [irq for irq in (*G474.urgent_link_irqs, *G474.waking_link_irqs) if board.priorities[irq] <= board.priorities[RENDERER_IRQ]]
     cable.send(full_line(armed) * 40)
     board.run(0.002)
     cable.receive()

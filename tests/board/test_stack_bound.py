@@ -44,8 +44,8 @@ def test_no_call_and_no_interrupt_can_need_more_stack_than_there_is(board):
     thread, way = graph.deepest(graph.by_name["main"], task(graph, is_renderer=False))
     renderer = needs(FIRST_IRQ + RENDERER_IRQ, task(graph, is_renderer=True))
     # One of each priority, and the NMI above them.
-    levels = [(board.dma_irq, DAC_IRQ, board.chip.SUPPLY_IRQ), board.link_irqs, (TIME_IRQ,)]
-    others = sum(max(needs(FIRST_IRQ + irq) for irq in level) for level in levels) + needs(NMI)
+    levels = [(board.dma_irq, DAC_IRQ, board.chip.SUPPLY_IRQ), board.urgent_link_irqs, board.waking_link_irqs, (TIME_IRQ,)]
+    others = sum(max(needs(FIRST_IRQ + irq) for irq in level) for level in levels if level) + needs(NMI)
     seen, there_is = [thread, renderer, others, thread + renderer + others], graph.stack
     print(f"{board.name}: {seen} of {there_is} bytes; thread mode by {[name[-60:] for name in way]}")
     assert seen[-1] <= there_is == board.chip.STACK[1]

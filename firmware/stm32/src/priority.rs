@@ -5,10 +5,11 @@
 //! | level | interrupt | longest run | reason |
 //! |---|---|---|---|
 //! | 1 | DAC's DMA stream, DAC underrun, supply dip | one line over a block, about 2 % of a block | the ring's deadline, and muting |
+//! | 2 | UART (boards without USB) | under 1 us | a damaged byte is to be taken away before the next is whole, 10.8 us later |
 //! | 3 | renderer (interrupt executor) | one block, under half the block's period | above everything that may take long |
 //! | 4 | time driver | a few us | wakes thread tasks only |
 //! | 5 | USB | one packet | may wait: the host gets NAK |
-//! | 5 | UART and its sending DMA (boards without USB) | a few us | wake the link only: the DMA moves the bytes |
+//! | 5 | the UART's two ways of the DMA (boards without USB) | a few us | wake the link only: the DMA moves the bytes |
 //! | thread | session, USB control, supervisor, flash | unbounded | only the host and the watchdog wait for it |
 //!
 //! Critical sections mask all of them. A test measures the longest after the start on the register-level board
@@ -30,6 +31,9 @@ pub(crate) const TIME: Priority = Priority::P4;
 /// The USB core.
 #[cfg(feature = "link-usb")]
 pub(crate) const USB: Priority = Priority::P5;
-/// The link's UART and its sending DMA.
+/// The link's UART.
 #[cfg(feature = "link-uart")]
-pub(crate) const UART: Priority = Priority::P5;
+pub(crate) const UART: Priority = Priority::P2;
+/// What wakes the link: its two ways of the DMA.
+#[cfg(feature = "link-uart")]
+pub(crate) const UART_WAKES: Priority = Priority::P5;

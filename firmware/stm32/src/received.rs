@@ -42,6 +42,11 @@ impl Received {
         is_late
     }
 
+    /// How many bytes lie between the first unread one and a place; more than there are if the place is ahead of the last look.
+    pub(crate) fn until(&self, place: usize) -> usize {
+        (RING + place + self.count - self.end) % RING
+    }
+
     /// Takes at most `most` unread bytes: the place of the first, and how many follow each other in the ring.
     pub(crate) fn take(&mut self, most: usize) -> (usize, usize) {
         let first = (RING + self.end - self.count) % RING;

@@ -3,8 +3,15 @@
 Bytes take their time on the line, in both directions; a receiver at another rate than the sender's reads noise.
 
 With DMAR it asks the DMA for a transfer while there is a received byte, with DMAT while the transmit FIFO has room (continuous communication using DMA). What the
-manual leaves open is the worst here: while an overrun's flag stands nothing is received.
+manual leaves open is the worst here: while an overrun's flag stands nothing is received. What becomes of a byte with an error is one
+of `READINGS`, which a test chooses.
 """
+
+# By the manual (USART_CR3.DDRE = 0) such a byte never gets to the DMA, and the next one does.
+LEFT_OUT, TAKEN = "the DMA leaves it out", "the DMA takes it"
+# Linux' driver (stm32-usart.c): "the DMA request line has been masked by HW", until the program has cleared the flags or read the byte.
+MASKED_UNTIL_CLEARED, MASKED_UNTIL_READ = "masked until ICR is written", "masked until RDR is read"
+READINGS = LEFT_OUT, TAKEN, MASKED_UNTIL_CLEARED, MASKED_UNTIL_READ
 
 CR1, CR2, CR3, BRR, RQR, ISR, ICR, RDR, TDR, PRESC = 0x00, 0x04, 0x08, 0x0C, 0x18, 0x1C, 0x20, 0x24, 0x28, 0x2C
 ENABLED, RECEIVES, TRANSMITS, MATCH_INTERRUPT, FIFOS = 1 << 0, 1 << 2, 1 << 3, 1 << 14, 1 << 29
@@ -28,8 +35,7 @@ TOLERANCE = 0.02
 class Uart:
     """`transmit` and `receive` are its pins; `name` begins those of its requests to the DMA."""
 
-    # By the manual a byte with an error never gets to the DMA while DDRE is 0 (USART_CR3). A test may let it.
-    leaves_errors_out = True
+    reading = LEFT_OUT
 
     def __init__(self, board, name, irq, bus, transmit, receive, function):
         self.board, self.name, self.irq, self.bus = board, name, irq, bus
@@ -44,7 +50,7 @@ class Uart:
         self.registers = dict.fromkeys((CR1, CR2, CR3, BRR, PRESC), 0)
         self.flags = COMPLETE
         self.incoming, self.outgoing = [], []
-        self.is_sending = False
+        self.is_sending = self.is_masked = False
         # When the last byte came: the line is idle one frame later, once.
         self.last = None
 
@@ -75,12 +81,13 @@ class Uart:
         if control & ONE_BIT:
             flags &= ~NOISE
         if self.flags & OVERRUN or len(self.incoming) >= self.depth():
-            self.flags |= OVERRUN
-        elif not (flags and control & ASKS_TO_RECEIVE and self.leaves_errors_out):
+            flags |= OVERRUN
+        elif not (flags and control & ASKS_TO_RECEIVE and self.reading == LEFT_OUT):
             self.incoming.append(byte)
             if byte == self.registers[CR2] >> 24:
                 self.flags |= MATCH
         self.flags |= flags
+        self.is_masked |= bool(flags and self.reading in (MASKED_UNTIL_CLEARED, MASKED_UNTIL_READ))
         self.ask()
         self.last = self.board.now
         self.board.at(self.board.now + self.frame(), self.rest, self.generation, self.last)
@@ -89,7 +96,7 @@ class Uart:
     def ask(self):
         """Asks the DMA, as long as there is something to be moved and it answers."""
         control = self.registers[CR3] if self.registers[CR1] & ENABLED else 0
-        while control & ASKS_TO_RECEIVE and self.incoming and self.board.request_dma(f"{self.name}_RX"):
+        while control & ASKS_TO_RECEIVE and self.incoming and not self.is_masked and self.board.request_dma(f"{self.name}_RX"):
             pass
         while control & ASKS_TO_SEND and len(self.outgoing) < self.depth() and self.board.request_dma(f"{self.name}_TX"):
             pass
@@ -143,6 +150,8 @@ class Uart:
         if offset == ISR:
             return self.status()
         if offset == RDR:
+            # A DMA that is masked reads nothing.
+            self.is_masked &= self.reading != MASKED_UNTIL_READ
             return self.incoming.pop(0) if self.incoming else 0
         if offset in (TDR, RQR, ICR):
             return 0
@@ -157,6 +166,9 @@ class Uart:
             self.send_next()
         elif offset == ICR:
             self.flags &= ~value
+            has_errors = self.flags & (FRAMING | NOISE | OVERRUN)
+            self.is_masked &= bool(has_errors) or self.reading != MASKED_UNTIL_CLEARED
+            self.ask()
         elif offset == RQR:
             assert not value & ~0b1000, "only flushing what was received is modelled"
             self.incoming.clear()
@@ -167,7 +179,9 @@ class Uart:
             if offset == CR3:
                 assert not value & (NO_OVERRUN | STOPS_AT_ERRORS), "these are not modelled"
                 changed &= ~(ASKS_TO_RECEIVE | ASKS_TO_SEND | ERROR_INTERRUPT)
-            assert offset == CR1 or not is_running or not changed, "the format is changed while the USART runs (RM0440 37.8)"
+            if offset == CR1:
+                changed &= FIFOS if value & ENABLED else 0
+            assert not is_running or not changed, "the format is changed while the USART runs (RM0440 37.8)"
             self.registers[offset] = value
             if offset == CR1:
                 self.send_next()

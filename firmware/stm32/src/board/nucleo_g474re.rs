@@ -135,6 +135,11 @@ fn USART2() {
 }
 
 #[interrupt]
+fn DMA1_CHANNEL3() {
+    uart_link::on_received();
+}
+
+#[interrupt]
 fn DMA1_CHANNEL4() {
     uart_link::on_sent();
 }
@@ -152,6 +157,7 @@ fn PVD_PVM() {
 pub(crate) const SUPPLY_INTERRUPT: interrupt::Interrupt = interrupt::PVD_PVM;
 pub(crate) const DMA_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_CHANNEL1;
 pub(crate) const UART_INTERRUPT: interrupt::Interrupt = interrupt::USART2;
+pub(crate) const READ_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_CHANNEL3;
 pub(crate) const SEND_INTERRUPT: interrupt::Interrupt = interrupt::DMA1_CHANNEL4;
 
 /// On the internal oscillator, 16 MHz: `take` raises the clocks.
