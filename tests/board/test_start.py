@@ -11,7 +11,8 @@ from rig import MID, is_silent
 
 @pytest.mark.every_image
 def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_unmute(rig):
-    rig.board.run(0.02)
+    # The look for the resistor takes 5 ms, and the H743's converters calibrate themselves for 14 ms.
+    rig.board.run(0.03)
     unmute = rig.facts.unmute
     pins = [entry for entry in rig.board.log if entry[1] == unmute]
     driven = [entry for entry in rig.board.log if entry[1] == "dac drives"]
@@ -27,7 +28,7 @@ def test_it_boots_muted_and_the_dac_is_at_mid_scale_long_before_anything_could_u
 
 @pytest.mark.every_image
 def test_it_plays_400_000_codes_a_second(rig):
-    # The H743's converters calibrate themselves, which takes 14 ms, before the DAC's first code.
+    # As above, before the DAC's first code.
     rig.board.run(0.03)
     before = len(rig.board.dac.codes)
     rig.board.run(0.05)
@@ -54,8 +55,11 @@ def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(rig):
     irqs = {"dma": rig.facts.dma_irq, "dac": DAC_IRQ, "renderer": RENDERER_IRQ, "time": TIME_IRQ}
     level = {name: rig.board.priorities[irq] for name, irq in irqs.items()}
     assert level["dma"] == level["dac"] < level["renderer"] < level["time"]
-    for irq in rig.facts.link_irqs:
+    for irq in rig.facts.waking_link_irqs:
         assert level["renderer"] < rig.board.priorities[irq], "the host waits, or a DMA moves the bytes"
+    # A damaged byte cannot wait for a block (`test_a_stop_right_behind_a_bad_byte_is_obeyed`).
+    for irq in rig.facts.urgent_link_irqs:
+        assert level["dma"] < rig.board.priorities[irq] < level["renderer"]
 
 
 def enter_bootloader(rig):

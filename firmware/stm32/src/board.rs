@@ -22,7 +22,7 @@
 //! | `DMA_INTERRUPT`, `SUPPLY_INTERRUPT` and their handlers | interrupts of the DAC's DMA and the supply detector |
 //! | `Link` | the link's peripheral and pins: `usb_link`'s type, or with `link-uart` its own, which opens a UART |
 //! | `LINK_UART`, `RECEIVE_WAY`, `SEND_WAY` (`link-uart`) | that UART and its two ways of the DMA |
-//! | `UART_INTERRUPT`, `SEND_INTERRUPT` (`link-uart`) | the interrupts of that UART and of the sending way, and their handlers |
+//! | `UART_INTERRUPT`, `READ_INTERRUPT`, `SEND_INTERRUPT` (`link-uart`) | the interrupts of that UART and of its two ways, and their handlers |
 //! | `config()` | the clocks and the DMA interrupts' priority, for embassy |
 //! | `tune_flash()`, `tune_dac()` | the settings of flash and DAC that embassy does not make |
 //! | `admit_break_pin()` | lets the pin with the mute timer's break function through to its break, where there is a gate |
@@ -34,6 +34,7 @@
 //! | `take_reset_flags()`, `is_brown_out_guarded()` | the reset's cause; whether the brown-out level is set |
 //! | `start_supply_detector()` | switches the detector on, with the level at which it trips; where the chip can, connects it and the core's lock-up with the mute timer's break |
 
+use cortex_m::peripheral::DWT;
 use embassy_stm32::gpio::{Flex, Output, Pin, Pull, Speed};
 use embassy_stm32::{Peri, peripherals};
 use slipline_app::ports::INPUTS;
@@ -89,8 +90,11 @@ pub(crate) struct Board {
     pub(crate) link: Link,
 }
 
-/// The time for which the mute pin is pulled up, while nobody drives it, to see whether a resistor pulls it down.
-const MUTE_PIN_US: u32 = 20;
+/// How often the mute pin is looked at while it is pulled up and nobody drives it, and how many times at most: for 5 ms.
+const LOOK_US: u32 = 60;
+const LOOKS: u32 = 84;
+/// Instructions between two looks at the clock.
+const STEP: u32 = 64;
 
 /// The mute pin, which is driven low, and whether it has its resistor.
 pub(crate) struct MutedPin {
@@ -99,19 +103,38 @@ pub(crate) struct MutedPin {
 }
 
 impl MutedPin {
-    /// Looks for the resistor and drives the pin low.
+    /// Looks for the resistor and drives the pin low. The cycle counter runs.
     ///
     /// The chip's own pull-up has 25 kOhm at least (the data sheets' I/O characteristics: 25 to 55 kOhm on the G474, 30 to 50 kOhm
-    /// on the others), so with the 10 kOhm of BOARDS.md the pin stays below 0.29 of the supply, a low level (0.3 of it) that mutes.
-    /// Without the resistor the pin is at the supply within some us, for 20 us, before anything is at the amplifier's input.
+    /// on the others), so with 10 kOhm to ground the pin stays below 0.29 of the supply, a low level for certain (0.3 of it), and with
+    /// the 4.7 kOhm of BOARDS.md below 0.16 of it.
+    /// Without a resistor the pin is at the supply within some us and is seen by the first look. A capacitor alone holds it low
+    /// for longer: 47 nF reach a level that is high for certain (0.7 of the supply) within 1.21 * 55 kOhm * 47 nF = 3.2 ms. So a pin
+    /// that is low is watched for 5 ms, before anything is at the amplifier's input.
     fn take(pin: Peri<'static, impl Pin>) -> Self {
         let mut pin = Flex::new(pin);
         pin.set_as_input(Pull::Up);
-        cortex_m::asm::delay(MUTE_PIN_US * (CORE_HZ / 1_000_000));
-        let has_resistor = pin.is_low();
+        let has_resistor = (0..LOOKS).all(|_| {
+            wait_us(LOOK_US);
+            pin.is_low()
+        });
         pin.set_low();
         pin.set_as_output(Speed::Low);
         Self { pin, has_resistor }
+    }
+}
+
+/// Waits, by the cycle counter. One that stood still would make it some times as long, and no longer.
+fn wait_us(us: u32) {
+    let (start, cycles) = (DWT::cycle_count(), us * (CORE_HZ / 1_000_000));
+    // A Cortex-M7 does two of these a cycle.
+    for _ in 0..4 * cycles / STEP {
+        for _ in 0..STEP {
+            cortex_m::asm::nop();
+        }
+        if DWT::cycle_count().wrapping_sub(start) >= cycles {
+            break;
+        }
     }
 }
 

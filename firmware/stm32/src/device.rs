@@ -91,6 +91,8 @@ fn main() -> ! {
     bootloader::undo_rom_state();
     guard::start();
     let peripherals = embassy_stm32::init(board::config());
+    // By which `take` waits.
+    start_cycle_counter();
     let board = board::take(peripherals);
     let has_mute_resistor = board.unmute.has_resistor;
     let mute = MutePin::start(board.mute_timer, board.unmute);
@@ -106,7 +108,6 @@ fn main() -> ! {
     set_up(&RENDERER, || Renderer::new(const { Timing::at(board::SAMPLE_RATE_HZ) }));
     set_up(&LISTENER, || Listener::starting_at(0, &CAPTURED));
     set_up(&CANDIDATE, Candidate::new);
-    start_cycle_counter();
 
     board::DMA_INTERRUPT.set_priority(priority::DAC);
     interrupt::TIM6_DAC.set_priority(priority::DAC);

@@ -2,8 +2,10 @@
 
 `Pins.level` is what the chip itself drives. A pin that it does not drive is None: there the wiring decides. What the program
 reads there is what drives the pin from outside (`drive`), else the level to which a resistor on the board pulls it (`resistors`), else
-that of the chip's own resistor.
+that of the chip's own resistor; or, where a test has wired one (`wire`), what a resistor and a capacitor make of that.
 """
+
+from .load import Load
 
 MODER, OTYPER, OSPEEDR, PUPDR, IDR, ODR, BSRR, LCKR, AFRL, AFRH, BRR = range(0x00, 0x2C, 4)
 INPUT, OUTPUT, ALTERNATE, ANALOGUE = range(4)
@@ -79,6 +81,8 @@ class Pins:
         self.levels = {}
         # By pin: what drives it from outside, and the level to which a resistor on the board pulls it.
         self.outside, self.resistors = {}, dict(resistors)
+        # By pin: what a test has wired there.
+        self.loads = {}
         # By pin that has been asked for: the timer's output that drives it, and whether as an open drain. Until a port changes.
         self.drivers = {}
         self.by_timer = {}
@@ -119,9 +123,17 @@ class Pins:
 
     def read(self, name):
         """What the program reads: the level at the pin."""
-        pulled = self.ports[name[1]].registers[PUPDR] >> 2 * int(name[2:]) & 3 == PULLED_UP
-        levels = self.level(name), self.outside.get(name), self.resistors.get(name), int(pulled)
+        if name in self.loads:
+            return self.loads[name].level()
+        levels = self.level(name), self.outside.get(name), self.resistors.get(name), int(self.is_pulled_up(name))
         return next(level for level in levels if level is not None)
+
+    def is_pulled_up(self, name):
+        return self.ports[name[1]].registers[PUPDR] >> 2 * int(name[2:]) & 3 == PULLED_UP
+
+    def wire(self, name, wiring):
+        """From now on this hangs at the pin."""
+        self.loads[name] = Load(self.board, wiring)
 
     def driver(self, name):
         """What gives the level that drives a pin, and whether it is an open drain."""
@@ -167,6 +179,8 @@ class Pins:
 
     def show_pin(self, name):
         level = self.level(name)
+        if name in self.loads:
+            self.loads[name].change(self.is_pulled_up(name), level)
         if level != self.levels.get(name):
             self.levels[name] = level
             self.board.note(name, level)
