@@ -7,7 +7,7 @@ use slipline_protocol::command::{Apply, ArmLease, Chord, Comb, Drive, ProfileSet
 use slipline_protocol::event::{Event, State};
 use slipline_protocol::hold::{HoldSetting, HoldTone};
 use slipline_protocol::limits::{
-    DEAD_MAN_RAMP_MS, DESK_STOP_MS, EMERGENCY_RAMP_MS, HAND_MS, HOLD_PAUSE_BLOCKS, STOP_RAMP_MS,
+    DEAD_MAN_MS, DEAD_MAN_RAMP_MS, DESK_STOP_MS, EMERGENCY_RAMP_MS, HAND_MS, HOLD_PAUSE_BLOCKS, STOP_RAMP_MS,
 };
 use slipline_protocol::profile::{ActuatorProfile, TravelLimit};
 use slipline_protocol::refusal::Field;
@@ -50,16 +50,17 @@ struct Act {
 }
 
 fn acts() -> impl Strategy<Value = Vec<Act>> {
-    let act = (0u8..22, 0u8..=3, 0.0..1.0, 0.0..1.0, 0.0..1.0, 0.0..1.0).prop_map(
+    let act = (0u8..25, 0u8..=3, 0.0..1.0, 0.0..1.0, 0.0..1.0, 0.0..1.0).prop_map(
         |(kind, minor, place, level, other, pause)| Act { kind, minor, place, level, other, pause },
     );
-    prop::collection::vec(act, 1..14)
+    prop::collection::vec(act, 1..20)
 }
 
-/// A drive that the device has accepted: its earliest begin, the index from which it alone is in force, and the sum of its levels.
-/// One that waits for the trigger input may begin whenever that rises.
+/// A drive that the device has accepted: its earliest begin, whether it waits for the trigger input and so may begin whenever that
+/// rises, the index from which it alone is in force if that is known, and the sum of its levels.
 struct Accepted {
     begin: u64,
+    waits: bool,
     alone: Option<u64>,
     sum: f64,
 }
@@ -106,7 +107,11 @@ impl Bench {
             Event::AcceptedUntil(accepted) => (accepted.at, accepted.until),
             _ => return,
         };
-        self.drives.push(Accepted { begin, alone: (!waits).then_some(until), sum });
+        // It takes the place of what has not ended until then.
+        for before in &mut self.drives {
+            before.alone = before.alone.map(|alone| if alone > begin { alone.max(until) } else { alone });
+        }
+        self.drives.push(Accepted { begin, waits, alone: (!waits).then_some(until), sum });
     }
 
     fn apply(&self, act: &Act) -> Apply {
@@ -131,6 +136,7 @@ impl Bench {
     fn perform(&mut self, act: &Act, longest_pause_ms: f64) -> Result<bool, TestCaseError> {
         let &Act { kind, minor, place, level, other, pause } = act;
         let glide = GLIDE.max(self.rig.samples(5) as u32);
+        let now = self.rig.device.now();
         match kind {
             0 | 4 | 7 => {
                 let tones = [(0, place, level * 0.7), (1, other, level * other)];
@@ -157,6 +163,7 @@ impl Bench {
             9 => {
                 self.rig.send(if level < 0.5 { &Command::Stop } else { &Command::EmergencyStop });
                 self.rig.live_ms(2 * STOP_RAMP_MS);
+                self.is_silent_after(now, STOP_RAMP_MS);
                 self.rig.send(&Command::ClearFaults);
                 self.arm();
             }
@@ -164,17 +171,19 @@ impl Bench {
                 self.minor = if self.lease_ms.is_some() { 3 } else { minor };
                 self.rig.hello_of_minor(self.minor);
                 self.rig.live_ms(2 * STOP_RAMP_MS);
+                self.is_silent_after(now, STOP_RAMP_MS);
                 self.rig.send(&Command::ClearFaults);
                 self.arm();
             }
             // A table whose frequencies go through the resonance elsewhere, while another sounds.
-            11 => self.swap(20_000.0 + 40_000.0 * place, 20_000.0 + 40_000.0 * other, level.max(0.1)),
+            11 => self.swap(20_000.0 + 40_000.0 * place, 20_000.0 + 40_000.0 * other, (level.max(0.1), 1.0)),
             12 => {
                 self.rig.send(&UNLIMITED);
             }
             13 => {
                 self.rig.send(&Command::Disarm);
                 self.rig.live_ms(2 * STOP_RAMP_MS);
+                self.is_silent_after(now, STOP_RAMP_MS);
                 self.arm();
             }
             14 => self.rig.device.raise_trigger(),
@@ -182,16 +191,27 @@ impl Bench {
             // The host is gone for a while.
             16 => {
                 self.rig.silent_ms(1200);
+                self.is_silent_after(now, DEAD_MAN_MS + DEAD_MAN_RAMP_MS);
                 self.rig.send(&Command::ClearFaults);
                 self.arm();
             }
             17 | 18 => {
                 self.hold(level, other);
                 if kind == 18 {
-                    self.swap(60_000.0, 20_000.0, 1.0);
+                    self.swap(60_000.0, 20_000.0, (1.0, 1.0));
                 }
             }
             19 => self.press(other < 0.7, (level * longest_pause_ms) as u32),
+            // To silence or nearly so, slowly, by another place.
+            21 => {
+                let level = if level < 0.7 { 0.0 } else { level * 0.1 };
+                let glide = glide * (1 + (other * 8.0) as u32);
+                self.play(&Command::Drive(drive(&[(0, place, level)], glide)), glide, false, level);
+            }
+            22 => {
+                self.rig.send(&Command::Hold(HoldSetting::default()));
+            }
+            23 => self.open_stop_input((level * longest_pause_ms) as u32),
             20 => {
                 let profile = (other < 0.5).then(|| self.profile.clone());
                 let may_write = self.has_hand();
@@ -220,14 +240,25 @@ impl Bench {
         Ok(true)
     }
 
-    fn swap(&mut self, first_hz: f64, last_hz: f64, gain: f64) {
-        let table = Table::line(33, first_hz, last_hz, |_| gain);
+    /// Nothing may sound from so long after an index until now.
+    fn is_silent_after(&mut self, index: u64, ms: u32) {
+        self.silences.push((index + self.rig.samples(ms) + 4 * BLOCK, self.rig.device.now()));
+    }
+
+    /// A table with one gain in its first half and another in its second.
+    fn swap(&mut self, first_hz: f64, last_hz: f64, gains: (f64, f64)) {
+        let table = Table::line(33, first_hz, last_hz, |u| if u < 0.5 { gains.0 } else { gains.1 });
         let table = table.at_rate(self.rig.samples(1000) as u32);
         self.rig.send(&Command::TableBegin(table.header));
         for chunk in table.chunks() {
             self.rig.send(&Command::TableChunk(chunk));
         }
-        self.rig.send(&Command::TableCommit);
+        if let Some(at) = self.rig.send(&Command::TableCommit).accepted_at() {
+            // It may make a glide under way longer.
+            for drive in &mut self.drives {
+                drive.alone = drive.alone.filter(|alone| *alone <= at);
+            }
+        }
         self.rig.live_ms(60);
     }
 
@@ -269,6 +300,21 @@ impl Bench {
         self.arm();
     }
 
+    /// The user opens the stop input for so long.
+    fn open_stop_input(&mut self, ms: u32) {
+        let now = self.rig.device.now();
+        self.rig.device.open_stop_input(true);
+        self.rig.live_blocks(4);
+        self.arm();
+        self.rig.live_ms(ms);
+        if self.profile.has_stop_input {
+            self.is_silent_after(now, 0);
+        }
+        self.rig.device.open_stop_input(false);
+        self.rig.send(&Command::ClearFaults);
+        self.arm();
+    }
+
     /// What every code is judged by.
     fn judge(&self) -> Result<(), TestCaseError> {
         let samples = |ms: u32| self.rig.samples(ms);
@@ -284,17 +330,16 @@ impl Bench {
                 continue;
             }
             let begun = self.drives.iter().filter(|drive| drive.begin <= at);
-            let latest = begun.clone().map(|drive| match drive.alone {
-                Some(_) => drive.begin,
-                // It may have begun a moment ago.
-                None => at,
-            });
+            // One that waits may have begun a moment ago.
+            let latest = begun.clone().map(|drive| if drive.waits { at } else { drive.begin });
             let since = latest.max();
             let longest = samples(self.profile.max_drive_ms) + slack;
             prop_assert!(since.is_some_and(|since| at < since + longest), "at {at}, driven at {since:?}");
             // The last that is alone, and those that were accepted after it: while tones glide both sound.
             let accepted: Vec<&Accepted> = begun.collect();
-            let alone = |drive: &&Accepted| drive.alone.is_some_and(|alone| alone + BLOCK <= at);
+            // A stop may end a fade later than it would have ended itself.
+            let ramp = samples(DEAD_MAN_RAMP_MS) + BLOCK;
+            let alone = |drive: &&Accepted| drive.alone.is_some_and(|alone| alone + ramp <= at);
             let first = accepted.iter().rposition(alone).unwrap_or(0);
             let loudest: f64 = accepted[first..].iter().map(|drive| drive.sum).sum();
             prop_assert!(peak <= FULL * loudest * rise * 1.003 + 1.0, "{peak} at {at} by {loudest}");
@@ -358,7 +403,8 @@ fn keeps_its_times_and_rises(
     let mut rig = Rig::of(SimulatedDevice::with_inputs(options, Box::new(Slipped(heard))));
     let minor = if lease_ms.is_some() { 3 } else { minor };
     rig.hello_of_minor(minor);
-    rig.upload(&Table::line(65, 60_000.0, 20_000.0, |_| 1.0).at_rate(8000));
+    let gain = |u: f64| if u < 0.3 { 0.2 } else { 1.0 };
+    rig.upload(&Table::line(65, 60_000.0, 20_000.0, gain).at_rate(8000));
     rig.live_ms(200);
     let mut bench = Bench::new(rig, profile, minor, lease_ms);
     for act in acts {
@@ -370,9 +416,12 @@ fn keeps_its_times_and_rises(
 }
 
 fn profiles() -> impl Strategy<Value = ActuatorProfile> {
-    (100u16..=1000, 1000u32..4000, 0i16..=1200).prop_map(|(max_sum_per_mille, max_drive_ms, max_rise)| {
-        ActuatorProfile { max_sum_per_mille, max_drive_ms, max_rise: CentiDecibel(max_rise), ..plain() }
-    })
+    (100u16..=1000, 1000u32..4000, 0i16..=1200, any::<bool>()).prop_map(
+        |(max_sum_per_mille, max_drive_ms, max_rise, has_stop_input)| {
+            let max_rise = CentiDecibel(max_rise);
+            ActuatorProfile { max_sum_per_mille, max_drive_ms, max_rise, has_stop_input, ..plain() }
+        },
+    )
 }
 
 proptest! {
@@ -507,4 +556,23 @@ proptest! {
             prop_assert!(found > 0.97 * FULL * level / heard, "{found}");
         }
     }
+}
+
+#[test]
+fn no_way_to_silence_passes_the_amplitude() {
+    // the drive keeps within a tenth of full scale where the table's gain is low; a drive to level 0 leads it, while it still
+    // sounds, to where the gain is high.
+    let quiet = ActuatorProfile { max_sum_per_mille: 100, ..plain() };
+    let mut rig = armed(quiet, 3);
+    rig.accepted(&Command::Stop);
+    rig.live_ms(60);
+    rig.upload(&Table::line(33, 60_000.0, 20_000.0, |u| if u < 0.1 { 0.1 } else { 1.0 }));
+    rig.accepted(&Command::Drive(drive(&[(0, 0.0, 0.9)], GLIDE)));
+    rig.live_ms(10);
+    rig.record();
+    let fades = Command::Drive(drive(&[(0, 1.0, 0.0)], 20_000));
+    let answer = rig.send(&fades);
+    rig.live_ms(60);
+    let most = peak(&rig.recording.codes);
+    assert!(f64::from(most) <= FULL * 0.1 + 1.0, "{most} after {answer:?}");
 }
