@@ -56,11 +56,11 @@ fn acts() -> impl Strategy<Value = Vec<Act>> {
     prop::collection::vec(act, 1..20)
 }
 
-/// A drive that the device has accepted: its earliest begin, whether it waits for the trigger input and so may begin whenever that
-/// rises, the index from which it alone is in force if that is known, and the sum of its levels.
+/// A drive that the device has accepted: its earliest begin, the index until which it may begin later because it waits for the trigger
+/// input, the index from which it alone is in force if that is known, and the sum of its levels.
 struct Accepted {
     begin: u64,
-    waits: bool,
+    waits_until: u64,
     alone: Option<u64>,
     sum: f64,
 }
@@ -111,7 +111,8 @@ impl Bench {
         for before in &mut self.drives {
             before.alone = before.alone.map(|alone| if alone > begin { alone.max(until) } else { alone });
         }
-        self.drives.push(Accepted { begin, waits, alone: (!waits).then_some(until), sum });
+        let (waits_until, alone) = if waits { (u64::MAX, None) } else { (begin, Some(until)) };
+        self.drives.push(Accepted { begin, waits_until, alone, sum });
     }
 
     fn apply(&self, act: &Act) -> Apply {
@@ -240,9 +241,14 @@ impl Bench {
         Ok(true)
     }
 
-    /// Nothing may sound from so long after an index until now.
+    /// Nothing may sound from so long after an index until now, and nothing begins any more that was accepted before.
     fn is_silent_after(&mut self, index: u64, ms: u32) {
-        self.silences.push((index + self.rig.samples(ms) + 4 * BLOCK, self.rig.device.now()));
+        let begin = index + self.rig.samples(ms) + 4 * BLOCK;
+        self.silences.push((begin, self.rig.device.now()));
+        self.drives.retain(|drive| drive.begin < begin);
+        for drive in &mut self.drives {
+            drive.waits_until = drive.waits_until.min(begin);
+        }
     }
 
     /// A table with one gain in its first half and another in its second.
@@ -294,6 +300,7 @@ impl Bench {
             end += self.rig.samples(DESK_STOP_MS);
         }
         if was_armed {
+            self.is_silent_after(since, EMERGENCY_RAMP_MS);
             self.silences.push((begin, end));
         }
         self.rig.send(&Command::ClearFaults);
@@ -331,7 +338,7 @@ impl Bench {
             }
             let begun = self.drives.iter().filter(|drive| drive.begin <= at);
             // One that waits may have begun a moment ago.
-            let latest = begun.clone().map(|drive| if drive.waits { at } else { drive.begin });
+            let latest = begun.clone().map(|drive| drive.waits_until.min(at));
             let since = latest.max();
             let longest = samples(self.profile.max_drive_ms) + slack;
             prop_assert!(since.is_some_and(|since| at < since + longest), "at {at}, driven at {since:?}");

@@ -4,7 +4,8 @@
 //! here refuses anything.
 //!
 //! The amplitudes are judged as the headroom is (`headroom`): `G_i` is the largest gain on a tone's way, all levels share one `s`, and
-//! `sum G_i level_i(s)` is linear in `s`, so it is largest at one of the ends. The levels only fall where a motion ends silent.
+//! `sum G_i level_i(s)` is linear in `s`, so it is largest at one of the ends. Where a motion ends silent the levels only fall: it is
+//! judged only if a tone changes its gain meanwhile. So a chord, whose sum may be larger, can always fade where it is.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
 
@@ -126,7 +127,8 @@ impl Bounds {
     /// # Errors
     /// [`Refusal::Headroom`].
     pub fn check_sum(&self, motion: &Motion, slots: &TableSlots) -> Result<(), Refusal> {
-        if self.profile.is_none() || motion.ends_silent() {
+        let only_falls = motion.ends_silent() && motion.trajectories().iter().all(keeps_its_gain);
+        if self.profile.is_none() || only_falls {
             return Ok(());
         }
         let (mut at_start, mut at_end) = (0_u64, 0_u64);
@@ -140,6 +142,14 @@ impl Bounds {
             return Err(Refusal::Headroom { sum_per_mille: per_mille(sum) });
         }
         Ok(())
+    }
+}
+
+fn keeps_its_gain(tone: &ToneTrajectory) -> bool {
+    match tone.setting {
+        SettingTrajectory::Hold { .. } => true,
+        SettingTrajectory::Along => tone.from == tone.to,
+        SettingTrajectory::Join { .. } => false,
     }
 }
 
