@@ -51,7 +51,7 @@ def test_it_enumerates_as_the_documentation_says(rig):
 
 
 def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(rig):
-    rig.board.run(0.01)
+    rig.board.run(0.03)
     irqs = {"dma": rig.facts.dma_irq, "dac": DAC_IRQ, "renderer": RENDERER_IRQ, "time": TIME_IRQ}
     level = {name: rig.board.priorities[irq] for name, irq in irqs.items()}
     assert level["dma"] == level["dac"] < level["renderer"] < level["time"]

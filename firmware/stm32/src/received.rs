@@ -98,6 +98,14 @@ mod tests {
         writer.ring.get(first..first + count).expect("within the ring").to_vec()
     }
 
+    #[test]
+    fn a_place_lies_as_many_bytes_ahead_as_are_unread_before_it_also_across_the_rings_end() {
+        let received = Received { end: 10, count: 7 };
+        assert_eq!([3, 4, 10].map(|place| received.until(place)), [0, 1, 7]);
+        let received = Received { end: 5, count: 7 };
+        assert_eq!([RING - 2, RING - 1, 0, 5].map(|place| received.until(place)), [0, 1, 2, 7]);
+    }
+
     proptest! {
         /// In order and none twice, but where the look has said that bytes are lost; and that it says whenever some are.
         #[test]
