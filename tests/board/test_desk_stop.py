@@ -194,7 +194,6 @@ def test_the_stop_input_mutes_by_hardware_whatever_the_core_does(rig):
         on_copy(rig, lambda copy: case(copy, state))
 
 
-@pytest.mark.every_image
 def test_a_spike_on_the_stop_wire_is_reported_as_the_stop_that_it_is(rig):
     """R-80: it is over when the renderer looks; the break's flag stays."""
     fitted(rig)

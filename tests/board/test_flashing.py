@@ -1,6 +1,4 @@
 """The released files, on a board that was never flashed, and as updates of one that has kept a table and a profile."""
-import pytest
-
 import flashing
 from boards import F407
 from copies import on_copy
@@ -18,7 +16,6 @@ def whole_flash(rig):
     return bytes(board.cpu.mem_read(board.FLASH_START, board.MEMORIES[board.FLASH_START]))
 
 
-@pytest.mark.every_image
 def test_each_released_file_makes_a_factory_new_board_that_can_be_armed_and_drives(rig):
     """R-93."""
     released = flash_files(rig.facts.feature)
@@ -42,7 +39,6 @@ def test_each_released_file_makes_a_factory_new_board_that_can_be_armed_and_driv
     assert not is_silent(rig.codes(at, rig.played()))
 
 
-@pytest.mark.every_image
 def test_an_update_keeps_table_and_profile(kept):
     """R-93: whichever of its two places holds the newest profile, after one write of it and after three."""
     kept.board.is_hasty = True

@@ -44,7 +44,6 @@ def pull_ups(facts):
     return (25e3, 55e3) if facts is G474 else (30e3, 50e3)
 
 
-@pytest.mark.every_image
 def test_a_capacitor_is_no_resistor_and_a_bare_pin_is_none(rig):
     """R-82."""
     # The slowest to rise, and the one that a pull-down keeps lowest: the weakest pull-up. The one that lifts a resistor most: the strongest.
@@ -57,7 +56,6 @@ def test_a_capacitor_is_no_resistor_and_a_bare_pin_is_none(rig):
         assert on_copy(rig, lambda copy: looked(copy, wiring))[0] == expected, name
 
 
-@pytest.mark.every_image
 def test_what_an_amplifiers_enable_sees_of_the_look_is_what_the_documents_say(rig):
     """R-82."""
     strongest, weakest = pull_ups(rig.facts)

@@ -31,7 +31,7 @@ use slipline_app::safety::fade::fade;
 pub(crate) const MARGIN: usize = 8;
 
 /// A block that has been handed over can be revised if the DMA enters its half in no fewer samples. Until the new codes are
-/// handed over the renderer takes 5130 cycles (F407) or 6250 cycles (G474), wait states included: 14.7 samples
+/// handed over the renderer takes 5709 cycles (F407) or 6604 cycles (G474), wait states included: 15.5 samples
 /// (`tests/board/test_speed.py` compares). The DMA's interrupt may come between and take 3 more, and [`MARGIN`] comes on top.
 pub(crate) const REVISION: usize = 28;
 
