@@ -446,7 +446,7 @@ class WearEvent(Record):
 
     profile_erasures: int = field(U32)
     profile_erasures_promised: int = field(U32)
-    stores_left: int = field(U8)
+    stores_left: int = field(U8, 0, 16)
 
 
 @dataclass(frozen=True)
