@@ -17,9 +17,13 @@ use slipline_protocol::listen::InputsReport;
 /// ```
 #[must_use]
 pub fn wear(maintenance: &Maintenance) -> String {
-    match maintenance.erasures_promised {
+    erased(maintenance.erasures, maintenance.erasures_promised)
+}
+
+fn erased(times: u32, promised: u32) -> String {
+    match promised {
         0 => "nothing stored".to_owned(),
-        promised => format!("{} of {promised} times", maintenance.erasures),
+        promised => format!("{times} of {promised} times"),
     }
 }
 
@@ -35,10 +39,7 @@ pub fn wear(maintenance: &Maintenance) -> String {
 /// ```
 #[must_use]
 pub fn profile_wear(wear: &Wear) -> String {
-    let erased = match wear.profile_erasures_promised {
-        0 => "nothing stored".to_owned(),
-        promised => format!("{} of {promised} times", wear.profile_erasures),
-    };
+    let erased = erased(wear.profile_erasures, wear.profile_erasures_promised);
     let tables = if wear.stores_left == 1 { "table" } else { "tables" };
     format!("{erased}; {} {tables} may be stored now", wear.stores_left)
 }
