@@ -137,7 +137,7 @@ fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
         window.get_by_label("Actuator profile…").click();
         window.run_steps(8);
         assert!(window.query_by_label_contains("max_sum = 0.8").is_some());
-        assert!(window.query_by_label_contains("Hold the user button on the board").is_some());
+        assert!(window.query_by_label_contains("Press the user button on the board").is_some());
         window.get_by_label(press).click();
         window.run_steps(5);
         assert_eq!(written(&link).len(), count);
