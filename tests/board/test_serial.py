@@ -6,7 +6,7 @@ import pytest
 from boards import on_serial
 from copies import on_copy
 from core import dma_channels
-from core.uart import FRAMING, MASKED_UNTIL_READ, NOISE, OVERRUN, READINGS, TAKEN, SerialHost, levels, sampled
+from core.uart import FRAMING, NOISE, OVERRUN, READINGS, TAKEN, SerialHost, levels, sampled
 from host import BLOCK, DISARM, EMERGENCY_STOP, RATE_HZ, STATUS, STOP, frame
 from rig import MILLISECOND, is_silent, start
 
@@ -20,8 +20,6 @@ BLOCK_SECONDS = BLOCK / RATE_HZ
 SOME, OTHERS = [115_200, 1_000_000], [9_600, 57_600, 230_400, 460_800, 1_500_000, 1_843_200, 2_000_000, 3_000_000]
 RATES = [pytest.param(rate, marks=pytest.mark.every_image) for rate in SOME] + OTHERS
 TRIES = 0.012
-# A stop is tried at any time of a block under these two, which differ in both facts; under the others at night.
-READINGS_OF_THE_GATE = TAKEN, MASKED_UNTIL_READ
 
 
 def commands(host):
@@ -136,7 +134,7 @@ def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, pl
 
 @on_serial
 @pytest.mark.every_image
-@pytest.mark.parametrize("reading", [r if r in READINGS_OF_THE_GATE else pytest.param(r, marks=pytest.mark.nightly) for r in READINGS])
+@pytest.mark.parametrize("reading", READINGS)
 def test_a_stop_right_behind_a_bad_byte_is_obeyed(sounding, reading):
     """The bad byte was the end of a frame, and nobody has looked since: what came before it must not spoil the stop. At any time of a
     block, so in the renderer's turn, too."""
