@@ -114,8 +114,7 @@ pub fn encode(
 }
 
 /// What a decoder has counted. Counters stop at their largest value.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct DecoderCounters {
     /// Complete frames whose CRC is right.
     pub frames: u32,

@@ -21,7 +21,7 @@ macro_rules! messages {
     ) => {
         $(#[$enum_doc])*
         #[derive(Clone, Debug, PartialEq, Eq)]
-        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+        #[derive(serde::Serialize, serde::Deserialize)]
         pub enum $name {
             $( $(#[cfg($cfg)])? $(#[doc = $doc])+ $variant $(($body))?, )+
         }

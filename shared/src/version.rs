@@ -69,8 +69,7 @@ impl Version {
 }
 
 /// What a host should do about a device's version.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Compatibility {
     /// Everything works.
     Same,

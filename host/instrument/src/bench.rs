@@ -3,10 +3,8 @@
 //! A plate costs a tenth of a core, so while nobody listens the rig rests and the inputs are at mid-scale, too. The latest
 //! codes are kept meanwhile: the rig plays them before it is heard again, so its plate has settled on the present drive.
 
-#[cfg(feature = "serde")]
 mod elsewhere;
 
-#[cfg(feature = "serde")]
 pub use elsewhere::BenchChange;
 
 use crate::rig::PreparedRig;
@@ -43,7 +41,6 @@ struct Rigs {
     /// Blocks that a tap still lasts.
     tapped: usize,
     /// The bench of another worker, which does as this one.
-    #[cfg(feature = "serde")]
     elsewhere: Option<elsewhere::Elsewhere>,
 }
 
@@ -66,7 +63,6 @@ impl Bench {
     /// Replaces the rig at once by another that is at rest.
     pub fn put(&self, rig: &PreparedRig) {
         let mut rigs = self.rigs();
-        #[cfg(feature = "serde")]
         if let Some(elsewhere) = &mut rigs.elsewhere {
             return elsewhere.put(rig.copy());
         }
@@ -77,7 +73,6 @@ impl Bench {
     /// its plate has settled, then the inputs crossfade to it.
     pub fn pass_over_to(&self, rig: &PreparedRig, sample_rate_hz: f64) {
         let mut rigs = self.rigs();
-        #[cfg(feature = "serde")]
         if let Some(elsewhere) = &mut rigs.elsewhere {
             return elsewhere.pass_over_to(rig.copy(), sample_rate_hz);
         }
@@ -87,7 +82,6 @@ impl Bench {
     /// Lets the rig rest, or has it heard again.
     pub fn rest(&self, is_resting: bool) {
         let mut rigs = self.rigs();
-        #[cfg(feature = "serde")]
         if let Some(elsewhere) = &mut rigs.elsewhere {
             return elsewhere.rest(is_resting);
         }
@@ -97,7 +91,6 @@ impl Bench {
     /// Taps on the plate, at its driven end.
     pub fn tap(&self) {
         let mut rigs = self.rigs();
-        #[cfg(feature = "serde")]
         if let Some(elsewhere) = &mut rigs.elsewhere {
             return elsewhere.tap();
         }
@@ -108,7 +101,6 @@ impl Bench {
     #[must_use]
     pub fn is_passing_over(&self) -> bool {
         let rigs = self.rigs();
-        #[cfg(feature = "serde")]
         if let Some(elsewhere) = &rigs.elsewhere {
             return elsewhere.is_passing_over();
         }

@@ -35,8 +35,7 @@ use slipline_protocol::refusal::Refusal;
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ChordRequest {
     /// The binary logarithm of the period in samples, 7..=14.
     pub period_log2: u8,

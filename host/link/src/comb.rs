@@ -10,8 +10,7 @@ use slipline_protocol::limits::{COMB_BLOCK, COMB_PERIOD_BLOCKS, MAX_FREQUENCY_PE
 /// Tones that are multiples of the base frequency `rate / (128 period_blocks)`, within the table's
 /// frequencies or beyond them. They begin in silence; their amplitudes may add up to full scale at most. A
 /// window of whole periods separates them exactly ([`ListenRequest`](crate::ListenRequest)).
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CombRequest {
     /// The period in blocks of 128 samples, at least 1.
     pub period_blocks: u16,

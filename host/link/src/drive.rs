@@ -10,8 +10,7 @@ use slipline_protocol::limits::MIN_MASTER_CDB;
 use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
 /// One tone, in metres and shares.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ToneRequest {
     /// 0..16. A sounding slot glides from its present place; a slot that is not listed fades out.
     pub slot: u8,
@@ -24,8 +23,7 @@ pub struct ToneRequest {
 }
 
 /// A drive, in metres, decibels and seconds; the link converts it to the device's units.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DriveRequest {
     /// The tones, at most 16, each in its own slot; an empty list fades all tones out.
     pub tones: Vec<ToneRequest>,
@@ -58,8 +56,7 @@ impl DriveRequest {
 }
 
 /// Why a drive cannot be converted to the device's units.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum DriveError {
     /// There is no table by which to place tones.
     #[error("the device has no turning-point table: upload one first")]
@@ -112,7 +109,7 @@ impl DriveRequest {
             let (start_m, end_m) = table::span_m(table);
             let position = table::position_in(table, tone.boundary_m).ok_or_else(|| {
                 let (got, min, max) = (tone.boundary_m * 1e3, start_m * 1e3, end_m * 1e3);
-                refuse(OutOfRange { field: "boundary (mm)", got, min, max })
+                refuse(OutOfRange { field: "boundary (mm)".into(), got, min, max })
             })?;
             let level = level(tone.level).map_err(refuse)?;
             let phase = phase(tone.phase_turns).map_err(refuse)?;
@@ -129,13 +126,13 @@ impl DriveRequest {
 
 /// A tone's level in the device's units.
 pub(crate) fn level(level: f64) -> Result<Level, OutOfRange> {
-    table::level(level).ok_or(OutOfRange { field: "level", got: level, min: 0.0, max: 1.0 })
+    table::level(level).ok_or(OutOfRange { field: "level".into(), got: level, min: 0.0, max: 1.0 })
 }
 
 /// A phase of any number of turns in the device's units.
 pub(crate) fn phase(turns: f64) -> Result<Phase, OutOfRange> {
     if !turns.is_finite() {
-        return Err(OutOfRange { field: "phase (turns)", got: turns, min: 0.0, max: 1.0 });
+        return Err(OutOfRange { field: "phase (turns)".into(), got: turns, min: 0.0, max: 1.0 });
     }
     Ok(Phase((turns.rem_euclid(1.0) * 65536.0).round() as u32 as u16))
 }

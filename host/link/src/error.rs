@@ -4,8 +4,7 @@ use crate::port::Port;
 use std::io::{self, ErrorKind};
 
 /// An error of the link.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum LinkError {
     /// The port does not exist.
     #[error("there is no port {0}: is the device plugged in?")]

@@ -7,8 +7,7 @@ use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::units::{Level, Phase};
 
 /// One tone of a chord or a comb.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HarmonicRequest {
     /// The multiple of the base frequency; multiples rise from tone to tone.
     pub harmonic: u16,

@@ -18,8 +18,7 @@ use slipline_protocol::units::CentiDecibel;
 const CODE: f64 = 256.0;
 
 /// A tone to hold.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HoldToneRequest {
     /// Its slot, 0..16. It must sound.
     pub slot: u8,
@@ -32,8 +31,7 @@ pub struct HoldToneRequest {
 /// While it is on, [`Snapshot::hold`](crate::Snapshot::hold) has its state, a
 /// [`ListenRequest`](crate::ListenRequest) is refused, and the mirror does not know the codes. To change a
 /// hold, end it first.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct HoldRequest {
     /// The input, from 0.
     pub input: u8,

@@ -7,8 +7,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 /// A change that the device has accepted, at a sample index; the mirror replays it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Acknowledged {
     /// Increases by one with each entry; a gap means dropped entries: the oldest, or thermal limits.
     pub number: u64,
@@ -24,8 +23,7 @@ pub struct Acknowledged {
 }
 
 /// A change of the device's output.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Change {
     /// A session began: the device is silent and disarmed from here.
     Session,

@@ -12,8 +12,8 @@
 //! command and `channel` numbers, times out and repeats (stop-and-wait ARQ). All receive the time from their
 //! caller and own no thread, so tests, the simulation and a browser can run them. With the feature `native`,
 //! a worker thread runs them on this computer's serial ports and sockets; `driver_watch` ends the drive when
-//! the program that drives through that thread hangs. With the feature `serde`, requests and snapshots are
-//! plain data, for a program whose link runs in another worker of a browser: `SnapshotUpdate`.
+//! the program that drives through that thread hangs. Requests and snapshots are plain data, for a program
+//! whose link runs in another worker of a browser: [`SnapshotUpdate`].
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.
@@ -53,11 +53,8 @@ mod refusal;
 mod request;
 pub mod simulator;
 mod snapshot;
-#[cfg(feature = "serde")]
 mod snapshot_update;
 mod sounding;
-#[cfg(feature = "serde")]
-pub mod static_text;
 pub mod table;
 mod trace;
 pub mod transport;
@@ -81,7 +78,6 @@ pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB
 pub use refusal::Refusal;
 pub use request::{Outcome, Request, Ticket};
 pub use snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, UploadProgress};
-#[cfg(feature = "serde")]
 pub use snapshot_update::SnapshotUpdate;
 pub use sounding::Sounding;
 pub use table::{DeviceTable, DeviceTableError};

@@ -14,8 +14,7 @@ const BASIS_ONE: f64 = 16_383.0;
 
 /// Measures an input's response to each tone over a window. It ends with the window, with
 /// [`Outcome::Listened`](crate::Outcome::Listened). A newer request replaces one under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct ListenRequest {
     /// The window's first sample, rounded up to a block boundary; `None`: the next block.
     pub from: Option<SampleIndex>,
@@ -42,8 +41,7 @@ impl ListenRequest {
 }
 
 /// An input's response to each tone.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Listened {
     /// The window's first sample.
     pub begin: SampleIndex,
@@ -81,8 +79,7 @@ impl Listened {
 
 /// Captures the codes of an input. It ends when all values have arrived, with
 /// [`Outcome::Captured`](crate::Outcome::Captured). A newer request replaces one under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct CaptureRequest {
     /// The first code's index; `None`: the next block's first.
     pub from: Option<SampleIndex>,
@@ -102,8 +99,7 @@ impl CaptureRequest {
 }
 
 /// Captured codes of an input.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Captured {
     /// The first code's index.
     pub from: SampleIndex,

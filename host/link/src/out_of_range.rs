@@ -1,18 +1,14 @@
 //! A number outside the range of a protocol field, and its message, which equals that of the device's own
 //! refusals.
 
+use std::borrow::Cow;
 use std::fmt;
 
-/// A name that is part of the program; serde would borrow a field whose type is written as a reference.
-type FieldName = &'static str;
-
 /// A number that is outside its range or not a number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OutOfRange {
     /// The name of the value, with its unit: `boundary (mm)`.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
-    pub field: FieldName,
+    pub field: Cow<'static, str>,
     /// The number.
     pub got: f64,
     /// The lowest allowed value.
@@ -30,14 +26,14 @@ impl OutOfRange {
         if got.is_finite() && (min..=max).contains(&got) {
             Ok(())
         } else {
-            Err(Self { field, got, min, max })
+            Err(Self { field: field.into(), got, min, max })
         }
     }
 }
 
 impl fmt::Display for OutOfRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { field, got, min, max } = *self;
+        let Self { ref field, got, min, max } = *self;
         let decimals = decimals(if got > max { got - max } else { min - got });
         // A bound is rounded into the range, so that what is shown as allowed is accepted.
         let shown = |bound: f64, round: fn(f64) -> f64| {

@@ -8,8 +8,7 @@ use slipline_protocol::units::{CentiDecibel, FinePosition, Gain, Level};
 use std::sync::Arc;
 
 /// The device's output.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Played {
     /// Tones at places of the table.
     Drive(Arc<Drive>),

@@ -20,8 +20,7 @@ pub const USB_PRODUCT_NAME: &str = "Slipline";
 /// assert_eq!("/dev/ttyACM0".parse(), Ok(Port::Serial("/dev/ttyACM0".to_owned())));
 /// assert!("unix:".parse::<Port>().is_err());
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub enum Port {
     /// The device application in this process, with a simulated plate.
     Simulated,
@@ -61,8 +60,7 @@ impl fmt::Display for Port {
 }
 
 /// A port that exists now.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct PortInfo {
     /// The port.
     pub port: Port,

@@ -7,8 +7,7 @@ use slipline_protocol::version::Compatibility;
 
 /// Why a request was refused: the device's own reply, or a reason on this side. Its text is one sentence
 /// without a capital and a full stop.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum Refusal {
     /// The device refused.
     #[error("{0}")]

@@ -16,8 +16,7 @@ use std::time::Duration;
 /// One request. Requests are carried out in order, but [`Request::Stop`] and [`Request::EmergencyStop`]
 /// overtake all others, and a newer [`Request::Play`] or a [`Request::Disarm`] replaces a [`Request::Play`]
 /// that the device has not accepted yet.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
     /// ([`LinkError::NoSuchPort`](crate::LinkError::NoSuchPort)), and waited for if [`Request::AutoReconnect`] is on.
@@ -110,13 +109,13 @@ impl Request {
 }
 
 /// The number of a request; increases by one with each.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
 pub struct Ticket(pub u64);
 
 /// The outcome of a request.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Outcome {
     /// Done; the sample index from which it takes effect, or the device's present one.
     Done {

@@ -27,8 +27,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 /// The state of the link.
-#[derive(Clone, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum LinkState {
     /// No port is open and none is sought. [`Snapshot::error`] has the reason, unless the user has requested
     /// it.
@@ -47,8 +46,7 @@ pub enum LinkState {
 }
 
 /// The progress of an upload, in knots.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct UploadProgress {
     /// Knots that the device has accepted.
     pub sent: u16,
@@ -57,8 +55,7 @@ pub struct UploadProgress {
 }
 
 /// Time from a command to the device's reply.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct RoundTrip {
     /// The latest reply.
     pub last: Duration,
@@ -69,8 +66,7 @@ pub struct RoundTrip {
 }
 
 /// The link's own counters since the connection began; they saturate.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct LinkCounters {
     /// Commands sent, repeats not counted.
     pub commands: u32,
@@ -108,8 +104,7 @@ pub const OUTCOMES: usize = 64;
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Snapshot {
     /// Increases with every change that is worth a repaint.
     pub revision: u64,

@@ -9,8 +9,7 @@ use slipline_protocol::command::{Apply, TableHeader, TravelLimit};
 use slipline_protocol::event::Identity;
 
 /// A drive, chord or comb to be played; a newer one replaces it.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Sounding {
     /// Tones at places.
     Drive(DriveRequest),

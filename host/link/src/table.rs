@@ -31,8 +31,7 @@ use slipline_protocol::units::{FinePosition, Gain, Level, Position, per_mille};
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DeviceTable {
     header: TableHeader,
     knots: Vec<Knot>,

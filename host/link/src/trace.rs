@@ -16,8 +16,7 @@ pub const FRAMES: &str = "slipline_link::frames";
 pub const FRAMES_KEPT: usize = 64;
 
 /// The decoded body of a frame.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum TracedMessage {
     /// From the host to the device.
     Command(Command),
@@ -33,8 +32,7 @@ pub enum TracedMessage {
 }
 
 /// One frame on the link.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TracedFrame {
     /// When it was queued or received, since the worker was started.
     pub time: Duration,

@@ -17,8 +17,7 @@ use num_complex::Complex64;
 pub const PERSONS_DB: f64 = 8.0;
 
 /// Parameters of the sensation model. All values are illustrative.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Feeling {
     /// Threshold of vibration, in units of [`threshold_m`] at the tone's frequency; above 0.
     pub threshold: f64,
@@ -54,8 +53,7 @@ pub struct FeltTone<'a> {
 }
 
 /// The end of the felt part of the plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum FeltEdge {
     /// Place of the edge, metres from the driven end: beyond it nothing is felt.
     At(f64),
@@ -66,8 +64,7 @@ pub enum FeltEdge {
 }
 
 /// The felt edges for persons at both ends of [`PERSONS_DB`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EdgesByPerson {
     /// Edge for a threshold higher by half of [`PERSONS_DB`].
     pub near: FeltEdge,

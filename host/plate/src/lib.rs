@@ -17,7 +17,6 @@ pub mod calibrate;
 pub mod check;
 pub mod definition;
 pub mod design;
-#[cfg(feature = "serde")]
 pub mod exchange;
 pub mod feeling;
 pub mod frequency;
@@ -30,7 +29,6 @@ mod progress;
 pub mod quantity;
 pub mod sheet;
 pub mod special;
-#[cfg(feature = "serde")]
 pub mod static_text;
 pub mod table;
 pub mod text_table;

@@ -3,8 +3,7 @@
 use thiserror::Error;
 
 /// The caller stopped a computation before its end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error, serde::Serialize, serde::Deserialize)]
 #[error("stopped before it was done")]
 pub struct Stopped;
 

@@ -41,3 +41,20 @@ pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'stati
     known.insert(text);
     Ok(text)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::quantity::{OutOfRange, Range};
+
+    fn sent(field: &'static str) -> Result<OutOfRange, postcard::Error> {
+        let refused = OutOfRange { field, value: 2.0, range: Range::new(0.0, 1.0, "m") };
+        postcard::from_bytes(&postcard::to_extend(&refused, Vec::new()).unwrap())
+    }
+
+    #[test]
+    fn a_text_of_the_program_is_leaked_once_and_a_text_of_no_program_never() {
+        let [one, two] = [sent("a field of this test"), sent("a field of this test")].map(Result::unwrap);
+        assert!(std::ptr::eq(one.field, two.field));
+        assert!(sent(String::leak("x".repeat(1025))).is_err());
+    }
+}

@@ -1,8 +1,7 @@
 //! The pages of a calibration.
 
 /// A page.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum WizardPage {
     /// The plate file and the caliper measurements.
     #[default]

@@ -4,8 +4,7 @@ use super::page::WizardPage;
 use slipline_plate::calibrate::{CalibrateError, Measurement};
 
 /// Where and how the cause of a refusal is removed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Remedy {
     /// On this page.
     Page(WizardPage),

@@ -13,11 +13,10 @@ use std::sync::Arc;
 const FIT_SHARE: f64 = 0.9;
 
 /// Known dimensions of a plate, and the sensor's responses at two places.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CalibrateJob {
     /// The plate as its file states it.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// Its caliper measurements.
     pub calipers: Option<Calipers>,
@@ -37,21 +36,19 @@ impl PartialEq for CalibrateJob {
 }
 
 /// The calibrated plate.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CalibrationResult {
     /// The plate with its intervals.
     pub calibrated: Calibrated,
     /// The same plate, as a setup holds it.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// Errors of the file's table on the calibrated plate.
     pub before: Departure,
 }
 
 /// A refused calibration.
-#[derive(Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Refused {
     /// The reason.
     pub reason: String,
@@ -60,8 +57,7 @@ pub struct Refused {
 }
 
 /// The result.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CalibrateDone {
     /// The job.
     pub job: CalibrateJob,

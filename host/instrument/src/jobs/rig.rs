@@ -7,11 +7,10 @@ use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 
 /// A rig to put together.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct RigJob {
     /// The plate of the rig.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub truth: Arc<Plate>,
     /// The quantity that the sensor shows.
     pub sensor: SensorKind,
@@ -38,8 +37,7 @@ impl RigJob {
 }
 
 /// The result.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct RigPrepared {
     /// The job.
     pub job: RigJob,

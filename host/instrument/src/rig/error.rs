@@ -4,8 +4,7 @@ use slipline_plate::quantity::OutOfRange;
 use slipline_plate::{LineError, SenseError};
 
 /// Why a rig cannot be put together, or its sensor cannot be moved.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum RigError {
     /// An option is out of range.
     #[error("{0}")]

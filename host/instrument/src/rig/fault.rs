@@ -3,8 +3,7 @@
 use slipline_plate::quantity::Range;
 
 /// A fault of the rig.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum RigFault {
     /// The sensor is unplugged: its input samples noise only.
     Unplugged,

@@ -11,7 +11,6 @@
 
 mod bench;
 mod converter;
-#[cfg(feature = "serde")]
 mod copy;
 mod error;
 mod fault;
@@ -22,7 +21,6 @@ mod parts;
 mod prepared;
 mod sampler;
 
-#[cfg(feature = "serde")]
 pub use copy::{RigCopy, RigState};
 pub use error::RigError;
 pub use fault::RigFault;

@@ -9,7 +9,7 @@ use std::fmt;
 use std::sync::Arc;
 
 /// The computed parts of a rig.
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(serde::Serialize, serde::Deserialize)]
 pub(super) struct Parts {
     pub(super) plate: SensedPlate,
     /// The quantity that the sensor shows.

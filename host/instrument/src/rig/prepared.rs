@@ -38,23 +38,17 @@ const CURRENTS: u32 = 64;
 /// rig.hand().put_sensor(0.16).unwrap();
 /// device.advance(10, |_| ());
 /// ```
-#[derive(Debug, Clone)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(into = "SentRig", from = "SentRig")
-)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
+#[serde(into = "SentRig", from = "SentRig")]
 pub struct PreparedRig {
     pub(super) parts: Arc<Parts>,
     pub(super) bench: Arc<Mutex<Bench>>,
 }
 
 /// A rig on its way from the worker of a browser that has put it together.
-#[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 struct SentRig(Arc<Parts>, Bench);
 
-#[cfg(feature = "serde")]
 impl From<PreparedRig> for SentRig {
     fn from(rig: PreparedRig) -> Self {
         let bench = super::bench::lock(&rig.bench).clone();
@@ -62,7 +56,6 @@ impl From<PreparedRig> for SentRig {
     }
 }
 
-#[cfg(feature = "serde")]
 impl From<SentRig> for PreparedRig {
     fn from(SentRig(parts, bench): SentRig) -> Self {
         Self { parts, bench: Arc::new(Mutex::new(bench)) }

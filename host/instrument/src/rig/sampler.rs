@@ -11,7 +11,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex};
 
 /// What a device samples of a rig, apart from the sensor's place and the fault.
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(serde::Serialize, serde::Deserialize)]
 pub(super) struct Signals {
     /// The true plate.
     pub(super) at_rest: Resonators,

@@ -34,11 +34,10 @@ fn grid(plate: &Plate) -> SheetGrid {
 }
 
 /// The sheet at one moment. The default has no plate and is 0 everywhere.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Frame {
     /// The plate of the sheet.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::maybe_by_number"))]
+    #[serde(with = "slipline_plate::exchange::maybe_by_number")]
     pub plate: Option<Arc<Plate>>,
     /// Distance of the stations along the plate and of the rows across it, in metres.
     step_m: (f64, f64),
@@ -84,8 +83,7 @@ impl Frame {
 }
 
 /// A drive for a sheet, and the time of its slow motion.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct SheetJob {
     /// The drive and its plate.
     pub drive: TimeDomainJob,

@@ -300,7 +300,7 @@ impl Simulation<'_> {
             .zip(self.tones)
             .map(|(slot, &(boundary_m, level))| {
                 let (got, min, max) = (boundary_m * 1e3, start_m * 1e3, end_m * 1e3);
-                let value = OutOfRange { field: "boundary (mm)", got, min, max };
+                let value = OutOfRange { field: "boundary (mm)".into(), got, min, max };
                 let outside = DriveError::Tone { slot, value };
                 let position = table.position(boundary_m).ok_or(LoopbackError::Refused(outside.into()))?;
                 let gain = f64::from(table.setting(position.fine()).gain.0) / f64::from(1u32 << 31);

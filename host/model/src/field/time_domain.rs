@@ -30,8 +30,7 @@ const AHEAD: u64 = 8 * BLOCK as u64;
 const BLOCKS_AT_ONCE: u64 = 64;
 
 /// Largest displacement at places along the simulated plate.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct SimulatedField {
     /// Journal number of the drive.
     pub number: u64,
@@ -59,13 +58,12 @@ impl SimulatedField {
 }
 
 /// A drive to simulate on a plate.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct TimeDomainJob {
     /// Journal number of the drive.
     pub number: u64,
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The device's table.
     pub table: Arc<DeviceTable>,

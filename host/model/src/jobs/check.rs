@@ -6,11 +6,10 @@ use slipline_plate::{Plate, Progress};
 use std::sync::Arc;
 
 /// A plate and a boundary to check.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CheckJob {
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The boundary, in metres.
     pub boundary_m: f64,
@@ -27,8 +26,7 @@ impl PartialEq for CheckJob {
 }
 
 /// The result of a check.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Checked {
     /// The plate and boundary that were checked.
     pub job: CheckJob,

@@ -6,11 +6,10 @@ use slipline_plate::calibrate::{CalibrateError, Comparison, Measurement};
 use std::sync::Arc;
 
 /// A plate and its measurement.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CompareJob {
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The measurement.
     pub measurement: Arc<Measurement>,
@@ -23,8 +22,7 @@ impl PartialEq for CompareJob {
 }
 
 /// The result.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Compared {
     /// The job.
     pub job: CompareJob,

@@ -7,8 +7,7 @@ use slipline_plate::{PlateError, Progress};
 use std::sync::Arc;
 
 /// The type of wave and edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Kind {
     /// Bending, edges simply supported.
     Supported,
@@ -37,8 +36,7 @@ impl Kind {
 }
 
 /// Definition of a membrane's stretch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Stretch {
     /// Wave speed in m/s.
     WaveSpeed(f64),
@@ -47,13 +45,12 @@ pub enum Stretch {
 }
 
 /// The requirements of a plate. `None` selects the library's value.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Draft {
     /// The plate's name.
     pub name: String,
     /// The library's name of the sheet's material.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::static_text"))]
+    #[serde(with = "slipline_plate::static_text")]
     pub material: slipline_plate::StaticText,
     /// The sheet's thickness in metres.
     pub thickness_m: f64,
@@ -133,8 +130,7 @@ impl Draft {
 }
 
 /// The result of a draft.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Designed {
     /// The draft.
     pub draft: Draft,

@@ -7,11 +7,10 @@ use slipline_plate::calibrate::{Comparison, Measurement};
 use std::sync::Arc;
 
 /// A plate and its measurements.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct MeasuredPlacesJob {
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The measurements.
     pub measurements: Vec<Arc<Measurement>>,
@@ -36,8 +35,7 @@ impl PartialEq for MeasuredPlacesJob {
 }
 
 /// The plate at the place of a sensor.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MeasuredPlace {
     /// The place, metres from the driven end.
     pub place_m: f64,
@@ -71,8 +69,7 @@ impl MeasuredPlace {
 }
 
 /// The result.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct MeasuredPlaces {
     /// The job.
     pub job: MeasuredPlacesJob,

@@ -16,11 +16,10 @@ const SAME_LEVEL_DB: f64 = 0.05;
 const ONE_MODE_SHARE: f64 = 0.1;
 
 /// A plate and a boundary to compute in two dimensions.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct PlaneJob {
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The boundary, in metres.
     pub boundary_m: f64,
@@ -37,8 +36,7 @@ impl PartialEq for PlaneJob {
 }
 
 /// The result.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct PlaneChecked {
     /// The job.
     pub job: PlaneJob,

@@ -11,11 +11,10 @@ use std::sync::Arc;
 pub const KNOTS: usize = slipline_link::protocol::limits::MAX_KNOTS;
 
 /// A table to compute.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct TableJob {
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The device's sample rate in Hz.
     pub sample_rate_hz: f64,
@@ -24,11 +23,10 @@ pub struct TableJob {
 }
 
 /// A finished table.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct TableMade {
     /// The plate.
-    #[cfg_attr(feature = "serde", serde(with = "slipline_plate::exchange::by_number"))]
+    #[serde(with = "slipline_plate::exchange::by_number")]
     pub plate: Arc<Plate>,
     /// The table in Hz and gains.
     pub drive_table: DriveTable,
@@ -39,8 +37,7 @@ pub struct TableMade {
 }
 
 /// The state of the table.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub enum TableState {
     /// The sample rate of the device is not known yet.
     #[default]

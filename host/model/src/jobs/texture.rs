@@ -9,8 +9,7 @@ use slipline_plate::texture::{Palette, TextureError};
 use std::sync::Arc;
 
 /// The wanted texture and its plate.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct TextureWish {
     /// The plate and its table.
     pub table: Arc<TableMade>,
@@ -35,8 +34,7 @@ impl PartialEq for TextureWish {
 }
 
 /// A texture to make.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct TextureJob {
     /// The wanted texture.
     pub wish: TextureWish,
@@ -50,12 +48,11 @@ pub struct TextureJob {
     TextureError::OutOfRange(error) => error.in_suitable_units(),
     error => error.to_string(),
 })]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(serde::Serialize, serde::Deserialize)]
 pub struct TextureRefused(pub TextureError);
 
 /// The result of a job.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Textured {
     /// The wish of the job.
     pub wish: TextureWish,

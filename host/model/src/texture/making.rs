@@ -20,8 +20,7 @@ use slipline_plate::{Plate, Progress};
 use std::sync::Arc;
 
 /// The texture that a user wants to be felt.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Wish {
     /// An even area from the driven end to the place where the finger feels it end, in metres.
     Solid(f64),
@@ -39,8 +38,7 @@ pub enum Wish {
 }
 
 /// A texture that has been made.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Made {
     /// Its tones, in order of their turning points.
     pub tones: Vec<TextureTone>,
@@ -53,8 +51,7 @@ pub struct Made {
 }
 
 /// The result of a fit, and its error.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Fitted {
     target: Target,
     /// The texture whose tones are used.
@@ -68,8 +65,7 @@ pub struct Fitted {
 }
 
 /// The results of the slower steps of a fit.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Rest {
     /// The texture with its tones on the multiples of a chord, and whether it is used; `None` where no multiple is in the band.
     pub chord: Option<(ChordTexture, bool)>,

@@ -23,8 +23,7 @@ const SPECTRUM_CODES: usize = 1 << 18;
 const SPECTRUM_EACH_S: f64 = 0.1;
 
 /// A stretch of the codes that the device sends.
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CodeWindow {
     /// Index of the first code.
     pub first: u64,
@@ -35,8 +34,7 @@ pub struct CodeWindow {
 }
 
 /// Codes and spectrum of the drive.
-#[derive(Clone, Debug, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct Waveform {
     window: Option<CodeWindow>,
     spectrum: Arc<[Line]>,

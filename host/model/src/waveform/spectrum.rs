@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// One line of a spectrum.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Line {
     /// Frequency in Hz.
     pub frequency_hz: f64,

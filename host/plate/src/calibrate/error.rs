@@ -8,8 +8,7 @@ use thiserror::Error;
 
 /// Why no calibration was made. What a measurement does not carry is refused: a plate file from it would look as good as
 /// any other.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum CalibrateError {
     /// A number of a measurement or of what was known beforehand is outside its range.
     #[error("{0}")]
@@ -112,7 +111,7 @@ pub enum CalibrateError {
     #[error("the {what} would be {} times that of the plate file: is it the right file, and are the places right?", significant(*.share, 3))]
     AnotherPlate {
         /// Which of the plate's numbers.
-        #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+        #[serde(with = "crate::static_text")]
         what: crate::StaticText,
         /// The fitted value over the file's.
         share: f64,

@@ -5,8 +5,7 @@ use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
 
 /// The conditions under which a plate is checked.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Conditions {
     /// The device's sample rate, Hz (see [`crate::sample_rates`]; 400 000 by default).
     pub sample_rate_hz: f64,

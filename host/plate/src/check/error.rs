@@ -8,8 +8,7 @@ use crate::table::error::TableError;
 use thiserror::Error;
 
 /// Why a plate could not be checked.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum CheckError {
     /// A boundary is not on the plate.
     #[error("{0}, on the plate")]

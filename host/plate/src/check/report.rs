@@ -33,7 +33,6 @@ impl Colour {
     }
 }
 
-#[cfg(feature = "serde")]
 impl<'de> serde::Deserialize<'de> for Colour {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let name = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
@@ -50,8 +49,7 @@ impl Serialize for Colour {
 }
 
 /// The limits of a light's number.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Limit {
     /// Green and amber up to these values; red above.
@@ -77,11 +75,10 @@ impl Limit {
 }
 
 /// One validity light.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct Light {
     /// The check; the same words for every plate.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub name: StaticText,
     /// The number behind the light; `None` where there is none (no ghost boundary, no second tone).
     pub value: Option<f64>,
@@ -91,7 +88,7 @@ pub struct Light {
     /// The highest `value` at these ends.
     pub high: Option<f64>,
     /// Unit of `value`; empty for a plain number.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub unit: StaticText,
     /// Limits of `value`; `None` where the colour does not follow from `value` alone.
     pub limit: Option<Limit>,
@@ -125,8 +122,7 @@ pub(super) fn range(low: f64, high: f64) -> Option<String> {
 }
 
 /// All lights of a plate at one boundary or over its span.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct Report {
     /// Name of the plate.
     pub plate: String,

@@ -12,8 +12,7 @@ pub const SLIPPERY_FROM_HZ: f64 = 20e3;
 /// The friction curve mu/mu0 = r + (1 - r) e^(-(a/a0)^p) over the displacement amplitude a. Defaults: a0 = 1 um,
 /// r = 0.2, p = 1.5; no source, round values. Reductions of the friction by up to 95 % have been measured
 /// (M. Wiertlewski, R. Fenton Friesen and J. Colgate, PNAS 113, 9210, 2016).
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FrictionCurve {
     /// Amplitude scale a0, metres (above 0).
     pub scale_m: f64,

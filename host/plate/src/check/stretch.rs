@@ -8,8 +8,7 @@ const PLACES: usize = 200;
 const HALVINGS: usize = 16;
 
 /// A part of the plate, metres from the driven end; where both ends are equal it is one place.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct Stretch {
     /// Its end nearer the drive.
     pub from_m: f64,

@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 /// A pair of limits: up to `green` the light is green, up to `amber` it is amber, beyond it is red.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct Limits {
     /// Last value that is green.
     pub green: f64,

@@ -5,8 +5,7 @@ use crate::quantity::{Count, Range, WrongCount};
 use thiserror::Error;
 
 /// Why a plate was refused. `Display` names the fields as a plate file does; [`PlateError::worded`] can use other names.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum PlateError {
     /// A number is outside its range (or not a number).
     OutOfRange {
@@ -81,8 +80,7 @@ pub enum PlateError {
 }
 
 /// Why a field has the range it has, where the range depends on other fields.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Origin {
     /// The lowest frequency that enters the plate.
     Entry,
@@ -105,8 +103,7 @@ pub enum Origin {
 }
 
 /// The quantity that follows from a number and is out of its range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Consequence {
     /// The frequency of a boundary at this position, Hz, is outside [`super::limits::FREQUENCY`].
     Frequency(f64),

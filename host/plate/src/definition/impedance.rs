@@ -15,8 +15,7 @@ use std::f64::consts::TAU;
 /// let resonance_hz = (600.0_f64 / 1e-3).sqrt() / std::f64::consts::TAU;
 /// assert!((coil.at_n_s_per_m(resonance_hz) - 0.15).norm() < 1e-12);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Impedance {
     /// Resistance R, N s/m (0 to 1e9).
     pub resistance_n_s_per_m: f64,

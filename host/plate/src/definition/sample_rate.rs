@@ -10,8 +10,7 @@ pub(crate) const FREQUENCY_TO_RATE_MAX: f64 = 0.45;
 pub(crate) const SAMPLE_RATE_MAX_HZ: f64 = 1e8;
 
 /// A sample rate that cannot carry the plate's band.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 #[error("{refused}, the plate's band ends at {highest_hz:.1} Hz")]
 pub struct SampleRateError {
     /// The rate that was given, and the rates that carry the band, Hz.

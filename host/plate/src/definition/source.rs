@@ -36,8 +36,7 @@ pub enum EndSlope {
 
 /// A strip of the half-width W(0) and of the plate's material behind the drive, with a lossy layer. It absorbs the
 /// waves that the driven end transmits: the broadband match of a plate in bending.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct LeadIn {
     /// Length, metres (0.001 to 10).
     pub length_m: f64,

@@ -22,8 +22,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// The part that absorbs the returning wave.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct Damper {
     /// Mechanical resistance R, N s/m: at the driven end, or at the far end of the lead-in.
     pub resistance_n_s_per_m: f64,

@@ -43,8 +43,7 @@ pub use mounting::Mounting;
 pub use request::{Edge, Request, Wave};
 
 /// The boundary at one end of the band.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct BandEnd {
     /// Frequency, Hz.
     pub frequency_hz: f64,
@@ -62,11 +61,10 @@ pub struct BandEnd {
 }
 
 /// A designed plate.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Design {
     /// The plate; its drive end is matched by the damper.
-    #[cfg_attr(feature = "serde", serde(with = "crate::exchange::by_text"))]
+    #[serde(with = "crate::exchange::by_text")]
     pub plate: Plate,
     /// Rate d of the taper, 1/m.
     pub rate_per_m: f64,

@@ -1,8 +1,7 @@
 //! Mountings of the sheet in its frame, for the edge condition of the wave model.
 
 /// Mounting of the sheet in its frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Mounting {
     /// The sheet lies on a narrow lip that can rotate: supported edges.
     Lip,

@@ -7,8 +7,7 @@ use crate::quantity::{OutOfRange, Range, must_be};
 use thiserror::Error;
 
 /// Reason why the amplitude was not computed.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum RespondError {
     /// The frequency is below the cut-off at the driven end: no wave propagates.
     #[error("{}", must_be(

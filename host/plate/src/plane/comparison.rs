@@ -6,8 +6,7 @@ use crate::frequency::Response;
 const NODE_DEPTH: f64 = 0.95;
 
 /// The differences of the second of two fields from the first, at one frequency.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
     /// Position of the second peak minus that of the first, metres; `None` if one of them has none.
     pub peak_shift_m: Option<f64>,

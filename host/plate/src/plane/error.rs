@@ -6,8 +6,7 @@ use crate::quantity::{OutOfRange, must_be, number_format::typed};
 use thiserror::Error;
 
 /// Reason why the two-dimensional field was not computed.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum PlaneError {
     /// The frequency does not enter the plate, or the frequency or the number of points is out of range.
     #[error("{0}")]

@@ -6,15 +6,14 @@ use std::fmt;
 
 /// The allowed range of a number, both ends included; an infinite end sets no limit. Displayed as `0.005 to 10 m`,
 /// each end as a user would type it: rounded inwards to five digits, so that the displayed ends are allowed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Range {
     /// Lower end.
     pub low: f64,
     /// Upper end.
     pub high: f64,
     /// Unit of both; empty for a pure number.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub unit: StaticText,
 }
 
@@ -64,8 +63,7 @@ impl fmt::Display for Range {
 }
 
 /// The allowed length of a text or a list, both ends included. Displayed as `1 to 80`, or `at most 80`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Count {
     /// Smallest count.
     pub least: usize,
@@ -76,8 +74,7 @@ pub struct Count {
 }
 
 /// The items that a [`Count`] counts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Counted {
     /// Characters of a text on one line, without control characters.
     Characters,

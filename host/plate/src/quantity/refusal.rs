@@ -23,11 +23,10 @@ pub fn only(allowed: impl fmt::Display) -> String {
 }
 
 /// A number that is outside its range, or not a number.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct OutOfRange {
     /// The name of the field in its function or type.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub field: StaticText,
     /// The given value, in the range's unit.
     pub value: f64,
@@ -82,11 +81,10 @@ impl fmt::Display for OutOfRange {
 impl std::error::Error for OutOfRange {}
 
 /// A text or a list that is too short or too long.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct WrongCount {
     /// The text or list.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub field: crate::StaticText,
     /// Its number of characters, points or bytes.
     pub count: usize,

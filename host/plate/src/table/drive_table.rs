@@ -16,8 +16,7 @@ use crate::progress::Progress;
 use crate::quantity::OutOfRange;
 
 /// One knot of the table.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Knot {
     /// Nominal position of the boundary, metres (uniform over the span).
     pub position_m: f64,
@@ -39,8 +38,7 @@ pub struct Knot {
 /// assert_eq!(table.knots.len(), 65);
 /// assert!(table.knots.iter().all(|knot| knot.gain > 0.0 && knot.gain <= 1.0));
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DriveTable {
     /// Position of the first knot, metres.
     pub span_start_m: f64,

@@ -10,8 +10,7 @@ use thiserror::Error;
 pub const KNOTS_MAX: usize = 1025;
 
 /// Reason why a table could not be made.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum TableError {
     /// The sample rate cannot carry the plate's band.
     #[error("{0}")]

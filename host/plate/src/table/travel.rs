@@ -8,8 +8,7 @@ use crate::definition::travel::Travel;
 pub(crate) const USED: f64 = 0.998;
 
 /// Travel of the actuator by a table's tones at level 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TableTravel {
     /// The actuator's resonance, Hz.
     pub resonance_hz: f64,

@@ -7,8 +7,7 @@ use crate::table::TableError;
 use thiserror::Error;
 
 /// Reason why a texture could not be made.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum TextureError {
     /// A value is outside its range.
     #[error("{0}")]
@@ -35,7 +34,7 @@ pub enum TextureError {
         /// Number of the breakpoint, from 1.
         number: usize,
         /// The mistake.
-        #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+        #[serde(with = "crate::static_text")]
         reason: crate::StaticText,
     },
     /// No turning point of the span has a felt edge on the plate.

@@ -3,8 +3,7 @@
 use super::target::{STILL_FROM_EDGE_WIDTHS, Target, Wanted};
 
 /// Deviation of a field from its target, and for solid areas its ripple and contrast.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Figures {
     /// Root mean square error of the RMS amplitude over the places with weight, over the largest wanted amplitude; 0 is
     /// exact.

@@ -28,8 +28,7 @@ pub const BEAT_OF_VIBRATIONS_HZ: f64 = 5.0;
 pub const BEAT_OF_ULTRASOUND_HZ: f64 = 1000.0;
 
 /// One tone of a texture.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TextureTone {
     /// Turning point, metres.
     pub position_m: f64,
@@ -42,8 +41,7 @@ pub struct TextureTone {
 }
 
 /// Tones whose fields together are close to a target.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Texture {
     /// The tones in the order of their turning points, together as loud as the DAC allows.
     pub tones: Vec<TextureTone>,

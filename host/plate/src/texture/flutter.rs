@@ -23,8 +23,7 @@ const WATCHED_S: f64 = 1.0;
 const MOMENTS: usize = 400;
 
 /// Depth and frequency of the swing of a solid area's RMS amplitude.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Flutter {
     /// Ratio of the largest to the smallest RMS over 30 ms within a second, dB: the median over the places of the even
     /// area.

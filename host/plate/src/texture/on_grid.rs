@@ -20,8 +20,7 @@ pub const CHORD_PERIOD: u32 = 1 << 14;
 const HALVINGS: usize = 60;
 
 /// A texture whose tones are multiples of the sample rate over [`CHORD_PERIOD`].
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ChordTexture {
     /// The tones, together as loud as the sum of their amplitudes allows; the phases are those of the chord.
     pub texture: Texture,

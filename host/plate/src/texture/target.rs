@@ -19,8 +19,7 @@ const STILL_WEIGHT: f64 = 10.0;
 const PEAK_WEIGHT: f64 = 0.3;
 
 /// A wanted RMS amplitude along the plate.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Target {
     /// Wanted RMS amplitude at each of the palette's places, in units of the largest, 0 to 1.
     pub(super) wanted: Vec<f64>,
@@ -32,8 +31,7 @@ pub struct Target {
 }
 
 /// The kind of a target.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum Wanted {
     /// An even area from the driven end to an edge.
     Solid {

@@ -33,10 +33,10 @@ const FAINTEST: f64 = 1e-4;
 /// No filter is close enough to the curve of a drive.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{field} cannot be simulated in time: the best filter for this curve is off by {:.1} % of it, at most {:.1} % is allowed", .error * 100.0, ERROR_MAX * 100.0)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(serde::Serialize, serde::Deserialize)]
 pub struct DriveCurveError {
     /// The fields of the plate file that give the curve.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub field: crate::StaticText,
     /// Largest error over the plate's band, relative to the curve at the same frequency.
     pub error: f64,

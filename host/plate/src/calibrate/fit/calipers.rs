@@ -6,8 +6,7 @@ use crate::definition::{Plate, PlateError, Taper};
 use crate::quantity::Range;
 
 /// Lengths by calipers and a rule with their standard deviation, metres.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Calipers {
     /// Half of the full width at the driven end.
     pub half_width_m: f64,

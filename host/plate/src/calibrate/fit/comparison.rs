@@ -13,8 +13,7 @@ use num_complex::Complex64;
 const MEDIAN_OF_NORMAL: f64 = 0.6745;
 
 /// Differences of a measurement from the prediction of a plate file.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
     /// The prediction at each point, [`Comparison::level_db`] included; `None` where no wave enters the plate.
     pub predicted: Vec<Option<Complex64>>,

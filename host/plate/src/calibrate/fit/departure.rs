@@ -11,8 +11,7 @@ const KNOTS: usize = 129;
 const BOUNDARIES: usize = 33;
 
 /// The largest errors over the table's span when it drives another plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Departure {
     /// Distance of the commanded from the actual boundary, metres.
     pub boundary_m: f64,

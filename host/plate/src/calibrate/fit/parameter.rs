@@ -7,11 +7,10 @@ use crate::definition::{Air, Model, PlateSpec, Taper};
 pub(crate) const INTERVAL: f64 = 1.96;
 
 /// A calibrated number of the plate or of a sensor.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Parameter {
     /// Its name in the plate file: `model.wave_speed_m_per_s`; `place_m` for a sensor's.
-    #[cfg_attr(feature = "serde", serde(with = "crate::static_text"))]
+    #[serde(with = "crate::static_text")]
     pub name: crate::StaticText,
     /// The best value, in the unit of its name.
     pub value: f64,

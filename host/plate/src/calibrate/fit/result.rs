@@ -19,11 +19,10 @@ const MISFIT_USUAL: f64 = 0.03;
 const CHI2_USUAL: f64 = 1.5;
 
 /// The result of a calibration.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Calibrated {
     /// The plate with the measured numbers, their intervals and, where levels were measured, the measured gain.
-    #[cfg_attr(feature = "serde", serde(with = "crate::exchange::by_text"))]
+    #[serde(with = "crate::exchange::by_text")]
     pub plate: Plate,
     /// The fitted parameters: the plate's, then the sensors' places.
     pub parameters: Vec<Parameter>,

@@ -17,8 +17,7 @@ const HEADROOM: Range = Range::new(-200.0, 400.0, "dB");
 const SAMPLE_RATE: Range = Range::new(1.0, 1e9, "Hz");
 
 /// The quantity that a sensor measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum SensorKind {
     /// The deflection w: a laser triangulator, a capacitive or eddy-current probe.
     Displacement,
@@ -57,8 +56,7 @@ impl SensorKind {
 }
 
 /// The response at one frequency.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MeasuredPoint {
     /// Frequency, Hz; rising from point to point.
     pub frequency_hz: f64,
@@ -89,8 +87,7 @@ pub struct MeasuredPoint {
 /// assert!(measurement.check().is_ok());
 /// assert!(Measurement { place_m: -1.0, ..measurement }.check().is_err());
 /// ```
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Measurement {
     /// The sensor's place on the centre line, metres from the driven end.
     pub place_m: f64,

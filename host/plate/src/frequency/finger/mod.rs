@@ -24,8 +24,7 @@ pub(crate) use touch::{share_left, touched};
 pub const CONTACT_M: f64 = 0.01;
 
 /// A finger that rests on the plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Finger {
     /// Middle of the contact on the centre line, metres from the driven end (0 to the plate's length).
     pub place_m: f64,

@@ -7,8 +7,7 @@ use crate::time::drive_filter::DriveCurveError;
 use thiserror::Error;
 
 /// Reason why a line could not be made.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
 pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]

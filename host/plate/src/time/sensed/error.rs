@@ -11,8 +11,7 @@ pub(super) const CURVE_ERROR_MAX: f64 = 3e-2;
 pub(super) const CLAMPED_ERROR_MAX: f64 = 0.1;
 
 /// Reason why a place cannot be sensed.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 pub enum SenseError {
     /// The place or the delay is out of range.
     #[error("{0}")]

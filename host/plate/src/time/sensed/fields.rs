@@ -48,11 +48,10 @@ pub(super) fn with_background(
 }
 
 /// Fields over the plate at many frequencies.
-#[derive(Debug, Clone)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub(super) struct Fields {
     /// Frequencies, Hz, and fields relative to the drive.
-    #[cfg_attr(feature = "serde", serde(with = "crate::exchange::by_bytes"))]
+    #[serde(with = "crate::exchange::by_bytes")]
     rows: Vec<(f64, Vec<Complex64>)>,
     step_m: f64,
     exact_hz: (f64, f64),

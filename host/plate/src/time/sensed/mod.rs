@@ -70,10 +70,9 @@ const TOP_TO_RATE: f64 = 0.4;
 /// }
 /// assert!(largest_m > 1e-6);
 /// ```
-#[derive(Debug, Clone)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub struct SensedPlate {
-    #[cfg_attr(feature = "serde", serde(with = "crate::exchange::by_text"))]
+    #[serde(with = "crate::exchange::by_text")]
     plate: Plate,
     sample_rate_hz: f64,
     fields: Fields,

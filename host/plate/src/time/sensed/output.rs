@@ -33,8 +33,7 @@ const FREE: f64 = 1.15;
 const RIDGE: f64 = 1e-10;
 
 /// The signal Re(sum of c z) of the resonators' states z.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Output {
     pub(super) re: Vec<f64>,
     pub(super) im: Vec<f64>,

@@ -11,10 +11,9 @@ use pulp::{Arch, Simd, WithSimd};
 const FAINT: f64 = 1e-150;
 
 /// The state of a plate's resonators: z(n) = lambda z(n-1) + u(n), with the code u.
-#[derive(Debug, Clone)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize)]
 pub struct Resonators {
-    #[cfg_attr(feature = "serde", serde(skip, default = "Arch::new"))]
+    #[serde(skip, default = "Arch::new")]
     arch: Arch,
     re: Vec<f64>,
     im: Vec<f64>,
