@@ -1,7 +1,7 @@
 """The calibration by the ratio of two places against scipy's `least_squares`, on the same data.
 
 Wave, residuals and priors are written from PHYSICS.md (sections 1, 2 and 9) once more. The program is the example
-`calibrate` of the plate crate; SLIPLINE_CALIBRATE names it.
+`oracle` of the plate crate; SLIPLINE_ORACLE names it.
 """
 import os
 import subprocess
@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
-PROGRAM = os.environ.get("SLIPLINE_CALIBRATE", "target/debug/examples/calibrate")
+PROGRAM = os.environ.get("SLIPLINE_ORACLE", "target/debug/examples/oracle")
 STEPS = 2000
 PRIORS = np.array([0.1, 1.0, 4e-3, 3e-3, 2e-4, 2e-4])
 MODEL_ERROR = 0.015
@@ -107,7 +107,7 @@ def calibrated(plate, data):
         words.append(frequency)
         words += [word for r, s in zip(response, noise, strict=True) for word in (r.real, r.imag, s)]
     text = " ".join(word if isinstance(word, str) else repr(float(word)) for word in words)
-    run = subprocess.run([PROGRAM], input=text, capture_output=True, text=True, check=True)
+    run = subprocess.run([PROGRAM, "calibrate"], input=text, capture_output=True, text=True, check=True)
     lines = [line.split() for line in run.stdout.splitlines()]
     return [line[0] for line in lines[:-1]], np.array([line[1:] for line in lines[:-1]], float), float(lines[-1][0])
 

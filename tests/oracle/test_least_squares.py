@@ -1,6 +1,6 @@
 """Non-negative least squares and the least largest error against scipy's `nnls` and `linprog`.
 
-The program is the example `least_squares` of the plate crate; SLIPLINE_LEAST_SQUARES names it.
+The program is the example `oracle` of the plate crate; SLIPLINE_ORACLE names it.
 """
 import os
 import subprocess
@@ -9,7 +9,7 @@ import unittest
 import numpy as np
 from scipy.optimize import linprog, nnls
 
-PROGRAM = os.environ.get("SLIPLINE_LEAST_SQUARES", "target/debug/examples/least_squares")
+PROGRAM = os.environ.get("SLIPLINE_ORACLE", "target/debug/examples/oracle")
 
 
 def humps(random, rows, count):
@@ -30,7 +30,7 @@ def solved(problems):
     words = []
     for a, b in problems:
         words += [f"{a.shape[0]} {a.shape[1]}", " ".join(map(repr, map(float, a.T.flat))), " ".join(map(repr, map(float, b)))]
-    run = subprocess.run([PROGRAM], input="\n".join(words), capture_output=True, text=True, check=True)
+    run = subprocess.run([PROGRAM, "least_squares"], input="\n".join(words), capture_output=True, text=True, check=True)
     lines = [np.array(line.split(), float) for line in run.stdout.splitlines()]
     return [(line[:-1], line[-1]) for line in lines]
 

@@ -2,7 +2,7 @@
 
     python tests/python/speed.py RUST_PROGRAM
 
-A plate keeps its grids from call to call; the program in Rust makes them in each run. RUST_PROGRAM is the example `respond_many` of
+A plate keeps its grids from call to call; the program in Rust makes them in each run. RUST_PROGRAM is the example `oracle` of
 slipline-plate, built for release, as the package is.
 """
 
@@ -72,7 +72,7 @@ def main():
     print(f"two threads       {1e3 * two:7.2f} ms  {one / two:.2f} times as fast as one (aim 1.7)")
     print(f"scipy, unrefined  {1e3 * scipy:7.2f} ms  {scipy / python:.2f} times Python's time")
     if sys.argv[1:]:
-        arguments = [sys.argv[1], "membrane", str(POINTS), str(FREQUENCIES), str(RUNS)]
+        arguments = [sys.argv[1], "respond_many", "membrane", str(POINTS), str(FREQUENCIES), str(RUNS)]
         rust = float(subprocess.run(arguments, check=True, capture_output=True, text=True).stdout)
         print(f"Rust              {1e3 * rust:7.2f} ms  Python takes {python / rust:.2f} times as long (aim 1.15)")
 

@@ -14,6 +14,7 @@ mod desk_stop;
 mod documents;
 mod drive_check;
 mod driver_watch;
+mod felt_edge;
 mod file_cycles;
 mod foldback;
 mod frames;

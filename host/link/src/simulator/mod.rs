@@ -10,3 +10,8 @@ pub use device::{Options, SentBlock, SimulatedDevice, WATCHDOG_MS};
 pub use inputs::SimulatedInputs;
 pub use peripherals::MemoryFlash;
 pub use slipline_app::safety::thermal::Heat;
+
+#[cfg(test)]
+mod tests {
+    mod fixed_script;
+}

@@ -2,10 +2,10 @@
 //!
 //! `cargo test` runs it natively, the gate's step `wasi` on 32 bits.
 
-use slipline_link::protocol::command::{Apply, DigestWindow};
-use slipline_link::protocol::frame::CRC;
-use slipline_link::simulator::loopback::Loopback;
-use slipline_link::{
+use crate::protocol::command::{Apply, DigestWindow};
+use crate::protocol::frame::CRC;
+use crate::simulator::loopback::Loopback;
+use crate::{
     ChordRequest, CombRequest, DeviceTable, DriveRequest, HarmonicRequest, Outcome, Request, Sounding,
     ToneRequest,
 };

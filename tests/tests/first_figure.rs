@@ -1,4 +1,4 @@
-//! The first figure of a process is like every later one. Alone in its program, so that no other test can have drawn.
+//! The first figure of a process is like every later one. In this process no other test draws.
 
 use slipline_model::export::figures::Format;
 use slipline_model::export::figures::plate::{Subject, plate_figure};
