@@ -173,7 +173,7 @@ fn the_readmes_commands_find_their_files_and_write_each_once() {
         .skip(1)
         .filter_map(|block| block.split("```").next())
         .flat_map(str::lines)
-        .filter_map(|line| line.strip_prefix("cargo run --release -- "))
+        .filter_map(|line| line.strip_prefix("cargo run -- "))
         .map(|line| line.split('#').next().unwrap_or(line).trim())
         .collect();
     assert!(commands.len() > 10, "{commands:?}");

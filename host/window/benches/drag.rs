@@ -1,6 +1,6 @@
 //! How soon the picture follows the pointer while the boundary is dragged, in a real window on the simulated plate.
 //!
-//! `cargo bench -p slipline-window --bench drag` prints it; it needs a display, and opens a window for some seconds, or for as
+//! `cargo bench --profile dev --bench drag` prints it; it needs a display, and opens a window for some seconds, or for as
 //! many as a number after ` -- ` says: over an hour the memory that it prints must not grow.
 //! A thread moves the pointer 125 times a second, as a mouse does. For each move it is measured how long it takes until
 //! the first picture that knows of it has been handed to the graphics (software graphics have drawn it by then; a graphics

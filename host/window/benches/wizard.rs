@@ -1,6 +1,6 @@
 //! The calibration's pages by a real pointer: in a real window, on a secret plate, from a preset to the plate that is there.
 //!
-//! `cargo bench -p slipline-window --bench wizard` prints how long it takes beside the measurements themselves, and how far
+//! `cargo bench --profile dev --bench wizard` prints how long it takes beside the measurements themselves, and how far
 //! the rings of the plate that is there lie from the predicted curve afterwards; it fails if one lies too far away. It needs
 //! an X display and `xdotool`, and moves the display's pointer.
 //! Where a control is says the window's accessibility tree, what is on the envelope its export as CSV.
