@@ -1,7 +1,8 @@
-//! The gate's last line: the tests of all its runners, the red ones among them.
+//! The gate's last line: the tests of all its runners, the red ones among them; and its steps in GitHub's workflows.
 #![cfg(unix)]
 
 use slipline_tests::source_tree::root;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -28,4 +29,39 @@ fn the_tests_of_each_runner_are_counted_and_a_red_one_as_failed() {
     let all = [cargo, pytest, unittest].concat();
     assert_eq!(counted(&all), "174 passed, 6 failed, 7 ignored\n");
     assert_eq!(counted("running 3 tests\nno line of a runner\n"), "0 passed, 0 failed, 0 ignored\n");
+}
+
+/// The steps of the gate, then those with a star, which it leaves to a night.
+fn listed() -> [Vec<String>; 2] {
+    let output = Command::new("bash").args([".ci/run", "--list"]).current_dir(root()).output();
+    let list = String::from_utf8(output.expect("bash runs").stdout).expect("text");
+    let words = list.lines().map(|line| line.split_whitespace().take(2).collect::<Vec<_>>());
+    let (night, gate): (Vec<_>, Vec<_>) = words.partition(|words| words.last() == Some(&"*"));
+    [gate, night].map(|steps| steps.iter().map(|words| words[0].to_owned()).collect())
+}
+
+/// The steps that a workflow runs: the words of its lines `chosen:`. Of a night in parts, `nightly 2/6`, the first part.
+fn chosen(workflow: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(root().join(".github/workflows").join(workflow)).expect("a workflow");
+    assert!(text.contains(".ci/run tools ${{ matrix.chosen }}"), "{workflow} runs what it has chosen");
+    let lines = text.lines().filter_map(|line| line.trim().strip_prefix("chosen: "));
+    let jobs = lines.flat_map(|line| line.trim_matches(['[', ']']).split(", "));
+    let first_parts = jobs.filter(|job| job.split_once(" 1/").is_some() || !job.contains('/'));
+    first_parts
+        .flat_map(str::split_whitespace)
+        .filter(|word| !word.contains('/'))
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn the_workflows_run_each_step_once() {
+    let [mut gate, night] = listed();
+    gate.retain(|step| step != "tools");
+    for (workflow, steps) in [("gate.yml", gate), ("night.yml", night)] {
+        let chosen = chosen(workflow);
+        let each: BTreeSet<_> = chosen.iter().collect();
+        assert_eq!(each.len(), chosen.len(), "{workflow} runs a step twice: {chosen:?}");
+        assert_eq!(each, steps.iter().collect(), "the steps of {workflow}, and those of .ci/run");
+    }
 }
