@@ -183,29 +183,18 @@ fn time_lines(report: &Report) {
     let rate = 400_000.0;
     let codes: Vec<f32> = (0..8_000).map(|n| 0.5 * (2.0 * PI * 0.075 * n as f32).sin()).collect();
     for points in [128, 512] {
-        let Ok(mut line) = TimeDomainLine::new(&plate, rate, points, 1) else { continue };
+        let Ok(mut line) = TimeDomainLine::new(&plate, rate, points) else { continue };
         let time = report.fastest(|| line.push(&codes));
         let check = f64::from(line.envelope().maximum_m().iter().copied().fold(0.0, f32::max));
         let factor = codes.len() as f64 / rate / time.as_secs_f64();
         report.row(&format!("time line {points}"), "slipline 1", factor, "x real", check, "");
-        let Ok(mut line) = TimeDomainLine::fitted(&plate, rate, points, 1) else { continue };
-        let time = report.fastest(|| line.push(&codes));
-        let check = f64::from(line.envelope().maximum_m().iter().copied().fold(0.0, f32::max));
-        let factor = codes.len() as f64 / rate / time.as_secs_f64();
-        report.row(&format!("fitted line {points}"), "slipline 1", factor, "x real", check, "");
     }
-    // Time to build a line: by eigenfunctions, and by the rational fit, which is repeated each time a finger on the
-    // plate moves.
+    // Time to build a line, which is repeated each time a finger on the plate moves.
     for preset in presets() {
         let Some(plate) = preset.plate() else { continue };
-        for (kind, build) in [
-            ("build line", TimeDomainLine::new as fn(&Plate, f64, usize, u32) -> _),
-            ("build fitted line", TimeDomainLine::fitted),
-        ] {
-            let time = report.fastest(|| drop(build(&plate, rate, 257, 1)));
-            let problem = format!("{kind} {}", preset.name);
-            report.row(&problem, "slipline 1", time.as_secs_f64() * 1e3, "ms", 0.0, "");
-        }
+        let time = report.fastest(|| drop(TimeDomainLine::new(&plate, rate, 257)));
+        let problem = format!("build line {}", preset.name);
+        report.row(&problem, "slipline 1", time.as_secs_f64() * 1e3, "ms", 0.0, "");
     }
 }
 

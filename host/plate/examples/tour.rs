@@ -81,7 +81,7 @@ fn drive_table() -> Result<(), Box<dyn Error>> {
 fn envelope() -> Result<(), Box<dyn Error>> {
     let plate = preset("membrane").ok_or("no such preset")?;
     let (rate_hz, frequency_hz) = (400e3, 150.0);
-    let mut line = TimeDomainLine::new(&plate, rate_hz, 257, 1)?;
+    let mut line = TimeDomainLine::new(&plate, rate_hz, 257)?;
     let settle = (line.settle_time_s() * rate_hz) as u64;
     let measure = (0.1 * rate_hz) as u64;
     let code = |n: u64| (TAU * frequency_hz * n as f64 / rate_hz).cos() as f32;

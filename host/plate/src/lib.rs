@@ -61,7 +61,7 @@ pub use table::{
 };
 pub use time::{
     DriveCurveError, Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate,
-    TimeDomainLine, WIDTH_MODE_MAX,
+    TimeDomainLine,
 };
 
 /// A text that is part of the program, such as the name of a field. Under this name serde does not borrow it.

@@ -176,7 +176,7 @@ fn the_papers_equation_leaves_air_out_and_a_line_in_air_is_refused_as_any_other(
     let plate = with_air(&still, baffle());
     let paper = |plate: &Plate| respond(plate, 150.0, 129, Equation::Paper).expect("enters");
     assert_eq!(paper(&plate), paper(&still));
-    let too_fast = TimeDomainLine::new(&plate, 100.0, 65, 1).map(drop);
+    let too_fast = TimeDomainLine::new(&plate, 100.0, 65).map(drop);
     assert!(matches!(too_fast, Err(LineError::SampleRate(_))));
     assert!(respond_range(&plate).low < respond_range(&still).low);
 }

@@ -154,7 +154,7 @@ fn settle(line: &mut TimeDomainLine, hz: f64, rate_hz: f64) {
 /// Errors of settled tones on a line.
 fn of_a_line(plate: &Plate) -> Errors {
     let rate_hz = 10.0 * plate.band_hz().1;
-    let mut line = TimeDomainLine::new(plate, rate_hz, POINTS, 1).expect("a line");
+    let mut line = TimeDomainLine::new(plate, rate_hz, POINTS).expect("a line");
     let mut errors = Errors::default();
     for hz in frequencies_hz(plate) {
         let exact = respond(plate, hz, POINTS, Equation::Corrected).expect("enters");

@@ -135,7 +135,7 @@ fn lines_have_the_drive(names: &[&str]) {
         let nominal = nominal(name);
         let rate_hz = (nominal.band_hz().1 * 10.0).clamp(4e3, 400e3);
         for (number, plate) in driven(&nominal, &mut random).into_iter().enumerate() {
-            let mut line = TimeDomainLine::new(&plate, rate_hz, 129, 1).expect("a line");
+            let mut line = TimeDomainLine::new(&plate, rate_hz, 129).expect("a line");
             for hz in frequencies_hz(&plate) {
                 line.rest();
                 let (settle, measured) =
@@ -160,7 +160,7 @@ fn lines_have_the_drive(names: &[&str]) {
 
 /// The settled field at place `at` of 65 over a tone with the line's stated delay.
 pub(crate) fn settled_phasor(plate: &Plate, hz: f64, rate_hz: f64, at: usize) -> Complex64 {
-    let mut line = TimeDomainLine::new(plate, rate_hz, 65, 1).expect("a line");
+    let mut line = TimeDomainLine::new(plate, rate_hz, 65).expect("a line");
     let wait = (line.settle_time_s() * rate_hz) as usize;
     let code = |n: usize| (TAU * (hz * n as f64 / rate_hz).fract()).cos() as f32;
     line.push(&(0..wait).map(code).collect::<Vec<f32>>());
@@ -191,7 +191,7 @@ fn a_line_has_the_phase_of_the_drive_but_for_its_latency() {
 /// Root 2 times the RMS of a settled tone on the centre line, metres, and the rate of the steps.
 fn settled_m(plate: &Plate, rate_hz: f64, period: usize) -> (Vec<f64>, f64) {
     let mut sheet = Sheet::new(plate, rate_hz, SheetGrid::new(64, 10)).expect("a sheet");
-    let line = TimeDomainLine::new(plate, rate_hz, 16, 1).expect("a line");
+    let line = TimeDomainLine::new(plate, rate_hz, 16).expect("a line");
     let wait = (line.settle_time_s() * rate_hz) as usize / period * period;
     let code = |n: usize| (TAU * (n % period) as f64 / period as f64).cos() as f32;
     sheet.push(&(0..wait).map(code).collect::<Vec<f32>>());
@@ -288,7 +288,7 @@ fn a_calibration_with_noise_has_a_line_and_an_answer_near_its_curve() {
         let mut noisy = correction(&nominal, &mut random);
         noisy.points.iter_mut().for_each(|point| point[1] += 0.1 * random.normal());
         let plate = calibrated(&nominal, noisy);
-        TimeDomainLine::new(&plate, 400e3, 65, 1).expect("a line");
+        TimeDomainLine::new(&plate, 400e3, 65).expect("a line");
         let sensed = SensedPlate::new(&plate, None, 400e3).expect("a plate in time");
         let output = sensed.sensor(SensorKind::Displacement, 0.3 * plate.length_m(), 0.0).expect("an answer");
         assert!(output.error() < 0.03, "{name}: {}", output.error());
@@ -305,7 +305,7 @@ fn a_curve_that_no_filter_has_is_refused_by_its_field() {
         (with_actuator(&nominal, points.clone()), "actuator.points"),
         (calibrated(&nominal, points), "calibration.points"),
     ] {
-        let refused = TimeDomainLine::new(&plate, 400e3, 65, 1).err().expect("refused");
+        let refused = TimeDomainLine::new(&plate, 400e3, 65).err().expect("refused");
         assert!(matches!(&refused, LineError::Drive(error) if error.field == field), "{refused}");
         assert!(refused.to_string().starts_with(field), "{refused}");
         let refused = Sheet::new(&plate, 400e3, SheetGrid::new(64, 10)).expect_err("refused");

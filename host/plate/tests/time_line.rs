@@ -34,7 +34,7 @@ fn rate_for(plate: &Plate) -> f64 {
 /// amplitude.
 pub(crate) fn assert_answers_a_tone(plate: &Plate, rate_hz: f64, frequency_hz: f64, error: f64) {
     let points = 65;
-    let mut line = TimeDomainLine::new(plate, rate_hz, points, 1).expect("a line");
+    let mut line = TimeDomainLine::new(plate, rate_hz, points).expect("a line");
     let settle = (rate_hz * line.settle_time_s()) as u32;
     let tone = |n: u32| (TAU * frequency_hz * f64::from(n) / rate_hz).cos() as f32;
     line.push(&(0..settle).map(tone).collect::<Vec<f32>>());
@@ -107,7 +107,7 @@ fn every_preset_peaks_in_time_where_the_frequency_domain_puts_it() {
     for entry in presets() {
         let plate = entry.plate().expect("a preset");
         let rate = rate_for(&plate);
-        let mut line = TimeDomainLine::new(&plate, rate, 257, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, rate, 257).expect("a line");
         let (start, end) = plate.span_m();
         for i in 0..4 {
             let x = start + (end - start) * (f64::from(i) + 0.4) / 4.0;
@@ -123,7 +123,7 @@ fn dragged_in_steps_with_the_table_the_settled_peak_stays_within_1_db_for_every_
         let plate = entry.plate().expect("a preset");
         let rate = rate_for(&plate);
         let table = DriveTable::build(&plate, rate, 1025).expect("a table");
-        let mut line = TimeDomainLine::new(&plate, rate, 193, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, rate, 193).expect("a line");
         for i in 0..5 {
             let x =
                 table.span_start_m + (table.span_end_m - table.span_start_m) * (f64::from(i) + 0.61) / 5.0;
@@ -145,7 +145,7 @@ fn a_line_between_clamped_edges_peaks_where_the_frequency_domain_puts_it() {
     for thick_plate in [false, true] {
         let model = Model::BendingClamped(Bending { thick_plate, ..bending.clone() });
         let plate = Plate::new(PlateSpec { model, ..spec.clone() }).expect("a valid plate");
-        let mut line = TimeDomainLine::new(&plate, 400e3, 257, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, 400e3, 257).expect("a line");
         for x in [0.21, 0.25] {
             let frequency_hz = plate.frequency_for_boundary_hz(x);
             settle(&mut line, 400e3, frequency_hz, 0.5);
@@ -155,14 +155,9 @@ fn a_line_between_clamped_edges_peaks_where_the_frequency_domain_puts_it() {
             assert!((found - wanted).abs() < 1e-3, "{thick_plate} {x}: {found} for {wanted}");
         }
     }
-    // A higher width mode has eigenfunctions; a source moves the first mode alone.
-    let plate = Plate::new(spec.clone()).expect("a valid plate");
-    assert!(TimeDomainLine::new(&plate, 400e3, 64, 3).is_ok());
     spec.drive_end = DriveEnd::Source(Source::soft(&spec.model, 60e3));
     let plate = Plate::new(spec).expect("a valid plate");
-    assert!(TimeDomainLine::new(&plate, 400e3, 64, 1).is_ok());
-    let refused = TimeDomainLine::new(&plate, 400e3, 64, 3).err().expect("refused");
-    assert!(refused.to_string().contains("width mode"), "{refused}");
+    assert!(TimeDomainLine::new(&plate, 400e3, 64).is_ok());
 }
 
 #[test]
@@ -191,7 +186,7 @@ fn thick_and_actuated_plates_ring_as_the_frequency_domain_says() {
     ];
     for spec in variations {
         let plate = Plate::new(spec).expect("a valid plate");
-        let mut line = TimeDomainLine::new(&plate, 400e3, 257, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, 400e3, 257).expect("a line");
         for x in [0.13, 0.26] {
             peaks_agree(&plate, plate.frequency_for_boundary_hz(x), &mut line, 400e3)
                 .unwrap_or_else(|fault| panic!("{:?}: {fault}", plate.spec()));
@@ -202,7 +197,7 @@ fn thick_and_actuated_plates_ring_as_the_frequency_domain_says() {
 #[test]
 fn a_plate_at_rest_stays_at_rest_and_rest_ends_every_motion() {
     let plate = preset("membrane").expect("a preset");
-    let mut line = TimeDomainLine::new(&plate, 4e3, 64, 1).expect("a line");
+    let mut line = TimeDomainLine::new(&plate, 4e3, 64).expect("a line");
     line.push(&[0.0; 4000]);
     let mut field = vec![1.0_f32; 64];
     line.field_m(&mut field);
@@ -220,7 +215,7 @@ fn a_plate_at_rest_stays_at_rest_and_rest_ends_every_motion() {
 fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitude() {
     let plate = preset("al-bending").expect("a preset");
     let (rate, frequency) = (400e3, 30e3);
-    let mut line = TimeDomainLine::new(&plate, rate, 65, 1).expect("a line");
+    let mut line = TimeDomainLine::new(&plate, rate, 65).expect("a line");
     settle(&mut line, rate, frequency, 0.9);
     let codes_per_field = (rate / line.step_rate_hz()).round() as usize;
     let place = 40;
@@ -252,30 +247,12 @@ fn the_analytic_field_of_a_tone_turns_at_the_tones_frequency_and_has_its_amplitu
 #[test]
 fn a_line_that_cannot_be_made_says_why() {
     let plate = preset("al-bending").expect("a preset");
-    let fault = |rate: f64, points: usize, mode: u32| {
-        TimeDomainLine::new(&plate, rate, points, mode).err().expect("refused")
-    };
+    let fault = |rate: f64, points: usize| TimeDomainLine::new(&plate, rate, points).err().expect("refused");
     let told = "sample rate = 50000 Hz: must be 88696 to 1e8 Hz, the plate's band ends at 39912.9 Hz";
-    assert_eq!(fault(50e3, 64, 1).to_string(), told);
+    assert_eq!(fault(50e3, 64).to_string(), told);
     assert_eq!(DriveTable::build(&plate, 50e3, 5).expect_err("the same rule").to_string(), told);
-    assert!(matches!(fault(f64::NAN, 64, 1), LineError::SampleRate { .. }));
-    assert!(matches!(fault(400e3, 4, 1), LineError::OutOfRange(OutOfRange { field: "points", .. })));
-    assert!(matches!(fault(400e3, 64, 0), LineError::OutOfRange(OutOfRange { field: "width mode", .. })));
-}
-
-#[test]
-fn the_third_width_mode_dies_out_before_the_first() {
-    let plate = preset("al-sh").expect("a preset");
-    let frequency = plate.frequency_for_boundary_hz(0.45);
-    let reach = |mode: u32| {
-        let mut line = TimeDomainLine::new(&plate, 400e3, 257, mode).expect("a line");
-        settle(&mut line, 400e3, frequency, 0.5);
-        let rms = line.envelope().rms_m();
-        let top = rms.iter().copied().fold(0.0, f32::max);
-        rms.iter().rposition(|&u| u > 0.3 * top).expect("it moves") as f64 / 256.0 * plate.length_m()
-    };
-    let ghost = plate.ghost_boundary_m(frequency, 3).expect("the third mode enters");
-    assert!((reach(1) - reach(3) - (0.45 - ghost)).abs() < 0.05, "{} {}", reach(1), reach(3));
+    assert!(matches!(fault(f64::NAN, 64), LineError::SampleRate { .. }));
+    assert!(matches!(fault(400e3, 4), LineError::OutOfRange(OutOfRange { field: "points", .. })));
 }
 
 fn any_plate() -> impl Strategy<Value = Plate> {
@@ -350,7 +327,7 @@ proptest! {
         let (start, end) = plate.span_m();
         let frequency = plate.frequency_for_boundary_hz(start + part * (end - start));
         let rate = (plate.band_hz().1 * 10.0).clamp(200.0, 1e7);
-        let mut line = TimeDomainLine::new(&plate, rate, 201, 1).expect("a line");
+        let mut line = TimeDomainLine::new(&plate, rate, 201).expect("a line");
         if let Err(fault) = peaks_agree(&plate, frequency, &mut line, rate) {
             return Err(TestCaseError::fail(fault));
         }

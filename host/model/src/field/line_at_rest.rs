@@ -21,14 +21,14 @@ fn built() -> MutexGuard<'static, Vec<Built>> {
     BUILT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A line of the first width mode at rest, as [`TimeDomainLine::new`] builds it; `None` if the plate has none at this rate.
+/// A line at rest, as [`TimeDomainLine::new`] builds it; `None` if the plate has none at this rate.
 pub(super) fn line_at_rest(plate: &Arc<Plate>, rate_hz: f64, points: usize) -> Option<TimeDomainLine> {
     let is_it = |it: &&Built| it.rate_hz == rate_hz && it.points == points && it.plate == *plate;
     if let Some(found) = built().iter().find(is_it) {
         return Some(found.line.clone());
     }
     // Built without the lock, so that no other thread waits.
-    let line = TimeDomainLine::new(plate, rate_hz, points, 1).ok()?;
+    let line = TimeDomainLine::new(plate, rate_hz, points).ok()?;
     let mut built = built();
     if built.len() >= KEPT {
         built.remove(0);
@@ -56,7 +56,7 @@ mod tests {
         for _ in 0..3 {
             for (plate, rate_hz, points) in cases {
                 let kept = line_at_rest(plate, rate_hz, points).unwrap();
-                let new = TimeDomainLine::new(plate, rate_hz, points, 1).unwrap();
+                let new = TimeDomainLine::new(plate, rate_hz, points).unwrap();
                 assert_eq!(swung(kept), swung(new));
             }
         }

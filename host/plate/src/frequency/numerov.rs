@@ -192,7 +192,7 @@ mod tests {
     fn eight_frequencies_at_once_are_the_same_as_one_at_a_time() {
         for plate in plates() {
             let (low, high) = plate.band_hz();
-            let grid = Grid::new(&plate, 1, Equation::Corrected, 301, 2);
+            let grid = Grid::new(&plate, Equation::Corrected, 301, 2);
             // Eleven frequencies: one whole group and a part of one, far apart in their tails.
             let frequencies: Vec<f64> = (0..11).map(|i| low + (high - low) * f64::from(i) / 10.0).collect();
             let mut seen = 0;
@@ -213,7 +213,7 @@ mod tests {
             let (low, high) = plate.band_hz();
             // A multiple of the points between which a near field's logarithm goes linearly where all are asked for.
             let every = 32;
-            let grid = Grid::new(&plate, 1, Equation::Corrected, 301, every);
+            let grid = Grid::new(&plate, Equation::Corrected, 301, every);
             let frequencies: Vec<f64> = (0..11).map(|i| low + (high - low) * f64::from(i) / 10.0).collect();
             let mut all = Vec::new();
             solve_each(&grid, &plate, &frequencies, |_, field| all.push(field.to_vec()));

@@ -76,7 +76,7 @@ pub fn respond_touched(
 ) -> Result<Response, RespondError> {
     let plate = &*equation.plate(plate);
     let refinement = checked_refinement(plate, finger, frequency_hz, points)?;
-    let grid = Grid::new(plate, 1, equation, points, refinement);
+    let grid = Grid::new(plate, equation, points, refinement);
     Ok(Response::solved(&grid, plate, finger, frequency_hz, (points, refinement)))
 }
 
@@ -140,7 +140,7 @@ impl Responder {
         let known = grids.iter().position(|(fine, _)| *fine == refinement);
         let kept = match known {
             Some(known) => grids.remove(known),
-            None => (refinement, Grid::new(plate, 1, Equation::Corrected, *points, refinement)),
+            None => (refinement, Grid::new(plate, Equation::Corrected, *points, refinement)),
         };
         if grids.len() == GRIDS_MAX {
             grids.remove(0);
@@ -168,7 +168,7 @@ pub fn respond_batch(
     for &frequency_hz in frequencies_hz {
         check(plate, frequency_hz, points)?;
     }
-    let grid = Grid::new(plate, 1, equation, points, 1);
+    let grid = Grid::new(plate, equation, points, 1);
     let mut rows = Vec::with_capacity(frequencies_hz.len());
     numerov::solve_each(&grid, plate, frequencies_hz, |_, field| rows.push(field.to_vec()));
     Ok(rows)
@@ -187,7 +187,7 @@ pub(crate) fn respond_each(
     let finest =
         frequencies_hz.iter().map(|&frequency_hz| numerov::refinement(plate, frequency_hz, step)).max();
     let refinement = finest.unwrap_or(1);
-    let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
+    let grid = Grid::new(plate, Equation::Corrected, points, refinement);
     let mut responses = Vec::with_capacity(frequencies_hz.len());
     numerov::solve_each(&grid, plate, frequencies_hz, |number, field| {
         responses.push(Response::of(plate, frequencies_hz[number], points, refinement, field));

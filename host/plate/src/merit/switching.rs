@@ -49,7 +49,7 @@ impl Peak {
     /// if the plate has no time-domain line.
     pub(super) fn switching_time_s(&self, palette: &Palette<'_>) -> Option<f64> {
         let rate_hz = palette.table().sample_rate_hz;
-        let line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES, 1).ok()?;
+        let line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES).ok()?;
         let mut line = line.with_every_step();
         let block = (rate_hz / line.step_rate_hz()).round().max(1.0) as usize;
         let steps = (WATCHED * line.settle_time_s() * rate_hz) as usize / block;

@@ -40,8 +40,8 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         let f = numerov::solve(grid, &plate, frequency_hz);
         f.iter().enumerate().map(|(i, f)| (1e3 * i as f64 * step_m, f.norm())).collect()
     };
-    let exact_field = Grid::new(&plate, 1, crate::frequency::equation::Equation::Corrected, POINTS, 1);
-    let tangent_field = Grid::tangent(&plate, 1, POINTS, 1);
+    let exact_field = Grid::new(&plate, crate::frequency::equation::Equation::Corrected, POINTS, 1);
+    let tangent_field = Grid::tangent(&plate, POINTS, 1);
     let truth = magnitude(&two_dimensions(&plate, None, frequency_hz)?);
     Ok(Figure {
         number: None,

@@ -35,7 +35,7 @@ impl CurvedDrive {
         let (low_hz, high_hz) = plate.band_hz();
         let plan = BandPlan::new(sample_rate_hz, low_hz, high_hz);
         let filter = DriveFilter::of(plate, &plan)?;
-        let drive = AnalyticDrive::new(plan, false, filter);
+        let drive = AnalyticDrive::new(plan, filter);
         Ok(Some(Self { drive, plan, coefficient: [Complex64::ZERO; 6], steps: 0, since: 0 }))
     }
 

@@ -60,7 +60,7 @@ impl DriveToPeak {
         // An error of 1e-6 of the amplitude, 1e-5 dB, suffices: the grid is coarser than that of a response.
         let points = 257;
         let refinement = numerov::refinement(plate, highest_hz, plate.length_m() / 256.0).div_ceil(4).max(2);
-        let grid = Grid::new(plate, 1, Equation::Corrected, points, refinement);
+        let grid = Grid::new(plate, Equation::Corrected, points, refinement);
         let step_m = plate.length_m() / (256 * refinement) as f64;
         Self { plate: plate.clone(), grid, step_m, sample_rate_hz }
     }

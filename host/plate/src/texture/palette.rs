@@ -27,7 +27,7 @@ impl<'a> Palette<'a> {
         let highest_hz = table.frequency_hz(table.span_end_m);
         let step_m = plate.length_m() / (PLACES - 1) as f64;
         let stride = numerov::refinement(plate, highest_hz, step_m);
-        let grid = Grid::new(plate, 1, Equation::Corrected, PLACES, stride);
+        let grid = Grid::new(plate, Equation::Corrected, PLACES, stride);
         Self { plate, table, grid, stride }
     }
 

@@ -38,8 +38,8 @@ pub(crate) struct AnalyticDrive {
 }
 
 impl AnalyticDrive {
-    pub(crate) fn new(plan: BandPlan, rate_of_drive: bool, curve: Option<DriveFilter>) -> Self {
-        let taps = plan.taps(rate_of_drive);
+    pub(crate) fn new(plan: BandPlan, curve: Option<DriveFilter>) -> Self {
+        let taps = plan.taps();
         let count = taps.len();
         Self {
             arch: Arch::new(),
@@ -141,7 +141,7 @@ mod tests {
         {
             let plan = BandPlan::new(rate, low, high);
             for tone in [low, (low * high).sqrt(), high] {
-                let mut drive = AnalyticDrive::new(plan, false, None);
+                let mut drive = AnalyticDrive::new(plan, None);
                 let mut found = Vec::new();
                 let samples = (drive.delay_s() * rate * 2.5) as usize + 12 * plan.coarse * plan.fine;
                 for n in 0..samples {

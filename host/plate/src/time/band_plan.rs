@@ -69,12 +69,11 @@ impl BandPlan {
         (self.low_hz - 0.5 * self.transition_hz, self.high_hz + 0.5 * self.transition_hz)
     }
 
-    /// Taps of the band filter, newest sample first; with `rate_of_drive` the filter also differentiates with respect
-    /// to time.
+    /// Taps of the band filter, newest sample first.
     ///
     /// The taps are the Fourier integral of [`BandPlan::shape`] over the band, times a Kaiser window. The window
     /// smooths the shape a little: at most 0.01 dB, at the ends of the band.
-    pub(super) fn taps(&self, rate_of_drive: bool) -> Vec<Complex64> {
+    pub(super) fn taps(&self) -> Vec<Complex64> {
         let rate = self.sample_rate_hz / self.coarse as f64;
         let count = 2 * ((0.5 * 5.8 * rate / self.transition_hz) as usize) + 1;
         let middle = (count / 2) as f64;
@@ -86,10 +85,7 @@ impl BandPlan {
         let mut taps = vec![Complex64::ZERO; count];
         for i in 0..points {
             let frequency = self.low_hz + (i as f64 + 0.5) * df;
-            let mut value = Complex64::from(2.0 * df / rate * self.shape(frequency));
-            if rate_of_drive {
-                value *= Complex64::new(0.0, -TAU * frequency);
-            }
+            let value = Complex64::from(2.0 * df / rate * self.shape(frequency));
             let step = Complex64::cis(-TAU * frequency / rate);
             let mut turn = Complex64::cis(TAU * frequency / rate * middle) * value;
             for tap in &mut taps {

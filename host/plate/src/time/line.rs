@@ -1,4 +1,4 @@
-//! The plate in the time domain: one width mode, driven by DAC codes at the device's sample rate.
+//! The plate in the time domain: its first width mode, driven by DAC codes at the device's sample rate.
 //!
 //! ```text
 //! codes -> band filter, decimation (analytic), curves of the drive -> oscillators, integrated exactly -> field over x
@@ -16,12 +16,11 @@ use super::envelope::Envelope;
 use super::fit;
 use super::integration::prepare;
 use super::kernel::{self, ModalStates};
-use super::modal::{self, Input, ModalBank, QuasiStatic};
-use crate::definition::drive::DriveEnd;
+use super::modal::ModalBank;
 use crate::definition::plate::Plate;
 use crate::definition::sample_rate;
 use crate::frequency::finger::Finger;
-use crate::quantity::{OutOfRange, Range};
+use crate::quantity::OutOfRange;
 use num_complex::Complex64;
 use pulp::Arch;
 use std::f64::consts::TAU;
@@ -30,19 +29,15 @@ pub use error::LineError;
 
 /// Least and largest number of positions of a line.
 pub const LINE_POINTS: (usize, usize) = (16, 4096);
-/// Distance from the middle of the band, in half bands, beyond which an oscillator is treated as quasi-static.
-const REACH: f64 = 3.5;
 /// The band in which a fitted field is exact: factors on the lowest and the highest frequency of the span.
 const BEYOND: (f64, f64) = (0.85, 1.15);
-/// Highest width mode of a line.
-pub const WIDTH_MODE_MAX: u32 = 9;
 
-/// One width mode of a plate in the time domain: DAC codes in, displacement over x out.
+/// The first width mode of a plate in the time domain: DAC codes in, displacement over x out.
 ///
 /// ```
 /// use slipline_plate::{TimeDomainLine, preset};
 ///
-/// let mut line = TimeDomainLine::new(&preset("membrane").unwrap(), 400e3, 64, 1).unwrap();
+/// let mut line = TimeDomainLine::new(&preset("membrane").unwrap(), 400e3, 64).unwrap();
 /// let tone = |n: u32| (std::f32::consts::TAU * 150.0 * n as f32 / 400e3).cos();
 /// line.push(&(0..400_000).map(tone).collect::<Vec<_>>());
 /// assert!(line.envelope().maximum_m().iter().any(|displacement_m| *displacement_m > 0.0));
@@ -74,83 +69,62 @@ pub struct TimeDomainLine {
 }
 
 impl TimeDomainLine {
-    /// Prepares a line of `points` positions (16 to 4096), uniform from 0 to the plate's end, for width mode `mode` (1
-    /// to 9; 1 is the first). The sample rate, Hz, must be one of [`crate::sample_rates`].
+    /// Prepares a line of `points` positions (16 to 4096), uniform from 0 to the plate's end, by a rational fit of the
+    /// field of [`crate::respond()`]. The sample rate, Hz, must be one of [`crate::sample_rates`].
     ///
-    /// Between clamped edges the first width mode is a fit to the field of [`crate::respond()`]: within 0.1 dB at the
-    /// peak, and within some thousandths of the peak in the tail.
+    /// Between clamped edges the fit is approximate: within 0.1 dB at the peak, and within some thousandths of the peak
+    /// in the tail.
     ///
     /// # Errors
-    /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points` or
-    /// `mode`, [`LineError::Drive`] for a measured drive that changes too fast with the frequency, and the errors of
-    /// [`TimeDomainLine::fitted`] for plates without exact eigenfunctions.
-    pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
-        if !modal::fits(plate, mode) {
-            return Self::fitted(plate, sample_rate_hz, points, mode);
-        }
-        let plan = plan(plate, sample_rate_hz, points, mode)?;
-        let high_hz = plate.band_hz().1;
-        let bank = modal::build(plate, mode, 1.3 * high_hz, plan.centre_hz, &positions(plate, points));
-        let settle_s = settle_time(&bank, plate);
-        let (bank, quasi_static) = bank.condense(plan.centre_hz, REACH * plan.half_band_hz);
-        Self::of_bank(plate, plan, points, &bank, &quasi_static, settle_s)
+    /// [`LineError::SampleRate`] if the rate cannot carry the plate's band, [`LineError::OutOfRange`] for `points`,
+    /// [`LineError::Drive`] for a measured drive that changes too fast with the frequency, and [`LineError::Unfit`] if
+    /// the error of the fit exceeds 0.5 % of the largest amplitude, between clamped edges 3 %.
+    pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize) -> Result<Self, LineError> {
+        Self::with(plate, None, sample_rate_hz, points)
     }
 
-    /// As [`TimeDomainLine::new`], but always by a rational fit of the frequency-domain field, never by eigenfunctions.
-    /// [`TimeDomainLine::new`] uses the fit where the eigenfunctions are not exact.
+    /// As [`TimeDomainLine::new`], with a finger that rests on the plate.
     ///
     /// # Errors
-    /// Those of [`TimeDomainLine::new`], and [`LineError::Unfit`] if the error of the fit exceeds 0.5 % of the largest
-    /// amplitude, between clamped edges 3 %.
-    pub fn fitted(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<Self, LineError> {
-        let plan = plan(plate, sample_rate_hz, points, mode)?;
-        let fit = fit::of_plate(plate, mode, None, &plan, points, exact_hz(plate));
-        Self::of_fit(plate, plan, points, &fit)
-    }
-
-    /// As [`TimeDomainLine::new`], for the first width mode, with a finger that rests on the plate.
-    ///
-    /// # Errors
-    /// Those of [`TimeDomainLine::fitted`], and [`LineError::Finger`] for a finger that is not valid on this plate.
+    /// Those of [`TimeDomainLine::new`], and [`LineError::Finger`] for a finger that is not valid on this plate.
     pub fn touched(
         plate: &Plate,
         finger: &Finger,
         sample_rate_hz: f64,
         points: usize,
     ) -> Result<Self, LineError> {
-        let plan = plan(plate, sample_rate_hz, points, 1)?;
-        finger.check(plate).map_err(LineError::Finger)?;
-        let fit = fit::of_plate(plate, 1, Some(finger), &plan, points, exact_hz(plate));
+        Self::with(plate, Some(finger), sample_rate_hz, points)
+    }
+
+    fn with(
+        plate: &Plate,
+        finger: Option<&Finger>,
+        sample_rate_hz: f64,
+        points: usize,
+    ) -> Result<Self, LineError> {
+        let plan = plan(plate, sample_rate_hz, points)?;
+        if let Some(finger) = finger {
+            finger.check(plate).map_err(LineError::Finger)?;
+        }
+        let fit = fit::of_plate(plate, finger, &plan, points, exact_hz(plate));
         Self::of_fit(plate, plan, points, &fit)
     }
 
     fn of_fit(plate: &Plate, plan: BandPlan, points: usize, fit: &fit::Fit) -> Result<Self, LineError> {
         check_fit(fit)?;
-        let settle_s = settle_time(&fit.bank, plate);
-        let line = Self::of_bank(plate, plan, points, &fit.bank, &fit.quasi_static, settle_s)?;
-        Ok(Self { fit_delay_s: fit.delay_s, ..line })
-    }
-
-    fn of_bank(
-        plate: &Plate,
-        plan: BandPlan,
-        points: usize,
-        bank: &ModalBank,
-        quasi_static: &QuasiStatic,
-        settle_s: f64,
-    ) -> Result<Self, LineError> {
+        let bank = &fit.bank;
         let curve = DriveFilter::of(plate, &plan)?;
         let scale = plate.spec().full_scale_m;
         let shape = kernel::tiles(points, 3 + bank.pole.len(), |row, signal| {
             let value =
-                if signal < 3 { quasi_static.shape[(row, signal)] } else { bank.shape[(row, signal - 3)] }
+                if signal < 3 { bank.quasi_static[(row, signal)] } else { bank.shape[(row, signal - 3)] }
                     * scale;
             [value.re as f32, value.im as f32]
         });
         let covered = points.div_ceil(kernel::TILE) * kernel::TILE;
         Ok(Self {
             arch: Arch::new(),
-            drive: AnalyticDrive::new(plan, bank.input == Input::DriveRate, curve),
+            drive: AnalyticDrive::new(plan, curve),
             plan,
             oscillators: prepare(bank, &plan),
             coefficient: [Complex64::ZERO; 6],
@@ -163,8 +137,8 @@ impl TimeDomainLine {
             steps: 0,
             stride: ((plan.rate_hz() / (2.5 * plan.half_band_hz)) as u64).max(1),
             field_step: 0,
-            settle_s,
-            fit_delay_s: 0.0,
+            settle_s: settle_time(bank, plate),
+            fit_delay_s: fit.delay_s,
         })
     }
 
@@ -309,8 +283,8 @@ impl TimeDomainLine {
 }
 
 /// Checks the arguments of a line and returns its filter.
-fn plan(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<BandPlan, LineError> {
-    check(plate, sample_rate_hz, mode)?;
+fn plan(plate: &Plate, sample_rate_hz: f64, points: usize) -> Result<BandPlan, LineError> {
+    sample_rate::check(plate, sample_rate_hz)?;
     OutOfRange::check_count("points", points, LINE_POINTS.0..=LINE_POINTS.1)?;
     let (low_hz, high_hz) = plate.band_hz();
     Ok(BandPlan::new(sample_rate_hz, low_hz, high_hz))
@@ -320,19 +294,6 @@ fn plan(plate: &Plate, sample_rate_hz: f64, points: usize, mode: u32) -> Result<
 fn exact_hz(plate: &Plate) -> (f64, f64) {
     let (low_hz, high_hz) = plate.band_hz();
     (BEYOND.0 * low_hz, BEYOND.1 * high_hz)
-}
-
-/// Refuses a plate, a rate or a width mode that cannot be simulated in time.
-pub(super) fn check(plate: &Plate, sample_rate_hz: f64, mode: u32) -> Result<(), LineError> {
-    sample_rate::check(plate, sample_rate_hz)?;
-    let has_near_field = match plate.spec().drive_end {
-        DriveEnd::Displacement | DriveEnd::Force { .. } | DriveEnd::Resistance { .. } => false,
-        DriveEnd::DisplacementAndSlope { .. } | DriveEnd::Source(_) => true,
-    };
-    // A source excites the first mode alone, and the near field is that of the first mode.
-    let modes = Range::new(1.0, if has_near_field { 1.0 } else { f64::from(WIDTH_MODE_MAX) }, "");
-    OutOfRange::check("width mode", f64::from(mode), modes)?;
-    Ok(())
 }
 
 /// Refuses a fit whose error is too large.

@@ -1,9 +1,8 @@
-//! The plate in the time domain: one width mode, driven by DAC codes at the device's sample rate.
+//! The plate in the time domain: its first width mode, driven by DAC codes at the device's sample rate.
 //!
 //! ```text
-//! galerkin -> modal (eigenfunctions of a thin plate) --+-> poles, residues -> integration -> line -> envelope
-//! frequency domain -> fit (any field) -----------------+                                      ^
-//!                             DAC codes -> analytic_signal -> drive_filter (curves) -----------+
+//! frequency domain -> fit (any field) -> modal (poles, residues) -> integration -> line -> envelope
+//!                              DAC codes -> analytic_signal -> drive_filter (curves) -^
 //! frequency domain -> fit -> sensed (one place, one value per code)
 //! ```
 
@@ -13,7 +12,6 @@ mod drive_curve;
 mod drive_filter;
 mod envelope;
 mod fit;
-mod galerkin;
 mod integration;
 mod kernel;
 mod line;
@@ -27,5 +25,5 @@ pub(crate) use drive_curve::DriveCurve;
 pub use drive_filter::DriveCurveError;
 pub(crate) use drive_filter::DriveFilter;
 pub use envelope::Envelope;
-pub use line::{LINE_POINTS, LineError, TimeDomainLine, WIDTH_MODE_MAX};
+pub use line::{LINE_POINTS, LineError, TimeDomainLine};
 pub use sensed::{Output, Resonators, SenseError, SensedPlate};

@@ -70,7 +70,7 @@ impl Waves {
     ) -> Result<Self, SimulationError> {
         let Solver::Sheet { threads } = solver else {
             let line = match finger {
-                None => TimeDomainLine::new(plate, rate_hz, PLACES, 1)?,
+                None => TimeDomainLine::new(plate, rate_hz, PLACES)?,
                 Some(finger) => TimeDomainLine::touched(plate, finger, rate_hz, PLACES)?,
             };
             return Ok(Self::Line(Box::new(line)));
@@ -89,7 +89,7 @@ impl Waves {
         } else {
             (rate_hz / (FIELDS_PER_PERIOD * high_hz * samples_per_step)).floor().max(1.0)
         };
-        let settle_s = TimeDomainLine::new(plate, rate_hz, LINE_POINTS.0, 1)?.settle_time_s();
+        let settle_s = TimeDomainLine::new(plate, rate_hz, LINE_POINTS.0)?.settle_time_s();
         let field_m = vec![0.0; sheet.positions_m().len()];
         let (held, stride) = (held as usize, (steps * samples_per_step) as usize);
         Ok(Self::Sheet(Box::new(SheetWaves { sheet, held, stride, settle_s, codes: Vec::new(), field_m })))

@@ -120,7 +120,7 @@ impl<'a> Near<'a> {
     /// The DAC amplitude of each tone, given as (frequency in Hz, peak in metres that the file predicts).
     pub(crate) fn amplitudes(&self, tones: &[(f64, f64)]) -> Vec<f64> {
         let plate = self.nominal;
-        let grid = Grid::new(plate, 1, Equation::Corrected, self.points, 1);
+        let grid = Grid::new(plate, Equation::Corrected, self.points, 1);
         let step_m = plate.length_m() / (self.points - 1) as f64;
         let frequencies: Vec<f64> = tones.iter().map(|tone| tone.0).collect();
         let mut amplitudes = Vec::with_capacity(tones.len());
@@ -172,7 +172,7 @@ impl<'a> Near<'a> {
                 if !frequencies.iter().all(|&frequency_hz| allowed.contains(frequency_hz)) {
                     return None;
                 }
-                let grid = Grid::new(&plate, 1, Equation::Corrected, self.points, 1);
+                let grid = Grid::new(&plate, Equation::Corrected, self.points, 1);
                 solve_each(&grid, &plate, &frequencies, |number, field| {
                     felt.push(tone_of(number, field, &plate, None));
                 });

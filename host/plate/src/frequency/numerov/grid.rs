@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// grid has no effect.
 const BEYOND_EXPONENTS: f64 = 14.0;
 
-/// The frequency-independent part of the problem: one plate, one width mode, one equation, one grid.
+/// The frequency-independent part of the problem: the first width mode of one plate, one equation, one grid.
 #[derive(Debug, Clone)]
 pub(crate) struct Grid {
     pub(super) step_m: f64,
@@ -32,7 +32,6 @@ pub(crate) struct Grid {
     pub(super) scale: Vec<f64>,
     /// (sqrt W)'/sqrt W at 0, or that of S (0 for the paper's equation).
     root_slope: f64,
-    pub(super) mode: u32,
     /// The law of the clamped strip, where it takes the place of a K^2 (1 + j eta) - a (q/W)^2.
     pub(super) strip: Option<StripGrid>,
     /// (q/s)^2 of a membrane in air, whose K changes along the plate; the barrier is without it.
@@ -55,26 +54,19 @@ pub(super) enum At<'g> {
 }
 
 impl Grid {
-    pub(crate) fn new(
-        plate: &Plate,
-        mode: u32,
-        equation: Equation,
-        points: usize,
-        refinement: usize,
-    ) -> Self {
-        let law = plate.width_mode(mode).strip.filter(|_| equation == Equation::Corrected);
-        Self::with_law(plate, mode, equation, points, refinement, law)
+    pub(crate) fn new(plate: &Plate, equation: Equation, points: usize, refinement: usize) -> Self {
+        let law = plate.width_mode(1).strip.filter(|_| equation == Equation::Corrected);
+        Self::with_law(plate, equation, points, refinement, law)
     }
 
     /// As [`Grid::new`] with `Equation::Corrected`, but between clamped edges with the tangent of the strip's law at the
     /// cut-off, to which a figure compares that law.
-    pub(crate) fn tangent(plate: &Plate, mode: u32, points: usize, refinement: usize) -> Self {
-        Self::with_law(plate, mode, Equation::Corrected, points, refinement, None)
+    pub(crate) fn tangent(plate: &Plate, points: usize, refinement: usize) -> Self {
+        Self::with_law(plate, Equation::Corrected, points, refinement, None)
     }
 
     fn with_law(
         plate: &Plate,
-        mode: u32,
         equation: Equation,
         points: usize,
         refinement: usize,
@@ -82,7 +74,7 @@ impl Grid {
     ) -> Self {
         #[cfg(test)]
         super::work::count(|work| work.grids += 1);
-        let width_mode = plate.width_mode(mode);
+        let width_mode = plate.width_mode(1);
         let is_in_air = equation == Equation::Corrected && width_mode.air(plate.band_hz().1).is_some();
         let on_plate = (points - 1) * refinement + 1;
         let step_m = plate.length_m() / (on_plate - 1) as f64;
@@ -139,14 +131,14 @@ impl Grid {
         let in_air: Option<Vec<f64>> =
             is_in_air.then(|| places().map(|x| width_mode.width_term(x)).collect());
         let far_air = in_air.as_ref().and_then(|_| FarAir::of(plate, on_plate));
-        Self { step_m, on_plate, barrier, is_rising, local, scale, root_slope, mode, strip, in_air, far_air }
+        Self { step_m, on_plate, barrier, is_rising, local, scale, root_slope, strip, in_air, far_air }
     }
 
     pub(super) fn at(&self, plate: &Plate, frequency_hz: f64) -> At<'_> {
         if let Some(strip) = &self.strip {
             return At::Strip(strip, plate.wavenumber_squared(frequency_hz).ln());
         }
-        let width_mode = plate.width_mode(self.mode);
+        let width_mode = plate.width_mode(1);
         let axial = || lossy_axial_squared(&width_mode, frequency_hz);
         match (&self.in_air, width_mode.air(frequency_hz)) {
             (Some(width_square), Some(air)) => At::Air(width_square, air, plate.wave_loss()),

@@ -127,7 +127,7 @@ impl<'g> Scaled<'g> {
         tail: &Tail,
         rows: (&mut [[f64; LANES]], &mut [[f64; LANES]]),
     ) -> Ends {
-        let width_mode = plate.width_mode(grid.mode);
+        let width_mode = plate.width_mode(1);
         let axial = || frequency.map(|frequency_hz| lossy_axial_squared(&width_mode, frequency_hz));
         match self {
             Self::Separable(barrier) => {

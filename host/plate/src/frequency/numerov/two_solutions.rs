@@ -50,7 +50,7 @@ pub(crate) fn solve_with_both(
 
     // S k = omega Z, and S goes with 1/K^2 where there is loss. A force on the plate also moves its air: S holds the air's
     // share of the wave's power.
-    let wavenumber = plate.width_mode(grid.mode).wavenumber_squared(0.0, frequency_hz).sqrt();
+    let wavenumber = plate.width_mode(1).wavenumber_squared(0.0, frequency_hz).sqrt();
     // Along a membrane its weight holds that share, from none at the end on.
     let dilution = if grid.in_air.is_some() { 1.0 } else { plate.dilution(frequency_hz) };
     let impedance = plate.wave_impedance_n_s_per_m(frequency_hz).unwrap_or(f64::NAN);

@@ -17,6 +17,9 @@ const BOUNDARIES: [(&str, &[f64]); 5] = [
     ("al-bending-displacement", &[0.5, 0.8]),
 ];
 const RATE_HZ: f64 = 400e3;
+/// Error of the deviation, relative to the final amplitude, that the fit of the line may have. A swing that reaches the
+/// limit only by so much is or is not the last one outside it.
+const GRAZING: f64 = 1e-3;
 
 /// The sum of `values[k]` e^(-j 2 pi k n/count) for each n; the count is a power of two.
 fn transform(values: &[Complex64]) -> Vec<Complex64> {
@@ -30,12 +33,13 @@ fn transform(values: &[Complex64]) -> Vec<Complex64> {
     first.chain((0..even.len()).map(|k| even[k] - turned(k))).collect()
 }
 
-/// The switching time of a peak by a Fourier synthesis, seconds: codes with a zero-order hold, on for the first half of
-/// a period and off for the second half, and the response of the frequency-domain solver from 0 to twice the band.
-fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> f64 {
+/// The earliest and the latest switching time of a peak that a Fourier synthesis allows when the limit may be
+/// [`GRAZING`] lower or higher, seconds: codes with a zero-order hold, on for the first half of a period and off for
+/// the second half, and the response of the frequency-domain solver from 0 to twice the band.
+fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> [f64; 2] {
     let plate = palette.plate();
     let high_hz = 2.0 * plate.band_hz().1;
-    let settle_s = TimeDomainLine::new(plate, RATE_HZ, 16, 1).expect("a line").settle_time_s();
+    let settle_s = TimeDomainLine::new(plate, RATE_HZ, 16).expect("a line").settle_time_s();
     let count = (4.0 * settle_s * high_hz * 2.0).log2().ceil().exp2() as usize;
     let on = (2.0 * settle_s * RATE_HZ) as usize;
     let period_s = 2.0 * on as f64 / RATE_HZ;
@@ -43,7 +47,7 @@ fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> f64 {
     let frequencies: Vec<f64> = bins.iter().map(|&bin| bin as f64 / period_s).collect();
 
     let stride = numerov::refinement_for(plate, high_hz, plate.length_m() / (PLACES - 1) as f64, 1e-6);
-    let grid = Grid::new(plate, 1, Equation::Corrected, PLACES, stride);
+    let grid = Grid::new(plate, Equation::Corrected, PLACES, stride);
     let mut spectrum = vec![Complex64::ZERO; count];
     // The codes cos(theta k) e^(j phi k), k from 0 to `on` - 1, add up to two geometric series.
     let series = |angle: f64| {
@@ -60,17 +64,12 @@ fn synthesised_s(palette: &Palette<'_>, peak: &Peak) -> f64 {
         spectrum[bins[number]] = held * drive * field[peak.place] / on as f64;
     });
     let amplitudes: Vec<f64> = transform(&spectrum).iter().map(|value| value.norm()).collect();
-    let outside = |n: usize| (amplitudes[n] / peak.amplitude_m - 1.0).abs() - SWITCHED;
-    let last = (0..count / 4).rev().find(|&n| outside(n) > 0.0).expect("it begins at rest");
-    let part = outside(last) / (outside(last) - outside(last + 1));
-    (last as f64 + part) * period_s / count as f64
-}
-
-/// The switching times of the boundary at a fraction of the span, by the line and by the synthesis, seconds.
-fn times_s(palette: &Palette<'_>, share: f64) -> [f64; 2] {
-    let (start_m, end_m) = palette.plate().span_m();
-    let peak = Peak::of(palette, start_m + share * (end_m - start_m)).expect("answers");
-    [peak.switching_time_s(palette).expect("a line"), synthesised_s(palette, &peak)]
+    [SWITCHED + GRAZING, SWITCHED - GRAZING].map(|limit| {
+        let outside = |n: usize| (amplitudes[n] / peak.amplitude_m - 1.0).abs() - limit;
+        let last = (0..count / 4).rev().find(|&n| outside(n) > 0.0).expect("it begins at rest");
+        let part = outside(last) / (outside(last) - outside(last + 1));
+        (last as f64 + part) * period_s / count as f64
+    })
 }
 
 /// Relative difference of line and synthesis at these fractions of the span, where an even area exists.
@@ -81,9 +80,11 @@ fn off(name: &str, shares: &[f64]) -> Vec<f64> {
     let (start_m, end_m) = plate.span_m();
     let has_merit = |share: &&f64| Target::solid(&palette, start_m + **share * (end_m - start_m)).is_ok();
     let off = |share: &f64| {
-        let [line_s, synthesised_s] = times_s(&palette, *share);
-        let off = (line_s / synthesised_s - 1.0).abs();
-        println!("{name} {share}: {line_s} s and {synthesised_s} s, off by {:.2} %", 100.0 * off);
+        let peak = Peak::of(&palette, start_m + share * (end_m - start_m)).expect("answers");
+        let line_s = peak.switching_time_s(&palette).expect("a line");
+        let [earliest_s, latest_s] = synthesised_s(&palette, &peak);
+        let off = (line_s / line_s.clamp(earliest_s, latest_s) - 1.0).abs();
+        println!("{name} {share}: {line_s} s and {earliest_s} to {latest_s} s, off by {:.2} %", 100.0 * off);
         off
     };
     shares.iter().filter(has_merit).map(off).collect()

@@ -1,8 +1,11 @@
 //! Fields against exact solutions in a wedge, the golden values of the physics page, and finer divisions.
 
-use super::super::discrete::Resolution;
-use super::super::outline::ROUNDING;
-use super::super::strip::wave_impedance;
+use super::super::discrete::{Discrete, Resolution};
+use super::super::field::{RESOLUTION, far_end};
+use super::super::outline::{Outline, ROUNDING};
+use super::super::section::Section;
+use super::super::strip::{sheet, wave_impedance};
+use super::super::system::amplitudes;
 use super::super::*;
 use super::{aluminium, with_tension};
 use crate::{
@@ -66,6 +69,36 @@ fn the_clamped_taper_peaks_at_180_7_mm_where_the_width_mode_says_180_5() {
     let peak = respond(&plate, 40e3, 1001, &Setup::of(&plate)).unwrap().peak.unwrap();
     assert!((adiabatic - 0.1805).abs() < 1e-4, "{adiabatic}");
     assert!((peak.position_m - 0.1807).abs() < 1e-4, "{}", peak.position_m);
+}
+
+/// Where the width mode of this number, driven in its own shape, last has 0.3 of its largest amplitude, metres.
+fn reach_m(plate: &Plate, frequency_hz: f64, mode: u32) -> f64 {
+    let outline = Outline::of(&plate.outline, 0.0, RESOLUTION.rounding);
+    let setup = Setup { end: End::Displacement(Slope::Free), ..Setup::of(plate) };
+    let end_m = far_end(plate, frequency_hz);
+    let mut discrete = Discrete::new(plate, frequency_hz, &setup, outline, end_m, RESOLUTION).unwrap();
+    let (edges, energy, _) = sheet(plate, frequency_hz);
+    let number = plate.spec().model.width_number(mode);
+    discrete.section = Section::new(edges, energy, discrete.section.orders, [number; 2]);
+    let unknowns = discrete.solve().unwrap();
+    let Discrete { section, mesh, .. } = &discrete;
+    let amplitude = |x: f64| -> f64 {
+        let shares = amplitudes(section, mesh, &unknowns, x);
+        shares.iter().zip(&section.projection).map(|(share, form)| share * form).sum::<Complex64>().norm()
+    };
+    let places_m: Vec<f64> = (0..=256).map(|i| plate.length_m() * f64::from(i) / 256.0).collect();
+    let along: Vec<f64> = places_m.iter().map(|&x| amplitude(x)).collect();
+    let top = along.iter().copied().fold(0.0, f64::max);
+    places_m[along.iter().rposition(|&amplitude| amplitude > 0.3 * top).expect("it moves")]
+}
+
+#[test]
+fn the_third_width_mode_dies_out_before_the_first() {
+    let plate = preset("al-sh").unwrap();
+    let frequency_hz = plate.frequency_for_boundary_hz(0.45);
+    let [first_m, third_m] = [1, 3].map(|mode| reach_m(&plate, frequency_hz, mode));
+    let ghost_m = plate.ghost_boundary_m(frequency_hz, 3).expect("the third mode enters");
+    assert!((first_m - third_m - (0.45 - ghost_m)).abs() < 0.05, "{first_m} {third_m}");
 }
 
 #[test]

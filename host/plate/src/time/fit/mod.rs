@@ -19,9 +19,9 @@ pub(super) use plate::of_plate;
 pub(super) use plate::response;
 
 use super::band_plan::BandPlan;
-use super::modal::{Input, ModalBank, QuasiStatic};
+use super::modal::ModalBank;
 use barycentric::Barycentric;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 use residues::{PartialFractions, QUASI_STATIC};
 use samples::{Sample, Samples};
@@ -88,7 +88,6 @@ const NEAREST: f64 = 1e-5;
 /// A fitted bank.
 pub(super) struct Fit {
     pub(super) bank: ModalBank,
-    pub(super) quasi_static: QuasiStatic,
     /// Delay of the fitted field against its drive, seconds.
     pub(super) delay_s: f64,
     /// Largest error at the samples, relative to the largest amplitude at the same frequency. It is large only for a
@@ -253,15 +252,14 @@ fn fewest_poles(samples: &[Sample], all: PartialFractions, tolerance: f64) -> Pa
 fn unscaled(fit: &PartialFractions, plan: &BandPlan, most: f64) -> Fit {
     let half = TAU * plan.half_band_hz;
     let places = fit.term.ncols();
-    let quasi_static =
-        DMatrix::from_fn(places, QUASI_STATIC, |place, k| fit.term[(k, place)] / half.powi(k as i32));
     let bank = ModalBank {
-        input: Input::Drive,
         pole: fit.pole.iter().map(|p| TAU * plan.centre_hz + p * half).collect(),
         shape: fit.term.rows_range(QUASI_STATIC..).transpose() * Complex64::from(half),
-        direct: DVector::zeros(places),
+        quasi_static: DMatrix::from_fn(places, QUASI_STATIC, |place, k| {
+            fit.term[(k, place)] / half.powi(k as i32)
+        }),
     };
-    Fit { bank, quasi_static: QuasiStatic { shape: quasi_static }, delay_s: 0.0, error: fit.worst(), most }
+    Fit { bank, delay_s: 0.0, error: fit.worst(), most }
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The field of a plate's width mode for the fit: by Numerov's method, with the actuator's resonance.
+//! The field of a plate's first width mode for the fit: by Numerov's method, with the actuator's resonance.
 
 use super::{Accuracy, Fit, bank};
 use crate::definition::actuator::Actuator;
@@ -18,26 +18,25 @@ const DELAY_PERIODS: f64 = 4.0;
 /// Least decay of a resonance of a clamped plate, over the decay rate by its material's or its actuator's loss.
 const LEAST_DECAY: f64 = 0.4;
 
-/// Fits the field of width mode `mode`, that of `respond` with the actuator's resonance, over the band of the filter's
-/// `plan`. A finger rests on the first width mode alone.
+/// Fits the field of `respond` with the actuator's resonance, and with a finger if there is one, over the band of the
+/// filter's `plan`.
 ///
 /// Between clamped edges the fit is approximate, from `exact_hz.0` to `exact_hz.1`, and delayed: see
 /// [`Fit::delay_s`].
 pub(crate) fn of_plate(
     plate: &Plate,
-    mode: u32,
     finger: Option<&Finger>,
     plan: &BandPlan,
     places: usize,
     exact_hz: (f64, f64),
 ) -> Fit {
     let top_hz = plan.stop_hz().1;
-    let (accuracy, delay_s) = match plate.width_mode(mode).strip {
+    let (accuracy, delay_s) = match plate.width_mode(1).strip {
         None => (Accuracy::EXACT, 0.0),
         Some(_) => (Accuracy::of_strip(exact_hz, least_decay(plate)), DELAY_PERIODS / exact_hz.0),
     };
     let fit = match finger {
-        None => bank(late(response(plate, mode, places, top_hz), delay_s), plan, places, accuracy),
+        None => bank(late(response(plate, places, top_hz), delay_s), plan, places, accuracy),
         Some(finger) => {
             bank(late(touched_response(plate, finger, places, top_hz), delay_s), plan, places, accuracy)
         }
@@ -68,15 +67,14 @@ fn late(
     }
 }
 
-/// Computes the field of width mode `mode` at `points` uniform positions from 0 to the plate's end, relative to the
+/// Computes the field at `points` uniform positions from 0 to the plate's end, relative to the
 /// actuator's input, for each of many frequencies up to `top_hz`.
 pub(crate) fn response(
     plate: &Plate,
-    mode: u32,
     points: usize,
     top_hz: f64,
 ) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
-    let (grid, refinement) = grid(plate, mode, points, top_hz);
+    let (grid, refinement) = grid(plate, points, top_hz);
     move |frequencies_hz| {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
         numerov::solve_each_apart(&grid, plate, frequencies_hz, refinement, |number, field| {
@@ -86,14 +84,14 @@ pub(crate) fn response(
     }
 }
 
-/// As [`response`], for the first width mode with a finger on the plate.
+/// As [`response`], with a finger on the plate.
 fn touched_response(
     plate: &Plate,
     finger: &Finger,
     points: usize,
     top_hz: f64,
 ) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
-    let (grid, refinement) = grid(plate, 1, points, top_hz);
+    let (grid, refinement) = grid(plate, points, top_hz);
     move |frequencies_hz| {
         let touched = |hz: f64| {
             let fine = finger::touched(&grid, plate, finger, hz);
@@ -104,10 +102,10 @@ fn touched_response(
 }
 
 /// A grid for frequencies up to `top_hz`, and its refinement over `points`.
-fn grid(plate: &Plate, mode: u32, points: usize, top_hz: f64) -> (Grid, usize) {
+fn grid(plate: &Plate, points: usize, top_hz: f64) -> (Grid, usize) {
     let step = plate.length_m() / (points - 1) as f64;
     let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
-    (Grid::new(plate, mode, Equation::Corrected, points, refinement), refinement)
+    (Grid::new(plate, Equation::Corrected, points, refinement), refinement)
 }
 
 /// The field at the positions, relative to the resonator's input; the drive's filter applies the curves.

@@ -15,7 +15,7 @@ pub enum LineError {
     /// No filter follows the measured curve of the plate's drive, that of its actuator or of its calibration.
     #[error(transparent)]
     Drive(#[from] DriveCurveError),
-    /// The number of positions or the width mode is out of range.
+    /// The number of positions is out of range.
     #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
     /// The finger is not possible on this plate.

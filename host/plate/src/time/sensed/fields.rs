@@ -72,7 +72,7 @@ impl Fields {
         let stations = stations.clamp(STATIONS.0, STATIONS.1);
         let step_m = plate.length_m() / (stations - 1) as f64;
         let refinement = numerov::refinement_for(plate, stop_hz.1, step_m, ERROR);
-        let grid = Grid::new(plate, 1, Equation::Corrected, stations, refinement);
+        let grid = Grid::new(plate, Equation::Corrected, stations, refinement);
         let mut frequency_hz = frequencies(pole, stop_hz);
         // Above the band the plate is only sampled coarsely, so that an output need not fall off steeply.
         let octaves = (ROUGHLY.1.min(0.45 * sample_rate_hz / stop_hz.1)).log2().max(0.0);

@@ -19,11 +19,11 @@ mod resonators;
 use super::band_plan::BandPlan;
 use super::drive_curve::DriveCurve;
 use super::fit;
-use super::line::{LineError, check, check_fit};
+use super::line::{LineError, check_fit};
 use crate::calibrate::SensorKind;
 use crate::definition::actuator::Actuator;
 use crate::definition::plate::Plate;
-use crate::definition::sample_rate::hold_droop;
+use crate::definition::sample_rate::{self, hold_droop};
 use crate::frequency::finger::Finger;
 use crate::quantity::{OutOfRange, Range};
 use fields::Fields;
@@ -91,7 +91,7 @@ impl SensedPlate {
     /// # Errors
     /// Those of [`super::TimeDomainLine::touched`].
     pub fn new(plate: &Plate, finger: Option<&Finger>, sample_rate_hz: f64) -> Result<Self, LineError> {
-        check(plate, sample_rate_hz, 1)?;
+        sample_rate::check(plate, sample_rate_hz)?;
         if let Some(finger) = finger {
             finger.check(plate).map_err(LineError::Finger)?;
         }
@@ -101,7 +101,7 @@ impl SensedPlate {
         let plan = BandPlan::new(sample_rate_hz, beyond.0 * low_hz, top_hz);
         let stop_hz = plan.stop_hz();
         let exact_hz = (beyond.0 * low_hz, top_hz);
-        let fit = fit::of_plate(plate, 1, finger, &plan, PLACES, exact_hz);
+        let fit = fit::of_plate(plate, finger, &plan, PLACES, exact_hz);
         // Between clamped edges only the resonances are taken from an approximate fit; each output has its own error.
         if plate.width_mode(1).strip.is_none() {
             check_fit(&fit)?;

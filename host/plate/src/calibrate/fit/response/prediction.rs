@@ -41,7 +41,7 @@ pub fn predicted(plate: &Plate, sensor: &Measurement) -> Result<Vec<Option<Compl
     let entering: Vec<f64> = hertz().filter(|hertz| allowed.contains(*hertz)).collect();
     let Some(&highest_hz) = entering.last() else { return Ok(vec![None; sensor.points.len()]) };
     let count = points(plate.spec(), highest_hz, FINE);
-    let grid = Grid::new(plate, 1, Equation::Corrected, count, 1);
+    let grid = Grid::new(plate, Equation::Corrected, count, 1);
     let step_m = plate.length_m() / (count - 1) as f64;
     let mut found = Vec::with_capacity(entering.len());
     numerov::solve_each(&grid, plate, &entering, |number, field| {

@@ -33,7 +33,7 @@ impl Wave {
     pub(crate) fn new(spec: PlateSpec, points: usize) -> Result<Self, PlateError> {
         // The driven end only scales the wave; this one has no near field.
         let plate = Plate::new(PlateSpec { drive_end: DriveEnd::Displacement, ..spec })?;
-        let grid = Grid::new(&plate, 1, Equation::Corrected, points, 1);
+        let grid = Grid::new(&plate, Equation::Corrected, points, 1);
         let step_m = plate.length_m() / (points - 1) as f64;
         Ok(Self { plate, grid, step_m })
     }
