@@ -44,20 +44,18 @@ pub use definition::{
     TurningWidth, limits, preset, presets, sample_rates,
 };
 pub use frequency::{
-    CONTACT_M, COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, Equation, Finger, POINTS_MAX,
-    POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder, Response, ToneDrive, predict_envelope,
-    reflection, resistance_reflection, respond, respond_batch, respond_coupled, respond_range,
-    respond_touched,
+    CONTACT_M, Equation, Finger, POINTS_MAX, POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder,
+    Response, ToneDrive, predict_envelope, reflection, resistance_reflection, respond, respond_batch,
+    respond_range, respond_touched,
 };
 pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};
 pub use quantity::{Notation, nearest, number_format};
 pub use sheet::{Sheet, SheetError, SheetGrid};
-pub use special::{airy, bessel};
+pub use special::airy;
 pub use table::{
     Boundary, DriveTable, KNOTS_MAX, Knot, Level, NoBoundary, Sensitivity, TableError, TableTravel,
-    boundaries, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
-    sensitivity_per_percent_watched, table_sensitivity,
+    boundaries, sensitivity_per_percent, table_sensitivity,
 };
 pub use time::{
     DriveCurveError, Envelope, LINE_POINTS, LineError, Output, Resonators, SenseError, SensedPlate,

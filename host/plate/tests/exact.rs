@@ -1,6 +1,6 @@
 //! The frequency-domain solver against the exact Bessel solution of the exponential taper.
 
-use slipline_plate::bessel::k_imaginary_scaled;
+use super::bessel::k_imaginary_scaled;
 use slipline_plate::{
     Complex64, DriveEnd, Equation, Plate, TurningWidth, airy, preset, respond, respond_batch,
 };

@@ -6,6 +6,7 @@ mod air;
 mod air_truth;
 mod bending_end;
 mod bending_truth;
+mod bessel;
 mod calibration;
 mod clamped_end;
 mod clamped_law;

@@ -5,7 +5,7 @@ use slipline_plate::texture::{
     CHORD_PERIOD, FLUTTER_WINDOW_S, Figures, PLACES, Palette, Target, Texture, TextureError, TextureTone,
     beat, least_largest_error, nnls, stripes, stripes_felt_db, stripes_m,
 };
-use slipline_plate::{Complex64, DriveTable, Plate, PlateSpec, TimeDomainLine, preset};
+use slipline_plate::{Complex64, DriveTable, Plate, PlateSpec, Progress, TimeDomainLine, preset};
 use std::f64::consts::TAU;
 
 const SAMPLE_RATE_HZ: f64 = 400e3;
@@ -106,17 +106,20 @@ fn a_solid_area_ends_where_the_finger_feels_it_end() {
     let (plate, table) = membrane();
     let palette = Palette::new(&plate, &table);
     let feeling = Feeling::default();
+    let solid_to = |felt_edge_m: f64, most: usize, feeling: &Feeling| {
+        Texture::solid_to(&palette, felt_edge_m, most, feeling, &mut Progress::new(&mut |_| true))
+    };
     for (felt_edge_m, most) in [(0.25, 16), (0.27, 16), (0.3, 16), (0.25, 3), (0.28, 4), (0.3, 5)] {
-        let (texture, _) = Texture::solid_to(&palette, felt_edge_m, most, &feeling).expect("in range");
+        let (texture, _) = solid_to(felt_edge_m, most, &feeling).expect("in range");
         let FeltEdge::At(is_m) = texture.felt_edge(&palette, &feeling).expect("answers") else {
             panic!("an edge on the plate")
         };
         assert!((is_m - felt_edge_m).abs() < 1e-4, "{felt_edge_m} of {most} tones: {is_m}");
     }
-    let refused = Texture::solid_to(&palette, 0.05, 16, &feeling).expect_err("too near");
+    let refused = solid_to(0.05, 16, &feeling).expect_err("too near");
     assert!(matches!(refused, TextureError::OutOfRange(_)), "{refused}");
     let numb = Feeling { threshold: 1e6, ..feeling };
-    let refused = Texture::solid_to(&palette, 0.2, 16, &numb).expect_err("nothing is felt");
+    let refused = solid_to(0.2, 16, &numb).expect_err("nothing is felt");
     assert_eq!(refused, TextureError::NotFelt { edge: FeltEdge::Nowhere });
 }
 

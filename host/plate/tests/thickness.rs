@@ -8,7 +8,7 @@ use slipline_plate::calibrate::{
 use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::{
     Complex64, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, Thickness, TurningWidth, plane,
-    preset, respond, respond_batch, respond_coupled,
+    preset, respond, respond_batch,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -241,7 +241,6 @@ fn a_thickness_is_read_and_written_and_what_has_none_refuses_it_by_its_field() {
     let points = vec![[0.0, 1e-3], [0.34, 1.9e-3]];
     let other = refused(spec(Some(Thickness::Sampled { points }), 0.01));
     assert!(other.starts_with("thickness.points[0][1] = 0.001: must be 0.002"), "{other}");
-    assert_eq!(respond_coupled(&plate(exponential(2.0)), 30e3, 101, 3).expect("enters"), None);
 }
 
 #[test]

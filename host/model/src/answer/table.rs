@@ -3,7 +3,7 @@
 use crate::field::simulation;
 use serde::Serialize;
 use slipline_link::table::{DeviceTable, DeviceTableError};
-use slipline_plate::{DriveTable, Plate, Progress, Sensitivity, TableError, sensitivity_per_percent_of};
+use slipline_plate::{DriveTable, Plate, Progress, Sensitivity, TableError, sensitivity_per_percent};
 
 /// A table, in physical and in device units, and what it loses on a plate that differs.
 #[derive(Clone, Debug)]
@@ -39,7 +39,7 @@ impl BuiltTable {
         progress: &mut Progress<'_>,
     ) -> Result<Self, BuildError> {
         let table = DriveTable::build_watched(plate, sample_rate_hz, knots, &mut progress.part(0.0, 0.8))?;
-        let sensitivity = sensitivity_per_percent_of(&table, plate, &mut progress.part(0.8, 1.0))?;
+        let sensitivity = sensitivity_per_percent(&table, plate, &mut progress.part(0.8, 1.0))?;
         let device_table = simulation::device_table(&table)?;
         Ok(Self { table, device_table, sensitivity })
     }

@@ -4,7 +4,7 @@ use crate::field::simulation::device_table;
 use crate::jobs::Task;
 use crate::setup::Setup;
 use slipline_link::table::DeviceTable;
-use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent_of};
+use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent};
 use std::sync::Arc;
 
 /// Number of knots of a table: the largest that a device accepts, because resonant plates need it.
@@ -96,7 +96,7 @@ fn build(job: TableJob, progress: &mut Progress<'_>) -> Result<TableMade, Unmade
         DriveTable::build_watched(&job.plate, job.sample_rate_hz, knots, &mut progress.part(0.0, 0.8))?;
     let device_table = device_table(&drive_table).map_err(|error| Unmade::Because(error.to_string()))?;
     let rest = &mut progress.part(0.8, 1.0);
-    let sensitivity_db = match sensitivity_per_percent_of(&drive_table, &job.plate, rest) {
+    let sensitivity_db = match sensitivity_per_percent(&drive_table, &job.plate, rest) {
         Ok(sensitivity) => Some(sensitivity.worst_db.abs()),
         Err(TableError::Stopped(_)) => return Err(Unmade::Stopped),
         Err(_) => None,

@@ -121,7 +121,7 @@ pub fn make(
     let plain = |tones| Made { tones, fitted: None, stripes_m: None, stripes_felt_db: None };
     match *wish {
         Wish::Solid(felt_edge_m) => {
-            let (texture, target) = Texture::solid_to_watched(palette, felt_edge_m, most, feeling, progress)?;
+            let (texture, target) = Texture::solid_to(palette, felt_edge_m, most, feeling, progress)?;
             fitted(palette, target, texture)
         }
         Wish::Profile(ref breakpoints) => {

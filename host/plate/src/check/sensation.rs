@@ -56,13 +56,6 @@ pub fn threshold_m(frequency_hz: f64) -> f64 {
     }
 }
 
-/// Squeeze number of the air film under a finger, 12 eta omega l^2/(p0 h^2) (M. Biet, F. Giraud and B. Lemaire-Semail,
-/// IEEE Trans. Ultrason. Ferroelectr. Freq. Control 54, 2678, 2007), for a contact of 5 mm and a film of about 5 um (no
-/// source): 0.4 at 30 Hz, 275 at 20 kHz. Above about 10 the film carries the finger.
-pub fn squeeze_number(frequency_hz: f64) -> f64 {
-    275.0 * frequency_hz / 20e3
-}
-
 /// Upper bound of the sound level, dB SPL: a plane wave of the same displacement amplitude, with rho c = 413 Pa s/m.
 /// See also [`crate::check::plane_wave_level_db`].
 pub fn sound_level_db(frequency_hz: f64, amplitude_m: f64) -> f64 {
@@ -94,6 +87,5 @@ mod tests {
     #[test]
     fn one_micrometre_at_5_khz_may_reach_113_db() {
         assert!((sound_level_db(5e3, 1e-6) - 113.0).abs() < 1.0);
-        assert!((squeeze_number(30.0) - 0.4).abs() < 0.02);
     }
 }

@@ -1,7 +1,6 @@
 //! The plate in the frequency domain: the steady amplitude over x at one frequency, and its peak.
 
 pub(crate) mod axial;
-mod coupled;
 pub(crate) mod driven_end;
 pub(crate) mod equation;
 pub(crate) mod error;
@@ -16,7 +15,6 @@ pub(crate) mod respond;
 mod strip_grid;
 mod sweep;
 
-pub use coupled::{COUPLED_MODES_MAX, COUPLED_POINTS_MAX, CoupledResponse, respond_coupled};
 pub use driven_end::{reflection, resistance_reflection};
 pub use equation::Equation;
 pub use error::RespondError;

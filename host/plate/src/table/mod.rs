@@ -12,8 +12,5 @@ pub use boundary::{Boundary, NoBoundary, boundaries};
 pub use drive_table::{DriveTable, Knot};
 pub use error::{KNOTS_MAX, TableError};
 pub use level::Level;
-pub use sensitivity::{
-    Sensitivity, sensitivity, sensitivity_per_percent, sensitivity_per_percent_of,
-    sensitivity_per_percent_watched, table_sensitivity,
-};
+pub use sensitivity::{Sensitivity, sensitivity_per_percent, table_sensitivity};
 pub use travel::TableTravel;

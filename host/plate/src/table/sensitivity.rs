@@ -22,21 +22,7 @@ pub struct Sensitivity {
 /// Number of boundaries over the span at which a sensitivity is evaluated.
 const PLACES: usize = 801;
 
-/// Builds the table of `table_plate` with 1025 knots, applies it to `actual_plate` and compares the peaks over the
-/// span with the table's level.
-///
-/// # Errors
-/// [`TableError`] as [`DriveTable::build`].
-pub fn sensitivity(
-    table_plate: &Plate,
-    actual_plate: &Plate,
-    sample_rate_hz: f64,
-) -> Result<Sensitivity, TableError> {
-    let table = DriveTable::build(table_plate, sample_rate_hz, KNOTS_MAX)?;
-    table_sensitivity(&table, table_plate, actual_plate)
-}
-
-/// [`sensitivity`] for an existing table of `table_plate`.
+/// Applies a table of `table_plate` to `actual_plate` and compares the peaks over the span with the table's level.
 ///
 /// # Errors
 /// [`TableError::Silent`] if the actual plate has no amplitude at one of the table's frequencies.
@@ -75,42 +61,23 @@ fn watched(
     Ok(result)
 }
 
-/// The largest change of the peak when the wave speed is 1 % higher or 1 % lower than the table assumes.
-///
-/// # Errors
-/// [`TableError`] as [`DriveTable::build`].
-pub fn sensitivity_per_percent(plate: &Plate, sample_rate_hz: f64) -> Result<Sensitivity, TableError> {
-    sensitivity_per_percent_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
-}
-
-/// As [`sensitivity_per_percent`], with reports of its progress; it can be stopped.
+/// The largest change of the peak when the wave speed is 1 % higher or 1 % lower than a table made for `plate` assumes, at
+/// the sample rate of `table`. The table itself is used if it has 1025 knots, the largest number; otherwise one with 1025
+/// knots is built.
 ///
 /// # Errors
 /// As [`DriveTable::build_watched`].
-pub fn sensitivity_per_percent_watched(
-    plate: &Plate,
-    sample_rate_hz: f64,
-    progress: &mut Progress<'_>,
-) -> Result<Sensitivity, TableError> {
-    let table = DriveTable::build_watched(plate, sample_rate_hz, KNOTS_MAX, &mut progress.part(0.0, 0.8))?;
-    per_percent(&table, plate, &mut progress.part(0.8, 1.0))
-}
-
-/// [`sensitivity_per_percent_watched`] at the sample rate of a `table` made for `plate`. The table itself is used if
-/// it has 1025 knots, the largest number; otherwise one with 1025 knots is built.
-///
-/// # Errors
-/// As [`DriveTable::build_watched`].
-pub fn sensitivity_per_percent_of(
+pub fn sensitivity_per_percent(
     table: &DriveTable,
     plate: &Plate,
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivity, TableError> {
     if table.knots.len() == KNOTS_MAX {
-        per_percent(table, plate, progress)
-    } else {
-        sensitivity_per_percent_watched(plate, table.sample_rate_hz, progress)
+        return per_percent(table, plate, progress);
     }
+    let rate_hz = table.sample_rate_hz;
+    let finest = DriveTable::build_watched(plate, rate_hz, KNOTS_MAX, &mut progress.part(0.0, 0.8))?;
+    per_percent(&finest, plate, &mut progress.part(0.8, 1.0))
 }
 
 fn per_percent(

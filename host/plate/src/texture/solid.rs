@@ -55,25 +55,13 @@ impl Texture {
     }
 
     /// A solid area of at most `most` tones (1 to 16) that is felt up to `felt_edge_m`, and its target, which holds the
-    /// turning point.
+    /// turning point. Progress is reported, and the caller can stop it.
     ///
     /// # Errors
     /// As [`Texture::fit`]; [`TextureError::OutOfRange`] with the range of the felt edges of the span's turning points
-    /// if `felt_edge_m` is outside it; [`TextureError::NotFelt`] if nothing is felt, or the whole plate.
+    /// if `felt_edge_m` is outside it; [`TextureError::NotFelt`] if nothing is felt, or the whole plate;
+    /// [`TextureError::Stopped`].
     pub fn solid_to(
-        palette: &Palette<'_>,
-        felt_edge_m: f64,
-        most: usize,
-        feeling: &Feeling,
-    ) -> Result<(Self, Target), TextureError> {
-        Self::solid_to_watched(palette, felt_edge_m, most, feeling, &mut Progress::new(&mut |_| true))
-    }
-
-    /// As [`Texture::solid_to`], with reports of its progress; the caller can stop it.
-    ///
-    /// # Errors
-    /// As [`Texture::solid_to`], and [`TextureError::Stopped`].
-    pub fn solid_to_watched(
         palette: &Palette<'_>,
         felt_edge_m: f64,
         most: usize,

@@ -98,5 +98,6 @@ fn a_plate_whose_band_just_fits_the_rate_is_checked_to_its_very_end() {
     let checker = Checker::new(&plate, Conditions { sample_rate_hz, ..Conditions::default() }).expect("fits");
     assert!(checker.at(plate.span_m().1).is_ok());
     assert!(checker.over_span().is_ok());
-    assert!(crate::sensitivity_per_percent(&plate, sample_rate_hz).is_ok());
+    let table = crate::DriveTable::build(&plate, sample_rate_hz, crate::KNOTS_MAX).expect("fits");
+    assert!(crate::sensitivity_per_percent(&table, &plate, &mut crate::Progress::new(&mut |_| true)).is_ok());
 }
