@@ -23,7 +23,7 @@ use super::modal::ModalBank;
 use barycentric::Barycentric;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
-use residues::{PartialFractions, QUASI_STATIC};
+use residues::{LeastSquares, PartialFractions, QUASI_STATIC};
 use samples::{Sample, Samples};
 use std::f64::consts::TAU;
 
@@ -160,7 +160,7 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>
             let pole = stable(&rational.poles());
             let known = samples.all().len();
             samples.take(&beside_resonances(&pole, low, high));
-            let fit = PartialFractions::new(samples.all(), pole, places);
+            let fit = fit_all(samples.all(), pole, places);
             if fit.worst() < accuracy.field {
                 return fewest_poles(samples.all(), fit, accuracy.field);
             }
@@ -183,10 +183,16 @@ fn partial_fractions<R: FnMut(&[f64]) -> Vec<Vec<Complex64>>, W: Fn(f64) -> f64>
         let fresh = refine(samples.all(), &error, &mut support, accuracy.poles);
         if fresh.is_empty() {
             // All samples are support points or have no error: nothing can be added.
-            return PartialFractions::new(samples.all(), stable(&rational.poles()), places);
+            return fit_all(samples.all(), stable(&rational.poles()), places);
         }
         samples.take(&fresh);
     }
+}
+
+/// The fit by all of these poles.
+fn fit_all(samples: &[Sample], pole: Vec<Complex64>, places: usize) -> PartialFractions {
+    let count = pole.len();
+    LeastSquares::new(samples, pole, places).fit(count)
 }
 
 /// The poles near the band. A growing pole is replaced by its decaying mirror image; each decays at least by `decay`.
@@ -232,20 +238,10 @@ fn fewest_poles(samples: &[Sample], all: PartialFractions, tolerance: f64) -> Pa
     let effect = all.effect(samples);
     let mut order: Vec<usize> = (0..all.pole.len()).collect();
     order.sort_by(|&a, &b| effect[b].total_cmp(&effect[a]));
-    let places = all.term.ncols();
-    let (mut few, mut fit) = (0, all);
-    let every = fit.pole.clone();
-    while fit.pole.len() - few > 1 {
-        let count = usize::midpoint(few, fit.pole.len());
-        let tried =
-            PartialFractions::new(samples, order[..count].iter().map(|&i| every[i]).collect(), places);
-        if tried.worst() < tolerance {
-            fit = tried;
-        } else {
-            few = count;
-        }
-    }
-    fit
+    let pole = order.iter().map(|&i| all.pole[i]).collect();
+    let squares = LeastSquares::new(samples, pole, all.term.ncols());
+    let enough = squares.fewest(tolerance);
+    if enough == all.pole.len() { all } else { squares.fit(enough) }
 }
 
 /// The bank of a fit, in rad/s.
