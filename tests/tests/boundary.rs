@@ -7,8 +7,8 @@ use slipline_model::field::simulation::{
     SAMPLE_RATE_HZ, Simulated, Simulation, SimulationError, Solver, table_for,
 };
 use slipline_plate::{
-    Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, TableError, Taper, TurningWidth,
-    preset, presets, respond,
+    Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, Progress, TableError, Taper,
+    TurningWidth, preset, presets, respond,
 };
 
 /// The level of each drive.
@@ -32,7 +32,7 @@ fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_g
         solver,
         finger: None,
     };
-    run.run_with(table).unwrap()
+    run.run(table, &mut Progress::new(&mut |_| true)).unwrap()
 }
 
 /// A place of the span by its share.

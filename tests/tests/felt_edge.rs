@@ -4,7 +4,7 @@ use slipline_model::field::line::{Holds, Line, limits_m, turning_point_m};
 use slipline_model::field::simulation::{KNOTS, SAMPLE_RATE_HZ, Simulation, Solver, device_table};
 use slipline_model::field::steady_field::{POINTS, SteadyField, SteadyTone};
 use slipline_model::setup::{Setup, ToneSetup};
-use slipline_plate::{DriveTable, ToneDrive, predict_envelope};
+use slipline_plate::{DriveTable, Progress, ToneDrive, predict_envelope};
 use std::sync::Arc;
 
 /// Presets at levels at which their felt edges lie on the plate.
@@ -58,7 +58,8 @@ fn compare(name: &str, level: f64) {
             solver: Solver::Line,
             finger: None,
         };
-        let felt = simulation.run_with(&table).unwrap().felt(&plate, &setup.feeling).unwrap();
+        let simulated = simulation.run(&table, &mut Progress::new(&mut |_| true)).unwrap();
+        let felt = simulated.felt(&plate, &setup.feeling).unwrap();
         let felt_m = felt.edge.place_m().unwrap_or(f64::NAN);
         assert!((felt_m - drawn_m).abs() < 1e-3, "{name}: drawn at {drawn_m}, felt to {felt_m}");
     }

@@ -161,7 +161,7 @@ impl Drive {
             chord_gain_db,
             sensitivity: sensitivity.map_err(|error| Failure::of(&error))?,
             solver: self.solver,
-            result: &simulation.run_watched(&table, &mut progress.part(0.1, 1.0)).map_err(failed)?,
+            result: &simulation.run(&table, &mut progress.part(0.1, 1.0)).map_err(failed)?,
         };
         Ok(fields(&drive.answer()))
     }

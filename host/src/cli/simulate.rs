@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         finger,
     };
     let what = if arguments.sheet { "sheet" } else { "plate" };
-    let result = progress::watched(what, |progress| simulation.run_watched(&table, progress))?;
+    let result = progress::watched(what, |progress| simulation.run(&table, progress))?;
     for file in &files {
         match &file.form {
             Form::Csv => file.destination.write(|out| Ok(csv(&result, out)?))?,

@@ -195,32 +195,11 @@ fn without_gains(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
 }
 
 impl Simulation<'_> {
-    /// Builds the table and runs.
+    /// Runs with a finished table. Progress is reported, and the caller can stop it.
     ///
     /// # Errors
-    /// [`SimulationError`]: the unsuitable value and the reason.
-    pub fn run(&self) -> Result<Simulated, SimulationError> {
-        let (table, _) = table_for(self.plate, SAMPLE_RATE_HZ)?;
-        self.run_with(&table)
-    }
-
-    /// Runs with a finished table.
-    ///
-    /// # Errors
-    /// [`SimulationError`]: the unsuitable value and the reason.
-    pub fn run_with(&self, table: &DriveTable) -> Result<Simulated, SimulationError> {
-        self.run_watched(table, &mut Progress::new(&mut |_| true))
-    }
-
-    /// [`Simulation::run_with`] with progress reports and cancellation.
-    ///
-    /// # Errors
-    /// As [`Simulation::run_with`], and [`SimulationError::Stopped`].
-    pub fn run_watched(
-        &self,
-        table: &DriveTable,
-        progress: &mut Progress<'_>,
-    ) -> Result<Simulated, SimulationError> {
+    /// [`SimulationError`]: the unsuitable value and the reason; [`SimulationError::Stopped`].
+    pub fn run(&self, table: &DriveTable, progress: &mut Progress<'_>) -> Result<Simulated, SimulationError> {
         let device_table =
             Arc::new(if self.has_gains { self::device_table(table)? } else { without_gains(table)? });
         if !matches!(self.sounding, Some(Sounding::Chord(_))) {

@@ -15,11 +15,17 @@ fn on_plate<'a>(plate: &'a Plate, tones: &'a [(f64, f64)], solver: Solver) -> Si
     }
 }
 
+/// Runs with the table of the plate that commands the boundary.
+fn simulated(run: &Simulation<'_>) -> Simulated {
+    let (table, _) = table_for(run.plate, SAMPLE_RATE_HZ).unwrap();
+    run.run(&table, &mut Progress::new(&mut |_| true)).unwrap()
+}
+
 #[test]
 fn the_boundary_asked_for_is_where_the_wave_turns() {
     let plate = slipline_plate::preset("membrane").unwrap();
     let run = on_plate(&plate, &[(0.16, 0.8)], Solver::Line);
-    let result = run.run().unwrap();
+    let result = simulated(&run);
     let tone = &result.tones[0];
     let measured = tone.measured.unwrap();
     let peak = tone.predicted.peak.unwrap();
@@ -49,7 +55,7 @@ fn a_calibrated_plate_peaks_at_the_level_that_its_table_gives() {
     };
     let plate = Plate::new(PlateSpec { calibration: Some(calibration), ..nominal.spec().clone() }).unwrap();
     let simulated = |plate: &Plate, boundary_m: f64, solver: Solver| {
-        let result = on_plate(plate, &[(boundary_m, 0.8)], solver).run().unwrap();
+        let result = simulated(&on_plate(plate, &[(boundary_m, 0.8)], solver));
         result.tones[0].measured.unwrap().amplitude / (0.8 * result.peak_at_full_scale_m)
     };
     for boundary_m in [0.1, 0.16, 0.26] {
@@ -67,7 +73,7 @@ fn on_the_sheet(name: &str, boundary_m: f64) -> ToneResult {
     let plate = slipline_plate::preset(name).unwrap();
     let tones = [(boundary_m, 0.8)];
     let run = on_plate(&plate, &tones, Solver::Sheet { threads: 1 });
-    let result = run.run().unwrap();
+    let result = simulated(&run);
     result.tones[0].clone()
 }
 
@@ -97,7 +103,7 @@ fn tones_together_are_told_apart() {
     let plate = slipline_plate::preset("membrane").unwrap();
     let tones = [(0.12, 0.4), (0.2, 0.3)];
     let run = on_plate(&plate, &tones, Solver::Line);
-    let result = run.run().unwrap();
+    let result = simulated(&run);
     for tone in &result.tones {
         let (measured, predicted_m) = (tone.measured.unwrap(), tone.predicted_peak_m.unwrap());
         assert!(
@@ -114,7 +120,7 @@ fn a_beat_slower_than_the_measured_time_is_said_and_nothing_is_made_up_of_it() {
     // 120 and 120.3 mm differ by 0.14 Hz: a beat of 7 s.
     let tones = [(0.12, 0.3), (0.1203, 0.3), (0.2, 0.3)];
     let run = Simulation { seconds: Some(0.4), ..on_plate(&plate, &tones, Solver::Line) };
-    let result = run.run().unwrap();
+    let result = simulated(&run);
     let beat = result.slow_beat.expect("a slow beat");
     let difference_hz = beat.between_hz.1 - beat.between_hz.0;
     assert!((0.1..0.2).contains(&difference_hz), "{beat:?}");
