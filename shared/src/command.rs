@@ -124,19 +124,6 @@ messages! {
         0x67 since 3 Hold(HoldSetting) -> Accepted,
         /// Asks for the state of the hold.
         0x68 since 3 HoldRead -> Held,
-        #[cfg(slipline_next)]
-        /// Rehearsal of the next minor: asks for the coil's resistance.
-        0x7f since 4 MeasureCoil(CoilTest) -> CoilMeasured,
-    }
-}
-
-#[cfg(slipline_next)]
-body! {
-    /// The body of [`Command::MeasureCoil`].
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub struct CoilTest {
-        /// The current of the measurement.
-        pub current_ma: u16 ["mA"],
     }
 }
 

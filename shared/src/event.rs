@@ -55,19 +55,6 @@ messages! {
         0xe5 since 3 Captured(Captured),
         /// The state of the level hold.
         0xe8 since 3 Held(Held),
-        #[cfg(slipline_next)]
-        /// Rehearsal of the next minor: the coil's resistance.
-        0xff since 4 CoilMeasured(CoilReport),
-    }
-}
-
-#[cfg(slipline_next)]
-body! {
-    /// The body of [`Event::CoilMeasured`].
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub struct CoilReport {
-        /// The resistance.
-        pub milliohms: u32 ["mOhm"],
     }
 }
 

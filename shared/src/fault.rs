@@ -34,9 +34,6 @@ choices! {
         /// The newest copy of the actuator's profile is damaged; the older one is in force. It stands until it is cleared, or a
         /// profile is written, with the board's user button held. A host of 1.2 gets `StoreFellBack`.
         11 since 3 ProfileFellBack or Self::StoreFellBack,
-        #[cfg(slipline_next)]
-        /// Rehearsal of the next minor: no current flows.
-        12 since 4 CoilOpen or Self::Overheat,
     }
 }
 
@@ -55,8 +52,6 @@ impl Fault {
         Self::StoreFellBack,
         Self::DeskStop,
         Self::ProfileFellBack,
-        #[cfg(slipline_next)]
-        Self::CoilOpen,
     ];
 
     /// What happened, as a user reads it.
@@ -82,8 +77,6 @@ impl Fault {
                 "the newest copy of the actuator's profile is damaged, an older one is in force: hold the board's user \
                  button and clear the fault, or write the profile again"
             }
-            #[cfg(slipline_next)]
-            Self::CoilOpen => "the coil is not connected",
         }
     }
 }

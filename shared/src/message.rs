@@ -13,7 +13,6 @@ macro_rules! messages {
         $(#[$enum_doc:meta])*
         pub enum $name:ident {
             $(
-                $(#[cfg($cfg:meta)])?
                 $(#[doc = $doc:literal])+
                 $id:literal since $since:literal $variant:ident $(($body:ty))? $(-> $answer:ident)? $(or $older:ident)?,
             )+
@@ -23,14 +22,13 @@ macro_rules! messages {
         #[derive(Clone, Debug, PartialEq, Eq)]
         #[derive(serde::Serialize, serde::Deserialize)]
         pub enum $name {
-            $( $(#[cfg($cfg)])? $(#[doc = $doc])+ $variant $(($body))?, )+
+            $( $(#[doc = $doc])+ $variant $(($body))?, )+
         }
 
         impl $name {
             /// Every message, in the order of the ids.
             pub const TABLE: &'static [$crate::schema::MessageRow] = &[
                 $(
-                    $(#[cfg($cfg)])?
                     $crate::schema::MessageRow {
                         id: $id,
                         since: $since,
@@ -46,7 +44,7 @@ macro_rules! messages {
             #[must_use]
             pub const fn id(&self) -> u8 {
                 match self {
-                    $( $(#[cfg($cfg)])? messages!(@pattern $variant $(, $body)?) => $id, )+
+                    $( messages!(@pattern $variant $(, $body)?) => $id, )+
                 }
             }
 
@@ -54,7 +52,7 @@ macro_rules! messages {
             #[must_use]
             pub const fn since(&self) -> u8 {
                 match self {
-                    $( $(#[cfg($cfg)])? messages!(@pattern $variant $(, $body)?) => $since, )+
+                    $( messages!(@pattern $variant $(, $body)?) => $since, )+
                 }
             }
 
@@ -63,7 +61,6 @@ macro_rules! messages {
             pub(crate) fn lowered(&self, minor: $crate::minor::Minor) -> Option<Self> {
                 Some(match self {
                     $(
-                        $(#[cfg($cfg)])?
                         messages!(@bind value $variant $(, $body)?) => {
                             if !minor.has($since) {
                                 return messages!(@older value minor $($older)?);
@@ -78,7 +75,6 @@ macro_rules! messages {
             pub(crate) fn encode_body(&self, buffer: &mut [u8]) -> Result<usize, $crate::FrameError> {
                 match self {
                     $(
-                        $(#[cfg($cfg)])?
                         messages!(@bind value $variant $(, $body)?) => messages!(@encode value buffer $(, $body)?),
                     )+
                 }
@@ -92,7 +88,7 @@ macro_rules! messages {
             /// impossible.
             pub fn decode(id: u8, body: &[u8]) -> Result<Self, $crate::Refusal> {
                 match id {
-                    $( $(#[cfg($cfg)])? $id => messages!(@decode body $variant $(, $body)?), )+
+                    $( $id => messages!(@decode body $variant $(, $body)?), )+
                     id => Err($crate::Refusal::UnknownMessage { id }),
                 }
             }

@@ -247,9 +247,6 @@ choices! {
             /// The time after which one more is stored.
             wait_s: u16 ["s"],
         } or Self::StoreFailed,
-        #[cfg(slipline_next)]
-        /// Rehearsal of the next minor: no current flows.
-        29 since 4 CoilOpen or Self::NotSupported,
     }
 }
 
@@ -340,8 +337,6 @@ impl core::fmt::Display for Refusal {
                 f,
                 "16 tables in a row were stored or forgotten, and flash wears; the next one can be in {wait_s} s"
             ),
-            #[cfg(slipline_next)]
-            Self::CoilOpen => f.write_str("the coil is not connected"),
         }
     }
 }

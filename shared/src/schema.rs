@@ -231,7 +231,6 @@ macro_rules! choices {
         $(#[derive($derive:ident)])?
         pub enum $name:ident {
             $(
-                $(#[cfg($cfg:meta)])?
                 $(#[doc = $variant_doc:literal])+
                 $(#[default $($default:ident)?])?
                 $number:literal since $since:literal $variant:ident
@@ -247,7 +246,6 @@ macro_rules! choices {
         #[repr(u8)]
         pub enum $name {
             $(
-                $(#[cfg($cfg)])?
                 $(#[doc = $variant_doc])+
                 $(#[default $($default)?])?
                 $variant $({ $( $(#[doc = $field_doc])+ $field: $ty, )+ })? $(($inner))? = $number,
@@ -258,7 +256,6 @@ macro_rules! choices {
             /// Every variant, in the order of their numbers.
             pub const ROWS: &'static [$crate::schema::VariantRow] = &[
                 $(
-                    $(#[cfg($cfg)])?
                     $crate::schema::VariantRow {
                         number: $number,
                         since: $since,
@@ -282,7 +279,6 @@ macro_rules! choices {
                 let _ = minor;
                 match self {
                     $(
-                        $(#[cfg($cfg)])?
                         $crate::schema::choices!(@pattern value $variant $({$($field)+})? $(($inner))?) => {
                             $(
                                 if !minor.has($since) {
@@ -300,7 +296,6 @@ macro_rules! choices {
         const _: () = {
             let mut place = 0;
             $(
-                $(#[cfg($cfg)])?
                 {
                     assert!($number == place && ($since == 0) != $crate::schema::choices!(@has $($fallback)?));
                     place += 1;

@@ -110,7 +110,11 @@ impl LinkRig {
     }
 
     /// Puts a table on the device and arms it.
-    fn arm(mut self) -> Self {
+    ///
+    /// # Panics
+    /// If the device takes neither.
+    #[must_use]
+    pub fn arm(mut self) -> Self {
         let knots = (0..100).map(|i| (100.0 + f64::from(i), 0.5));
         let rate = f64::from(self.ports().device.sample_rate_hz());
         let table = DeviceTable::from_knots((0.0, 0.1), rate, knots, 1e-6).unwrap();

@@ -291,11 +291,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
             }
             Command::Hold(setting) => self.hold(setting, is_stopped, mailbox).map(accepted),
             Command::HoldRead => self.held(mailbox),
-            #[cfg(slipline_next)]
-            Command::MeasureCoil(_) => {
-                let milliohms = if self.is_coil_open() { u32::MAX } else { 3200 };
-                Ok(Event::CoilMeasured(slipline_protocol::event::CoilReport { milliohms }))
-            }
             // The session answers these itself; one that comes here is refused like an unknown message.
             Command::Hello(_)
             | Command::KeepAlive(_)
@@ -344,12 +339,6 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         }
         mailbox.pulse_safety();
         self.turn_hold(is_stopped, mailbox);
-    }
-
-    /// Rehearsal of the protocol's next minor: whether no current flows, as the unit's name says.
-    #[cfg(slipline_next)]
-    fn is_coil_open(&self) -> bool {
-        self.device.unit.starts_with(b"open")
     }
 
     fn start_digest<M: RawMutex>(

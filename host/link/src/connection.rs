@@ -264,8 +264,6 @@ impl<O: Opener> Connection<O> {
             | Request::Bootloader
             | Request::Refresh
             | Request::Digest(_) => self.request_of_device(ticket, request, now),
-            #[cfg(slipline_next)]
-            Request::MeasureCoil => self.request_of_device(ticket, request, now),
         }
     }
 

@@ -60,9 +60,6 @@ pub enum Request {
     WriteProfile(Box<Option<ActuatorProfile>>),
     /// Restart into the ROM bootloader (both steps). Only when disarmed; where a profile is kept only with the button as for one.
     Bootloader,
-    /// Rehearsal of the protocol's next minor: measure the coil's resistance.
-    #[cfg(slipline_next)]
-    MeasureCoil,
     /// Read the status now.
     Refresh,
     /// Set whether a lost device is looked for, and a missing port waited for.
@@ -97,8 +94,6 @@ impl Request {
             Self::Forget => "forget",
             Self::WriteProfile(_) => "write profile",
             Self::Bootloader => "enter bootloader",
-            #[cfg(slipline_next)]
-            Self::MeasureCoil => "measure coil",
             Self::Refresh => "status",
             Self::AutoReconnect(_) => "reconnect switch",
             Self::Observe => "observe",

@@ -37,12 +37,6 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         if !view.report.silent || view.stopping {
             return Err(Refusal::Busy(Busy::DriveActive));
         }
-        #[cfg(slipline_next)]
-        if self.is_coil_open() {
-            // The first refusal names the open coil, later ones the latched fault.
-            mailbox.latch(slipline_protocol::event::Fault::CoilOpen);
-            return Err(Refusal::CoilOpen);
-        }
         Ok(mailbox.arm())
     }
 

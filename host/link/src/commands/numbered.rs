@@ -160,10 +160,6 @@ impl CommandQueue {
             Event::Listened(reported) => self.listened(task, &reported, recorder, now),
             Event::Captured(reported) => self.captured(task, &reported, recorder, now),
             Event::Held(reported) => self.held(&task, reported, recorder, now),
-            #[cfg(slipline_next)]
-            Event::CoilMeasured(report) => {
-                recorder.finish(task.ticket, Outcome::Done { at: report.milliohms.into() });
-            }
             Event::BootloaderToken(token) => {
                 let enter = Job::Send(Command::BootloaderEnter(token));
                 self.tasks.push_front(Task::new(task.ticket, enter));
@@ -276,8 +272,6 @@ impl CommandQueue {
             | Command::Status
             | Command::Stop
             | Command::EmergencyStop => {}
-            #[cfg(slipline_next)]
-            Command::MeasureCoil(_) => {}
         }
         recorder.finish(task.ticket, Outcome::Done { at });
         // A drag changes the status little; the keep-alives report it soon enough.

@@ -122,10 +122,6 @@ impl CommandQueue {
             Request::Refresh if limited => return recorder.finish(Some(ticket), Outcome::Done { at: 0 }),
             Request::Refresh => return self.status_wanted.push(ticket),
             Request::Bootloader => Job::Send(Command::BootloaderToken),
-            #[cfg(slipline_next)]
-            Request::MeasureCoil => {
-                Job::Send(Command::MeasureCoil(slipline_protocol::command::CoilTest { current_ma: 5 }))
-            }
             Request::Arm => Job::Send(Command::Arm),
             Request::ArmFor(lease) => {
                 let lease_ms = u32::try_from(lease.as_millis()).unwrap_or(u32::MAX);

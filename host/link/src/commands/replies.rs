@@ -187,7 +187,5 @@ fn accepted_at(event: &Event) -> Result<SampleIndex, Refusal> {
         | Event::Captured(_)
         | Event::Held(_)
         | Event::BootloaderToken(_) => Err(Refusal::UnexpectedReply),
-        #[cfg(slipline_next)]
-        Event::CoilMeasured(_) => Err(Refusal::UnexpectedReply),
     }
 }

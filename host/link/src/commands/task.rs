@@ -100,8 +100,6 @@ const fn is_undone_by(command: &Command, stop: &Command) -> bool {
         | Command::CaptureRead(_)
         | Command::CaptureStop
         | Command::HoldRead => false,
-        #[cfg(slipline_next)]
-        Command::MeasureCoil(_) => false,
     }
 }
 

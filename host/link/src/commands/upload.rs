@@ -218,8 +218,6 @@ impl Uploads {
             ) => {
                 self.fail(Refusal::UnexpectedReply, recorder);
             }
-            #[cfg(slipline_next)]
-            (Event::CoilMeasured(_), _) => self.fail(Refusal::UnexpectedReply, recorder),
         }
         after
     }
