@@ -162,12 +162,12 @@ def cool(facts, image):
     rig.board.is_hasty = True
     for _ in range(100):
         rig.host.live(0.2)
-        if rig.host.status()["foldback"] == 1000:
+        if rig.host.status()["foldback_per_mille"] == 1000:
             break
     rig.board.is_hasty = False
     rig.host.live(0.01)
     rig.host.arm()
-    assert rig.host.status()["foldback"] == 1000
+    assert rig.host.status()["foldback_per_mille"] == 1000
     return rig
 
 

@@ -1,206 +1,95 @@
-"""A small host: the protocol of shared/PROTOCOL.md over the model's USB cable, in the board's own time."""
-import struct
-import zlib
-from pathlib import Path
+"""A small host in the board's own time, on the host's end of a link of the model. Its wire is that of tests/protocol."""
+import dataclasses
+import re
+from typing import Any, NamedTuple
 
-GOLDEN = (Path(__file__).parents[2] / "shared/wire/v1.snap").read_text().splitlines()
-SCHEMA = zlib.crc32(b"".join(bytes.fromhex(line.split()[1]) for line in GOLDEN if not line.startswith("#")))
-TO_DEVICE, TO_HOST = 0xA5, 0x5A
-HELLO, KEEP_ALIVE, STATUS, MAINTENANCE, ARM, DISARM, DRIVE, STOP, EMERGENCY_STOP, CLEAR_FAULTS = (
-    0x01, 0x02, 0x03, 0x04, 0x10, 0x11, 0x12, 0x13, 0x14, 0x15,
-)  # fmt: skip
-TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT, TABLE_DIGEST, DIGEST_START, STORE, BOOTLOADER_TOKEN, BOOTLOADER_ENTER = (
-    0x20, 0x21, 0x22, 0x24, 0x30, 0x40, 0x50, 0x51,
-)  # fmt: skip
-UNSEQUENCED = (HELLO, KEEP_ALIVE, STATUS, STOP, EMERGENCY_STOP)
-HELLO_REPLY, STATUS_REPLY, MAINTENANCE_REPLY, ACCEPTED, REFUSED, UNCHANGED, TABLE_REPLY, TOKEN_REPLY = (
-    0x81, 0x83, 0x84, 0x90, 0x91, 0x92, 0xA4, 0xD0,
-)  # fmt: skip
-TRIGGER, TRIGGER_REPLY = 0x18, 0x98
-# As ACCEPTED, of a drive whose glide takes longer than asked: the index of its end follows.
-ACCEPTED_UNTIL = 0x93
-SET_TRAVEL_LIMIT, TRAVEL_LIMIT_REPLY = 0x16, 0x97
-CHORD = 0x19
-COMB = 0x1A
-BOARD, PROFILE, BOARD_REPLY, PROFILE_REPLY = 0x05, 0x06, 0x85, 0x86
-WEAR, WEAR_REPLY = 0x07, 0x87
-FORGET, WRITE_PROFILE = 0x41, 0x42
-HOLD_BUTTON = b"\x1b"
-# Then the seconds until the next store.
-STORES_SPENT = 0x1C
-ARM_FOR = 0x1B
-DIGEST_READ, DIGEST_REPLY = 0x31, 0xB1
-INPUTS, LISTEN, CAPTURE, CAPTURE_READ, INPUTS_REPLY, CAPTURED_REPLY = 0x60, 0x61, 0x64, 0x65, 0xE0, 0xE5
-HOLD, HOLD_READ, HELD_REPLY = 0x67, 0x68, 0xE8
-# Refusals without a field are their number.
-DISARM_FIRST = b"\x17"
-BUSY_DRIVE_ACTIVE = b"\x07\x01"
-# Then the peak.
-PEAK = 0x19
-STATES = ("idle", "armed", "driving", "stopping", "fault", "safe mode", "waiting")
-RESETS = ("power-on", "pin", "software", "watchdog", "brown-out", "panic", "hard fault")
-STORED = ("empty", "loaded", "wrong version", "damaged", "fell back")
-FAULTS = (
-    "host lost", "emergency stop", "underrun", "overheat", "drive time", "watchdog", "crash", "brown-out",
-    "store damaged", "store fell back", "desk stop", "profile fell back",
-)  # fmt: skip
-PROGRESS = ("idle", "running", "finished", "broken")
-# In the place of an index: a drive waits for the trigger input.
-AT_TRIGGER = "trigger"
-RATE_HZ, BLOCK, KEEP_ALIVE_PERIOD, CHUNK_KNOTS = 400_000, 128, 0.2, 22
+import messages
+from frame import TO_DEVICE, TO_HOST, Frame, FrameReader
+from messages import COMMANDS, NEXT_BLOCK, VERSION_1_3, fault_names, kind_of
+from records import Choice
+from table import Table
+
+RATE_HZ, BLOCK, KEEP_ALIVE_PERIOD = 400_000, 128, 0.2
+# A hold's levels change by 6.02 dB at most from window to window.
+SLEW = 602
+# Accepted without a change of what sounds.
+SILENT = ("KeepAlive", "Listen", "Capture", "Hold")
 
 
-def varint(value):
-    """An unsigned number as postcard writes it: seven bits a byte, the lowest first."""
-    data = bytearray()
-    while value >= 0x80:
-        data.append(value & 0x7F | 0x80)
-        value >>= 7
-    return bytes(data) + bytes([value])
+class Reply(NamedTuple):
+    """An answer: `name` is that of its kind, `value` what its body says."""
+
+    session: int
+    sequence: int
+    name: str
+    value: Any
+
+    @property
+    def is_accepted(self):
+        return self.name in ("Accepted", "AcceptedUntil")
+
+    def refuses(self, reason):
+        """Whether it is a refusal of this name."""
+        return self.name == "Refused" and self.value.name == reason
 
 
-def zigzag(value):
-    return varint(value << 1 if value >= 0 else (-value << 1) - 1)
+def framed(session, sequence, command, value=None, direction=TO_DEVICE):
+    """The bytes of a command on the wire."""
+    kind = COMMANDS[command]
+    return Frame(direction, session, sequence, kind.id, kind.encode(value)).encode()
 
 
-def frame(session, sequence, message, body, direction=TO_DEVICE):
-    raw = struct.pack("<BIHB", direction, session, sequence, message) + body
-    raw += struct.pack("<I", zlib.crc32(raw))
-    coded, block = bytearray(), bytearray()
-    for byte in raw:
-        if byte:
-            block.append(byte)
-        if not byte or len(block) == 254:
-            coded += bytes([len(block) + 1]) + block
-            block.clear()
-    coded += bytes([len(block) + 1]) + block + b"\0"
-    return bytes(coded) + (b"\0" if len(coded) % 64 == 0 else b"")
+def words(choice):
+    """A variant's name as words: `FellBack` is "fell back"."""
+    return choice and re.sub(r"(?<!^)(?=[A-Z])", " ", choice.name).lower()
 
 
-def unframe(coded):
-    """Session, sequence, message and body of a frame without its delimiter, or None."""
-    raw, i = bytearray(), 0
-    while i < len(coded):
-        code = coded[i]
-        raw += coded[i + 1 : i + code]
-        i += code
-        if code < 255 and i < len(coded):
-            raw.append(0)
-    if len(raw) < 12 or zlib.crc32(raw[:-4]) != struct.unpack("<I", raw[-4:])[0] or raw[0] != TO_HOST:
-        return None
-    session, sequence, message = struct.unpack_from("<IHB", raw, 1)
-    return session, sequence, message, bytes(raw[8:-4])
+def plain(record):
+    """A record's fields by their names, variants as words."""
+    fields = {part.name: getattr(record, part.name) for part in dataclasses.fields(record)}
+    return {name: words(value) if isinstance(value, Choice) else value for name, value in fields.items()}
 
 
-def hello_body(nonce):
-    return bytes([1, 3]) + struct.pack("<I", SCHEMA) + struct.pack("<I", nonce)
-
-
-class Reader:
-    """Takes a postcard body apart."""
-
-    def __init__(self, body):
-        self.body, self.at = body, 0
-
-    def raw(self, count):
-        self.at += count
-        return self.body[self.at - count : self.at]
-
-    def byte(self):
-        return self.raw(1)[0]
-
-    def number(self):
-        value = shift = 0
-        while True:
-            byte = self.byte()
-            value |= (byte & 0x7F) << shift
-            shift += 7
-            if byte < 0x80:
-                return value
-
-    def signed(self):
-        value = self.number()
-        return value >> 1 ^ -(value & 1)
-
-    def text(self):
-        return self.raw(self.number()).decode()
-
-    def option(self, read):
-        return read() if self.byte() else None
-
-
-def identity(body):
-    r = Reader(body)
-    r.raw(6)
-    return dict(
-        firmware=tuple(r.raw(3)), board=r.text(), build=r.text(), unit=r.raw(12), simulated=bool(r.byte()),
-        rate=r.number(), block=r.number(), bits=r.byte(), tones=r.byte(), knots=r.number(), min_glide=r.number(),
-        max_glide=r.number(), dead_man_ms=r.number(), reset=RESETS[r.number()], stored=STORED[r.number()],
-        crash=r.text(),
-    )  # fmt: skip
-
-
-def status(body):
-    r = Reader(body)
-    result = dict(state=STATES[r.number()])
-    bits = r.number()
-    result["faults"] = {name for bit, name in enumerate(FAULTS) if bits >> bit & 1}
-    result["first_fault"] = r.option(lambda: FAULTS[r.number()])
-    for name in ("first_fault_at", "now", "sum", "heat", "foldback"):
-        result[name] = r.number()
-    result["foldback_before"] = [r.number() for _ in range(3)]
-    for name in ("foldback_changes", "table_crc"):
-        result[name] = r.number()
-    for name in ("frames", "crc_errors", "overlong", "duplicates", "dropped", "underruns", "clips", "max_cycles"):
-        result[name] = r.number()
-    return result
+def hello(nonce):
+    return messages.Hello(VERSION_1_3, nonce.to_bytes(4, "little"))
 
 
 def table(count, first_hz=60_000, last_hz=20_000):
-    """Knots on a line of frequencies with rising gain: (header without CRC..., knots)."""
-    knots = []
-    for i in range(count):
-        u = i / (count - 1)
-        knots.append((round((first_hz + u * (last_hz - first_hz)) / RATE_HZ * 2**32), round((0.5 + 0.5 * u) * 2**31)))
-    header = (80_000, 270_000, RATE_HZ, count)
-    crc = zlib.crc32(struct.pack("<IIIH", *header) + b"".join(struct.pack("<II", *knot) for knot in knots))
-    return header, crc, knots
+    """Knots on a line of frequencies with rising gain."""
+    shares = [i / (count - 1) for i in range(count)]
+    frequencies = [first_hz + share * (last_hz - first_hz) for share in shares]
+    return Table.from_frequencies((80_000, 270_000), RATE_HZ, frequencies, [0.5 + 0.5 * share for share in shares])
+
+
+def begin(at):
+    """When a drive begins: at the next block, at an index, or `AT_TRIGGER`."""
+    return NEXT_BLOCK if at is None else at if isinstance(at, Choice) else messages.at(at)
 
 
 def drive(tones, glide, at=None):
-    """A drive of tones (slot, position 0..=1, level 0..=1), at the next block, at an index, or `AT_TRIGGER`."""
-    body = varint(len(tones))
-    for slot, position, level in tones:
-        body += bytes([slot]) + varint(round(position * 65535)) + varint(round(level * 65535)) + varint(0)
-    return body + zigzag(0) + varint(glide) + _apply(at)
-
-
-def _apply(at):
-    return b"\0" if at is None else b"\2" if at == AT_TRIGGER else b"\1" + varint(at)
+    """A drive of tones (slot, position 0..=1, level 0..=1)."""
+    tones = [messages.Tone(slot, round(position * 65535), round(level * 65535), 0) for slot, position, level in tones]
+    return messages.Drive(tones, 0, glide, begin(at))
 
 
 def chord(period_log2, tones, glide, at=None):
-    """A chord, begun as a drive is, of tones (multiple of the base frequency, level 0..=1, phase in turns)."""
-    return bytes([period_log2]) + _multiples(tones, glide, at)
+    """A chord of tones (multiple of the base frequency, level 0..=1, phase in turns)."""
+    return messages.Chord(period_log2, multiples(messages.ChordTone, tones), 0, glide, begin(at))
 
 
 def comb(period_blocks, tones, glide, at=None):
-    """A comb, begun as a drive is, of tones as a chord's."""
-    return varint(period_blocks) + _multiples(tones, glide, at)
+    """A comb of tones as a chord's."""
+    return messages.Comb(period_blocks, multiples(messages.CombTone, tones), 0, glide, begin(at))
 
 
-def _multiples(tones, glide, at):
-    body = varint(len(tones))
-    for harmonic, level, turns in tones:
-        body += varint(harmonic) + varint(round(level * 65535)) + varint(round(turns % 1 * 65536) % 65536)
-    return body + zigzag(0) + varint(glide) + _apply(at)
+def multiples(kind, tones):
+    return [kind(harmonic, round(level * 65535), round(turns % 1 * 65536) % 65536) for harmonic, level, turns in tones]
 
 
 def profile(name, sum_per_mille=1000, stop_input=False, travel=None, drive_ms=600_000):
-    """A profile: the constants of a device without one, but for what is given. `travel`: uHz, 1/1000, ppm."""
-    body = b"\1" + bytes([len(name)]) + name.encode() + varint(sum_per_mille)
-    body += b"\0" if travel is None else b"\1" + b"".join(map(varint, travel))
-    return body + varint(8000) + varint(120_000) + varint(1300) + zigzag(2000) + varint(drive_ms) + bytes([stop_input])
+    """A profile to write: the constants of a device without one, but for what is given."""
+    heat = messages.CoilHeat(8000, 120_000, 1300)
+    return messages.WriteProfile(messages.ActuatorProfile(name, sum_per_mille, travel, heat, 2000, drive_ms, stop_input))
 
 
 class Host:
@@ -208,13 +97,17 @@ class Host:
 
     def __init__(self, board, cable):
         self.board, self.cable = board, cable
-        self.inbox = bytearray()
         self.session = self.sequence = self.keep_alives = 0
         self.nonce = 0
         self.keep_alive_due = 0.0
         self.lives = True
         # Input of the mirror: (index, frame) of every accepted command that changes what sounds.
         self.accepted = []
+        self.forget()
+
+    def forget(self):
+        """Drops what has been received and not read."""
+        self.reader, self.received = FrameReader(), []
 
     def connect(self):
         """Waits for the port and begins a session."""
@@ -222,168 +115,123 @@ class Host:
         return self.hello()
 
     def hello(self):
+        """Begins a session; returns who the device is."""
         self.nonce += 1
         self.session, self.sequence = 0, 0
-        session, message, body = self.exchange(HELLO, hello_body(self.nonce))
-        assert message == HELLO_REPLY, f"{message:#x}"
-        self.session, self.keep_alives = session, 0
+        reply = self.exchange("Hello", hello(self.nonce))
+        assert reply.name == "Hello", reply
+        self.session, self.keep_alives = reply.session, 0
         self.keep_alive_due = self.board.seconds
-        return identity(body)
+        return plain(reply.value)
 
-    def exchange(self, message, body=b"", patience=0.6):
-        """Sends a command and waits for its answer: session, message and body."""
-        if message not in UNSEQUENCED:
+    def exchange(self, command, value=None, patience=0.6):
+        """Sends a command and waits for its answer."""
+        if COMMANDS[command].numbered:
             self.sequence = self.sequence + 1 & 0xFFFF
-        sent = frame(self.session, self.sequence, message, body)
+        sent = framed(self.session, self.sequence, command, value)
         self.cable.send(sent)
         end = self.board.seconds + patience
         while self.board.seconds < end:
             self.board.run(0.0005)
-            for session, sequence, reply, reply_body in self.replies():
-                if sequence == self.sequence:
-                    if reply in (ACCEPTED, ACCEPTED_UNTIL) and message not in (KEEP_ALIVE, LISTEN, CAPTURE, HOLD):
-                        self.accepted.append((Reader(reply_body).number(), sent))
-                    return session, reply, reply_body
-        raise AssertionError(f"no answer to {message:#x} within {patience} s")
+            for reply in self.replies():
+                if reply.sequence == self.sequence:
+                    if reply.is_accepted and command not in SILENT:
+                        self.accepted.append((reply.value.at, sent))
+                    return reply
+        raise AssertionError(f"no answer to {command} within {patience} s")
 
     def replies(self):
-        self.inbox += self.cable.receive()
-        while b"\0" in self.inbox:
-            coded, _, rest = self.inbox.partition(b"\0")
-            self.inbox = rest
-            if coded:
-                reply = unframe(coded)
-                assert reply, "the device sends whole frames"
-                yield reply
+        self.received += self.reader.feed(self.cable.receive())
+        while self.received:
+            frame = self.received.pop(0)
+            assert isinstance(frame, Frame) and frame.direction == TO_HOST, f"the device sends whole frames, not {frame}"
+            kind = kind_of(frame.id)
+            yield Reply(frame.session, frame.sequence, kind.name, kind.decode(frame.body))
 
-    def accept(self, message, body=b"", patience=0.6):
+    def accept(self, command, value=None, patience=0.6):
         """Sends a command that must be accepted; returns the index."""
-        _, reply, reply_body = self.exchange(message, body, patience)
-        assert reply in (ACCEPTED, ACCEPTED_UNTIL), f"{message:#x} is answered by {reply:#x} {reply_body.hex()}"
-        return Reader(reply_body).number()
+        reply = self.exchange(command, value, patience)
+        assert reply.is_accepted, f"{command} is answered by {reply}"
+        return reply.value.at
+
+    def ask(self, command, value=None, answer=None):
+        """Sends a command that must be answered by an event of its own name, or of this one; returns what that says."""
+        reply = self.exchange(command, value)
+        assert reply.name == (answer or command), f"{command} is answered by {reply}"
+        return reply.value
 
     def status(self):
-        _, reply, body = self.exchange(STATUS)
-        assert reply == STATUS_REPLY, f"{reply:#x} {body.hex()}"
-        return status(body)
+        status = plain(self.ask("Status"))
+        status["faults"] = {words(Choice(name)) for name in fault_names(status["faults"])}
+        return status | plain(status.pop("counters"))
 
     def maintenance(self):
         """Erasures, those that the data sheet promises, and whether the brown-out level is set."""
-        _, reply, body = self.exchange(MAINTENANCE)
-        assert reply == MAINTENANCE_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        return r.number(), r.number(), bool(r.byte())
+        return dataclasses.astuple(self.ask("Maintenance"))
 
     def wear(self):
         """Erasures of the profile's places, those that the data sheet promises, and the stores of tables that are left."""
-        _, reply, body = self.exchange(WEAR)
-        assert reply == WEAR_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        return r.number(), r.number(), r.byte()
+        return dataclasses.astuple(self.ask("Wear"))
 
     def board_report(self):
         """The core's clock, and what is known of the mute resistor, the user button and the stop input."""
-        _, reply, body = self.exchange(BOARD)
-        assert reply == BOARD_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        return (
-            r.number(), ("not looked", "present", "missing")[r.number()], ("none", "released", "pressed")[r.number()],
-            ("unused", "closed", "open", "not in profile")[r.number()],
-        )  # fmt: skip
+        return tuple(plain(self.ask("Board")).values())[:4]
 
     def profile(self):
         """The profile's name, or None, and how the flash was found."""
-        _, reply, body = self.exchange(PROFILE)
-        assert reply == PROFILE_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        if not r.byte():
-            return None, STORED[r.number()]
-        name = r.text()
-        r.number()
-        if r.byte():
-            r.number(), r.number(), r.number()
-        for _ in range(5):
-            r.number()
-        r.byte()
-        return name, STORED[r.number()]
+        event = self.ask("Profile")
+        return event.profile and event.profile.name, words(event.stored)
 
     def trigger(self):
         """Whether a drive waits for the trigger input, and where the last one began that had waited."""
-        _, reply, body = self.exchange(TRIGGER)
-        assert reply == TRIGGER_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        return bool(r.byte()), r.option(r.number)
+        return dataclasses.astuple(self.ask("Trigger"))
 
     def inputs(self):
         """How many there are, their delay in ns, and the blocks of theirs that were lost."""
-        _, reply, body = self.exchange(INPUTS)
-        assert reply == INPUTS_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        count, _, delay, lost = r.byte(), r.byte(), r.signed(), r.number()
-        return count, delay, lost
+        event = self.ask("Inputs")
+        return event.inputs, event.delay_ns, event.lost_blocks
 
     def capture(self, input, values, at=None):
         """Begins to capture single codes of an input, at an index or with the next block; returns the first one's index."""
-        from_ = b"\0" if at is None else b"\1" + varint(at)
-        return self.accept(CAPTURE, from_ + bytes([input, 0]) + varint(values))
+        return self.accept("Capture", messages.Capture(at, input, 0, values))
 
     def captured(self):
         """How far the capture has come, its first index, and its codes."""
         codes = []
         while True:
-            _, reply, body = self.exchange(CAPTURE_READ, varint(len(codes)))
-            assert reply == CAPTURED_REPLY, f"{reply:#x} {body.hex()}"
-            r = Reader(body)
-            progress = PROGRESS[r.number()]
-            if progress == "broken":
-                r.number()
-            at, count, first, sent = r.number(), r.number(), r.number(), r.number()
-            assert first == len(codes)
-            codes += [r.number() for _ in range(sent)]
-            if not sent or len(codes) == count:
-                return progress, at, codes
+            part = self.ask("CaptureRead", messages.CaptureRead(len(codes)), "Captured")
+            assert part.first == len(codes)
+            codes += part.values
+            if not part.values or len(codes) == part.captured:
+                return words(part.progress), part.from_, codes
 
     def hold(self, tones, blocks, rise=1200):
         """Holds tones (slot, codes of amplitude) at the sensor, with windows of `blocks` blocks and a rise of at most 12 dB, or of
         another one in 1/100 dB."""
-        listed = b"".join(bytes([slot]) + varint(round(256 * codes)) for slot, codes in tones)
-        body = b"\0\0" + varint(blocks) + zigzag(rise) + zigzag(602) + bytes([len(tones)]) + listed
-        return self.accept(HOLD, body)
+        tones = [messages.HoldTone(slot, round(256 * codes)) for slot, codes in tones]
+        return self.accept("Hold", messages.Hold(0, 0, blocks, rise, SLEW, tones))
 
     def held(self):
         """How far the hold has come, how many windows it has taken, and each tone's slot, state and correction in dB."""
-        _, reply, body = self.exchange(HOLD_READ, b"")
-        assert reply == HELD_REPLY, f"{reply:#x} {body.hex()}"
-        r = Reader(body)
-        progress, _, _, windows = ("off", "on", "ended", "lost")[r.number()], r.byte(), r.number(), r.number()
-        tones = []
-        for _ in range(r.number()):
-            slot, state = r.byte(), r.number()
-            cause = r.number() if state >= 2 else None
-            correction = r.number()
-            tones.append((slot, (state, cause), (correction >> 1 ^ -(correction & 1)) / 100))
-            r.number()
-        return progress, windows, tones
+        event = self.ask("HoldRead", answer="Held")
+        return words(event.progress), event.windows, [(tone.slot, tone.state, tone.correction / 100) for tone in event.tones]
 
     def upload(self, count=33):
         """Uploads a table and makes it the one in force; returns its CRC."""
         crc = self.stage(count)
-        self.accept(TABLE_COMMIT)
+        self.accept("TableCommit")
         return crc
 
     def stage(self, count):
         """Uploads a table, which waits to be committed; returns its CRC."""
-        header, crc, knots = table(count)
-        body = varint(header[3]) + varint(header[0]) + varint(header[1]) + varint(header[2]) + varint(crc)
-        self.accept(TABLE_BEGIN, body)
-        for first in range(0, count, CHUNK_KNOTS):
-            chunk = knots[first : first + CHUNK_KNOTS]
-            body = varint(first) + varint(len(chunk))
-            self.accept(TABLE_CHUNK, body + b"".join(varint(step) + varint(gain) for step, gain in chunk))
-        return crc
+        uploaded = table(count)
+        self.accept("TableBegin", uploaded.header)
+        for chunk in uploaded.chunks():
+            self.accept("TableChunk", chunk)
+        return uploaded.crc
 
     def arm(self):
-        at = self.accept(ARM)
+        at = self.accept("Arm")
         self.live(0.005)
         return at
 
@@ -394,5 +242,5 @@ class Host:
             if self.lives and self.board.seconds >= self.keep_alive_due:
                 self.keep_alive_due = self.board.seconds + KEEP_ALIVE_PERIOD
                 self.keep_alives += 1
-                self.exchange(KEEP_ALIVE, varint(self.keep_alives))
+                self.exchange("KeepAlive", messages.KeepAlive(self.keep_alives))
             self.board.run(min(0.002, max(end - self.board.seconds, 1e-5)))

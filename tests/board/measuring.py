@@ -1,9 +1,10 @@
-"""The messages by which the device measures its inputs, and a plate that plays back into them."""
+"""How a test measures the device's inputs."""
 from typing import NamedTuple
 
-from host import LISTEN, PROGRESS, Reader, varint
+import messages
+from host import words
+from messages import HANN, RECTANGULAR
 
-LISTEN_READ, LISTENED_REPLY = 0x62, 0xE2
 EVERY_SLOT = 0xFFFF
 
 
@@ -22,9 +23,7 @@ class Listened(NamedTuple):
 
 def listen(host, blocks, hann=False, slots=EVERY_SLOT, at=None, input=0):
     """Begins to measure an input, at an index or with the next block; returns the first sample's index."""
-    from_ = b"\0" if at is None else b"\1" + varint(at)
-    of = b"\0" if input is None else bytes([1, input])
-    return host.accept(LISTEN, from_ + varint(blocks) + bytes([hann]) + varint(slots) + of)
+    return host.accept("Listen", messages.Listen(at, blocks, HANN if hann else RECTANGULAR, slots, input))
 
 
 def listened(host, input):
@@ -38,11 +37,6 @@ def listened(host, input):
 
 
 def _part(host, input, first_slot):
-    _, reply, body = host.exchange(LISTEN_READ, bytes([input, first_slot]))
-    assert reply == LISTENED_REPLY, f"{reply:#x} {body.hex()}"
-    r = Reader(body)
-    progress = PROGRESS[r.number()]
-    if progress == "broken":
-        r.number()
-    facts = [r.number() for _ in range(6)]
-    return Listened(progress, *facts, [(r.signed(), r.signed()) for _ in range(r.number())])
+    read = host.ask("ListenRead", messages.ListenRead(input, first_slot), "Listened")
+    answers = [(answer.in_phase, answer.quadrature) for answer in read.answers]
+    return Listened(words(read.progress), read.begin, read.blocks, read.weight, read.followed, read.lowest, read.highest, answers)

@@ -2,7 +2,7 @@
 from unicorn import UC_HOOK_CODE
 
 from boards import RENDERER_IRQ
-from host import BLOCK, DISARM, DRIVE, RATE_HZ, STORE, TABLE_DIGEST, TABLE_REPLY, Host, Reader, drive
+from host import BLOCK, RATE_HZ, Host, drive
 
 MID = 2048
 MILLISECOND = RATE_HZ // 1000
@@ -65,7 +65,7 @@ class Rig:
     def upload_to_keep(self, count):
         """Uploads a table that may be stored then; returns its CRC."""
         was_hasty, self.board.is_hasty = self.board.is_hasty, True
-        self.host.accept(DISARM)
+        self.host.accept("Disarm")
         self.host.live(0.1)
         crc = self.host.upload(count)
         self.host.live(0.05)
@@ -75,19 +75,13 @@ class Rig:
     def keep(self, count):
         """Uploads a table and stores it; returns its CRC."""
         crc = self.upload_to_keep(count)
-        self.host.accept(STORE, patience=self.facts.store_seconds)
+        self.host.accept("Store", patience=self.facts.store_seconds)
         return crc
 
     def stored_crc(self):
         """The CRC of the table in force after a start; None if there is none."""
-        _, reply, body = self.host.exchange(TABLE_DIGEST)
-        assert reply == TABLE_REPLY
-        reader = Reader(body)
-        if not reader.byte():
-            return None
-        for _ in range(4):
-            reader.number()
-        return reader.number()
+        active = self.host.ask("TableDigest", answer="Table").active
+        return active and active.crc
 
 
 class Kept(Rig):
@@ -113,9 +107,9 @@ class Sounding(Rig):
         self.board.is_hasty = False
         self.host.live(0.002)
         self.host.arm()
-        self.limit = self.host.status()["foldback"]
+        self.limit = self.host.status()["foldback_per_mille"]
         # 32 kHz as loud as it may be, and a lower tone that glides.
-        self.at = self.host.accept(DRIVE, drive([(0, 0.3, 0.6), (1, 0.9, 0.2)], 5 * MILLISECOND))
+        self.at = self.host.accept("Drive", drive([(0, 0.3, 0.6), (1, 0.9, 0.2)], 5 * MILLISECOND))
         self.host.live(0.02)
         until = self.at + 60 * MILLISECOND
         self.expected = mirror(self.host.accepted, self.at, until, self.limit)
@@ -129,7 +123,7 @@ class Sounding(Rig):
 
 def start(rig, tones=((0, 0.4, 0.5),), glide=5 * MILLISECOND):
     """Drives, and returns the index from which on it sounds."""
-    at = rig.host.accept(DRIVE, drive(list(tones), glide))
+    at = rig.host.accept("Drive", drive(list(tones), glide))
     rig.host.live(0.02)
     return at
 

@@ -1,8 +1,6 @@
 """Chords: the device renders a period of them before it accepts them, in slices, and plays those very blocks."""
-from host import (
-    BLOCK, BUSY_DRIVE_ACTIVE, CHORD, CLEAR_FAULTS, EMERGENCY_STOP, PEAK, RATE_HZ, REFUSED, STOP, Reader, chord,
-    frame,
-)  # fmt: skip
+from host import BLOCK, RATE_HZ, chord, framed
+from records import Choice
 from rig import MID, MILLISECOND, is_silent
 from test_latency import PHASES, STOPS_SEQUENCE, send, wait_phase
 
@@ -20,10 +18,10 @@ def sixteen(period_log2, level):
 
 
 def refused(host, body):
-    """The refusal's bytes."""
-    _, reply, reply_body = host.exchange(CHORD, body)
-    assert reply == REFUSED, f"{reply:#x} {reply_body.hex()}"
-    return reply_body
+    """The refusal."""
+    reply = host.exchange("Chord", body)
+    assert reply.name == "Refused", reply
+    return reply.value
 
 
 def test_a_chord_is_proven_and_is_the_mirrors_bit_for_bit(cool, mirror):
@@ -31,29 +29,29 @@ def test_a_chord_is_proven_and_is_the_mirrors_bit_for_bit(cool, mirror):
     for period_log2 in (12, 14):
         period = 2**period_log2
         # In phase they meet.
-        body = refused(host, chord(period_log2, [(m, 0.22, 0.25) for m, _, _ in sixteen(period_log2, 0)], GLIDE))
-        assert body[0] == PEAK and 2000 < Reader(body[1:]).number() < 3000
+        refusal = refused(host, chord(period_log2, [(m, 0.22, 0.25) for m, _, _ in sixteen(period_log2, 0)], GLIDE))
+        assert refusal.name == "Peak" and 2000 < refusal.peak_per_mille < 3000
         body = chord(period_log2, sixteen(period_log2, 0.22), GLIDE)
-        sequence, _ = send(cool, CHORD, body)
+        sequence, _ = send(cool, "Chord", body)
         asked, answer = board.seconds, []
         while not answer:
             board.run(1e-5)
-            answer = [reply for reply in host.replies() if reply[1] == sequence]
+            answer = [reply for reply in host.replies() if reply.sequence == sequence]
         took = board.seconds - asked
-        assert answer[0][2] != REFUSED, answer
-        first = Reader(answer[0][3]).number()
+        assert answer[0].is_accepted, answer
+        first = answer[0].value.at
         print(f"\n{cool.facts.name}: a chord of {period} samples is proven and answered in {1000 * took:.1f} ms")
         host.live(0.03)
         status = host.status()
         assert (status["state"], status["clips"], status["underruns"]) == ("driving", 0, 0)
-        assert status["sum"] > 2000, "more than a drive may have"
+        assert status["sum_per_mille"] > 2000, "more than a drive may have"
         assert status["max_cycles"] < 0.5 * BLOCK / RATE_HZ * board.CORE_HZ
         # The mirror gets the chord, too, whose answer the host has not seen.
         host.live(2 * period / RATE_HZ)
-        stop = host.accept(STOP)
+        stop = host.accept("Stop")
         host.live(0.04)
         until = cool.played()
-        accepted_chord = first, frame(host.session, sequence, CHORD, body)
+        accepted_chord = first, framed(host.session, sequence, "Chord", body)
         accepted = sorted([*host.accepted, accepted_chord], key=lambda entry: entry[0])
         host.accepted = accepted
         codes, expected = cool.codes(first, until), mirror(accepted, first, until)
@@ -78,20 +76,20 @@ def test_a_stop_is_taken_while_a_chord_is_proven(rig):
         host.arm()
         wait_phase(rig, phase)
         before = rig.played()
-        sequence, _ = send(rig, CHORD, chord(14, sixteen(14, 0.22), GLIDE))
+        sequence, _ = send(rig, "Chord", chord(14, sixteen(14, 0.22), GLIDE))
         # The proof of 128 blocks is under way: it takes 6.7 ms on the F407 and a third of that on the H743.
         rig.board.run(0.0002 + 0.0002 * phase)
         host.sequence = STOPS_SEQUENCE
-        stop, played = send(rig, EMERGENCY_STOP)
+        stop, played = send(rig, "EmergencyStop")
         answers = {}
         for _ in range(100):
             rig.board.run(0.0005)
-            answers |= {number: (reply, body) for _, number, reply, body in host.replies()}
-        assert answers[sequence] == (REFUSED, BUSY_DRIVE_ACTIVE)
-        seen.append((Reader(answers[stop][1]).number() - played) / BLOCK)
+            answers |= {reply.sequence: reply for reply in host.replies()}
+        assert answers[sequence].value == Choice("Busy", value=Choice("DriveActive"))
+        seen.append((answers[stop].value.at - played) / BLOCK)
         assert set(rig.codes(before, rig.played())) == {MID}
         host.hello()
-        host.accept(CLEAR_FAULTS)
+        host.accept("ClearFaults")
     print(f"emergency stop while a chord is proven: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte")
     # Where nothing sounds no ramp begins in the block that waits: the answer names the next one.
     assert max(seen) <= IN_SILENCE_BLOCKS

@@ -6,11 +6,9 @@ from unicorn.arm_const import UC_ARM_REG_PRIMASK
 
 from copies import on_copy
 from core.outputs import BDTR
-from host import (
-    ARM, BLOCK, CLEAR_FAULTS, DIGEST_READ, DIGEST_REPLY, DIGEST_START, DRIVE, RATE_HZ, REFUSED, WRITE_PROFILE, Reader, drive, profile,
-    varint,
-)  # fmt: skip
+from host import BLOCK, RATE_HZ, drive, profile
 from leaps import leap
+from messages import DigestStart
 from rig import MID, MILLISECOND, start
 
 
@@ -33,13 +31,13 @@ def test_the_button_silences_and_mutes_without_a_host(armed, late):
     assert (status["state"], status["first_fault"]) == ("fault", "desk stop")
     assert abs(status["first_fault_at"] - pressed) < 5 * 128
     # Held, it keeps the device from being driven.
-    armed.host.accept(CLEAR_FAULTS)
-    assert armed.host.exchange(ARM)[1] == REFUSED
+    armed.host.accept("ClearFaults")
+    assert armed.host.exchange("Arm").name == "Refused"
     assert armed.host.status()["faults"] == {"desk stop"}
     # Released, it does so for 2 s: the next test.
     armed.board.pins.drive(armed.facts.button, 0)
-    armed.host.accept(CLEAR_FAULTS)
-    assert armed.host.exchange(ARM)[1] == REFUSED
+    armed.host.accept("ClearFaults")
+    assert armed.host.exchange("Arm").name == "Refused"
 
 
 # The application's matter, not the chip's: the other images have it at night.
@@ -53,7 +51,7 @@ def test_for_two_seconds_after_its_release_no_host_clears_the_stop(armed):
     released = host.status()["now"]
     for seconds, is_cleared in ((1.98, False), (0.04, True)):
         leap(armed, seconds)
-        host.accept(CLEAR_FAULTS)
+        host.accept("ClearFaults")
         status = host.status()
         assert status["faults"] == (set() if is_cleared else {"desk stop"}), status["now"] - released
         assert (status["now"] - released > 2 * RATE_HZ) == is_cleared
@@ -79,12 +77,12 @@ def test_a_press_is_whatever_the_button_s_level_was_not_at_the_start(rig, rest):
     assert host.status()["first_fault"] == "desk stop" and board.pin(rig.facts.unmute) == 0
     # Held at the start.
     board.reset("pin")
-    host.inbox.clear()
+    host.forget()
     host.connect()
     host.live(0.005)
     assert host.board_report()[2] == "released"
     board.pins.drive(rig.facts.button, None)
-    assert host.board_report()[2] == "pressed" and host.exchange(ARM)[1] == REFUSED
+    assert host.board_report()[2] == "pressed" and host.exchange("Arm").name == "Refused"
     assert board.pin(rig.facts.unmute) == 0
 
 
@@ -107,21 +105,20 @@ def test_without_the_resistor_the_mute_pin_never_rises(rig):
     assert rig.host.board_report() == (rig.board.CORE_HZ, "missing", "released", "unused")
     rig.host.upload()
     rig.host.arm()
-    at = rig.host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+    at = rig.host.accept("Drive", drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
     first, count = at + 10 * BLOCK, 20 * MILLISECOND
-    rig.host.accept(DIGEST_START, varint(first) + varint(count))
+    rig.host.accept("DigestStart", DigestStart(first, count))
     rig.host.live(0.05)
     assert rig.host.status()["state"] == "driving" and max(rig.board.dac.codes) > MID + 300
     # What the device says that it plays is what its pin has played.
-    _, reply, body = rig.host.exchange(DIGEST_READ)
-    reader = Reader(body)
+    digest = rig.host.ask("DigestRead", answer="Digest")
     codes = b"".join(code.to_bytes(2, "little") for code in rig.codes(first, first + count))
-    assert (reply, [reader.number() for _ in range(4)]) == (DIGEST_REPLY, [first, count, 1, zlib.crc32(codes)])
+    assert (digest.from_, digest.count, digest.crc) == (first, count, zlib.crc32(codes))
     assert not any(level for _, _, level in pin_log(rig))
     # Until a reset finds it.
     rig.board.pins.resistors[rig.facts.unmute] = 0
     rig.board.reset("pin")
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     assert rig.host.board_report()[1] == "present"
     rig.host.upload()
@@ -137,12 +134,12 @@ def fitted(rig):
     rig.host.live(0.005)
     rig.board.pins.drive(rig.facts.button, 1)
     rig.host.live(0.01)
-    rig.host.accept(WRITE_PROFILE, profile("coil", stop_input=True), patience=rig.facts.store_seconds)
+    rig.host.accept("WriteProfile", profile("coil", stop_input=True), patience=rig.facts.store_seconds)
     rig.board.pins.drive(rig.facts.button, 0)
     assert rig.host.board_report()[3] == "closed"
     # A start forgets that the button was pressed, for which a stop could not be cleared for 2 s.
     rig.board.reset("pin")
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
 
 
@@ -182,10 +179,10 @@ def test_the_stop_input_mutes_by_hardware_whatever_the_core_does(rig):
         rig.host.live(0.005)
         status = rig.host.status()
         assert (status["first_fault"], status["underruns"]) == ("desk stop", 0)
-        rig.host.accept(CLEAR_FAULTS)
-        assert rig.host.exchange(ARM)[1] == REFUSED
+        rig.host.accept("ClearFaults")
+        assert rig.host.exchange("Arm").name == "Refused"
         rig.board.pins.drive(rig.facts.stop_input, 0)
-        rig.host.accept(CLEAR_FAULTS)
+        rig.host.accept("ClearFaults")
         rig.host.arm()
         start(rig)
         assert rig.board.pin(rig.facts.unmute) == 1
@@ -210,7 +207,7 @@ def test_a_spike_on_the_stop_wire_is_reported_as_the_stop_that_it_is(rig):
         rig.host.live(0.005)
         status = rig.host.status()
         assert (status["state"], status["first_fault"], status["underruns"]) == ("fault", "desk stop", 0)
-        rig.host.accept(CLEAR_FAULTS)
+        rig.host.accept("ClearFaults")
         rig.host.arm()
         start(rig)
         # What the flag of before says counts no more: an amplifier that goes off now has no blocks.
@@ -230,11 +227,11 @@ def test_a_stop_input_that_is_open_from_the_start_keeps_it_from_being_armed(rig)
     rig.board.pins.drive(rig.facts.stop_input, None)
     rig.board.reset("power")
     rig.board.log.clear()
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     assert rig.host.board_report()[3] == "open"
     rig.host.upload()
-    assert rig.host.exchange(ARM)[1] == REFUSED
+    assert rig.host.exchange("Arm").name == "Refused"
     rig.host.live(0.02)
     assert not any(level for _, _, level in pin_log(rig))
 

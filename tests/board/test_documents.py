@@ -6,10 +6,9 @@ from elftools.elf.elffile import ELFFile
 
 from boards import RENDERER_IRQ, on_f407
 from images import ROOT, firmware
-from host import (
-    BLOCK, CHORD, COMB, DIGEST_START, DISARM, DRIVE, STOP, STORE, TABLE_COMMIT, chord, comb, drive, varint,
-)  # fmt: skip
+from host import BLOCK, chord, comb, drive
 from measuring import listen, listened
+from messages import DigestStart
 
 TEXT = (ROOT / "firmware/BOARDS.md").read_text()
 RULES = (ROOT / "firmware/70-slipline.rules").read_text()
@@ -69,18 +68,18 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.upload()
     host.arm()
     tones = [(slot, slot / 17, 0.06) for slot in range(16)]
-    host.accept(DRIVE, drive(tones, 4000))
+    host.accept("Drive", drive(tones, 4000))
     host.live(0.005)
-    host.accept(DRIVE, drive([], 2000))
+    host.accept("Drive", drive([], 2000))
     host.live(0.02)
     # The chord is so loud that it must be proven; a comb may not be.
     sixteen = {level: [((240 + 20 * n), level, -n * n / 32) for n in range(16)] for level in (0.1, 0.06)}
-    for message, body in ((CHORD, chord(12, sixteen[0.1], 4000)), (COMB, comb(33, sixteen[0.06], 4000))):
+    for message, body in (("Chord", chord(12, sixteen[0.1], 4000)), ("Comb", comb(33, sixteen[0.06], 4000))):
         host.accept(message, body)
         host.live(0.005)
-        host.accept(DRIVE, drive([], 2000))
+        host.accept("Drive", drive([], 2000))
         host.live(0.02)
-    host.accept(DRIVE, drive(tones, 4000))
+    host.accept("Drive", drive(tones, 4000))
     host.live(0.005)
     # Sixteen lock-ins with the Hann window, and a capture.
     listen(host, 8, hann=True)
@@ -94,16 +93,16 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     progress, windows, held = host.held()
     assert progress == "on" and windows > 1 and all(correction < 0 for _, _, correction in held), held
     host.stage(40)
-    host.accept(TABLE_COMMIT)
-    host.accept(DIGEST_START, varint(host.status()["now"] + 4000) + varint(1000))
+    host.accept("TableCommit")
+    host.accept("DigestStart", DigestStart(host.status()["now"] + 4000, 1000))
     host.live(0.002)
     # A stop at a block's beginning begins in the block that waits.
     board.run_until(lambda: rig.played() % BLOCK == 0, 0.001, step=1e-6)
-    assert host.accept(STOP) % BLOCK == 1
+    assert host.accept("Stop") % BLOCK == 1
     host.live(0.1)
-    host.accept(DISARM)
+    host.accept("Disarm")
     host.live(0.1)
-    host.accept(STORE, patience=3)
+    host.accept("Store", patience=3)
     depths = dict(board.worst_depth)
     renderer = depths.pop(board.priorities[RENDERER_IRQ])
     seen = {"thread mode": board.thread_depth(), "renderer's interrupt": renderer, "other interrupts": sum(depths.values())}

@@ -46,7 +46,7 @@ def test_a_pulled_cable_ends_in_silence_and_a_new_session(armed):
     assert armed.board.pin(armed.facts.unmute) == 0
     assert is_silent(armed.codes(armed.played() - MILLISECOND, armed.played()))
     armed.cable.plug()
-    armed.host.inbox.clear()
+    armed.host.forget()
     armed.host.connect()
     status = armed.host.status()
     assert (status["state"], status["first_fault"]) == ("fault", "host lost")
@@ -61,7 +61,7 @@ def test_a_panic_mutes_first_and_is_told_at_the_next_hello(armed):
     assert armed.board.resets == ["software"]
     low = max(entry[0] for entry in armed.board.log if entry[1] == armed.facts.unmute and entry[2] == 0)
     assert low <= armed.board.seconds
-    armed.host.inbox.clear()
+    armed.host.forget()
     identity = armed.host.connect()
     assert identity["reset"] == "panic"
     assert armed.facts.crash in identity["crash"], identity["crash"]
@@ -107,7 +107,7 @@ def muted_crash(rig, begins_in=0.0):
     seen = at_each_reset(rig)
     rig.board.run_until(lambda: seen, begins_in + HANDLED_IN, step=10e-6)
     assert seen == [(0, MID)], "muted before the reset"
-    rig.host.inbox.clear()
+    rig.host.forget()
     identity = rig.host.connect()
     assert identity["reset"] == "hard fault"
     return identity["crash"]
@@ -171,12 +171,12 @@ def test_three_crashes_in_a_row_end_in_safe_mode(rig):
         rig.facts.break_program(rig)
         count = len(rig.board.resets)
         rig.board.run_until(lambda: len(rig.board.resets) > count, 0.01, step=0.0001)
-        rig.host.inbox.clear()
+        rig.host.forget()
     rig.host.connect()
     assert rig.host.status()["state"] == "safe mode"
     rig.board.reset("power")
-    rig.host.inbox.clear()
-    assert rig.host.connect()["reset"] == "power-on"
+    rig.host.forget()
+    assert rig.host.connect()["reset"] == "power on"
     assert rig.host.status()["state"] == "idle"
 
 
@@ -193,7 +193,7 @@ def test_a_frozen_task_is_reset_by_the_watchdog(armed, frozen):
     armed.board.run_until(lambda: armed.board.resets, 2 * armed.facts.watchdog_seconds, step=0.05)
     assert armed.board.resets == ["watchdog"]
     assert armed.board.seconds - at < armed.facts.watchdog_seconds + 0.3
-    armed.host.inbox.clear()
+    armed.host.forget()
     identity = armed.host.connect()
     assert identity["reset"] == "watchdog"
     assert "watchdog" in armed.host.status()["faults"]
@@ -210,4 +210,4 @@ def test_a_dip_of_the_supply_mutes_and_is_told(armed):
     armed.board.run_until(lambda: seen, HANDLED_IN, step=10e-6)
     assert seen == [(0, MID)], "muted before the reset"
     identity = armed.host.connect()
-    assert identity["reset"] == "brown-out"
+    assert identity["reset"] == "brown out"

@@ -49,7 +49,7 @@ def test_an_update_keeps_table_and_profile(kept):
             on_copy(kept, lambda copy: check_update(copy, name, before))
     for name in FOR_UPDATES[kept.facts.feature]:
         flashing.flash(kept.board, name, flash_files(kept.facts.feature)[name])
-    kept.host.inbox.clear()
+    kept.host.forget()
     kept.host.connect()
     kept.host.live(0.01)
     assert (kept.host.profile(), kept.stored_crc()) == (("profile 2", "loaded"), kept.old)

@@ -10,9 +10,8 @@ from unicorn import UC_HOOK_CODE
 from unicorn.arm_const import UC_ARM_REG_LR
 
 from copies import on_copy
-from host import (
-    BLOCK, DRIVE, EMERGENCY_STOP, KEEP_ALIVE, RATE_HZ, SET_TRAVEL_LIMIT, STOP, TRAVEL_LIMIT_REPLY, varint,
-)  # fmt: skip
+from host import BLOCK, RATE_HZ
+from messages import KeepAlive
 from rig import MID, MILLISECOND, Rig, is_silent
 from test_latency import (
     DRIVE_BLOCKS_LISTENING, MOST_KNOTS, STOP_BLOCKS, STOPS_SEQUENCE, TRAVEL_LIMIT, accepted, check_blocks, send, sweep,
@@ -25,7 +24,7 @@ PERIOD = (WINDOW_BLOCKS + PAUSE_BLOCKS) * BLOCK / RATE_HZ
 # Codes of amplitude to hold: less than a fifth of the drive's amplitude at the sensor, so that every turn has new levels.
 HELD_CODES = 8
 # From a ramp's first sample until silence (firmware/SAFETY.md), and the dead-man's time.
-RAMPS = {EMERGENCY_STOP: 2 * MILLISECOND, STOP: 30 * MILLISECOND}
+RAMPS = {"EmergencyStop": 2 * MILLISECOND, "Stop": 30 * MILLISECOND}
 DEAD_MAN, HOST_LOST_RAMP = RATE_HZ, 50 * MILLISECOND
 
 
@@ -36,10 +35,10 @@ def holding(facts, image):
     rig = Rig(facts, image)
     host, board = rig.host, rig.board
     host.connect()
-    assert host.exchange(SET_TRAVEL_LIMIT, TRAVEL_LIMIT)[1] == TRAVEL_LIMIT_REPLY
+    assert host.exchange("SetTravelLimit", TRAVEL_LIMIT).name == "TravelLimit"
     host.upload(MOST_KNOTS)
     host.arm()
-    host.accept(DRIVE, sweep(0))
+    host.accept("Drive", sweep(0))
     host.live(0.02)
     board.adc.at_pins = lambda: (MID + (board.dac.output - MID) // 2, MID)
     host.hold([(slot, HELD_CODES) for slot in range(TONES)], WINDOW_BLOCKS)
@@ -92,7 +91,7 @@ def in_a_turn(holding, case, moments=8, after=0):
     return [at(begin + n * step) for n in range(moments)], step / block
 
 
-@pytest.mark.parametrize("message", [EMERGENCY_STOP, STOP], ids=["an emergency stop", "a stop"])
+@pytest.mark.parametrize("message", ["EmergencyStop", "Stop"], ids=["an emergency stop", "a stop"])
 def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_as_soon_as_ever(holding, message):
     """R-77: and nothing of the hold starts after it."""
 
@@ -109,7 +108,7 @@ def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_as_soon_as_ever(hold
         return (at - played) / BLOCK
 
     seen, step = in_a_turn(holding, case)
-    print(f"stop {message:#x} while levels are planned: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
+    print(f"stop {message} while levels are planned: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
     assert max(seen) + step <= STOP_BLOCKS
 
 
@@ -117,7 +116,7 @@ def test_a_drive_ends_a_hold_as_soon_as_ever(holding):
     """R-77: before a turn, while it plans its levels, and until these have begun."""
 
     def case(rig):
-        sequence, played = send(rig, DRIVE, sweep(1, 20))
+        sequence, played = send(rig, "Drive", sweep(1, 20))
         at = accepted(rig, sequence)
         assert rig.host.held()[0] == "ended"
         check_blocks(rig.host)
@@ -134,7 +133,7 @@ def test_a_lost_host_ends_a_hold_in_silence_in_time(holding):
 
     def case(rig):
         host, board = rig.host, rig.board
-        host.exchange(KEEP_ALIVE, varint(host.keep_alives + 1))
+        host.exchange("KeepAlive", KeepAlive(host.keep_alives + 1))
         last, board.is_hasty = rig.played(), True
         board.run(1.1)
         silent = last + DEAD_MAN + HOST_LOST_RAMP + 2 * BLOCK

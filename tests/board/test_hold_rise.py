@@ -1,7 +1,7 @@
 """The largest rise of a level hold on the very image that is flashed: it counts from the drive, whatever ends the holds since."""
 import pytest
 
-from host import BLOCK, DRIVE, RATE_HZ, drive
+from host import BLOCK, RATE_HZ, drive
 from rig import MID, MILLISECOND
 
 # The sensor receives a third of what is played. To hold it at that, the tone would have to rise by 9.5 dB.
@@ -30,7 +30,7 @@ def test_a_table_that_ends_a_hold_does_not_let_the_next_one_rise_from_there(cool
     """R-88: 6 dB in all. The coil is cool, or its heat would leave no room."""
     host, board = cool.host, cool.board
     board.adc.at_pins = lambda: (MID + (board.dac.output - MID) // HEARD, MID)
-    host.accept(DRIVE, drive([(0, 0.4, LEVEL)], 5 * MILLISECOND))
+    host.accept("Drive", drive([(0, 0.4, LEVEL)], 5 * MILLISECOND))
     host.live(0.015)
     driven = peak(cool)
     for _ in range(2):

@@ -5,7 +5,7 @@ import pytest
 
 from boards import BOARDS, RENDERER_IRQ
 from copies import on_copy
-from host import ARM, BLOCK, CLEAR_FAULTS, DRIVE, RATE_HZ, STOP, drive
+from host import BLOCK, RATE_HZ, drive
 from images import ROOT
 from rig import MILLISECOND
 
@@ -45,10 +45,10 @@ def test_every_code_of_the_inputs_has_the_index_of_the_dacs_code(sounding, mirro
     def case(rig):
         host = rig.host
         play_back(rig)
-        host.accept(DRIVE, drive(TONES, 25 * MILLISECOND))
+        host.accept("Drive", drive(TONES, 25 * MILLISECOND))
         first, codes = check(rig, 0, MOST)
         check(rig, 1)
-        host.accept(STOP)
+        host.accept("Stop")
         host.live(0.04)
         check(rig, 1)
         return first, codes, host.accepted, host.inputs()
@@ -106,7 +106,7 @@ def test_with_dead_adcs_the_device_works_on_and_every_block_is_lost(sounding):
         progress, _, codes = capture(rig)
         host.live(0.02)
         lost, blocks = host.inputs()[2], (rig.played() - before) // BLOCK
-        host.accept(STOP)
+        host.accept("Stop")
         host.live(0.04)
         status = host.status()
         return progress, codes, lost - blocks, status["state"], status["underruns"], rig.codes(rig.at, rig.at + 45 * MILLISECOND)
@@ -151,10 +151,10 @@ def test_after_a_fault_of_the_dac_the_codes_are_again_those_of_their_index(sound
         play_back(rig)
         fault(rig)
         host.live(0.03)
-        host.accept(CLEAR_FAULTS)
-        host.accept(ARM)
+        host.accept("ClearFaults")
+        host.accept("Arm")
         host.live(0.01)
-        at = host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+        at = host.accept("Drive", drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
         return at, capture(rig), host.accepted
 
     at, (progress, first, codes), accepted = on_copy(sounding, case)

@@ -9,11 +9,9 @@ import pytest
 
 from boards import on_serial
 from copies import on_copy
-from host import (
-    ACCEPTED, ACCEPTED_UNTIL, BLOCK, CHUNK_KNOTS, DRIVE, EMERGENCY_STOP, RATE_HZ, SET_TRAVEL_LIMIT, STATUS, TABLE_BEGIN, TABLE_CHUNK, TABLE_COMMIT,
-    TABLE_DIGEST, TRAVEL_LIMIT_REPLY, UNSEQUENCED, Reader, drive, frame, table, varint,
-)  # fmt: skip
+from host import BLOCK, RATE_HZ, drive, framed, table
 from measuring import listen, listened
+from messages import COMMANDS, SetTravelLimit, TravelLimit
 
 MOST_KNOTS, PHASES, TONES = 1025, 8, 16
 STOP_PHASES, STOP_PHASES_LISTENING = 10, 40
@@ -26,7 +24,7 @@ DRIVE_BLOCKS_LISTENING = 8
 LONGEST_WINDOW = 65_535
 # Of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5 (per mille), and
 # the smallest share at rest (ppm).
-TRAVEL_LIMIT = b"\1" + varint(10_000_000_000) + varint(2500) + varint(1)
+TRAVEL_LIMIT = SetTravelLimit(TravelLimit(10_000_000_000, 2500, 1))
 # Unlike every numbered command's.
 STOPS_SEQUENCE = 0xFFFF
 
@@ -37,23 +35,23 @@ def sweep(number, milliseconds=5):
     return drive([(slot, 1 - u if number % 2 else u, 0.06) for slot, u in enumerate(places)], milliseconds * MILLISECOND)
 
 
-def send(rig, message, body=b""):
+def send(rig, message, body=None):
     """Sends a command; returns its sequence number and what has been played when its last byte is on the device."""
     host = rig.host
-    if message not in UNSEQUENCED:
+    if COMMANDS[message].numbered:
         host.sequence = host.sequence + 1 & 0xFFFF
-    rig.cable.send(frame(host.session, host.sequence, message, body))
+    rig.cable.send(framed(host.session, host.sequence, message, body))
     rig.board.run_until(lambda: not rig.cable.to_device, 0.05, step=2e-6)
     return host.sequence, rig.played()
 
 
-def accepted(rig, wanted, messages=(ACCEPTED, ACCEPTED_UNTIL)):
+def accepted(rig, wanted):
     """The index that the command was accepted for."""
     for _ in range(100):
         rig.board.run(0.0005)
-        for _, sequence, reply, body in rig.host.replies():
-            if sequence == wanted and reply in messages:
-                return Reader(body).number()
+        for reply in rig.host.replies():
+            if reply.sequence == wanted and reply.is_accepted:
+                return reply.value.at
     raise AssertionError("no answer")
 
 
@@ -87,7 +85,7 @@ def test_sixteen_tones_on_the_largest_table_begin_soon(rig, measures):
     rig.host.connect()
     rig.host.upload(MOST_KNOTS)
     rig.host.arm()
-    rig.host.accept(DRIVE, sweep(0))
+    rig.host.accept("Drive", sweep(0))
     rig.host.live(0.02)
     if measures:
         measure(rig)
@@ -95,9 +93,9 @@ def test_sixteen_tones_on_the_largest_table_begin_soon(rig, measures):
         rig.host.live(0.02)
         wait_phase(rig, phase / PHASES)
         # The second drive comes while the first one's tones move, so it is planned from where they are.
-        send(rig, DRIVE, sweep(phase + 1, 20))
+        send(rig, "Drive", sweep(phase + 1, 20))
         rig.host.live(0.005)
-        sequence, played = send(rig, DRIVE, sweep(phase, 20))
+        sequence, played = send(rig, "Drive", sweep(phase, 20))
         seen.append((accepted(rig, sequence) - played) / BLOCK)
     print(f"drive{', measured' * measures}: {min(seen):.2f} to {max(seen):.2f} blocks from the last byte to the pin")
     check_blocks(rig.host)
@@ -128,12 +126,11 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
     host.connect()
     host.upload(MOST_KNOTS)
     if ahead == "a chunk whose travel is judged":
-        _, reply, _ = host.exchange(SET_TRAVEL_LIMIT, TRAVEL_LIMIT)
-        assert reply == TRAVEL_LIMIT_REPLY
+        host.ask("SetTravelLimit", TRAVEL_LIMIT, "TravelLimit")
     host.arm()
-    host.accept(DRIVE, sweep(0))
+    host.accept("Drive", sweep(0))
     host.live(0.02)
-    host.accept(DRIVE, sweep(1, 200))
+    host.accept("Drive", sweep(1, 200))
     message, body = prepare(host, ahead)
     if measures:
         measure(rig)
@@ -144,10 +141,10 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
         if message:
             send(copy, message, body)
         copy.host.sequence = STOPS_SEQUENCE
-        sequence, played = send(copy, EMERGENCY_STOP)
+        sequence, played = send(copy, "EmergencyStop")
         blocks = (accepted(copy, sequence) - played) / BLOCK
         # Whether the command before it was still done does not matter: a new session counts anew.
-        copy.host.inbox.clear()
+        copy.host.forget()
         copy.host.hello()
         check_blocks(copy.host)
         return blocks
@@ -176,7 +173,7 @@ def test_an_emergency_stop_in_a_line_that_never_rests_is_at_the_pin_as_soon(rig,
     host.connect()
     host.upload(MOST_KNOTS)
     host.arm()
-    host.accept(DRIVE, sweep(0))
+    host.accept("Drive", sweep(0))
     if measures:
         measure(rig)
     # Bytes without a frame's end are looked at with each tick of the link only.
@@ -185,13 +182,13 @@ def test_an_emergency_stop_in_a_line_that_never_rests_is_at_the_pin_as_soon(rig,
 
     def stop(copy, phase):
         wait_phase(copy, phase)
-        cable.send(ahead + frame(host.session, STOPS_SEQUENCE, EMERGENCY_STOP, b"") + after)
+        cable.send(ahead + framed(host.session, STOPS_SEQUENCE, "EmergencyStop") + after)
         copy.board.run_until(lambda: len(cable.to_device) <= len(after), 0.05, step=2e-6)
         played = copy.played()
         blocks = (accepted(copy, STOPS_SEQUENCE) - played) / BLOCK
         copy.board.run_until(lambda: not cable.to_device, 0.05)
         copy.board.run(0.003)
-        host.inbox.clear()
+        host.forget()
         cable.receive()
         check_blocks(host)
         assert host.status()["first_fault"] == "emergency stop"
@@ -204,7 +201,7 @@ def test_an_emergency_stop_in_a_line_that_never_rests_is_at_the_pin_as_soon(rig,
 
 def full_line(rig):
     """Bytes whose repetition leaves neither direction of a serial line a pause: a request that is as long as its answer."""
-    request = frame(rig.host.session, 9, STATUS, b"")
+    request = framed(rig.host.session, 9, "Status")
     rig.cable.receive()
     rig.cable.send(request)
     rig.board.run(0.005)
@@ -216,18 +213,17 @@ def full_line(rig):
 def prepare(host, ahead):
     """Brings about what the command needs that is to come before the stop; returns the command, if there is one."""
     if ahead == "a drive":
-        return DRIVE, sweep(0, 20)
+        return "Drive", sweep(0, 20)
     if ahead.startswith("a chunk"):
-        return TABLE_CHUNK, begin_upload(host)
+        return "TableChunk", begin_upload(host)
     if ahead == "a commit":
         host.stage(MOST_KNOTS)
-        return TABLE_COMMIT, b""
-    return (TABLE_DIGEST, b"") if ahead == "a digest" else (None, b"")
+        return "TableCommit", None
+    return ("TableDigest" if ahead == "a digest" else None), None
 
 
 def begin_upload(host):
     """Begins the upload of a table and returns its first chunk."""
-    header, crc, knots = table(MOST_KNOTS)
-    host.accept(TABLE_BEGIN, varint(header[3]) + varint(header[0]) + varint(header[1]) + varint(header[2]) + varint(crc))
-    chunk = knots[:CHUNK_KNOTS]
-    return varint(0) + varint(len(chunk)) + b"".join(varint(step) + varint(gain) for step, gain in chunk)
+    uploaded = table(MOST_KNOTS)
+    host.accept("TableBegin", uploaded.header)
+    return next(uploaded.chunks())

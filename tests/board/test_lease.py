@@ -1,7 +1,8 @@
 """Arming is a lease: a host that only keeps alive is left by the device."""
 import pytest
 
-from host import ARM_FOR, DRIVE, RATE_HZ, drive, varint
+from host import RATE_HZ, drive
+from messages import ArmLease
 from rig import start
 
 
@@ -9,11 +10,11 @@ from rig import start
 @pytest.mark.parametrize("later", [pytest.param(False, marks=pytest.mark.nightly), True], ids=["no other drive", "a later drive"])
 def test_a_device_that_is_armed_on_a_lease_disarms_by_itself(armed, later):
     """R-81: a drive that is to begin later has not begun, and is dropped."""
-    armed.host.accept(ARM_FOR, varint(1000))
+    armed.host.accept("ArmFor", ArmLease(1000))
     at = start(armed)
     began = armed.board.seconds
     if later:
-        armed.host.accept(DRIVE, drive([(0, 0.4, 0.3)], 2000, at + 3 * RATE_HZ))
+        armed.host.accept("Drive", drive([(0, 0.4, 0.3)], 2000, at + 3 * RATE_HZ))
     armed.board.is_hasty = True
     armed.host.live(0.9)
     assert armed.board.pin(armed.facts.unmute) == 1

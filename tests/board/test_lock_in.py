@@ -7,8 +7,9 @@ import random
 import pytest
 
 from copies import on_copy
-from host import BLOCK, COMB, DRIVE, LISTEN, REFUSED, STOP, comb, drive
-from measuring import listen, listened
+from host import BLOCK, comb, drive
+from measuring import EVERY_SLOT, listen, listened
+from messages import RECTANGULAR, Listen
 from rig import MID, MILLISECOND
 
 PERIOD_BLOCKS = 40
@@ -71,9 +72,9 @@ def test_the_lock_ins_of_a_comb_are_the_hosts_bit_for_bit_and_what_the_plate_is(
 
     def case(rig):
         # It begins in silence.
-        rig.host.accept(STOP)
+        rig.host.accept("Stop")
         rig.host.live(0.04)
-        rig.host.accept(COMB, comb(PERIOD_BLOCKS, TONES, 5 * MILLISECOND))
+        rig.host.accept("Comb", comb(PERIOD_BLOCKS, TONES, 5 * MILLISECOND))
         rig.host.live(0.01)
         _, [shunt] = measure(rig, PERIOD_BLOCKS, input=1)
         plate, [sensor] = measure(rig, PERIOD_BLOCKS, input=0)
@@ -97,9 +98,9 @@ def test_the_lock_ins_of_a_drag_are_the_hosts_bit_for_bit(sounding, mirrored_loc
     slots = 0xF0F0 if input is None else 0xFFFF
 
     def case(rig):
-        rig.host.accept(DRIVE, drive([(slot, (slot + 0.5) / 17, 0.05) for slot in range(16)], 5 * MILLISECOND))
+        rig.host.accept("Drive", drive([(slot, (slot + 0.5) / 17, 0.05) for slot in range(16)], 5 * MILLISECOND))
         rig.host.live(0.01)
-        rig.host.accept(DRIVE, drive([(slot, (16 - slot) / 17, 0.05) for slot in range(16)], 20 * MILLISECOND))
+        rig.host.accept("Drive", drive([(slot, (16 - slot) / 17, 0.05) for slot in range(16)], 20 * MILLISECOND))
         _, reading = measure(rig, 50, hann=True, slots=slots, input=input)
         return reading, rig.host.accepted
 
@@ -114,6 +115,6 @@ def test_more_tones_than_a_block_has_time_for_are_refused(sounding):
     """Both inputs at once: half of the lock-ins."""
 
     def case(rig):
-        return rig.host.exchange(LISTEN, b"\0\x0a\0" + b"\xff\xff\3" + b"\0")[1]
+        return rig.host.exchange("Listen", Listen(None, 10, RECTANGULAR, EVERY_SLOT, None)).name
 
-    assert on_copy(sounding, case) == REFUSED
+    assert on_copy(sounding, case) == "Refused"

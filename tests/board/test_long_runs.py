@@ -8,7 +8,7 @@ import struct
 import pytest
 
 from boards import RENDERER_IRQ
-from host import BLOCK, CLEAR_FAULTS, DRIVE, RATE_HZ, STOP, drive
+from host import BLOCK, RATE_HZ, drive
 from rig import LIMIT_PERIOD, MILLISECOND, Rig
 
 # The index's lower half wraps every 3 h; the 242nd time after 30 days.
@@ -67,16 +67,16 @@ def test_the_lower_half_of_the_sample_index_wraps_and_every_code_is_the_mirrors(
     status = host.status()
     assert begin < status["now"] < wrap - 10 * MILLISECOND
     # Begins exactly at the wrap, and glides over it.
-    first = host.accept(DRIVE, drive([(0, 0.3, 0.6), (1, 0.9, 0.2)], 5 * MILLISECOND, wrap - 8 * MILLISECOND))
+    first = host.accept("Drive", drive([(0, 0.3, 0.6), (1, 0.9, 0.2)], 5 * MILLISECOND, wrap - 8 * MILLISECOND))
     host.live((wrap - 4 * MILLISECOND - host.status()["now"]) / RATE_HZ)
-    host.accept(DRIVE, drive([(0, 0.8, 0.4), (2, 0.1, 0.2)], 8 * MILLISECOND))
+    host.accept("Drive", drive([(0, 0.8, 0.4), (2, 0.1, 0.2)], 8 * MILLISECOND))
     host.live(0.008)
     assert host.status()["now"] > wrap
-    host.accept(STOP)
+    host.accept("Stop")
     host.live(0.04)
     until = begin + rig.played()
     codes = rig.codes(first - begin, until - begin)
-    expected = mirror(host.accepted, first, until, status["foldback"], begin)
+    expected = mirror(host.accepted, first, until, status["foldback_per_mille"], begin)
     wrong = [i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]
     assert not wrong, f"{len(wrong)} codes of {len(codes)} differ, the first at {first + wrong[0] - wrap} from the wrap"
     assert max(codes) - min(codes) > 500, "it sounds"
@@ -120,7 +120,7 @@ def test_the_hosts_beat_counts_to_its_end_and_a_host_that_begins_again_there_is_
     """R-20: after 27 years. Only a higher beat shows that the host lives."""
     host, board = armed.host, armed.board
     host.keep_alives = 0xFFFFFFFF - 6
-    host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+    host.accept("Drive", drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
     board.is_hasty = True
     began = board.seconds
     while host.keep_alives < 0xFFFFFFFF:
@@ -130,6 +130,6 @@ def test_the_hosts_beat_counts_to_its_end_and_a_host_that_begins_again_there_is_
     host.live(1.3)
     assert host.status()["first_fault"] == "host lost"
     host.hello()
-    host.accept(CLEAR_FAULTS)
+    host.accept("ClearFaults")
     host.arm()
     assert host.status()["state"] == "armed", "a new session counts anew"

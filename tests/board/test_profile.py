@@ -3,14 +3,10 @@ import pytest
 
 from copies import on_copy
 from core.processor import PowerCut
-from host import (
-    ACCEPTED, ARM, BOOTLOADER_ENTER, BOOTLOADER_TOKEN, CLEAR_FAULTS, DRIVE, FORGET, HOLD_BUTTON, RATE_HZ, REFUSED, WRITE_PROFILE,
-    Reader, drive, profile, varint,
-)  # fmt: skip
+from host import RATE_HZ, drive, profile
 from leaps import leap
 from rig import MILLISECOND, start
 
-HEADROOM = 0x0A
 # The longest that the device may take: a sector of 128 KiB of the F407's takes 2 s.
 PATIENCE = 5
 OLD, NEW = profile("old", 400), profile("new", 600)
@@ -21,7 +17,7 @@ def write(rig, body):
     rig.host.live(0.005)
     rig.board.pins.drive(rig.facts.button, 1)
     rig.host.live(0.002)
-    rig.host.accept(WRITE_PROFILE, body, patience=PATIENCE)
+    rig.host.accept("WriteProfile", body, patience=PATIENCE)
     rig.board.pins.drive(rig.facts.button, 0)
 
 
@@ -34,14 +30,13 @@ def press(rig):
 
 def restart(rig, cause):
     rig.board.reset(cause)
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     rig.host.live(0.005)
 
 
 def refused_without_a_hand(rig, body):
-    _, reply, answer = rig.host.exchange(WRITE_PROFILE, body)
-    return (reply, answer) == (REFUSED, HOLD_BUTTON)
+    return rig.host.exchange("WriteProfile", body).refuses("HoldButton")
 
 
 @pytest.mark.every_image
@@ -50,14 +45,13 @@ def test_it_is_written_with_the_button_only_and_in_force_for_every_session(rig):
     rig.host.connect()
     rig.host.live(0.01)
     assert rig.host.profile() == (None, "empty")
-    _, reply, body = rig.host.exchange(WRITE_PROFILE, OLD)
-    assert (reply, body) == (REFUSED, HOLD_BUTTON)
+    assert refused_without_a_hand(rig, OLD)
     write(rig, OLD)
     assert rig.host.profile() == ("old", "loaded") and rig.host.wear() == (1, 20_000, 16)
     kept = rig.keep(33)
     assert rig.host.wear() == (1, 20_000, 15)
     rig.board.reset("power")
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     assert (rig.host.profile(), rig.stored_crc()) == (("old", "loaded"), kept)
     rig.host.arm()
@@ -65,9 +59,9 @@ def test_it_is_written_with_the_button_only_and_in_force_for_every_session(rig):
 
 
 def is_limited_to_old(rig):
-    _, reply, body = rig.host.exchange(DRIVE, drive([(0, 1, 0.41)], 2000))
-    rig.host.accept(DRIVE, drive([(0, 1, 0.39)], 2000))
-    return (reply, body[0]) == (REFUSED, HEADROOM)
+    reply = rig.host.exchange("Drive", drive([(0, 1, 0.41)], 2000))
+    rig.host.accept("Drive", drive([(0, 1, 0.39)], 2000))
+    return reply.refuses("Headroom")
 
 
 @pytest.mark.nightly
@@ -77,9 +71,9 @@ def test_forget_leaves_it(rig):
     rig.host.connect()
     write(rig, OLD)
     rig.keep(33)
-    rig.host.accept(FORGET, patience=PATIENCE)
+    rig.host.accept("Forget", patience=PATIENCE)
     rig.board.reset("power")
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     assert (rig.host.profile(), rig.stored_crc()) == (("old", "loaded"), None)
 
@@ -94,15 +88,15 @@ def test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_profile(rig, is_
 
     def operations(rig):
         before = flash.operations
-        rig.host.accept(WRITE_PROFILE, NEW, patience=PATIENCE)
+        rig.host.accept("WriteProfile", NEW, patience=PATIENCE)
         return flash.operations - before
 
     def case(rig, operation):
         flash.cut_at, flash.is_cut_clean = flash.operations + operation, is_cut_clean
         with pytest.raises(PowerCut):
-            rig.host.accept(WRITE_PROFILE, NEW, patience=PATIENCE)
+            rig.host.accept("WriteProfile", NEW, patience=PATIENCE)
         rig.board.reset("power")
-        rig.host.inbox.clear()
+        rig.host.forget()
         rig.host.connect()
         name, stored = rig.host.profile()
         assert name in ("old", "new") and stored in ("loaded", "fell back"), (operation, name, stored)
@@ -132,10 +126,10 @@ def test_of_a_damaged_one_the_older_limits_until_a_hand_on_the_board_accepts_it(
     restart(rig, "power")
     assert host.profile() == ("old", "fell back")
     host.upload()
-    host.accept(CLEAR_FAULTS)
-    assert host.status()["faults"] == {"profile fell back"} and host.exchange(ARM)[1] == REFUSED
+    host.accept("ClearFaults")
+    assert host.status()["faults"] == {"profile fell back"} and host.exchange("Arm").name == "Refused"
     press(rig)
-    host.accept(CLEAR_FAULTS)
+    host.accept("ClearFaults")
     board.pins.drive(rig.facts.button, 0)
     assert host.status()["faults"] == set()
     host.live(0.002)
@@ -153,7 +147,7 @@ def test_a_button_that_is_held_through_the_start_is_a_hand_for_thirty_seconds_af
     rig.host.live(0.002)
     assert rig.host.board_report()[2] == "pressed"
     leap(rig, 29.9)
-    rig.host.accept(WRITE_PROFILE, OLD, patience=PATIENCE)
+    rig.host.accept("WriteProfile", OLD, patience=PATIENCE)
     leap(rig, 0.1)
     assert rig.host.board_report()[2] == "pressed" and refused_without_a_hand(rig, NEW), "it reads so for ever"
 
@@ -164,13 +158,12 @@ def test_where_one_is_kept_the_rom_bootloader_wants_the_button(rig):
     host.connect()
     write(rig, OLD)
     host.live(0.002)
-    _, _, body = host.exchange(BOOTLOADER_TOKEN)
-    token = varint(Reader(body).number())
-    _, reply, answer = host.exchange(BOOTLOADER_ENTER, token)
-    assert (reply, answer) == (REFUSED, HOLD_BUTTON)
+    token = host.ask("BootloaderToken")
+    reply = host.exchange("BootloaderEnter", token)
+    assert reply.refuses("HoldButton")
     press(rig)
     assert rig.board.resets == []
-    assert host.exchange(BOOTLOADER_ENTER, token)[1] == ACCEPTED
+    assert host.exchange("BootloaderEnter", token).name == "Accepted"
     rig.board.run_until(lambda: rig.board.resets, 0.1, step=0.001)
     rig.board.run(0.02)
     assert rig.board.resets == ["software"] and rig.board.pc & ~1 == rig.facts.rom + 0x100
@@ -185,7 +178,7 @@ def test_a_drive_that_begins_later_does_not_put_off_the_longest_drive(rig):
     host.upload()
     host.arm()
     at = start(rig)
-    host.accept(DRIVE, drive([(0, 0.4, 0.3)], 2000, at + 3 * RATE_HZ))
+    host.accept("Drive", drive([(0, 0.4, 0.3)], 2000, at + 3 * RATE_HZ))
     board.is_hasty = True
     host.live(0.95)
     assert host.status()["state"] == "driving"

@@ -6,7 +6,7 @@ import zlib
 import pytest
 
 from copies import on_copy
-from host import BLOCK, CHORD, COMB, DRIVE, RATE_HZ, chord, comb, drive
+from host import BLOCK, RATE_HZ, chord, comb, drive
 from rig import LIMIT_PERIOD, MILLISECOND
 
 # The first program's index, whatever the start has taken.
@@ -33,14 +33,14 @@ def program(chance, at, is_silent):
     glide = int((5 + 55 * chance.random()) * MILLISECOND)
     kind = chance.random()
     if not is_silent and kind < 0.3:
-        return DRIVE, drive([], 20 * MILLISECOND, at), True
+        return "Drive", drive([], 20 * MILLISECOND, at), True
     if is_silent and kind < 0.7:
         # From 21 to 58 kHz; the table has 20 to 60.
         multiples = spread(chance, 1 + int(16 * chance.random()), 225, 595)
         tones = [(multiple, level, chance.random()) for multiple, level in zip(multiples, parts(chance, len(multiples)))]
-        return (CHORD, chord(12, tones, glide, at), False) if kind < 0.35 else (COMB, comb(33, tones, glide, at), False)
+        return ("Chord", chord(12, tones, glide, at), False) if kind < 0.35 else ("Comb", comb(33, tones, glide, at), False)
     slots = spread(chance, 1 + int(16 * chance.random()), 0, 16)
-    return DRIVE, drive([(slot, chance.random(), level) for slot, level in zip(slots, parts(chance, len(slots)))], glide, at), False
+    return "Drive", drive([(slot, chance.random(), level) for slot, level in zip(slots, parts(chance, len(slots)))], glide, at), False
 
 
 def play(rig, seconds):

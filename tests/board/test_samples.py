@@ -2,7 +2,8 @@
 from boards import RENDERER_IRQ
 from copies import on_copy
 from core.usb import UsbHost
-from host import BLOCK, DRIVE, EMERGENCY_STOP, KEEP_ALIVE, RATE_HZ, STOP, drive, frame, varint
+from host import BLOCK, RATE_HZ, drive, framed
+from messages import KeepAlive
 from rig import MID, MILLISECOND, is_silent, start
 
 
@@ -13,11 +14,11 @@ def sixteen(shift=0.0):
 def test_sixteen_gliding_tones_are_the_mirrors_bit_for_bit(cool, mirror):
     armed = cool
     first = armed.host.status()["now"] + 5 * MILLISECOND
-    first = armed.host.accept(DRIVE, drive(sixteen(), 10 * MILLISECOND, first))
+    first = armed.host.accept("Drive", drive(sixteen(), 10 * MILLISECOND, first))
     armed.host.live(0.03)
-    drag = armed.host.accept(DRIVE, drive(sixteen(0.9), 40 * MILLISECOND))
+    drag = armed.host.accept("Drive", drive(sixteen(0.9), 40 * MILLISECOND))
     armed.host.live(0.08)
-    stop = armed.host.accept(STOP)
+    stop = armed.host.accept("Stop")
     armed.host.live(0.04)
     until = armed.played()
     assert first < drag < stop and until - first > 100 * MILLISECOND
@@ -42,7 +43,7 @@ def test_a_stop_begins_in_the_block_that_waits_and_is_the_mirrors_bit_for_bit(co
         rig.board.run(phase / 8 * BLOCK / RATE_HZ)
         before = rig.played()
         stop = rig.host.accept(message)
-        rig.host.live(0.003 if message == EMERGENCY_STOP else 0.035)
+        rig.host.live(0.003 if message == "EmergencyStop" else 0.035)
         until = rig.played()
         codes, expected = rig.codes(first, until), mirror(rig.host.accepted, first, until)
         wrong = [first + i for i, (a, b) in enumerate(zip(codes, expected, strict=True)) if a != b]
@@ -52,13 +53,13 @@ def test_a_stop_begins_in_the_block_that_waits_and_is_the_mirrors_bit_for_bit(co
         return stop, stop - before
 
     host = cool.host
-    first = host.accept(DRIVE, drive(sixteen(), 5 * MILLISECOND))
+    first = host.accept("Drive", drive(sixteen(), 5 * MILLISECOND))
     host.live(0.01)
-    host.accept(DRIVE, drive(sixteen(0.9), 100 * MILLISECOND))
+    host.accept("Drive", drive(sixteen(0.9), 100 * MILLISECOND))
     host.live(0.01)
-    for message, phases in ((EMERGENCY_STOP, range(8)), (STOP, (1, 7))):
+    for message, phases in (("EmergencyStop", range(8)), ("Stop", (1, 7))):
         seen = [on_copy(cool, lambda rig, phase=phase: stopped(rig, message, phase)) for phase in phases]
-        print(f"stop {message:#x}: {[f'{index % BLOCK} of {index}, {soon / BLOCK:.2f} blocks' for index, soon in seen]}")
+        print(f"stop {message}: {[f'{index % BLOCK} of {index}, {soon / BLOCK:.2f} blocks' for index, soon in seen]}")
         assert {index % BLOCK for index, _ in seen} <= {0, 1} and sum(index % BLOCK for index, _ in seen) >= len(phases) / 2
 
 
@@ -68,19 +69,18 @@ def test_a_host_that_stops_reading_does_not_touch_the_samples(cool, mirror):
     at = start(armed)
     armed.cable.reads = False
     for count in range(100, 112):
-        body = varint(count)
-        armed.cable.send(frame(armed.host.session, armed.host.sequence, KEEP_ALIVE, body))
+        armed.cable.send(framed(armed.host.session, armed.host.sequence, "KeepAlive", KeepAlive(count)))
         armed.board.run(0.01)
     until = armed.played()
     assert armed.codes(at, until) == mirror(armed.host.accepted, at, until)
     armed.cable.reads = True
     armed.board.run(0.05)
     # What was cut off in the middle is over with the next delimiter.
-    armed.host.inbox.clear()
+    armed.host.forget()
     armed.cable.receive()
     armed.host.keep_alives = 200
     status = armed.host.status()
-    armed.host.accept(STOP)
+    armed.host.accept("Stop")
     # USB waits for the host, so what does not fit is dropped; a serial line cannot wait, and what is sent there is lost.
     assert (status["dropped"] > 0) == (armed.facts.cable is UsbHost)
     assert (status["state"], status["underruns"]) == ("driving", 0)

@@ -7,7 +7,7 @@ from boards import on_serial
 from copies import on_copy
 from core import dma_channels
 from core.uart import FRAMING, NOISE, OVERRUN, READINGS, TAKEN, SerialHost, levels, sampled
-from host import BLOCK, DISARM, EMERGENCY_STOP, RATE_HZ, STATUS, STOP, frame
+from host import BLOCK, RATE_HZ, framed
 from rig import MILLISECOND, is_silent, start
 
 # The link's two channels of DMA1, counted from 0: USART2's receiver and transmitter.
@@ -25,8 +25,8 @@ TRIES = 0.012
 def commands(host):
     """What would end the drive, or be answered, if it were understood."""
     return b"".join(
-        frame(host.session, sequence, message, b"")
-        for sequence, message in ((host.sequence + 1, DISARM), (9, STOP), (9, EMERGENCY_STOP), (9, STATUS))
+        framed(host.session, sequence, message)
+        for sequence, message in ((host.sequence + 1, "Disarm"), (9, "Stop"), (9, "EmergencyStop"), (9, "Status"))
     )
 
 
@@ -104,7 +104,7 @@ def test_noise_on_the_line_is_not_answered_and_does_not_touch_the_samples(soundi
 def test_a_byte_with_a_noisy_bit_counts_as_it_was_voted(sounding):
     """The frame's own CRC decides, not the flag."""
     uart, host = sounding.board.uart, sounding.host
-    for i, byte in enumerate(frame(host.session, 9, STATUS, b"")):
+    for i, byte in enumerate(framed(host.session, 9, "Status")):
         sounding.board.at(sounding.board.now + (i + 1) * 11e-6 * sounding.board.CORE_HZ, uart.take, byte, NOISE)
     sounding.board.run(5e-3)
     assert len(list(host.replies())) == 1
@@ -121,7 +121,7 @@ def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, pl
     uart, host = sounding.board.uart, sounding.host
     uart.reading = reading
     before = host.status()["crc_errors"]
-    data = frame(host.session, 9, STATUS, b"")
+    data = framed(host.session, 9, "Status")
     bad = {"at its begin": 0, "within it": 5, "at its end": len(data) - 1, "alone": len(data)}[place]
     for i, byte in enumerate(data + b"\x7f"):
         sounding.board.at(sounding.board.now + (i + 1) * BYTE * sounding.board.CORE_HZ, uart.take, byte, FRAMING if i == bad else 0)
@@ -138,7 +138,7 @@ def test_a_byte_without_its_stop_bit_costs_its_frame_and_is_counted(sounding, pl
 def test_a_stop_right_behind_a_bad_byte_is_obeyed(sounding, reading):
     """The bad byte was the end of a frame, and nobody has looked since: what came before it must not spoil the stop. At any time of a
     block, so in the renderer's turn, too."""
-    data = frame(sounding.host.session, 9, STATUS, b"") + frame(sounding.host.session, 9, STOP, b"")
+    data = framed(sounding.host.session, 9, "Status") + framed(sounding.host.session, 9, "Stop")
     bad = data.index(0)
 
     def case(rig, late):
@@ -177,7 +177,7 @@ def test_an_overrun_is_counted_and_the_link_goes_on(sounding, reading):
     board.uart.reading = reading
     before = host.status()["crc_errors"]
     board.dma[1].blocked.add(RECEIVES)
-    sounding.cable.send(frame(host.session, 9, STATUS, b"") * 3)
+    sounding.cable.send(framed(host.session, 9, "Status") * 3)
     # The error's interrupt clears the flag at once.
     board.run(12 * BYTE)
     board.dma[1].blocked.clear()
@@ -194,7 +194,7 @@ def test_a_thread_that_is_late_loses_no_byte_in_silence_and_has_those_that_came_
     """While nobody reads the ring takes half of it, 2.8 ms of the line's time."""
     board, host, cable = sounding.board, sounding.host, sounding.cable
     before = host.status()["crc_errors"]
-    request = frame(host.session, 9, STATUS, b"")
+    request = framed(host.session, 9, "Status")
     board.is_thread_frozen = True
     cable.send(request * int(milliseconds * 1e-3 / BYTE / len(request)))
     board.run_until(lambda: not cable.to_device, 0.1, step=1e-4)
@@ -212,7 +212,7 @@ def test_a_thread_that_is_late_loses_no_byte_in_silence_and_has_those_that_came_
 @pytest.mark.every_image
 def test_a_sending_dma_that_fails_ends_its_reply_and_the_next_one_is_sent(sounding):
     board, host, cable = sounding.board, sounding.host, sounding.cable
-    cable.send(frame(host.session, 9, STATUS, b""))
+    cable.send(framed(host.session, 9, "Status"))
     channel = board.dma[1].streams[SENDS]
     board.run_until(lambda: channel.control & 1 and channel.left, 0.005, step=1e-5)
     fail(board, SENDS)
@@ -228,7 +228,7 @@ def test_a_receiving_dma_that_fails_costs_what_it_had_and_the_link_goes_on(sound
     before = host.status()["crc_errors"]
     fail(sounding.board, RECEIVES)
     # Until the link's next tick.
-    sounding.cable.send(frame(host.session, 9, STATUS, b""))
+    sounding.cable.send(framed(host.session, 9, "Status"))
     sounding.board.run(0.005)
     sounding.cable.receive()
     assert is_undisturbed(sounding)["crc_errors"] > before

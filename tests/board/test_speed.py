@@ -10,13 +10,11 @@ import pytest
 import m4_cycles
 import wait_states
 from boards import G474, RENDERER_IRQ, on, on_f407
-from host import (
-    ACCEPTED, ACCEPTED_UNTIL, CAPTURE, DIGEST_START, DRIVE, EMERGENCY_STOP, INPUTS, KEEP_ALIVE, RATE_HZ, REFUSED, STOP, TABLE_COMMIT,
-    Reader, drive, frame, varint,
-)  # fmt: skip
+from host import RATE_HZ, drive, framed
 from images import ROOT, bench
 from instruction_trace import Recorder
 from measuring import EVERY_SLOT, listen, listened
+from messages import Capture, DigestStart, KeepAlive
 from test_latency import check_blocks, full_line, measure, sweep
 
 TONES, BLOCK = 16, 128
@@ -50,7 +48,6 @@ MILLISECOND = 400
 DEAF = 52, 60
 LISTENING = 70, 80
 # The refusal of a command whose number is not the next one.
-BAD_SEQUENCE = 3
 # One is measured while the other is captured.
 CAPTURING = 75, 80
 
@@ -147,7 +144,7 @@ def test_a_block_of_the_renderer_takes_little_enough_of_its_time_whatever_comes_
 
 def glide(host, shift, milliseconds):
     tones = [(slot, (slot + shift) / 17, 0.06) for slot in range(TONES)]
-    host.accept(DRIVE, drive(tones, milliseconds * MILLISECOND))
+    host.accept("Drive", drive(tones, milliseconds * MILLISECOND))
 
 
 def blend(host, knots):
@@ -156,9 +153,9 @@ def blend(host, knots):
     host.stage(knots)
     glide(host, 0.0, 200)
     host.live(0.003)
-    host.accept(TABLE_COMMIT)
+    host.accept("TableCommit")
     now = host.status()["now"]
-    host.accept(DIGEST_START, varint(now + 10 * MILLISECOND) + varint(100 * MILLISECOND))
+    host.accept("DigestStart", DigestStart(now + 10 * MILLISECOND, 100 * MILLISECOND))
     host.live(0.012)
 
 
@@ -243,34 +240,34 @@ def test_a_line_that_is_full_both_ways_costs_no_block_and_no_lock_in_while_all_c
     flood, sent, received, drives, turn = full_line(armed), 0, 0, 0, 0
     until = board.seconds + seconds
 
-    def follow(reply, body):
+    def follow(reply):
         """A numbered command that was dropped leaves its number to the next."""
-        if reply == REFUSED and body[0] == BAD_SEQUENCE:
-            host.sequence = Reader(body[1:]).number() - 1 & 0xFFFF
-        return reply in (ACCEPTED, ACCEPTED_UNTIL)
+        if reply.refuses("BadSequence"):
+            host.sequence = reply.value.expected - 1 & 0xFFFF
+        return reply.is_accepted
 
     def numbered(message, body):
         host.sequence = host.sequence + 1 & 0xFFFF
-        return frame(host.session, host.sequence, message, body)
+        return framed(host.session, host.sequence, message, body)
 
     while board.seconds < until:
-        data = frame(host.session, 9, KEEP_ALIVE, varint(500 + turn)) + numbered(DRIVE, sweep(turn, 40))
+        data = framed(host.session, 9, "KeepAlive", KeepAlive(500 + turn)) + numbered("Drive", sweep(turn, 40))
         if turn % 8 == 0:
-            data += numbered(CAPTURE, b"\0" + bytes([1, 0]) + varint(4096))
+            data += numbered("Capture", Capture(None, 1, 0, 4096))
         data += flood * 100
         cable.send(data)
         turn += 1
         board.run_until(lambda: len(cable.to_device) < len(flood), 0.2, step=2e-4)
         sent += len(data)
         received += len(cable.from_device)
-        drives += sum(follow(reply, body) for _, _, reply, body in host.replies())
+        drives += sum(map(follow, host.replies()))
     print(f"{sent} bytes to the device and {received} from it in {seconds} s, {drives} commands of {turn * 9 // 8} accepted")
     assert min(sent, received) > 0.85 * 92_160 * seconds, "the line was full both ways"
     assert drives > turn / 2
     board.run(0.005)
     cable.receive()
-    host.inbox.clear()
-    follow(*host.exchange(INPUTS)[1:])
+    host.forget()
+    follow(host.exchange("Inputs"))
     check_blocks(host)
     status, reading = host.status(), listened(host, 0)
     assert reading.progress == "running"
@@ -304,15 +301,15 @@ def test_a_block_is_rendered_while_levels_are_held_in_little_enough_of_its_time(
 def test_a_block_that_waits_is_revised_in_the_time_that_the_ring_holds_back_for_it(armed):
     """R-69: for a stop, while tones glide and a digest is made."""
     board, host = armed.board, armed.host
-    host.accept(DRIVE, drive([(slot, slot / 17, 0.06) for slot in range(TONES)], 200 * MILLISECOND))
+    host.accept("Drive", drive([(slot, slot / 17, 0.06) for slot in range(TONES)], 200 * MILLISECOND))
     now = host.status()["now"]
-    host.accept(DIGEST_START, varint(now + 10 * MILLISECOND) + varint(100 * MILLISECOND))
+    host.accept("DigestStart", DigestStart(now + 10 * MILLISECOND, 100 * MILLISECOND))
     host.live(0.02)
     board.run_until(lambda: armed.played() % BLOCK == 0, 0.001, step=1e-6)
     (revise,) = {address & ~1 for name, address in board.symbols.items() if re.match(r"_ZN.*revision.*6revise17h", name)}
     (ring,) = {address for name, address in board.symbols.items() if re.match(r"_ZN.*dac4RING", name)}
     with Recorder(board, RENDERER) as recorder:
-        host.accept(EMERGENCY_STOP)
+        host.accept("EmergencyStop")
     (run,) = (run for run in recorder.runs if any(step.address == revise for step in run))
     cycles, _ = wait_states.cycles(run, board.timing, CHIPS[0][0], wait_states.FLASH.start)
     compare("a stop begins in the block that waits", board, cycles + board.ENTRY_CYCLES + board.EXIT_CYCLES, [run], RENDERER)
@@ -334,13 +331,13 @@ def test_interrupts_are_never_masked_for_longer_than_the_priorities_file_says(ar
     board, host = armed.board, armed.host
     tones = [(slot, slot / 17, 0.06) for slot in range(TONES)]
     board.worst_masked = 0, 0
-    host.accept(DRIVE, drive(tones, 200 * MILLISECOND))
+    host.accept("Drive", drive(tones, 200 * MILLISECOND))
     host.live(0.003)
     host.stage(40)
-    host.accept(TABLE_COMMIT)
-    host.accept(DIGEST_START, varint(host.status()["now"] + 10 * MILLISECOND) + varint(20 * MILLISECOND))
+    host.accept("TableCommit")
+    host.accept("DigestStart", DigestStart(host.status()["now"] + 10 * MILLISECOND, 20 * MILLISECOND))
     host.live(0.012)
-    host.accept(STOP)
+    host.accept("Stop")
     # The supervisor sets its alarm every 100 ms.
     board.is_hasty = True
     host.live(0.15)

@@ -5,7 +5,7 @@ import pytest
 
 from boards import DAC_IRQ, H743, RENDERER_IRQ, TIME_IRQ, on, on_f407
 from core.usb import UsbHost
-from host import BOOTLOADER_ENTER, BOOTLOADER_TOKEN, DISARM, RATE_HZ, TOKEN_REPLY, Reader, varint
+from host import RATE_HZ
 from rig import MID, is_silent
 
 
@@ -45,8 +45,8 @@ def test_it_enumerates_as_the_documentation_says(rig):
         assert rig.cable.strings == {1: "Slipline", 2: "Slipline tactile display", 3: unique_id.hex().upper()}
     assert identity["board"] == rig.facts.name
     assert identity["unit"] == unique_id
-    assert (identity["rate"], identity["block"], identity["bits"], identity["tones"]) == (RATE_HZ, 128, 12, 16)
-    assert (identity["reset"], identity["stored"], identity["crash"]) == ("power-on", "empty", "")
+    assert (identity["sample_rate_hz"], identity["block"], identity["dac_bits"], identity["tones"]) == (RATE_HZ, 128, 12, 16)
+    assert (identity["reset"], identity["stored"], identity["crash"]) == ("power on", "empty", "")
     assert not identity["simulated"]
 
 
@@ -65,9 +65,7 @@ def test_the_renderer_ranks_above_the_link_and_the_dac_above_both(rig):
 def enter_bootloader(rig):
     identity = rig.host.connect()
     rig.board.resets.clear()
-    _, reply, body = rig.host.exchange(BOOTLOADER_TOKEN)
-    assert reply == TOKEN_REPLY
-    rig.host.exchange(BOOTLOADER_ENTER, varint(Reader(body).number()))
+    rig.host.exchange("BootloaderEnter", rig.host.ask("BootloaderToken"))
     rig.board.run(0.1)
     assert rig.board.resets == ["software"]
     return identity
@@ -82,7 +80,7 @@ def test_the_rom_bootloader_is_entered_in_two_steps(rig):
         register, mode = rig.facts.rom_map
         assert rig.board.bus_read(register, 4) & 7 == mode, "system memory at address 0, as after a boot from ROM"
     rig.board.reset("pin")
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
 
 
@@ -102,12 +100,12 @@ def test_each_time_the_rom_misses_the_crystal_the_program_is_back_and_can_be_ask
     for _ in range(5):
         enter_bootloader(rig)
         rig.board.reset("software")
-        rig.host.inbox.clear()
+        rig.host.forget()
     identity = enter_bootloader(rig)
     assert (identity["reset"], identity["crash"]) == ("software", "")
     assert rig.board.pc & ~1 == rig.facts.rom + 0x100
     rig.board.leave_bootloader()
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     rig.host.upload()
     rig.host.arm()
@@ -117,7 +115,7 @@ def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(rig):
     """`dfu-util -s 0x08000000:leave` resets nothing."""
     enter_bootloader(rig)
     rig.board.leave_bootloader()
-    rig.host.inbox.clear()
+    rig.host.forget()
     identity = rig.host.connect()
     assert (identity["reset"], identity["crash"]) == ("software", "")
     assert rig.board.resets == ["software"], "the one that led into the ROM"
@@ -134,7 +132,7 @@ def test_the_lamp_tells_muted_from_sounding(armed):
     armed.board.is_hasty = True
     armed.host.live(0.2)
     assert flashes(0.9) == 0 and armed.board.pin(armed.facts.lamp) == 1, "steady while the amplifier is on"
-    armed.host.accept(DISARM)
+    armed.host.accept("Disarm")
     armed.host.live(0.9)
     assert flashes(1.6) == 2, "a flash every 0.8 s while it is muted"
 

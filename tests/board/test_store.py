@@ -5,8 +5,6 @@ import pytest
 
 from copies import on_copy
 from core.processor import PowerCut
-from host import CLEAR_FAULTS, FORGET, REFUSED, STORE, STORES_SPENT, UNCHANGED
-
 HEADER_BYTES = 32
 # What a cut in the middle of a word leaves of it: the bits that it has not got yet, of all that fall.
 TORN = {"half": 0xA5A5A5A5, "the other half": 0x5A5A5A5A, "hardly": 0xFFFFFFFF, "nearly whole": 0}
@@ -40,15 +38,15 @@ def test_sixteen_stores_in_a_row_and_the_flash_is_spared(rig):
     host.upload(33)
     host.live(0.002)
     assert host.wear() == (0, 20_000, 16)
-    for message in (STORE, FORGET) * 8:
+    for message in ("Store", "Forget") * 8:
         host.accept(message, patience=rig.facts.store_seconds)
     assert host.wear() == (0, 20_000, 0)
-    _, reply, body = host.exchange(STORE, patience=rig.facts.store_seconds)
-    assert (reply, body[0], host.maintenance()[0]) == (REFUSED, STORES_SPENT, 16)
+    reply = host.exchange("Store", patience=rig.facts.store_seconds)
+    assert reply.refuses("StoresSpent") and host.maintenance()[0] == 16
     # The seconds of a minute that are left; the erasures took some.
-    assert 60 - 16 * rig.facts.store_seconds < body[1] <= 60
+    assert 60 - 16 * rig.facts.store_seconds < reply.value.wait_s <= 60
     # What is kept already costs nothing.
-    assert host.exchange(FORGET)[1] == UNCHANGED
+    assert host.exchange("Forget").name == "Unchanged"
 
 
 def operation_at(facts, words):
@@ -63,9 +61,9 @@ def cut(rig, operation, missing=TORN["half"]):
     flash.cut_at, flash.is_cut_clean = flash.operations + operation, missing is None
     flash.missing = missing or 0
     with pytest.raises(PowerCut):
-        rig.host.accept(STORE, patience=rig.facts.store_seconds)
+        rig.host.accept("Store", patience=rig.facts.store_seconds)
     rig.board.reset("power")
-    rig.host.inbox.clear()
+    rig.host.forget()
     return rig.host.connect()["stored"]
 
 
@@ -73,7 +71,7 @@ def stores_again(rig, erasures=None):
     # Nothing has sounded since the start, so there is nothing to wait for but the commit.
     again = rig.host.upload(35)
     rig.host.live(0.002)
-    rig.host.accept(STORE, patience=rig.facts.store_seconds)
+    rig.host.accept("Store", patience=rig.facts.store_seconds)
     assert erasures is None or rig.host.maintenance()[0] == erasures
     rig.board.reset("power")
     assert rig.host.connect()["stored"] == "loaded"
@@ -91,7 +89,7 @@ def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(kept, words):
     assert stored == ("fell back" if is_told else "loaded")
     assert kept.host.status()["faults"] == ({"store fell back"} if is_told else set())
     # A table limits nothing, so a host alone may go on with the older one.
-    kept.host.accept(CLEAR_FAULTS)
+    kept.host.accept("ClearFaults")
     assert kept.host.status()["faults"] == set()
     assert kept.stored_crc() == kept.old
     stores_again(kept, erasures=2 + is_told)
@@ -100,7 +98,7 @@ def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(kept, words):
 def operations(rig):
     """How many a store takes."""
     before = rig.board.flash.operations
-    rig.host.accept(STORE, patience=rig.facts.store_seconds)
+    rig.host.accept("Store", patience=rig.facts.store_seconds)
     return rig.board.flash.operations - before
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from boards import BOARDS, RENDERER_IRQ
 from copies import on_copy
-from host import ARM, BLOCK, CLEAR_FAULTS, DISARM, DRIVE, RATE_HZ, STOP, STORE, drive
+from host import BLOCK, RATE_HZ, drive
 from images import ROOT
 from rig import MILLISECOND
 
@@ -40,12 +40,12 @@ def test_the_trigger_rises_two_samples_before_the_program_is_at_the_dac(sounding
 
     def case(rig):
         host, edges = rig.host, Edges(rig)
-        next_ = host.accept(DRIVE, drive(TONE, 5 * MILLISECOND))
+        next_ = host.accept("Drive", drive(TONE, 5 * MILLISECOND))
         host.live(0.004)
         asked = host.status()["now"] + 3 * MILLISECOND + 5
-        later = host.accept(DRIVE, drive([(slot, (slot + 0.5) / 17, 0.02) for slot in range(16)], 8 * MILLISECOND, asked))
+        later = host.accept("Drive", drive([(slot, (slot + 0.5) / 17, 0.02) for slot in range(16)], 8 * MILLISECOND, asked))
         host.live(0.012)
-        host.accept(STOP)
+        host.accept("Stop")
         host.live(0.02)
         until = rig.played()
         return edges.seen, next_, asked, later, host.accepted, until, rig.codes(rig.at, until)
@@ -61,15 +61,15 @@ def test_a_program_that_is_not_played_raises_nothing(sounding):
 
     def case(rig):
         board, host, edges = rig.board, rig.host, Edges(rig)
-        at = host.accept(DRIVE, drive(TONE, 5 * MILLISECOND, host.status()["now"] + 4 * MILLISECOND))
+        at = host.accept("Drive", drive(TONE, 5 * MILLISECOND, host.status()["now"] + 4 * MILLISECOND))
         board.run_until(lambda: rig.played() > at - 128 - 20, 0.01, step=2e-6)
         board.enabled.discard(RENDERER_IRQ)
         board.run_until(lambda: rig.played() > at + 20, 0.01, step=2e-6)
         board.enabled.add(RENDERER_IRQ)
         host.live(0.005)
         fault = host.status()["first_fault"]
-        host.accept(CLEAR_FAULTS)
-        host.accept(ARM)
+        host.accept("ClearFaults")
+        host.accept("Arm")
         host.live(0.01)
         return edges.seen, fault
 
@@ -92,11 +92,11 @@ def test_the_pin_keeps_in_step_with_the_ring_when_that_has_begun_anew(sounding, 
         board.dma[controller].blocked.clear()
         host.live(0.015)
         assert board.dac.underruns >= 1 and host.status()["underruns"] == 1
-        host.accept(CLEAR_FAULTS)
-        host.accept(ARM)
+        host.accept("ClearFaults")
+        host.accept("Arm")
         host.live(0.01)
         edges = Edges(rig)
-        at = host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+        at = host.accept("Drive", drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
         captured = host.capture(0, 512, at + 8 * BLOCK)
         host.live(0.01)
         assert edges.seen, "the pin does not rise any more"
@@ -119,14 +119,14 @@ def test_a_store_does_not_part_the_pin_from_the_codes(sounding):
 
     def case(rig):
         host = rig.host
-        host.accept(DISARM)
+        host.accept("Disarm")
         host.live(0.1)
-        host.accept(STORE, patience=6)
+        host.accept("Store", patience=6)
         host.live(0.1)
-        host.accept(ARM)
+        host.accept("Arm")
         host.live(0.01)
         edges = Edges(rig)
-        at = host.accept(DRIVE, drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
+        at = host.accept("Drive", drive([(0, 0.4, 0.5)], 5 * MILLISECOND))
         host.live(0.004)
         return edges.seen, at
 

@@ -5,7 +5,8 @@ import pytest
 
 from boards import BOARDS
 from copies import on_copy
-from host import AT_TRIGGER, DISARM, DRIVE, EMERGENCY_STOP, STOP, drive
+from host import drive
+from messages import AT_TRIGGER
 from rig import MILLISECOND, is_silent
 from test_trigger import TEXT, TONE, Edges, pulse
 
@@ -18,7 +19,7 @@ AGAIN = [(2, 0.7, 0.2)]
 
 def wait_for_trigger(rig, tones=TONE):
     """Sends a drive that waits; returns the index from which on a rise counts."""
-    return rig.host.accept(DRIVE, drive(tones, 5 * MILLISECOND, AT_TRIGGER))
+    return rig.host.accept("Drive", drive(tones, 5 * MILLISECOND, AT_TRIGGER))
 
 
 def rise(rig, seconds=20e-6):
@@ -82,7 +83,7 @@ def test_what_came_before_or_is_too_short_counts_for_nothing(sounding):
         # Another drive takes its place: what rose for the one before it is not for this one.
         to_phase(rig, 20)
         rig.board.pins.drive(rig.facts.trigger_input, 1)
-        newer = host.accept(DRIVE, drive(AGAIN, 5 * MILLISECOND))
+        newer = host.accept("Drive", drive(AGAIN, 5 * MILLISECOND))
         host.live(0.01)
         wait_for_trigger(rig)
         host.live(0.01)
@@ -128,8 +129,8 @@ def test_stops_and_the_dead_man_drop_it(sounding):
 
     # Dropped at once, and not only when the input rises.
     nothing = (False, None)
-    for message in (STOP, EMERGENCY_STOP, DISARM):
-        assert on_copy(sounding, stopped(message)) == (nothing, nothing, [], True), hex(message)
+    for message in ("Stop", "EmergencyStop", "Disarm"):
+        assert on_copy(sounding, stopped(message)) == (nothing, nothing, [], True), message
     assert on_copy(sounding, abandoned) == (nothing, nothing, [], "host lost")
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from boards import on_usb
 from core.usb_core import OUT_DATA, OUT_DONE
-from host import DISARM, DRIVE, EMERGENCY_STOP, HELLO, RATE_HZ, STATUS, STOP, TO_HOST, drive, frame, hello_body
+from frame import TO_HOST
+from host import RATE_HZ, drive, framed, hello
 from rig import MILLISECOND, is_silent, start
 
 DESCRIPTOR, LINE_CODING, TO_INTERFACE, FROM_DEVICE = 6, 0x20, 0x21, 0x80
@@ -23,7 +24,7 @@ def comes_back(rig):
 
 def is_undisturbed(rig):
     """It has played what the mirror plays, and goes on doing so in the same session."""
-    rig.host.inbox.clear()
+    rig.host.forget()
     # Ends whatever has been begun on the link.
     rig.cable.send(b"\0")
     status = rig.host.status()
@@ -67,7 +68,7 @@ def test_a_bus_that_stays_asleep_ends_the_drive_as_any_silent_host(armed):
 
 def garbage(host, chance):
     """What no host of ours sends, some kilobytes of each kind."""
-    commands = [frame(host.session, sequence, message, b"") for sequence, message in ((1, DISARM), (9, STOP), (9, EMERGENCY_STOP))]
+    commands = [framed(host.session, sequence, message) for sequence, message in ((1, "Disarm"), (9, "Stop"), (9, "EmergencyStop"))]
 
     def flipped(data):
         at = chance.randrange(len(data) - 1)
@@ -81,7 +82,7 @@ def garbage(host, chance):
         "no delimiter": b"\xff" * 3000 + b"\0",
         "wrong bits": b"".join(flipped(chance.choice(commands)) for _ in range(80)),
         "cut frames": b"".join(command[: chance.randrange(len(command) - 1)] + b"\0" for command in commands * 20),
-        "echoes": b"".join(frame(host.session, 9, message, b"", TO_HOST) for message in (STOP, EMERGENCY_STOP) * 20),
+        "echoes": b"".join(framed(host.session, 9, message, direction=TO_HOST) for message in ("Stop", "EmergencyStop") * 20),
         "frames in frames": b"".join(command[:-3] + command[:-3] + b"\0" for command in commands * 20),
     }
 
@@ -103,8 +104,8 @@ def test_a_host_that_babbles_does_not_touch_the_samples(sounding):
 def test_packets_of_one_byte_and_of_none_are_the_same_bytes(sounding):
     """A command comes byte by byte, with a packet of no bytes after each."""
     board, cable, host = sounding.board, sounding.cable, sounding.host
-    host.inbox.clear()
-    for byte in frame(host.session, 9, STATUS, b""):
+    host.forget()
+    for byte in framed(host.session, 9, "Status"):
         cable.send(bytes([byte]))
         board.run_until(lambda: not cable.to_device and not cable.out_refuses[cable.bulk_out], 1e-3, step=2e-5)
         cable.out_refuses[cable.bulk_out] = True
@@ -235,7 +236,7 @@ def test_a_bus_reset_while_a_reply_is_cut_does_not_stop_the_program(rig):
     fetched, must not block the endpoint."""
     rig.host.connect()
     rig.cable.reads = False
-    rig.cable.send(frame(0, 0, HELLO, hello_body(99)))
+    rig.cable.send(framed(0, 0, "Hello", hello(99)))
     rig.board.run(0.1)
     rig.cable.unplug()
     rig.board.run(0.01)
@@ -250,7 +251,7 @@ def test_a_bus_reset_while_a_reply_is_cut_does_not_stop_the_program(rig):
     rig.cable.unplug()
     rig.cable.plug()
     rig.board.is_hasty = False
-    rig.host.inbox.clear()
+    rig.host.forget()
     rig.host.connect()
     assert rig.host.status()["state"] == "idle"
 
@@ -283,7 +284,7 @@ def test_a_hundred_bus_resets_do_not_touch_the_samples_and_the_link_comes_back(s
 def test_bus_resets_without_end_are_a_silent_host(cool, mirror, seed):
     """R-20: what sounds is the mirror's up to the dead-man's time, and nothing sounds after it."""
     chance, board, cable = random.Random(seed), cool.board, cool.cable
-    at = cool.host.accept(DRIVE, drive([(0, 0.3, 0.3), (1, 0.9, 0.2)], 5 * MILLISECOND))
+    at = cool.host.accept("Drive", drive([(0, 0.3, 0.3), (1, 0.9, 0.2)], 5 * MILLISECOND))
     accepted, last = list(cool.host.accepted), cool.played()
     end, resets = board.seconds + 1.3, 0
     while board.seconds < end:
@@ -297,6 +298,6 @@ def test_bus_resets_without_end_are_a_silent_host(cool, mirror, seed):
     assert is_silent(cool.codes(last + 1060 * MILLISECOND, cool.played()))
     assert board.pin(cool.facts.unmute) == 0 and board.resets == []
     comes_back(cool)
-    cool.host.inbox.clear()
+    cool.host.forget()
     cool.host.hello()
     assert cool.host.status()["first_fault"] == "host lost"

@@ -39,7 +39,7 @@ def survives(rig, actions):
     board.run(1e-3)
     cable.enumerates = cable.reads = True
     cable.plug()
-    rig.host.inbox.clear()
+    rig.host.forget()
     board.run_until(lambda: cable.is_configured, 0.2)
     # Ends whatever has been begun on the link, as every host does.
     cable.send(b"\0")

@@ -10,7 +10,7 @@ from boards import G474, H743, RENDERER_IRQ, on
 from copies import on_copy
 from core.pins import BSRR, MODER
 from core.usb import UsbHost
-from host import CLEAR_FAULTS, DISARM, DISARM_FIRST, RATE_HZ, REFUSED, STOP, STORE, UNCHANGED
+from host import RATE_HZ
 from rig import MID
 from test_faults import HANDLED_IN, MUTED_IN
 
@@ -135,7 +135,7 @@ def test_a_usb_core_that_never_ends_a_flush_costs_the_deadline_and_not_the_finge
         board.run_until(lambda: board.resets, longest_watchdog(sounding), step=0.01)
         board.is_hasty = False
         rig.cable.stuck_fifos = set()
-        host.inbox.clear()
+        host.forget()
         return off, board.resets, host.connect()["reset"], host.status()["faults"]
 
     off, resets, reported, faults = on_copy(sounding, case)
@@ -154,7 +154,7 @@ def test_a_crystal_that_stops_mutes_in_hardware_and_is_told(sounding):
         # The program waits for it: its oscillator starts again.
         board.run(0.001)
         board.start_crystal()
-        rig.host.inbox.clear()
+        rig.host.forget()
         identity = rig.host.connect()
         return board.resets, identity["reset"], identity["crash"]
 
@@ -208,7 +208,7 @@ def test_an_amplifier_that_has_muted_itself_comes_on_again_only_when_the_device_
         host.live(0.005)
         assert is_off(rig)
         status = host.status()
-        host.accept(CLEAR_FAULTS)
+        host.accept("ClearFaults")
         host.arm()
         host.live(0.008)
         return off, status["state"], status["first_fault"], board.pin(rig.facts.unmute)
@@ -241,7 +241,7 @@ def test_the_configurations_of_dac_pin_and_mute_pin_are_locked(sounding):
 
     def case(rig):
         board, host = rig.board, rig.host
-        host.accept(DISARM)
+        host.accept("Disarm")
         host.live(0.05)
         assert is_off(rig)
         for name in (rig.facts.unmute, DAC_PIN):
@@ -261,12 +261,12 @@ def test_the_watchdog_is_short_and_grows_for_an_erasure_only(sounding):
     def case(rig):
         board, host = rig.board, rig.host
         short = board.watchdog.period()
-        host.accept(DISARM)
+        host.accept("Disarm")
         host.live(0.1)
         periods = set()
         feed = board.watchdog.write
         board.watchdog.write = lambda offset, value: (feed(offset, value), periods.add(round(board.watchdog.period(), 3)))
-        host.accept(STORE, patience=STORE_PATIENCE)
+        host.accept("Store", patience=STORE_PATIENCE)
         host.live(0.3)
         return short, sorted(periods), board.watchdog.period(), board.resets
 
@@ -286,25 +286,24 @@ def test_the_flash_is_written_only_with_the_amplifier_off_and_only_when_it_chang
         def erasures():
             return [entry for entry in board.log if entry[1] == "erase"]
 
-        host.accept(STOP)
+        host.accept("Stop")
         host.live(0.1)
         assert host.status()["state"] == "armed" and not is_off(rig)
         board.log.clear()
-        _, reply, body = host.exchange(STORE, patience=STORE_PATIENCE)
-        assert (reply, body) == (REFUSED, DISARM_FIRST)
+        assert host.exchange("Store", patience=STORE_PATIENCE).refuses("DisarmFirst")
         assert not erasures() and not is_off(rig), "nothing has changed"
 
-        host.accept(DISARM)
+        host.accept("Disarm")
         host.live(0.05)
         assert is_off(rig)
         board.log.clear()
-        host.accept(STORE, patience=STORE_PATIENCE)
+        host.accept("Store", patience=STORE_PATIENCE)
         assert erasures() and not [entry for entry in board.log if entry[1] == rig.facts.unmute]
         worn = host.maintenance()[0]
 
         board.log.clear()
-        _, reply, _ = host.exchange(STORE, patience=STORE_PATIENCE)
-        assert reply == UNCHANGED and not erasures(), "the same table is not written again"
+        reply = host.exchange("Store", patience=STORE_PATIENCE)
+        assert reply.name == "Unchanged" and not erasures(), "the same table is not written again"
         assert host.maintenance()[0] == worn == 1
         host.arm()
         return host.status()["state"], is_off(rig)
