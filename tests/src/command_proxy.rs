@@ -37,12 +37,14 @@ pub struct CommandProxy {
 }
 
 impl CommandProxy {
-    /// A proxy for this device. It serves one host at a time.
+    /// A proxy for a simulated device, in real time. It serves one host at a time.
     ///
     /// # Panics
     /// If no socket can be made.
     #[must_use]
-    pub fn for_device(mut device: Box<dyn Transport>, alter: Alter) -> Self {
+    pub fn for_simulated(options: Options, alter: Alter) -> Self {
+        let device = Arc::new(Mutex::new(RealtimeDevice::new(SimulatedDevice::new(options), system_clock())));
+        let mut device = RealtimeLine::new(device, Waker::new(|| ()));
         static STARTED: AtomicU32 = AtomicU32::new(0);
         let number = STARTED.fetch_add(1, Ordering::Relaxed);
         let path = std::env::temp_dir().join(format!("slipline-{}-{number}.proxy", std::process::id()));
@@ -53,19 +55,12 @@ impl CommandProxy {
         let thread = thread::spawn(move || {
             while !is_ended.load(Ordering::Relaxed) {
                 match listener.accept() {
-                    Ok((host, _)) => forward(host, device.as_mut(), alter, &is_ended),
+                    Ok((host, _)) => forward(host, &mut device, alter, &is_ended),
                     Err(_) => thread::sleep(POLL_TIMEOUT),
                 }
             }
         });
         Self { path, ended, thread: Some(thread) }
-    }
-
-    /// A proxy for a simulated device, in real time.
-    #[must_use]
-    pub fn for_simulated(options: Options, alter: Alter) -> Self {
-        let device = Arc::new(Mutex::new(RealtimeDevice::new(SimulatedDevice::new(options), system_clock())));
-        Self::for_device(Box::new(RealtimeLine::new(device, Waker::new(|| ()))), alter)
     }
 
     /// The port's name as `--port` takes it.

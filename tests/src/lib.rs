@@ -6,7 +6,7 @@
 //! qemu::Emulator      test client -> serial port -> firmware image in QEMU -> DAC codes on a second serial port
 //! bench::Bench        a sensor on a secret plate -> simulated device -> link -> measurement -> calibration
 //! recorder::Recorder  the sensor by a clock of its own -> WAV file -> calibration
-//! CommandProxy        host program -> Unix socket -> changed commands -> any device
+//! CommandProxy        host program -> Unix socket -> changed commands -> simulated device
 //! ```
 //! A rig runs the production code; only its inputs and outputs differ. Hardware, time and random numbers are arguments,
 //! so a run can be repeated exactly. Each file under `tests/` holds the tests of one subject. A test that covers a row

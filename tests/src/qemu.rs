@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use slipline_app::bank::BLOCK;
 use slipline_protocol::Decoder;
 use slipline_protocol::command::{Command, Hello, KeepAlive};
-use slipline_protocol::event::{Event, Identity, Status};
+use slipline_protocol::event::Event;
 use slipline_protocol::limits::KEEP_ALIVE_PERIOD_MS;
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::version::{Minor, Version};
@@ -117,12 +117,6 @@ impl Emulator {
     #[must_use]
     pub fn host(&self) -> Host {
         Host::new(connect(&self.link))
-    }
-
-    /// Another host that goes on with a session: it may look, and nobody keeps the device alive.
-    #[must_use]
-    pub fn onlooker(&self, session: u32) -> Host {
-        Host { session, ..self.host() }
     }
 
     /// Asks for the next blocks that the DAC plays, without waiting for them; at most 255.
@@ -228,22 +222,13 @@ impl Host {
     /// Begins a session.
     ///
     /// # Panics
-    /// If the device does not say who it is.
-    pub fn hello(&mut self) -> Identity {
+    /// If the device does not answer it.
+    pub fn hello(&mut self) {
         let hello = Command::Hello(Hello { version: Version::OURS, nonce: *b"test" });
         self.say(&hello, 0, 0);
         let (session, event) = self.answer();
+        assert!(matches!(event, Event::Hello(_)), "a hello is answered by an identity, not {event:?}");
         self.session = session;
-        match event {
-            Event::Hello(identity) => identity,
-            other => panic!("a hello is answered by an identity, not {other:?}"),
-        }
-    }
-
-    /// The session's number.
-    #[must_use]
-    pub const fn session(&self) -> u32 {
-        self.session
     }
 
     fn say(&mut self, command: &Command, session: u32, sequence: u16) {
@@ -282,24 +267,15 @@ impl Host {
     }
 
     /// Lives until the device has come to an index.
-    pub fn live_until(&mut self, index: SampleIndex) -> Status {
-        self.pass(|host| {
-            host.keep_alive_if_due();
-            let status = host.status();
-            (status.now >= index).then_some(status)
-        })
-    }
-
-    /// Asks for the status, but shows no sign of life, until it fits.
-    pub fn watch_until(&mut self, fits: impl Fn(&Status) -> bool) -> Status {
-        self.pass(|host| Some(host.status()).filter(&fits))
-    }
-
-    fn pass<T>(&mut self, mut step: impl FnMut(&mut Self) -> Option<T>) -> T {
+    ///
+    /// # Panics
+    /// If it does not get there.
+    pub fn live_until(&mut self, index: SampleIndex) {
         let deadline = Instant::now() + REPLY_TIMEOUT;
         loop {
-            if let Some(found) = step(self) {
-                return found;
+            self.keep_alive_if_due();
+            if self.status().now >= index {
+                return;
             }
             assert!(Instant::now() < deadline, "the emulated device does not get there");
             std::thread::sleep(Duration::from_millis(2));
@@ -312,27 +288,6 @@ impl Host {
             self.beat_due = Instant::now() + Duration::from_millis(KEEP_ALIVE_PERIOD_MS.into());
             self.beat += 1;
             self.send(&Command::KeepAlive(KeepAlive { beat: self.beat }));
-        }
-    }
-
-    /// Asks for the status again and again and never reads an answer, until the line is full or the questions are
-    /// all sent.
-    ///
-    /// # Panics
-    /// If the emulator has ended.
-    pub fn flood_with_questions(&mut self, questions: usize) {
-        let frame = Command::Status
-            .frame_for(Minor::OURS, self.session, self.sequence)
-            .expect("a command fits a frame");
-        self.line.set_write_timeout(Some(Duration::from_millis(200))).expect("a time-out can be set");
-        for _ in 0..questions {
-            match self.line.write_all(&frame) {
-                Ok(()) => {}
-                Err(error) if matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut) => {
-                    break;
-                }
-                Err(error) => panic!("the emulator has ended: {error}"),
-            }
         }
     }
 }
