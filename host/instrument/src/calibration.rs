@@ -11,6 +11,7 @@ pub use remedy::Remedy;
 
 use crate::jobs::calibrate::CalibrateJob;
 use crate::measure::Wanted;
+use crate::requests::with_calipers;
 use slipline_plate::calibrate::{Calipers, Measurement, Placing, Priors, SensorPlaces};
 use slipline_plate::{Plate, PlateError};
 use std::sync::Arc;
@@ -84,13 +85,8 @@ impl CalibrationWizard {
     /// # Errors
     /// Which length is out of range or gives an invalid plate. The previous dimensions then stay.
     pub fn take_calipers(&mut self, calipers: Option<Calipers>) -> Result<(), PlateError> {
-        self.places_m = match calipers {
-            Some(calipers) => {
-                let (plate, priors) = calipers.applied_to(&self.plate)?;
-                proposed_m(&plate, priors)
-            }
-            None => proposed_m(&self.plate, Priors::default()),
-        };
+        let (plate, priors) = with_calipers(&self.plate, calipers)?;
+        self.places_m = proposed_m(&plate, priors);
         self.calipers = calipers;
         Ok(())
     }

@@ -9,6 +9,7 @@
 //! measured_file --> jobs (recorded, calibrate) --> calibration
 //! jobs (rig) --> rig: the sensor, current and finger of a simulated plate
 //! recording: a drag, for replay
+//! requests: what the command line and Python ask for
 //! ```
 //! It owns no thread, clock or path, and builds for a browser. Shells (window, command line) translate their
 //! own events into its calls and show its state.
@@ -34,6 +35,7 @@ pub mod measured_file;
 pub mod native;
 pub mod profile_file;
 pub mod recording;
+pub mod requests;
 pub mod rig;
 
 pub use instrument::{

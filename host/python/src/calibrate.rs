@@ -1,37 +1,28 @@
 //! `Plate.calibrate`.
 
 use crate::error::Failure;
-use crate::feeling::{self, NamedFeeling};
+use crate::feeling;
 use crate::options::Options;
-use crate::place::{LEVEL, turning_point_of};
+use crate::place::{LEVEL, no_such_tone};
 use crate::plate::Plate as PyPlate;
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
-use slipline_instrument::calibration::{CALIPERS_TOLERANCE_M, named_calibrated};
+use slipline_instrument::calibration::named_calibrated;
+use slipline_instrument::requests::{
+    FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, IncompleteCalipers, complete_calipers, measured,
+    with_calipers,
+};
 use slipline_model::answer::calibrate::{
-    CALIPERS_TOLERANCE, CalibrateAnswer, CalibrationReport, Measured, TOUCH_LEVEL, TOUCH_TOLERANCE,
-    TOUCH_TOLERANCE_M, by_measurements, by_touches, touch,
+    CALIPERS_TOLERANCE, CalibrateAnswer, CalibrationReport, TOUCH_TOLERANCE, by_measurements,
 };
 use slipline_model::field::asked_place::AskedPlace;
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, table_for_watched};
-use slipline_model::setup::Setup;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Priors, Touch, TouchedDrive, Transducer, departure,
+    CalibrateError, Calipers, Measurement, Priors, TouchedDrive, Transducer, departure,
 };
-use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::{Plate, Progress, limits};
 use std::sync::Arc;
-
-/// Felt edges, and what is known of them.
-struct Touches {
-    /// Each as (felt edge asked for, place where it was felt), metres.
-    asked_and_felt_m: Vec<(f64, f64)>,
-    level: f64,
-    tolerance_m: f64,
-    drive: Option<TouchedDrive>,
-    feeling: NamedFeeling,
-}
 
 /// Fits the plate's numbers.
 pub(crate) fn run(
@@ -46,16 +37,14 @@ pub(crate) fn run(
     options.end()?;
     let file = Arc::clone(plate);
     let (found, calibrated) = compute(py, move |progress| {
-        let applied = calipers.map(|calipers| calipers.applied_to(&file)).transpose();
-        let applied = applied.map_err(|error| Failure::of(&error))?;
-        let (nominal, priors) = applied.unwrap_or_else(|| ((*file).clone(), Priors::default()));
-        let found = match (&measurements[..], current, &touches) {
-            ([one], Some(drive), None) => by_measurements(&nominal, Measured::Current(one, drive), &priors),
-            ([one], None, None) => by_measurements(&nominal, Measured::OneSensor(one), &priors),
-            ([near, far], None, None) => by_measurements(&nominal, Measured::TwoPlaces([near, far]), &priors),
-            ([], None, Some(touches)) => touches.calibrate(&nominal, &priors, progress)?,
-            (more, ..) => {
-                let given = format_args!("{} measurements", more.len());
+        let (nominal, priors) = with_calipers(&file, calipers).map_err(|error| Failure::of(&error))?;
+        let found = match (&touches, measured(&measurements, current)) {
+            (None, Some(measured)) => by_measurements(&nominal, measured, &priors),
+            (Some(touches), None) if measurements.is_empty() && current.is_none() => {
+                by_felt_edges(touches, &nominal, &priors, progress)?
+            }
+            _ => {
+                let given = format_args!("{} measurements", measurements.len());
                 let allowed = "1 or 2 of one sensor, 1 of the current, or none with touch";
                 return Err(Failure::wrong_arguments(given, allowed));
             }
@@ -89,22 +78,17 @@ fn calipers(options: &mut Options<'_>) -> PyResult<Option<Calipers>> {
     let end_half_width_m = options.number("end_half_width", limits::HALF_WIDTH)?;
     let length_m = options.number("length", limits::LENGTH)?;
     let tolerance_m = options.number("calipers_tolerance", CALIPERS_TOLERANCE)?;
-    match (half_width_m, end_half_width_m, length_m) {
-        (None, None, None) => Ok(None),
-        (Some(half_width_m), Some(end_half_width_m), Some(length_m)) => {
-            let tolerance_m = tolerance_m.unwrap_or(CALIPERS_TOLERANCE_M);
-            Ok(Some(Calipers { half_width_m, end_half_width_m, length_m, tolerance_m }))
-        }
-        _ => {
-            let given = "one of half_width, end_half_width and length alone";
-            Err(Failure::wrong_arguments(given, "all three of them").into())
-        }
-    }
+    let calipers = complete_calipers(half_width_m, end_half_width_m, length_m, tolerance_m);
+    Ok(calipers.map_err(|IncompleteCalipers| {
+        let given = "one of half_width, end_half_width and length alone";
+        Failure::wrong_arguments(given, "all three of them")
+    })?)
 }
 
 /// The felt edges of the options.
-fn touches(options: &mut Options<'_>) -> PyResult<Option<Touches>> {
-    let asked_and_felt_m = options.take("touch")?.map(|given| given.extract()).transpose()?;
+fn touches(options: &mut Options<'_>) -> PyResult<Option<FeltEdgesRequest>> {
+    let asked_and_felt_m =
+        options.take("touch")?.map(|given| given.extract::<Vec<(f64, f64)>>()).transpose()?;
     let level = options.number("level", LEVEL)?;
     let tolerance_m = options.number("touch_tolerance", TOUCH_TOLERANCE)?;
     let known = [("as-told", TouchedDrive::AsStated), ("unknown", TouchedDrive::Unknown)];
@@ -117,35 +101,22 @@ fn touches(options: &mut Options<'_>) -> PyResult<Option<Touches>> {
         }
         return Ok(None);
     };
-    Ok(Some(Touches {
-        asked_and_felt_m,
-        level: level.unwrap_or(TOUCH_LEVEL),
-        tolerance_m: tolerance_m.unwrap_or(TOUCH_TOLERANCE_M),
-        drive,
-        feeling: feeling::read(feeling.as_deref())?,
-    }))
+    let edge = |(asked_m, felt_m)| FeltEdgeRequest { asked: AskedPlace::FeltEdge(asked_m), felt_m };
+    let edges = asked_and_felt_m.into_iter().map(edge).collect();
+    let feeling = feeling::read(feeling.as_deref())?.feeling;
+    Ok(Some(FeltEdgesRequest { edges, level, tolerance_m, drive, feeling }))
 }
 
-impl Touches {
-    fn calibrate(
-        &self,
-        nominal: &Plate,
-        priors: &Priors,
-        progress: &mut Progress<'_>,
-    ) -> Result<Result<CalibrationReport, CalibrateError>, Failure> {
-        let feeling = self.feeling.feeling;
-        let (table, _) =
-            table_for_watched(nominal, SAMPLE_RATE_HZ, progress).map_err(|it| Failure::of(&it))?;
-        let setup = Setup { feeling, ..Setup::new(Arc::new(nominal.clone())) };
-        let on_plate = Range::new(0.0, nominal.length_m(), "m");
-        let touched = |&(asked_m, felt_m): &(f64, f64)| -> Result<Touch, Failure> {
-            OutOfRange::check("touch", felt_m, on_plate)
-                .map_err(|refused| Failure::out_of_range(&refused))?;
-            let turning_point_m =
-                turning_point_of(AskedPlace::FeltEdge(asked_m), &setup, self.level, &table)?;
-            Ok(touch(&table, turning_point_m, self.level, (felt_m, self.tolerance_m)))
-        };
-        let touches = self.asked_and_felt_m.iter().map(touched).collect::<Result<Vec<_>, _>>()?;
-        Ok(by_touches(nominal, &touches, &feeling, self.drive, priors))
-    }
+fn by_felt_edges(
+    touches: &FeltEdgesRequest,
+    nominal: &Plate,
+    priors: &Priors,
+    progress: &mut Progress<'_>,
+) -> Result<Result<CalibrationReport, CalibrateError>, Failure> {
+    let made = table_for_watched(nominal, SAMPLE_RATE_HZ, progress);
+    let (table, _) = made.map_err(|error| Failure::of(&error))?;
+    touches.calibrate(nominal, priors, &table).map_err(|(_, error)| match error {
+        FeltEdgeError::Felt(refused) => Failure::out_of_range(&refused),
+        FeltEdgeError::Asked(refused) => no_such_tone(refused),
+    })
 }

@@ -68,10 +68,15 @@ pub(crate) fn turning_point_of(
     level: f64,
     table: &DriveTable,
 ) -> Result<f64, Failure> {
-    asked.turning_point_m(setup, level, table).map_err(|error| match error {
+    asked.turning_point_m(setup, level, table).map_err(no_such_tone)
+}
+
+/// Why no tone is as asked.
+pub(crate) fn no_such_tone(error: NoSuchTone) -> Failure {
+    match error {
         NoSuchTone::OutOfRange(refused) => Failure::out_of_range(&refused),
         error @ NoSuchTone::NoFeltEdge(..) => Failure::refused(error),
-    })
+    }
 }
 
 /// The setup of a file.

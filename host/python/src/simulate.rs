@@ -2,7 +2,7 @@
 
 use crate::actual;
 use crate::error::Failure;
-use crate::feeling::{self, NamedFeeling};
+use crate::feeling;
 use crate::finger::FingerArgument;
 use crate::one_or_more::OneOrMore;
 use crate::options::Options;
@@ -11,19 +11,18 @@ use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
 use serde_json::{Map, Value};
+use slipline_instrument::requests::{NamedFeeling, SimulateRequest};
 use slipline_link::DeviceTable;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::simulator::loopback::Loopback;
-use slipline_model::answer::simulate::SimulatedDrive;
 use slipline_model::field::asked_place::AskedPlace;
 use slipline_model::field::simulation::{
-    MAX_SECONDS, SAMPLE_RATE_HZ, Simulation, SimulationError, Solver, table_for_watched,
+    MAX_SECONDS, SAMPLE_RATE_HZ, SimulationError, Solver, table_for_watched,
 };
-use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, ToneSetup};
 use slipline_model::texture::{chord_of, sounding};
 use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
-use slipline_plate::{DriveTable, Finger, Plate, Progress, table_sensitivity};
+use slipline_plate::{DriveTable, Plate, Progress};
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
@@ -40,14 +39,9 @@ enum Sounds {
 
 /// A drive to simulate.
 struct Drive {
-    plate: Arc<Plate>,
+    request: SimulateRequest,
     sounds: Sounds,
     feeling: NamedFeeling,
-    actual: Option<Plate>,
-    has_gains: bool,
-    seconds: Option<f64>,
-    solver: Solver,
-    finger: Option<Finger>,
 }
 
 /// Simulates tones by their felt edges, turning points or frequencies, one of the three.
@@ -73,7 +67,7 @@ pub(crate) fn run(
         None => (Arc::clone(plate), Sounds::Tones(tones(places, level)?), feeling),
         Some(path) if places.iter().all(Option::is_none) && level.is_none() => {
             let setup = setup_file(&path)?;
-            let feeling = NamedFeeling { feeling: setup.feeling, from: Some(path) };
+            let feeling = NamedFeeling::of_setup(&setup, path);
             (Arc::clone(&setup.plate), Sounds::Setup(setup), feeling)
         }
         Some(_) => {
@@ -88,7 +82,8 @@ pub(crate) fn run(
         return Err(Failure::wrong_arguments(given, "False: they are by the table's gains").into());
     }
     let actual = actual.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
-    let drive = Drive { plate, sounds, feeling, actual, has_gains, seconds, solver, finger };
+    let request = SimulateRequest { plate, actual, has_gains, seconds, solver, finger };
+    let drive = Drive { request, sounds, feeling };
     let found = compute(py, move |progress| drive.simulate(progress))?;
     Answer::of(py, found)
 }
@@ -128,42 +123,17 @@ fn tones(
 impl Drive {
     fn simulate(&self, progress: &mut Progress<'_>) -> Result<Map<String, Value>, Failure> {
         let failed = |error: SimulationError| Failure::of(&error);
-        let plate = &self.plate;
+        let mut part = progress.part(0.0, 0.1);
         let (table, device_table) =
-            table_for_watched(plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.1)).map_err(failed)?;
+            table_for_watched(&self.request.plate, SAMPLE_RATE_HZ, &mut part).map_err(failed)?;
         let setup = self.setup(&table)?;
         let sounding = match self.sounds {
             Sounds::Tones(_) => None,
             Sounds::Setup(_) => Some(played(&setup, &device_table)?),
         };
-        let is_chord = matches!(sounding, Some(slipline_link::Sounding::Chord(_)));
-        let chord_gain_db = setup.chord_gain_db.filter(|_| is_chord);
-        let places = TonePlaces::of_setup(&Setup { chord_gain_db, ..setup }, &table);
-        let tones: Vec<(f64, f64)> = places.iter().map(|tone| (tone.turning_point_m, tone.level)).collect();
-        let actual = self.actual.as_ref();
-        let sensitivity = actual.map(|actual| table_sensitivity(&table, plate, actual)).transpose();
-        let simulation = Simulation {
-            plate,
-            actual: actual.unwrap_or(plate),
-            tones: &tones,
-            sounding,
-            has_gains: self.has_gains,
-            seconds: self.seconds,
-            solver: self.solver,
-            finger: self.finger,
-        };
-        let drive = SimulatedDrive {
-            plate,
-            actual: simulation.actual,
-            places: &places,
-            feeling: (&self.feeling.feeling, self.feeling.from.as_deref()),
-            has_gains: self.has_gains,
-            chord_gain_db,
-            sensitivity: sensitivity.map_err(|error| Failure::of(&error))?,
-            solver: self.solver,
-            result: &simulation.run(&table, &mut progress.part(0.1, 1.0)).map_err(failed)?,
-        };
-        Ok(fields(&drive.answer()))
+        let planned = self.request.plan(setup, sounding, &table).map_err(|error| Failure::of(&error))?;
+        let result = planned.run(&mut progress.part(0.1, 1.0)).map_err(failed)?;
+        Ok(fields(&planned.drive(&self.feeling, &result).answer()))
     }
 
     /// The setup that sounds.
@@ -172,8 +142,11 @@ impl Drive {
             Sounds::Setup(setup) => return Ok((**setup).clone()),
             Sounds::Tones(tones) => tones,
         };
-        let empty =
-            Setup { feeling: self.feeling.feeling, tones: Vec::new(), ..Setup::new(Arc::clone(&self.plate)) };
+        let empty = Setup {
+            feeling: self.feeling.feeling,
+            tones: Vec::new(),
+            ..Setup::new(Arc::clone(&self.request.plate))
+        };
         let mut setup = empty.clone();
         for (slot, &(place, level)) in (0..).zip(tones) {
             let position_m = turning_point_of(place, &empty, level, table)?;

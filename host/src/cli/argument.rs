@@ -6,7 +6,7 @@ use super::source::read_text;
 use slipline_model::field::asked_place::turning_point_on;
 use slipline_model::named_plate::named_plate;
 use slipline_plate::quantity::{
-    self, Measure, NotAllowed, PlaceOrFrequency, QuantityError, Range, TypedRange, show_range,
+    self, Measure, NotAllowed, OutOfRange, PlaceOrFrequency, QuantityError, Range, TypedRange, show_range,
 };
 use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate};
 use std::path::Path;
@@ -80,21 +80,6 @@ pub(super) fn beat(text: &str) -> Result<Beat, String> {
     let place = place(at).map_err(|error| format!("its place: {error}"))?;
     let frequency = frequency(how_fast).map_err(|error| format!("its frequency: {error}"))?;
     Ok(Beat { place, frequency })
-}
-
-/// A felt edge on the command line: the one that was asked for, or the tone's frequency, and where the finger felt it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct TouchArgument {
-    pub(super) asked: PlaceArgument,
-    pub(super) felt: Typed<f64>,
-}
-
-/// Parses `250mm:246mm`, the felt edge that was asked for and where it was felt.
-pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
-    let (asked, felt) = text.rsplit_once(':').ok_or("write ASKED:FELT, such as 250mm:246mm")?;
-    let asked = place_or_frequency(asked).map_err(|error| format!("the felt edge asked for: {error}"))?;
-    let felt = place(felt).map_err(|error| format!("where it was felt: {error}"))?;
-    Ok(TouchArgument { asked, felt })
 }
 
 pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
@@ -184,19 +169,22 @@ impl PlaceArgument {
     /// The turning point in metres, within the plate's span: this place, or that of this frequency. An error names
     /// `option`.
     pub(super) fn turning_point_on(&self, plate: &Plate, option: &str) -> Result<f64, Failure> {
-        turning_point_on(self.value, plate).map_err(|error| {
-            let show = |range: Range| show_range(range.low, range.high, Measure::of(range.unit));
-            let (low_hz, high_hz) = plate.band_hz();
-            let frequencies = match self.value {
-                PlaceOrFrequency::Place(_) => {
-                    format!(", or {}", show_range(low_hz, high_hz, Measure::Frequency))
-                }
-                PlaceOrFrequency::Frequency(_) => String::new(),
-            };
-            let allowed = format_args!("{}{frequencies}, on the plate {:?}", show(error.range), plate.name());
-            let range = Refusal::range(error.range.low, error.range.high, error.range.unit);
-            Failure::value(option, &self.text, allowed).with_range(range)
-        })
+        turning_point_on(self.value, plate).map_err(|error| self.outside(plate, option, &error))
+    }
+
+    /// The refusal of a turning point outside the plate's span, or of a frequency outside its band.
+    pub(super) fn outside(&self, plate: &Plate, option: &str, error: &OutOfRange) -> Failure {
+        let show = |range: Range| show_range(range.low, range.high, Measure::of(range.unit));
+        let (low_hz, high_hz) = plate.band_hz();
+        let frequencies = match self.value {
+            PlaceOrFrequency::Place(_) => {
+                format!(", or {}", show_range(low_hz, high_hz, Measure::Frequency))
+            }
+            PlaceOrFrequency::Frequency(_) => String::new(),
+        };
+        let allowed = format_args!("{}{frequencies}, on the plate {:?}", show(error.range), plate.name());
+        let range = Refusal::range(error.range.low, error.range.high, error.range.unit);
+        Failure::value(option, &self.text, allowed).with_range(range)
     }
 }
 

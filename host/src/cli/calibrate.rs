@@ -6,28 +6,24 @@ use super::feeling::FeelingArgument;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{SensorArgument, current_of, measurements};
 use super::measuring::{BandArgument, ByDevice, at_places, current, place_on};
+use super::touch::{TouchArgument, touch};
 use super::{
     ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, progress, sensor_places,
 };
-use argument::{PlaceArgument, TouchArgument};
 use clap::{ArgGroup, Args, ValueEnum};
+use slipline_instrument::requests::{self, FeltEdgesRequest, complete_calipers, with_calipers};
 use slipline_model::answer::calibrate::{
-    CALIPERS_TOLERANCE, CalibrationReport, Measured, TOUCH_LEVEL, TOUCH_TOLERANCE, by_measurements,
-    by_touches, touch,
+    CALIPERS_TOLERANCE, CalibrationReport, TOUCH_TOLERANCE, by_measurements,
 };
-use slipline_model::field::edge_reach::turning_point_of;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_model::setup::Setup;
 use slipline_model::setup::file::feeling;
 use slipline_plate::calibrate::{
-    CalibrateError, Calipers, Measurement, Placing, Priors, SensorKind, TouchedDrive, Transducer,
-    check_source,
+    CalibrateError, Measurement, Placing, Priors, SensorKind, TouchedDrive, Transducer, check_source,
 };
-use slipline_plate::quantity::{Measure, PlaceOrFrequency, Range, must_be};
-use slipline_plate::{DriveTable, Plate, limits};
+use slipline_plate::quantity::must_be;
+use slipline_plate::{Plate, limits};
 use std::io::Write as _;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// `calibrate`.
 #[derive(Debug, Args)]
@@ -92,7 +88,7 @@ struct MeasuredArgument {
     current: Option<CurrentOf>,
     /// Without a sensor: the felt edge that was asked for by the plate file (or the tone's frequency), and where the finger
     /// felt it (250mm:246mm); give at least two, far apart. This calibrates places, not levels.
-    #[arg(long = "touch", value_name = "ASKED:FELT", value_parser = argument::touch, allow_hyphen_values = true)]
+    #[arg(long = "touch", value_name = "ASKED:FELT", value_parser = touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,
     /// What is known of the drive whose edges were felt. By default the drive is unknown, unless the plate
     /// file holds values measured by a sensor or the current. An unknown drive needs more touches: six
@@ -119,6 +115,15 @@ enum CurrentOf {
     Piezo,
 }
 
+impl CurrentOf {
+    const fn transducer(self) -> Transducer {
+        match self {
+            Self::Coil => Transducer::Coil,
+            Self::Piezo => Transducer::Piezo,
+        }
+    }
+}
+
 /// The plate's widths and length by calipers and a rule: all three or none.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Calipers")]
@@ -138,16 +143,12 @@ struct CalipersArgument {
 }
 
 impl CalipersArgument {
-    /// The plate with its measured dimensions, and their uncertainties.
-    fn applied_to(&self, plate: Plate) -> Result<(Plate, Priors), Failure> {
-        let (Some(half_width_m), Some(end_half_width_m), Some(length_m)) =
-            (self.half_width, self.end_half_width, self.length)
-        else {
-            return Ok((plate, Priors::default()));
-        };
-        let tolerance_m = self.calipers_tolerance;
-        let calipers = Calipers { half_width_m, end_half_width_m, length_m, tolerance_m };
-        calipers.applied_to(&plate).map_err(|error| Failure::because(format!("by calipers: {error}"), &error))
+    /// The plate with its measured dimensions, and their uncertainties. The parser refuses incomplete ones itself.
+    fn applied_to(&self, plate: &Plate) -> Result<(Plate, Priors), Failure> {
+        let Self { half_width, end_half_width, length, calipers_tolerance } = *self;
+        let calipers = complete_calipers(half_width, end_half_width, length, Some(calipers_tolerance));
+        with_calipers(plate, calipers.map_err(Failure::usage)?)
+            .map_err(|error| Failure::because(format!("by calipers: {error}"), &error))
     }
 }
 
@@ -164,11 +165,11 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     if out.as_ref().zip(feeling_out.as_ref()).is_some_and(|(plate, feeling)| plate.is(feeling)) {
         return Err(Failure::Usage("--out and --feeling-out name the same file".to_owned()));
     }
-    let (nominal, priors) = arguments.calipers.applied_to(file.clone())?;
+    let (nominal, priors) = arguments.calipers.applied_to(&file)?;
     if arguments.plan {
         let placing = Placing {
             sensor: arguments.sensor.kind.unwrap_or(SensorKind::Displacement),
-            points: arguments.band.wanted(&nominal, None).points,
+            points: arguments.band.request(None, None).frequencies.on(&nominal).points,
             off_centre: arguments.off_centre,
             priors,
         };
@@ -178,13 +179,9 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     let found = match &arguments.measured.touches[..] {
         [] => {
             let measured = measured(&nominal, arguments)?;
-            let measured = match (&measured[..], arguments.measured.current) {
-                ([one], Some(CurrentOf::Coil)) => Measured::Current(one, Transducer::Coil),
-                ([one], Some(CurrentOf::Piezo)) => Measured::Current(one, Transducer::Piezo),
-                ([one], None) => Measured::OneSensor(one),
-                ([near, far, ..], _) => Measured::TwoPlaces([near, far]),
-                ([], _) => return Err(Failure::Usage("--data names no file".to_owned())),
-            };
+            let current = arguments.measured.current.map(CurrentOf::transducer);
+            let measured = requests::measured(&measured, current)
+                .ok_or_else(|| Failure::Usage("--data names no file".to_owned()))?;
             by_measurements(&nominal, measured, &priors)
         }
         touches => touched(&nominal, touches, arguments, &priors)?,
@@ -230,35 +227,11 @@ fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measu
     if arguments.measured.current.is_some() || arguments.sensor.places.len() == 1 {
         check_source(nominal).map_err(Failure::failed)?;
     }
-    let by = ByDevice {
-        port,
-        band: &arguments.band,
-        level: arguments.level,
-        known: &arguments.known,
-        arming: &arguments.arming,
-    };
+    let request = arguments.band.request(arguments.level, arguments.known.stated()?);
+    let by = ByDevice { port, request, arming: &arguments.arming };
     match arguments.measured.current {
         Some(_) => Ok(vec![current(nominal, &by)?]),
         None => at_places(nominal, &by, &arguments.sensor),
-    }
-}
-
-/// The tone of a touch by its turning point, metres: that of the felt edge asked for, or of the frequency.
-fn turning_point_m(
-    asked: &PlaceArgument,
-    setup: &Setup,
-    level: f64,
-    table: &DriveTable,
-) -> Result<f64, Failure> {
-    match asked.value {
-        PlaceOrFrequency::Frequency(_) => asked.turning_point_on(&setup.plate, "--touch"),
-        PlaceOrFrequency::Place(place_m) => {
-            turning_point_of(setup, level, table, place_m).map_err(|refusal| {
-                let given = format_args!("invalid value '{}' for '--touch'", asked.text);
-                let refused = refusal.sentence(given);
-                Failure::Usage(format!("{refused}; or name the tone by its frequency (126Hz:246mm)"))
-            })
-        }
     }
 }
 
@@ -269,20 +242,19 @@ fn touched(
     arguments: &CalibrateArguments,
     priors: &Priors,
 ) -> Result<Result<CalibrationReport, CalibrateError>, Failure> {
-    let feeling = arguments.feeling.read()?.feeling;
-    let (table, _) = progress::table_for(nominal, SAMPLE_RATE_HZ)?;
-    let level = arguments.level.unwrap_or(TOUCH_LEVEL);
-    let setup = Setup { feeling, ..Setup::new(Arc::new(nominal.clone())) };
-    let touch = |touch: &TouchArgument| {
-        let on_plate = Range::new(0.0, nominal.length_m(), "m");
-        let mark_m = touch.felt.within("--touch", on_plate, Measure::Length, ", on the plate")?;
-        let turning_point_m = turning_point_m(&touch.asked, &setup, level, &table)?;
-        Ok(self::touch(&table, turning_point_m, level, (mark_m, arguments.touch_tolerance)))
+    let request = FeltEdgesRequest {
+        edges: touches.iter().map(TouchArgument::request).collect(),
+        level: arguments.level,
+        tolerance_m: Some(arguments.touch_tolerance),
+        drive: arguments.measured.touched_drive.map(|known| match known {
+            DriveKnown::AsTold => TouchedDrive::AsStated,
+            DriveKnown::Unknown => TouchedDrive::Unknown,
+        }),
+        feeling: arguments.feeling.read()?.feeling,
     };
-    let touches = touches.iter().map(touch).collect::<Result<Vec<_>, Failure>>()?;
-    let drive = arguments.measured.touched_drive.map(|known| match known {
-        DriveKnown::AsTold => TouchedDrive::AsStated,
-        DriveKnown::Unknown => TouchedDrive::Unknown,
-    });
-    Ok(by_touches(nominal, &touches, &feeling, drive, priors))
+    let (table, _) = progress::table_for(nominal, SAMPLE_RATE_HZ)?;
+    request.calibrate(nominal, priors, &table).map_err(|(number, error)| match touches.get(number) {
+        Some(touch) => touch.refused(nominal, &error),
+        None => Failure::refused(error),
+    })
 }

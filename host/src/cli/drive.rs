@@ -4,7 +4,7 @@ use super::device::{Device, LoadedDevice};
 use super::followed_drive::FollowedDrive;
 use super::hold::Holder;
 use super::input_lines::{InputLines, Wake};
-use super::{Begin, DriveArguments, Failure, known_drive, output, progress, setup_source, source, tones};
+use super::{Begin, DriveArguments, Failure, known_drive, output, progress, source, tones};
 use crate::signals::{self, Signal};
 use serde_json::json;
 use slipline_link::protocol::command::Apply;
@@ -59,14 +59,14 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         let why = "--stdin: the setup is a chord, whose tones stand still; drive it without --stdin";
         return Err(Failure::Usage(why.to_owned()));
     }
-    let (places, gain_db) = setup_source::places(setup.clone(), &sounding, &plate_table);
+    let (places, gain_db) = TonePlaces::as_played(setup.clone(), Some(&sounding), &plate_table);
     if arguments.clear_faults {
         device.clear_faults()?;
     }
     let bench = LoadedDevice::with(&device, &wanted.plate, table)?;
     let table = &bench.table;
     let mut holder = arguments.hold.holder(&device, &wanted.plate, table, &edit::drive(&setup))?;
-    known_drive::check(&bench, arguments.known.known(None))?;
+    known_drive::check(&bench, arguments.known.stated()?)?;
     device.arm_for(lease(arguments))?;
     let apply = match arguments.at {
         Begin::Now => Apply::Next,
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
         let _ = interrupted.send(Wake::Signal);
     });
 
-    let played: Vec<(&TonePlaces, f64)> = tones::played(&places, table).collect();
+    let played: Vec<(&TonePlaces, f64)> = TonePlaces::on_device(&places, table).collect();
     if !as_json {
         output::print(false, &json!(null), |out| {
             for (tone, frequency_hz) in &played {
@@ -157,7 +157,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let ended_by = signals::ended_by().map_or(end.name(), Signal::name);
     let at_the_end = followed.places();
     let played: Vec<_> = match &at_the_end {
-        Some(places) => tones::played(places, table).collect(),
+        Some(places) => TonePlaces::on_device(places, table).collect(),
         None => played,
     };
     let value = json!({

@@ -95,7 +95,7 @@ impl<'a> FollowedDrive<'a> {
     fn report(&self, setup: &Setup, at: u64) -> Result<(), Failure> {
         let table = self.plate_table;
         let places = self.device.during(|| TonePlaces::of_setup(setup, table));
-        let tones: Vec<_> = tones::played(&places, self.table).collect();
+        let tones: Vec<_> = TonePlaces::on_device(&places, self.table).collect();
         let value = json!({
             "line": self.lines,
             "at_samples": at,

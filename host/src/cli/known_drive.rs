@@ -5,12 +5,10 @@ use super::device::LoadedDevice;
 use super::{Failure, progress};
 use clap::{ArgGroup, Args};
 use slipline_instrument::measure::KnownDrive;
-use slipline_instrument::measure::circuit::{
-    AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE, ampere, farad, ohm, volt,
-};
+use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, ampere, farad, ohm, volt};
 use slipline_instrument::native::ClientError;
-use slipline_instrument::rig::PreparedRig;
-use slipline_plate::calibrate::{DriveCheck, DriveCircuit, DriveLoad};
+use slipline_instrument::requests::circuit_of;
+use slipline_plate::calibrate::DriveCheck;
 use slipline_plate::number_format::significant;
 use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
 
@@ -43,18 +41,9 @@ fn of_circuit(
 }
 
 impl KnownDriveArgument {
-    /// The drive circuit of the arguments, else that of the simulated rig.
-    pub(super) fn known(&self, rig: Option<&PreparedRig>) -> Option<KnownDrive> {
-        let load = match (self.coil, self.piezo) {
-            (Some(resistance_ohm), _) => Some(DriveLoad::Coil { resistance_ohm }),
-            (None, piezo) => piezo.map(|capacitance_f| DriveLoad::Piezo { capacitance_f }),
-        };
-        let stated = self.amplifier.zip(load).zip(self.shunt);
-        let stated = stated.map(|((full_scale_v, load), full_scale_a)| {
-            let circuit = DriveCircuit { full_scale_v, load, tolerance: TOLERANCE };
-            KnownDrive { circuit, full_scale_a }
-        });
-        stated.or_else(|| rig.map(PreparedRig::known_drive))
+    /// The drive circuit of the arguments. The parser refuses an incomplete one itself.
+    pub(super) fn stated(&self) -> Result<Option<KnownDrive>, Failure> {
+        circuit_of(self.amplifier, self.coil, self.piezo, self.shunt).map_err(Failure::usage)
     }
 }
 

@@ -1,10 +1,9 @@
 //! `slipline measure`.
 
 use super::destination::Destination;
-use super::device::Device;
-use super::known_drive::{self, KnownDriveArgument};
+use super::known_drive::KnownDriveArgument;
 use super::measured_file::kind;
-use super::measuring::{BandArgument, Measurer, place_on};
+use super::measuring::{BandArgument, ByDevice, place_on};
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use argument::Typed;
 use clap::{Args, ValueEnum};
@@ -101,10 +100,10 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let options = RigOptions { place_m: sensor.place_m, sensor: sensor.kind, ..RigOptions::default() };
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
-    let device = Device::connect(&arguments.port.port, rig.as_ref())?;
-    device.may_be_armed(&arguments.arming)?;
-    let measurer = Measurer::new(&device, &plate, &arguments.band, Some(arguments.level))?;
-    let drive = known_drive::check(&measurer.bench, arguments.known.known(rig.as_ref()))?;
+    let request = arguments.band.request(Some(arguments.level), arguments.known.stated()?);
+    let by = ByDevice { port: &arguments.port, request, arming: &arguments.arming };
+    let device = by.connect(rig.as_ref())?;
+    let (measurer, drive) = by.measurer(&device, &plate, rig.as_ref())?;
     let measured = measurer.measure(sensor)?;
     let report = Report { plate: &plate, input: arguments.input, drive, measured: &measured };
     if let Some(out) = &out {

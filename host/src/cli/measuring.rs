@@ -2,16 +2,17 @@
 
 use super::argument::{self, Typed};
 use super::device::{Device, LoadedDevice};
-use super::known_drive::{self, KnownDriveArgument};
+use super::known_drive;
 use super::measured_file::SensorArgument;
 use super::source::is_standard_input_taken;
 use super::{ArmingArgument, Failure, PortArgument, progress};
 use clap::Args;
-use slipline_instrument::measure::{MeasureError, Measured, POINTS, Sensor, Wanted, current_sensor};
+use slipline_instrument::measure::{KnownDrive, MeasureError, Measured, POINTS, Sensor, current_sensor};
 use slipline_instrument::native;
+use slipline_instrument::requests::{Frequencies, MeasureRequest};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{Measurement, SensorKind, check_places};
+use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind, check_places};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};
 
 /// The measured frequencies.
@@ -42,21 +43,17 @@ pub(super) struct BandArgument {
 }
 
 impl BandArgument {
-    pub(super) fn wanted(&self, plate: &Plate, level: Option<f64>) -> Wanted {
-        self.frequencies.wanted(plate, level)
+    /// The measurement of these frequencies at this level, of a drive whose circuit is perhaps known.
+    pub(super) fn request(&self, level: Option<f64>, known: Option<KnownDrive>) -> MeasureRequest {
+        MeasureRequest { frequencies: self.frequencies.at(level), is_sweep: self.sweep, known }
     }
 }
 
 impl FrequenciesArgument {
-    pub(super) fn wanted(&self, plate: &Plate, level: Option<f64>) -> Wanted {
-        let of_plate = Wanted::of(plate);
-        let hertz = |typed: &Option<Typed<f64>>, or: f64| typed.as_ref().map_or(or, |typed| typed.value);
-        Wanted {
-            low_hz: hertz(&self.from, of_plate.low_hz),
-            high_hz: hertz(&self.to, of_plate.high_hz),
-            points: self.points.unwrap_or(of_plate.points),
-            level: level.unwrap_or(of_plate.level),
-        }
+    /// These frequencies at this level.
+    pub(super) fn at(&self, level: Option<f64>) -> Frequencies {
+        let hertz = |typed: &Option<Typed<f64>>| typed.as_ref().map(|typed| typed.value);
+        Frequencies { low_hz: hertz(&self.from), high_hz: hertz(&self.to), points: self.points, level }
     }
 }
 
@@ -79,8 +76,7 @@ impl<'a> Measurer<'a> {
     pub(super) fn new(
         device: &'a Device,
         plate: &'a Plate,
-        band: &BandArgument,
-        level: Option<f64>,
+        request: &MeasureRequest,
     ) -> Result<Self, Failure> {
         let refused = |error: MeasureError| match error {
             MeasureError::NoInputs => Failure::failed(error),
@@ -88,10 +84,9 @@ impl<'a> Measurer<'a> {
         };
         let table = device.make_table(plate)?;
         // Refused before the table is uploaded.
-        let measurer = native::Measurer::new(device, plate, &table, &band.wanted(plate, level), band.sweep);
-        let measurer = measurer.map_err(refused)?;
+        let measurer = native::Measurer::new(device, plate, &table, request).map_err(refused)?;
         let bench = LoadedDevice::with(device, plate, table)?;
-        Ok(Self { bench, measurer, word: if band.sweep { "sweep" } else { "measuring" } })
+        Ok(Self { bench, measurer, word: if request.is_sweep { "sweep" } else { "measuring" } })
     }
 
     /// The same device with one comb only, over the whole band, or with the same sweep: for repeated
@@ -106,34 +101,44 @@ impl<'a> Measurer<'a> {
     }
 }
 
-/// A device and the options of its measurements.
+/// A device and what it is to measure.
 pub(super) struct ByDevice<'a> {
     pub(super) port: &'a PortArgument,
-    pub(super) band: &'a BandArgument,
-    pub(super) level: Option<f64>,
-    pub(super) known: &'a KnownDriveArgument,
+    pub(super) request: MeasureRequest,
     pub(super) arming: &'a ArmingArgument,
+}
+
+impl ByDevice<'_> {
+    /// Connects to the device, which may be armed; the simulated one is wired to `rig`, if there is one.
+    pub(super) fn connect(&self, rig: Option<&PreparedRig>) -> Result<Device, Failure> {
+        let device = Device::connect(&self.port.port, rig)?;
+        device.may_be_armed(self.arming)?;
+        Ok(device)
+    }
+
+    /// Plans the measurement, uploads the plate's table, and checks that a known drive is on: what was found of it.
+    pub(super) fn measurer<'a>(
+        &self,
+        device: &'a Device,
+        plate: &'a Plate,
+        rig: Option<&PreparedRig>,
+    ) -> Result<(Measurer<'a>, Option<DriveCheck>), Failure> {
+        let measurer = Measurer::new(device, plate, &self.request)?;
+        let drive = known_drive::check(&measurer.bench, self.request.known_with(rig))?;
+        Ok((measurer, drive))
+    }
 }
 
 /// Measures the current of the drive.
 pub(super) fn current(plate: &Plate, by: &ByDevice<'_>) -> Result<Measurement, Failure> {
     let rig = by.port.rig_with_sensor(plate, &RigOptions::default())?;
     let device = by.connect(rig.as_ref())?;
-    let measurer = Measurer::new(&device, plate, by.band, by.level)?;
-    known_drive::check(&measurer.bench, by.known.known(rig.as_ref()))?;
+    let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
     let measured = measurer.measure(current_sensor())?;
     for warning in &measured.warnings {
         eprintln!("slipline: the current: {}", warning.sentence());
     }
     Ok(measured.measurement)
-}
-
-impl ByDevice<'_> {
-    fn connect(&self, rig: Option<&PreparedRig>) -> Result<Device, Failure> {
-        let device = Device::connect(&self.port.port, rig)?;
-        device.may_be_armed(self.arming)?;
-        Ok(device)
-    }
 }
 
 /// Measures with the same sensor at each of its places, one or two. The sensor of a rig is moved
@@ -162,8 +167,7 @@ pub(super) fn at_places(
         return Err(Failure::Usage(why.to_owned()));
     }
     let device = by.connect(rig.as_ref())?;
-    let measurer = Measurer::new(&device, plate, by.band, by.level)?;
-    known_drive::check(&measurer.bench, by.known.known(rig.as_ref()))?;
+    let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
     let measure = |&place_m: &f64| {
         put_sensor(&device, rig.as_ref(), place_m)?;
         let measured = measurer.measure(Sensor { place_m, kind, input: 0 })?;

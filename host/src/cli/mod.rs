@@ -53,6 +53,7 @@ mod sweep;
 mod table;
 mod texture;
 mod tones;
+mod touch;
 mod trim;
 mod verify;
 mod watch;

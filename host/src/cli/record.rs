@@ -1,12 +1,13 @@
 //! `slipline record`.
 
 use super::destination::Destination;
-use super::{Failure, RecordArguments, output, progress, setup_source, tones};
+use super::{Failure, RecordArguments, output, progress, tones};
 use serde_json::json;
 use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::answer::ToneAnswer;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_model::field::tone_places::TonePlaces;
 use slipline_plate::number_format::rounded;
 use std::path::Path;
 
@@ -20,7 +21,7 @@ pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Fail
     let setup = wanted.setup(&table)?;
     let mut chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     let sounding = wanted.sounding(&setup, &device_table, chain.view())?;
-    let (places, gain_db) = setup_source::places(setup, &sounding, &table);
+    let (places, gain_db) = TonePlaces::as_played(setup, Some(&sounding), &table);
     chain.use_table(device_table).map_err(Failure::failed)?;
     write(&wav, chain, sounding, samples)?;
     let value = json!({

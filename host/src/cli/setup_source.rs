@@ -6,14 +6,13 @@
 //! --setup -------------------------------------> Setup /
 //! ```
 
-use super::feeling::NamedFeeling;
 use super::source::read_text;
 use super::tones::{AskedTones, TonesArgument};
 use super::{Failure, argument, defaults};
 use clap::Args;
+use slipline_instrument::requests::NamedFeeling;
 use slipline_link::{DeviceTable, Snapshot, Sounding};
 use slipline_model::atomic_file::said;
-use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::file::{self, Opened};
 use slipline_model::setup::{Setup, edit};
 use slipline_model::texture::{self, chord_of};
@@ -48,7 +47,7 @@ impl SetupArgument {
         match file::read(&text).map_err(|error| Failure::in_file(path, error))? {
             Opened::Setup(setup) => Ok(SetupSource {
                 plate: Arc::clone(&setup.plate),
-                feeling: NamedFeeling::of_setup(&setup, path),
+                feeling: NamedFeeling::of_setup(&setup, path.display().to_string()),
                 sounds: Sounds::Setup(setup),
             }),
             Opened::Plate(_) => Err(refused(
@@ -119,16 +118,6 @@ impl SetupSource {
         }
         Ok(sounding)
     }
-}
-
-/// Both places of the tones of a setup as it sounds, and the gain of the chord that it is, in dB.
-pub(super) fn places(
-    setup: Setup,
-    sounding: &Sounding,
-    table: &DriveTable,
-) -> (Vec<TonePlaces>, Option<f64>) {
-    let chord_gain_db = setup.chord_gain_db.filter(|_| matches!(sounding, Sounding::Chord(_)));
-    (TonePlaces::of_setup(&Setup { chord_gain_db, ..setup }, table), chord_gain_db)
 }
 
 /// The tones of a setup as (turning point in metres, level at the setup's master level).

@@ -4,20 +4,21 @@ use super::destination::Destination;
 use super::envelope_file::Form;
 use super::rig::actual_plate;
 use super::schema::with_files;
-use super::{Failure, SimulateArguments, differs, output, progress, setup_source, tones};
+use super::{Failure, SimulateArguments, differs, output, progress, tones};
 use serde_json::json;
+use slipline_instrument::requests::SimulateRequest;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::answer::simulate::SimulatedDrive;
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
-    SAMPLE_RATE_HZ, Simulated, Simulation, SlowBeat, Solver, ToneResult, sheet_grid,
+    SAMPLE_RATE_HZ, Simulated, SlowBeat, Solver, ToneResult, sheet_grid,
 };
-use slipline_model::field::tone_places::TonePlaces;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
-use slipline_plate::{Plate, SheetError, table_sensitivity};
+use slipline_plate::{Plate, SheetError};
 use std::io::Write;
+use std::sync::Arc;
 use std::thread::available_parallelism;
 
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
@@ -29,38 +30,25 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         let why = "--felt-edge is by the table's gains: with --no-table name a --turning-point";
         return Err(Failure::Usage(why.to_owned()));
     }
-    let finger = arguments.finger.and_then(|argument| argument.0);
     let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(plate))? } else { Solver::Line };
     let files = arguments.files.destinations(arguments.force)?;
+    let request = SimulateRequest {
+        plate: Arc::clone(plate),
+        actual,
+        has_gains: !arguments.no_table,
+        seconds: arguments.duration,
+        solver,
+        finger: arguments.finger.and_then(|argument| argument.0),
+    };
     let (table, device_table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
     let setup = wanted.setup(&table)?;
     let chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     // Without gains the sum is another; it is checked with that table.
     let sounding =
         wanted.is_of_file().then(|| wanted.sounding(&setup, &device_table, chain.view())).transpose()?;
-    let (places, gain_db) = match &sounding {
-        Some(sounding) => setup_source::places(setup, sounding, &table),
-        None => (TonePlaces::of_setup(&setup, &table), None),
-    };
-    let turning_points: Vec<(f64, f64)> =
-        places.iter().map(|tone| (tone.turning_point_m, tone.level)).collect();
-    let sensitivity = actual
-        .as_ref()
-        .map(|actual| table_sensitivity(&table, plate, actual))
-        .transpose()
-        .map_err(Failure::refused)?;
-    let simulation = Simulation {
-        plate,
-        actual: actual.as_ref().unwrap_or(plate),
-        tones: &turning_points,
-        sounding,
-        has_gains: !arguments.no_table,
-        seconds: arguments.duration,
-        solver,
-        finger,
-    };
+    let planned = request.plan(setup, sounding, &table).map_err(Failure::refused)?;
     let what = if arguments.sheet { "sheet" } else { "plate" };
-    let result = progress::watched(what, |progress| simulation.run(&table, progress))?;
+    let result = progress::watched(what, |progress| planned.run(progress))?;
     for file in &files {
         match &file.form {
             Form::Csv => file.destination.write(|out| Ok(csv(&result, out)?))?,
@@ -70,21 +58,10 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         }
     }
 
-    let feeling = wanted.feeling.feeling;
-    let drive = SimulatedDrive {
-        plate,
-        actual: simulation.actual,
-        places: &places,
-        feeling: (&feeling, wanted.feeling.from()),
-        has_gains: simulation.has_gains,
-        chord_gain_db: gain_db,
-        sensitivity,
-        solver,
-        result: &result,
-    };
+    let drive = planned.drive(&wanted.feeling, &result);
     let value =
         with_files(json!(drive.answer()), Destination::names(files.iter().map(|file| &file.destination)));
-    let waves_run_on = match (&arguments.actual_plate, simulation.actual.name()) {
+    let waves_run_on = match (&arguments.actual_plate, drive.actual.name()) {
         // A plate near the command's has its name.
         (Some(text), name) if name == plate.name() => format!("{name} ({text})"),
         (_, name) => name.to_owned(),
@@ -99,7 +76,7 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
                 ("Clipped", format!("{} samples", result.clipped_samples)),
             ],
         )?;
-        if let Some(it) = sensitivity {
+        if let Some(it) = drive.sensitivity {
             let (worst, at) = (it.worst_db, show_place(it.worst_at_m));
             writeln!(out, "The table is off by up to {worst:.2} dB on the actual plate, worst at {at}.")?;
         }
@@ -109,13 +86,13 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         writeln!(out)?;
         print_places(&drive, out)?;
         writeln!(out, "{}", wanted.feeling.words())?;
-        if let Some(gain_db) = gain_db {
+        if let Some(gain_db) = drive.chord_gain_db {
             writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
         }
         writeln!(out)?;
         output::table(out, &rows(&result))?;
         writeln!(out)?;
-        writeln!(out, "{}", felt_words(result.felt(simulation.actual, &feeling)))?;
+        writeln!(out, "{}", felt_words(result.felt(drive.actual, drive.feeling.0)))?;
         if arguments.sheet {
             writeln!(out)?;
             for tone in &result.tones {

@@ -41,7 +41,7 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     let rig = arguments.port.rig(Some(&plate))?;
     let device = Device::connect(&arguments.port.port, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
-    let wanted = arguments.frequencies.wanted(&plate, Some(arguments.level));
+    let wanted = arguments.frequencies.at(Some(arguments.level)).on(&plate);
     let bench = LoadedDevice::new(&device, &plate)?;
     let sweep = PlayedSweep::new(&plate, &bench.table, &wanted, bench.rate_hz, arguments.time);
     let playing = Playing::new(sweep.map_err(Failure::refused)?, bench.table);

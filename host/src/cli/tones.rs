@@ -7,9 +7,9 @@
 
 use super::Failure;
 use super::argument::{self, PlaceArgument, level};
-use super::feeling::{FeelingArgument, NamedFeeling};
+use super::feeling::FeelingArgument;
 use clap::Args;
-use slipline_link::DeviceTable;
+use slipline_instrument::requests::NamedFeeling;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
 use slipline_model::field::edge_reach::NoFeltEdge;
@@ -244,16 +244,6 @@ impl AskedTone {
         let refused = refusal.sentence(format_args!("invalid value '{text}' for '{dashes}felt-edge'"));
         Failure::Usage(format!("{refused}; {turns}"))
     }
-}
-
-/// The tones of a device that holds this table, each with the frequency that it plays, in Hz.
-pub(super) fn played<'a>(
-    places: &'a [TonePlaces],
-    table: &DeviceTable,
-) -> impl Iterator<Item = (&'a TonePlaces, f64)> {
-    places
-        .iter()
-        .filter_map(move |tone| Some((tone, table.frequency_hz(table.position(tone.turning_point_m)?))))
 }
 
 /// Both places of a tone, its frequency and its level, as a sentence.

@@ -1,9 +1,8 @@
 //! `slipline trim`.
 
 use super::destination::Destination;
-use super::device::Device;
 use super::measured_file::kind;
-use super::measuring::{BandArgument, Measurer, place_on};
+use super::measuring::{BandArgument, ByDevice, Measurer, place_on};
 use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
 use crate::signals::{self, Signal};
 use argument::Typed;
@@ -60,9 +59,10 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let options = RigOptions { place_m, sensor: arguments.kind, ..RigOptions::default() };
     let rig = arguments.port.rig_with_sensor(&plate, &options)?;
-    let device = Device::connect(&arguments.port.port, rig.as_ref())?;
-    device.may_be_armed(&arguments.arming)?;
-    let measurer = Measurer::new(&device, &plate, &arguments.band, Some(arguments.level))?;
+    let request = arguments.band.request(Some(arguments.level), None);
+    let by = ByDevice { port: &arguments.port, request, arming: &arguments.arming };
+    let device = by.connect(rig.as_ref())?;
+    let measurer = Measurer::new(&device, &plate, &request)?;
     let sensor = Sensor { place_m, kind: arguments.kind, input: 0 };
     let first = measurer.measure(sensor)?.measurement;
     let trim = SpeedTrim::new(&plate, &first).map_err(Failure::failed)?;

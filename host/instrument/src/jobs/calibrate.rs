@@ -2,10 +2,11 @@
 
 use crate::calibration::name::named_calibrated;
 use crate::calibration::remedy::Remedy;
+use crate::requests::with_calipers;
 use slipline_model::jobs::Task;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{
-    CalibrateError, Calibrated, Calipers, Departure, Measurement, Priors, departure, from_ratio,
+    CalibrateError, Calibrated, Calipers, Departure, Measurement, departure, from_ratio,
 };
 use std::sync::Arc;
 
@@ -81,11 +82,8 @@ pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
 }
 
 fn calibrate(job: &CalibrateJob, task: &Task) -> Result<Option<CalibrationResult>, CalibrateError> {
-    let known = match job.calipers {
-        Some(calipers) => calipers.applied_to(&job.plate)?,
-        None => (Plate::clone(&job.plate), Priors::default()),
-    };
-    let calibrated = from_ratio(&known.0, [&job.sensors[0], &job.sensors[1]], &known.1)?;
+    let (nominal, priors) = with_calipers(&job.plate, job.calipers)?;
+    let calibrated = from_ratio(&nominal, [&job.sensors[0], &job.sensors[1]], &priors)?;
     if !task.report(FIT_SHARE) {
         return Ok(None);
     }

@@ -4,8 +4,9 @@ use super::client::{BlockingLink, Client};
 use super::error::ClientError;
 use crate::measure::{
     CheckedDrive, DriveChecking, KnownDrive, MeasureError, Measured, Measuring, Plan, Sensor, SweepPlan,
-    Sweeping, Wanted,
+    Sweeping,
 };
+use crate::requests::MeasureRequest;
 use slipline_link::DeviceTable;
 use slipline_link::native::Worker;
 use slipline_link::protocol::listen::InputsReport;
@@ -36,15 +37,15 @@ impl<'a, W: BlockingLink> Measurer<'a, W> {
         client: &'a Client<W>,
         plate: &Plate,
         table: &Arc<DeviceTable>,
-        wanted: &Wanted,
-        is_sweep: bool,
+        request: &MeasureRequest,
     ) -> Result<Self, MeasureError> {
         let rate_hz = f64::from(table.header().sample_rate_hz);
-        let method = if is_sweep {
-            Method::Sweep(SweepPlan::new(plate, table, wanted, rate_hz)?)
+        let wanted = request.frequencies.on(plate);
+        let method = if request.is_sweep {
+            Method::Sweep(SweepPlan::new(plate, table, &wanted, rate_hz)?)
         } else {
             let lock_ins = inputs(client).lock_ins.into();
-            Method::Steps(Plan::new(plate, wanted, rate_hz, lock_ins)?)
+            Method::Steps(Plan::new(plate, &wanted, rate_hz, lock_ins)?)
         };
         Ok(Self { client, table: Arc::clone(table), method })
     }

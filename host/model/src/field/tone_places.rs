@@ -10,6 +10,7 @@ use crate::field::felt::{NotFelt, by_person_words};
 use crate::field::line::felt_alone;
 use crate::field::steady_field::{SteadyField, SteadyTone, ToneWave};
 use crate::setup::{Setup, ToneSetup};
+use slipline_link::{DeviceTable, Sounding};
 use slipline_plate::DriveTable;
 use slipline_plate::feeling::{EdgesByPerson, FeltEdge};
 use slipline_plate::quantity::show_place;
@@ -63,6 +64,26 @@ impl TonePlaces {
     #[must_use]
     pub fn of_setup(setup: &Setup, table: &DriveTable) -> Vec<Self> {
         setup.tones.iter().map(|tone| Self::of(setup, tone, table)).collect()
+    }
+
+    /// The places of all tones of a setup as `sounding` plays them, and the gain of the chord that they are, in dB: it counts
+    /// for a chord only.
+    #[must_use]
+    pub fn as_played(
+        setup: Setup,
+        sounding: Option<&Sounding>,
+        table: &DriveTable,
+    ) -> (Vec<Self>, Option<f64>) {
+        let is_chord = matches!(sounding, Some(Sounding::Chord(_)));
+        let chord_gain_db = setup.chord_gain_db.filter(|_| is_chord);
+        (Self::of_setup(&Setup { chord_gain_db, ..setup }, table), chord_gain_db)
+    }
+
+    /// The tones that a device with this table plays, each with the frequency that it plays, in Hz.
+    pub fn on_device<'a>(places: &'a [Self], table: &DeviceTable) -> impl Iterator<Item = (&'a Self, f64)> {
+        places
+            .iter()
+            .filter_map(move |tone| Some((tone, table.frequency_hz(table.position(tone.turning_point_m)?))))
     }
 
     /// The felt edge in words, without its spread: `felt edge at 210.0 mm`.

@@ -178,26 +178,20 @@ impl Device {
             }
             let (loaded, setup, sounding) = make(client)?;
             let Loaded { plate, table, on_device } = &loaded;
-            let is_chord = matches!(sounding, Sounding::Chord(_));
-            if !is_chord {
+            if !matches!(sounding, Sounding::Chord(_)) {
                 let master = setup.master();
                 let sum = setup.tones.iter().map(|tone| (tone.position_m, tone.level * master));
                 let checked = on_device.check_sum(&sum.collect::<Vec<_>>());
                 checked.map_err(Failure::refused)?;
             }
-            let at = client.play(sounding.beginning(apply))?;
-            // What a chord's tones sound at belongs to a chord only.
-            let chord_gain_db = setup.chord_gain_db.filter(|_| is_chord);
-            let setup = Setup { chord_gain_db, ..setup };
-            let places = client.during(|| TonePlaces::of_setup(&setup, table));
-            let played = places.iter().filter_map(|tone| {
-                let position = on_device.position(tone.turning_point_m)?;
-                Some(ToneAnswer::of(tone, on_device.frequency_hz(position)))
-            });
+            let at = client.play(sounding.clone().beginning(apply))?;
+            let (places, chord_gain_db) =
+                client.during(|| TonePlaces::as_played(setup, Some(&sounding), table));
+            let tones = TonePlaces::on_device(&places, on_device).map(|(tone, hz)| ToneAnswer::of(tone, hz));
             let answer = DriveAnswer {
                 plate: plate.name(),
                 at_samples: (apply != Apply::AtTrigger).then_some(at),
-                tones: played.collect(),
+                tones: tones.collect(),
                 chord_gain_db,
                 table: TableAnswer { crc: format!("{:08x}", on_device.crc()) },
             };

@@ -6,23 +6,19 @@ use crate::measurement::{Measurement, sensor_kind};
 use crate::options::Options;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, TOLERANCE};
-use slipline_instrument::measure::{KnownDrive, LEVEL, POINTS, Sensor, Wanted, current_sensor};
+use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT};
+use slipline_instrument::measure::{KnownDrive, LEVEL, POINTS, Sensor, current_sensor};
 use slipline_instrument::native::Measurer;
+use slipline_instrument::requests::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 use slipline_instrument::rig::PreparedRig;
-use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
+use slipline_plate::calibrate::SensorKind;
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
 
 /// A measurement that is asked for.
 pub(super) struct Wish {
     /// `None` for the current of the drive.
     sensor: Option<(f64, SensorKind)>,
-    from_hz: Option<f64>,
-    to_hz: Option<f64>,
-    points: Option<usize>,
-    level: Option<f64>,
-    is_sweep: bool,
-    known: Option<KnownDrive>,
+    request: MeasureRequest,
 }
 
 impl Wish {
@@ -50,37 +46,29 @@ impl Wish {
         if let Some(points) = points.filter(|points| points.fract() != 0.0) {
             return Err(options.wrong("points", &format!("a whole number, not {points}")).into());
         }
-        let wish = Self {
-            sensor,
-            from_hz: options.number("from_", ANY)?,
-            to_hz: options.number("to", ANY)?,
+        let frequencies = Frequencies {
+            low_hz: options.number("from_", ANY)?,
+            high_hz: options.number("to", ANY)?,
             points: points.map(|points| points as usize),
             level: options.number("level", LEVEL)?,
-            is_sweep: options.switch("sweep")?,
-            known: known_drive(&mut options)?,
         };
+        let is_sweep = options.switch("sweep")?;
+        let request = MeasureRequest { frequencies, is_sweep, known: known_drive(&mut options)? };
         options.end()?;
-        Ok(wish)
+        Ok(Self { sensor, request })
     }
 }
 
 /// The drive circuit of the options: all values or none.
 fn known_drive(options: &mut Options<'_>) -> PyResult<Option<KnownDrive>> {
-    let full_scale_v = options.number("amplifier", AMPLIFIER)?;
-    let coil = options.number("coil", COIL)?.map(|resistance_ohm| DriveLoad::Coil { resistance_ohm });
-    let piezo = options.number("piezo", PIEZO)?.map(|capacitance_f| DriveLoad::Piezo { capacitance_f });
-    let full_scale_a = options.number("shunt", SHUNT)?;
-    match (full_scale_v, coil.xor(piezo), full_scale_a) {
-        (Some(full_scale_v), Some(load), Some(full_scale_a)) => {
-            let circuit = DriveCircuit { full_scale_v, load, tolerance: TOLERANCE };
-            Ok(Some(KnownDrive { circuit, full_scale_a }))
-        }
-        (None, None, None) if coil.is_none() => Ok(None),
-        _ => {
-            let given = "the drive circuit of measure()";
-            Err(Failure::wrong_arguments(given, "amplifier, shunt, and one of coil and piezo").into())
-        }
-    }
+    let [amplifier, coil, piezo, shunt] =
+        [("amplifier", AMPLIFIER), ("coil", COIL), ("piezo", PIEZO), ("shunt", SHUNT)]
+            .map(|(name, range)| options.number(name, range));
+    let known = circuit_of(amplifier?, coil?, piezo?, shunt?);
+    Ok(known.map_err(|IncompleteCircuit| {
+        let given = "the drive circuit of measure()";
+        Failure::wrong_arguments(given, "amplifier, shunt, and one of coil and piezo")
+    })?)
 }
 
 impl Device {
@@ -100,20 +88,13 @@ impl Device {
                 }
             };
             may_be_armed(client, consent)?;
-            let of_plate = Wanted::of(&plate);
-            let wanted = Wanted {
-                low_hz: wish.from_hz.unwrap_or(of_plate.low_hz),
-                high_hz: wish.to_hz.unwrap_or(of_plate.high_hz),
-                points: wish.points.unwrap_or(of_plate.points),
-                level: wish.level.unwrap_or(of_plate.level),
-            };
-            let measurer = Measurer::new(client, &plate, &on_device, &wanted, wish.is_sweep);
+            let measurer = Measurer::new(client, &plate, &on_device, &wish.request);
             let measurer = measurer.map_err(|error| Failure::of(&error))?;
             if let Some(rig) = rig.as_ref().filter(|_| wish.sensor.is_some()) {
                 put_sensor(rig, sensor)?;
             }
             client.disarm()?;
-            if let Some(known) = wish.known.or_else(|| rig.as_ref().map(PreparedRig::known_drive)) {
+            if let Some(known) = wish.request.known_with(rig.as_ref()) {
                 client.check_drive(&plate, &on_device, known, |_| ())?;
             }
             Ok(measurer.measure(sensor, |_| ())?)

@@ -1,0 +1,179 @@
+//! A calibration that is asked for: by measurements, or by edges that a finger felt.
+
+use crate::calibration::CALIPERS_TOLERANCE_M;
+use slipline_model::answer::calibrate::{
+    CalibrationReport, Measured, TOUCH_LEVEL, TOUCH_TOLERANCE_M, by_touches, touch,
+};
+use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
+use slipline_model::setup::Setup;
+use slipline_plate::calibrate::{
+    CalibrateError, Calipers, Measurement, Priors, Touch, TouchedDrive, Transducer,
+};
+use slipline_plate::feeling::Feeling;
+use slipline_plate::quantity::{OutOfRange, Range};
+use slipline_plate::{DriveTable, Plate, PlateError};
+use std::borrow::Borrow;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// Calipers of which some lengths are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error("the calipers are incomplete: they give both half-widths and the length")]
+pub struct IncompleteCalipers;
+
+/// The plate's half-widths and length by calipers and a rule, in metres: all three or none. An absent tolerance is
+/// [`CALIPERS_TOLERANCE_M`].
+///
+/// # Errors
+/// [`IncompleteCalipers`].
+pub fn complete_calipers(
+    half_width_m: Option<f64>,
+    end_half_width_m: Option<f64>,
+    length_m: Option<f64>,
+    tolerance_m: Option<f64>,
+) -> Result<Option<Calipers>, IncompleteCalipers> {
+    let tolerance_m = tolerance_m.unwrap_or(CALIPERS_TOLERANCE_M);
+    match (half_width_m, end_half_width_m, length_m) {
+        (None, None, None) => Ok(None),
+        (Some(half_width_m), Some(end_half_width_m), Some(length_m)) => {
+            Ok(Some(Calipers { half_width_m, end_half_width_m, length_m, tolerance_m }))
+        }
+        _ => Err(IncompleteCalipers),
+    }
+}
+
+/// The plate with the lengths of calipers, if there are any, and the uncertainties of its dimensions.
+///
+/// # Errors
+/// Which length is out of range or gives an invalid plate.
+pub fn with_calipers(plate: &Plate, calipers: Option<Calipers>) -> Result<(Plate, Priors), PlateError> {
+    calipers.map_or_else(|| Ok((plate.clone(), Priors::default())), |calipers| calipers.applied_to(plate))
+}
+
+/// What these measurements are of a plate: the current of a drive, or one sensor at one place or at two. `None` for another
+/// number of them.
+pub fn measured<M: Borrow<Measurement>>(
+    measurements: &[M],
+    current: Option<Transducer>,
+) -> Option<Measured<'_>> {
+    match (measurements, current) {
+        ([one], Some(drive)) => Some(Measured::Current(one.borrow(), drive)),
+        ([one], None) => Some(Measured::OneSensor(one.borrow())),
+        ([near, far], None) => Some(Measured::TwoPlaces([near.borrow(), far.borrow()])),
+        _ => None,
+    }
+}
+
+/// An edge that a finger felt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FeltEdgeRequest {
+    /// What the tone was asked for by.
+    pub asked: AskedPlace,
+    /// Where the finger felt it end, metres from the driven end.
+    pub felt_m: f64,
+}
+
+/// Felt edges, and what is known of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeltEdgesRequest {
+    /// The edges.
+    pub edges: Vec<FeltEdgeRequest>,
+    /// Level of the tones; by default [`TOUCH_LEVEL`].
+    pub level: Option<f64>,
+    /// Standard deviation of the felt places, metres; by default [`TOUCH_TOLERANCE_M`].
+    pub tolerance_m: Option<f64>,
+    /// What is known of the drive; by default what the plate's file knows.
+    pub drive: Option<TouchedDrive>,
+    /// The finger's feeling.
+    pub feeling: Feeling,
+}
+
+/// Why an edge cannot have been felt.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FeltEdgeError {
+    /// The finger was not on the plate.
+    #[error(transparent)]
+    Felt(OutOfRange),
+    /// No tone is as asked.
+    #[error(transparent)]
+    Asked(NoSuchTone),
+}
+
+impl FeltEdgesRequest {
+    /// The calibration of a plate with these uncertainties; `table` is that of the plate.
+    ///
+    /// # Errors
+    /// The number of the edge that cannot have been felt, from 0, and why. Inside: why the calibration is refused.
+    pub fn calibrate(
+        &self,
+        nominal: &Plate,
+        priors: &Priors,
+        table: &DriveTable,
+    ) -> Result<Result<CalibrationReport, CalibrateError>, (usize, FeltEdgeError)> {
+        let setup = Setup { feeling: self.feeling, ..Setup::new(Arc::new(nominal.clone())) };
+        let touches = self.edges.iter().enumerate();
+        let touches =
+            touches.map(|(number, edge)| self.touch(edge, &setup, table).map_err(|error| (number, error)));
+        let touches = touches.collect::<Result<Vec<_>, _>>()?;
+        Ok(by_touches(nominal, &touches, &self.feeling, self.drive, priors))
+    }
+
+    fn touch(
+        &self,
+        edge: &FeltEdgeRequest,
+        setup: &Setup,
+        table: &DriveTable,
+    ) -> Result<Touch, FeltEdgeError> {
+        let on_plate = Range::new(0.0, setup.plate.length_m(), "m");
+        OutOfRange::check("touch", edge.felt_m, on_plate).map_err(FeltEdgeError::Felt)?;
+        let level = self.level.unwrap_or(TOUCH_LEVEL);
+        let turning_point_m =
+            edge.asked.turning_point_m(setup, level, table).map_err(FeltEdgeError::Asked)?;
+        let felt = (edge.felt_m, self.tolerance_m.unwrap_or(TOUCH_TOLERANCE_M));
+        Ok(touch(table, turning_point_m, level, felt))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use slipline_plate::calibrate::SensorKind;
+
+    #[test]
+    fn calipers_give_three_lengths_or_none() {
+        assert_eq!(complete_calipers(None, None, None, Some(1e-4)), Ok(None));
+        let found = complete_calipers(Some(0.06), Some(0.01), Some(0.32), None).unwrap().unwrap();
+        assert_eq!((found.length_m, found.tolerance_m), (0.32, CALIPERS_TOLERANCE_M));
+        assert_eq!(complete_calipers(Some(0.06), None, Some(0.32), None), Err(IncompleteCalipers));
+        let plate = slipline_plate::preset("membrane").unwrap();
+        assert_eq!(with_calipers(&plate, None).unwrap().0, plate);
+        assert_eq!(with_calipers(&plate, Some(found)).unwrap().0.length_m(), 0.32);
+    }
+
+    #[test]
+    fn two_places_are_of_a_sensor_and_a_current_is_alone() {
+        let one = || Measurement::at(0.03, SensorKind::Displacement, Vec::new());
+        let coil = Transducer::Coil;
+        assert!(matches!(measured(&[one()], None), Some(Measured::OneSensor(_))));
+        assert!(matches!(measured(&[one(), one()], None), Some(Measured::TwoPlaces(_))));
+        assert!(matches!(measured(&[one()], Some(coil)), Some(Measured::Current(_, Transducer::Coil))));
+        assert!(measured(&[one(), one()], Some(coil)).is_none());
+        assert!(measured::<Measurement>(&[], None).is_none());
+        assert!(measured(&[one(), one(), one()], None).is_none());
+    }
+
+    #[test]
+    fn an_edge_that_cannot_have_been_felt_is_refused_with_its_number() {
+        let plate = slipline_plate::preset("membrane").unwrap();
+        let table = DriveTable::build(&plate, 400e3, 65).unwrap();
+        let edge = |asked_m, felt_m| FeltEdgeRequest { asked: AskedPlace::FeltEdge(asked_m), felt_m };
+        let refused = |second: FeltEdgeRequest| {
+            let edges = vec![edge(0.25, 0.246), second];
+            let feeling = Feeling::default();
+            let request = FeltEdgesRequest { edges, level: None, tolerance_m: None, drive: None, feeling };
+            request.calibrate(&plate, &Priors::default(), &table).unwrap_err()
+        };
+        assert!(matches!(refused(edge(0.2, 9.0)), (1, FeltEdgeError::Felt(_))));
+        assert!(matches!(refused(edge(0.001, 0.2)), (1, FeltEdgeError::Asked(NoSuchTone::NoFeltEdge(..)))));
+    }
+}

@@ -1,0 +1,22 @@
+//! What a user asks of a plate or a device by words: the requests of the command line and of Python.
+//!
+//! ```text
+//! options of a shell --> request: absent options get their defaults, incomplete ones are refused
+//!                          |--measure----> frequencies, method, drive circuit --> native::Measurer
+//!                          |--calibrate--> measurements or felt edges ----------> CalibrationReport
+//!                          \--simulate---> plates, finger, solver --------------> SimulatedDrive
+//! ```
+//! A shell reads its options and words a refusal with their names. What follows from the options is stated here.
+
+mod calibrate;
+mod feeling;
+mod measure;
+mod simulate;
+
+pub use calibrate::{
+    FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, IncompleteCalipers, complete_calipers, measured,
+    with_calipers,
+};
+pub use feeling::NamedFeeling;
+pub use measure::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
+pub use simulate::{PlannedSimulation, SimulateRequest};
