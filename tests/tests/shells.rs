@@ -2,6 +2,7 @@
 //! reports: it names no request to the link, and keeps no bag of the state of what runs.
 
 use slipline_tests::source_tree::root;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The Rust sources under a folder.
@@ -66,6 +67,97 @@ fn what_names_a_request_is_found() {
     let others =
         "use slipline_link::{DriveRequest};\nuse slipline_plate::design::Request;\n// slipline_link::Request";
     assert!(naming(others, "slipline_link", "Request").is_empty());
+}
+
+/// What a text's code takes from a module above it: how many levels above, and the first name of each path.
+fn taken_from_above(text: &str) -> Vec<(usize, String)> {
+    let product = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let code = product.lines().map(str::trim).filter(|line| !line.starts_with("//")).collect::<String>();
+    let mut taken = Vec::new();
+    let mut rest = code.as_str();
+    while let Some((_, path)) = rest.split_once("super::") {
+        let mut path = path;
+        let mut levels = 1;
+        while let Some(further) = path.strip_prefix("super::") {
+            (path, levels) = (further, levels + 1);
+        }
+        rest = path;
+        let mut depth = 0;
+        let mut is_first = true;
+        let mut name = String::new();
+        // The list in braces with the lists inside it, or one path.
+        for character in path.chars() {
+            match character {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 1 => is_first = true,
+                _ => {}
+            }
+            let is_word = character.is_alphanumeric() || character == '_';
+            if is_word && is_first && depth <= 1 {
+                name.push(character);
+            } else if !name.is_empty() {
+                taken.push((levels, std::mem::take(&mut name)));
+                is_first = false;
+            }
+            if depth == 0 && !is_word {
+                break;
+            }
+        }
+    }
+    taken
+}
+
+#[test]
+fn what_a_file_takes_from_above_is_found() {
+    let text = "use super::{\n    argument::{self, Typed},\n    output,\n};\nuse super::super::failure::Failure;\n\
+                // super::nothing\npub(super) fn f() { super::rig::prepared(); }\n\
+                #[cfg(test)]\nmod tests { use super::*; }";
+    let expected = [(1, "argument"), (1, "output"), (2, "failure"), (1, "rig")];
+    assert_eq!(taken_from_above(text), expected.map(|(levels, name)| (levels, name.to_owned())));
+}
+
+/// The files of the command line beside its `mod.rs`, by the module of each in it, and the modules that each uses.
+fn modules_of_the_command_line() -> BTreeMap<String, BTreeSet<String>> {
+    let folder = root().join("host/src/cli");
+    let mut modules: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for path in sources(&folder).into_iter().filter(|path| *path != folder.join("mod.rs")) {
+        let inside = path.strip_prefix(&folder).expect("a file of the command line").with_extension("");
+        let levels = inside.components().count();
+        let module = inside.iter().next().expect("a name").to_string_lossy().into_owned();
+        let text = std::fs::read_to_string(&path).expect("a source");
+        assert!(!text.contains("crate::cli"), "{}: name the module by super", path.display());
+        let used = taken_from_above(&text).into_iter().filter(|(above, _)| *above == levels);
+        modules.entry(module).or_default().extend(used.map(|(_, name)| name));
+    }
+    assert!(modules.len() > 30, "{}", modules.len());
+    modules
+}
+
+#[test]
+fn no_file_of_the_command_line_uses_an_item_that_the_module_above_it_defines() {
+    let modules = modules_of_the_command_line();
+    for (module, used) in &modules {
+        let items: Vec<_> = used.iter().filter(|name| !modules.contains_key(*name)).collect();
+        assert!(items.is_empty(), "{module} uses {items:?} of mod.rs: name the module where they are");
+    }
+}
+
+#[test]
+fn no_files_of_the_command_line_use_each_other_in_a_circle() {
+    let mut left = modules_of_the_command_line();
+    loop {
+        let leaves: Vec<String> = left
+            .iter()
+            .filter(|(_, used)| used.iter().all(|name| !left.contains_key(name)))
+            .map(|(module, _)| module.clone())
+            .collect();
+        if leaves.is_empty() {
+            break;
+        }
+        left.retain(|module, _| !leaves.contains(module));
+    }
+    assert!(left.is_empty(), "these use each other: {left:?}");
 }
 
 #[test]

@@ -1,8 +1,10 @@
 //! Arguments of the command line: quantities, places, plates.
 
+use super::defaults;
 use super::failure::Failure;
 use super::refusal::{Refusal, WholeNumber};
 use super::source::read_text;
+use clap::Args;
 use slipline_model::field::asked_place::turning_point_on;
 use slipline_model::named_plate::named_plate;
 use slipline_plate::quantity::{
@@ -10,6 +12,23 @@ use slipline_plate::quantity::{
 };
 use slipline_plate::{Finger, PLATE_FILE_BYTES_MAX, Plate};
 use std::path::Path;
+
+/// The plate.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Plate")]
+pub(super) struct PlateArgument {
+    /// A preset's name or a TOML file. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
+    /// settings file, else membrane.
+    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true)]
+    plate: String,
+}
+
+impl PlateArgument {
+    /// The plate.
+    pub(super) fn read(&self) -> Result<Plate, Failure> {
+        plate(&self.plate)
+    }
+}
 
 /// A value whose range depends on the plate or the device, with the typed text.
 #[derive(Clone, Debug, PartialEq)]

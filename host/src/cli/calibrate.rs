@@ -1,15 +1,17 @@
 //! `slipline calibrate`.
 
+use super::argument::{self, PlateArgument};
 use super::calibrated::finish;
-use super::destination::Destination;
+use super::destination::{Destination, ForceArgument};
+use super::device::ArmingArgument;
+use super::failure::Failure;
 use super::feeling::FeelingArgument;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::{SensorArgument, current_of, measurements};
 use super::measuring::{BandArgument, ByDevice, at_places, current, place_on};
+use super::rig::PortArgument;
 use super::touch::{TouchArgument, touch};
-use super::{
-    ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, progress, sensor_places,
-};
+use super::{progress, sensor_places};
 use clap::{ArgGroup, Args, ValueEnum};
 use slipline_instrument::requests::{self, FeltEdgesRequest, complete_calipers, with_calipers};
 use slipline_model::answer::calibrate::{
@@ -159,7 +161,7 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         let why = "--actual-plate selects the plate of the simulated device: it requires --port sim";
         return Err(Failure::Usage(why.to_owned()));
     }
-    let file = argument::plate(&arguments.plate.plate)?;
+    let file = arguments.plate.read()?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let feeling_out = Destination::perhaps(arguments.feeling_out.as_deref(), arguments.force)?;
     if out.as_ref().zip(feeling_out.as_ref()).is_some_and(|(plate, feeling)| plate.is(feeling)) {

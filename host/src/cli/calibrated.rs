@@ -1,8 +1,9 @@
 //! Output of `calibrate`: the calibration, or why it was refused.
 
 use super::destination::Destination;
+use super::failure::Failure;
+use super::output;
 use super::schema::with_files;
-use super::{Failure, output};
 use serde_json::json;
 use slipline_instrument::calibration::named_calibrated;
 use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, Way};

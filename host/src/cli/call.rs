@@ -1,7 +1,9 @@
 //! The call of the program: its words become a [`Cli`], or are refused in the program's voice.
 
+use super::command::{Cli, Command};
+use super::examples;
+use super::failure::Failure;
 use super::refusal::Refusal;
-use super::{Cli, Command, Failure, examples};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{CommandFactory as _, FromArgMatches as _};

@@ -1,12 +1,34 @@
 //! `slipline check`.
 
-use super::{CheckArguments, Failure, argument, output, progress};
+use super::argument::{self, PlaceArgument, PlateArgument};
+use super::failure::Failure;
+use super::tones::GoneArgument;
+use super::{output, progress};
+use clap::Args;
 use serde_json::json;
 use slipline_model::answer::check::{CheckAnswer, check};
 use slipline_plate::check::{Colour, Conditions};
 
+/// `check`.
+#[derive(Debug, Args)]
+pub struct CheckArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// One tone by its turning point (120mm) or its frequency (126Hz); by default, the worst over the span.
+    #[arg(long, value_name = "X", value_parser = argument::place_or_frequency, allow_hyphen_values = true)]
+    turning_point: Option<PlaceArgument>,
+    #[command(flatten)]
+    gone: GoneArgument,
+    /// The tone's level, 0 to 1.
+    #[arg(long, value_parser = argument::level, allow_hyphen_values = true, default_value = "1")]
+    level: f64,
+    /// The drive acts beside the centre line.
+    #[arg(long)]
+    off_centre: bool,
+}
+
 pub(super) fn run(arguments: &CheckArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     arguments.gone.refuse("--felt-edge of drive, simulate and record")?;
     let turning_point_m = arguments.turning_point.as_ref();
     let turning_point_m =

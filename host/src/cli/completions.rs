@@ -1,7 +1,8 @@
 //! `slipline completions`: the completion of words in a shell.
 
-use super::{Cli, Failure, output};
-use clap::{Args, CommandFactory as _};
+use super::failure::Failure;
+use super::output;
+use clap::Args;
 use clap_complete::Shell;
 use serde_json::json;
 
@@ -13,9 +14,14 @@ pub struct CompletionsArguments {
     shell: Shell,
 }
 
-pub(super) fn run(arguments: &CompletionsArguments, as_json: bool) -> Result<(), Failure> {
+/// Prints the script by which a shell completes the words of `program`.
+pub(super) fn run(
+    arguments: &CompletionsArguments,
+    mut program: clap::Command,
+    as_json: bool,
+) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Cli::command(), "slipline", &mut script);
+    clap_complete::generate(arguments.shell, &mut program, "slipline", &mut script);
     let script = String::from_utf8(script).map_err(Failure::failed)?;
     let value = json!({ "shell": arguments.shell.to_string(), "script": script });
     output::print(as_json, &value, |out| write!(out, "{script}"))

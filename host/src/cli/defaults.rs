@@ -5,7 +5,7 @@
 //! ```
 //! The settings file is `settings.toml` in the platform's folder for the configuration of programs.
 
-use super::Failure;
+use super::failure::Failure;
 use serde_json::{Value, json};
 use slipline_link::Port;
 use slipline_model::atomic_file::{read_text, said};

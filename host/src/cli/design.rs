@@ -3,8 +3,9 @@
 use super::argument::{self, Typed};
 use super::design_argument::{band, loss, margin, material, name, speed, tension};
 use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
 use super::schema::with_files;
-use super::{Failure, output, progress};
+use super::{output, progress};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
 use slipline_model::answer::design::{DesignAnswer, design};

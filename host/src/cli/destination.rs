@@ -1,6 +1,7 @@
 //! Files that a command writes; `-` is standard output. An existing file is never replaced without permission.
 
-use super::{Failure, output};
+use super::failure::Failure;
+use super::output;
 use clap::Args;
 use slipline_model::atomic_file::{self, STANDARD_STREAM, said};
 use std::fmt;

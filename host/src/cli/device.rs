@@ -1,7 +1,9 @@
 //! The device of one command: the blocking client, stopped and disarmed when a signal ends the program.
 
-use super::{ArmingArgument, Failure, progress};
+use super::failure::Failure;
+use super::progress;
 use crate::signals::{self, Ending};
+use clap::Args;
 use slipline_instrument::measure::Procedure;
 use slipline_instrument::native::{ArmingConsent, Client, ClientError};
 use slipline_instrument::rig::PreparedRig;
@@ -10,6 +12,18 @@ use slipline_link::table::DeviceTable;
 use slipline_plate::Plate;
 use std::ops::Deref;
 use std::sync::Arc;
+
+/// Permission to arm a board without a brown-out level.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Device")]
+pub(super) struct ArmingArgument {
+    /// Arm a board although it reports that its brown-out level is not set.
+    #[arg(long)]
+    despite_brown_out_level: bool,
+    /// Arm a board although it keeps no profile of its actuator.
+    #[arg(long)]
+    despite_no_profile: bool,
+}
 
 /// A connected device. When it is dropped, it is stopped and disarmed.
 pub(super) struct Device {

@@ -1,7 +1,7 @@
 //! Files of `slipline simulate`: the envelope over x as CSV or as a figure, by the ending of the name.
 
-use super::Failure;
 use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
 use super::figure_file::{FigureFile, figure_file};
 use clap::Args;
 use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};

@@ -1,6 +1,6 @@
 //! `--feeling`: the feeling of a finger by which felt edges are computed.
 
-use super::Failure;
+use super::failure::Failure;
 use super::source::read_text;
 use clap::Args;
 use slipline_instrument::requests::NamedFeeling;

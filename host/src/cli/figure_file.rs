@@ -1,7 +1,7 @@
 //! A figure's file on the command line: its extension selects the format.
 
-use super::Failure;
 use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
 use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};
 use slipline_model::export::figures::{Drawing, Format};
 use std::path::{Path, PathBuf};

@@ -1,7 +1,8 @@
 //! `slipline figures`.
 
 use super::destination::{Destination, ForceArgument};
-use super::{Failure, output};
+use super::failure::Failure;
+use super::output;
 use clap::Args;
 use serde_json::json;
 use slipline_model::export::figures::{Format, paper_figure};

@@ -6,10 +6,11 @@
 //! ```
 
 use super::device::Device;
+use super::failure::Failure;
 use super::input_lines::Line;
+use super::output;
 use super::setup_source::at_master_level;
-use super::tones::AskedTones;
-use super::{Failure, output, tones};
+use super::tones::{self, AskedTones};
 use serde_json::json;
 use slipline_instrument::native::ClientError;
 use slipline_link::{DeviceTable, Sounding};

@@ -2,9 +2,11 @@
 
 use super::argument::{self, Typed};
 use super::device::Device;
+use super::failure::Failure;
 use super::input_lines::Wake;
 use super::measuring::place_on;
-use super::{Failure, PortArgument, output};
+use super::output;
+use super::rig::PortArgument;
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_instrument::hold::{HoldPlan, Holding, MAX_RISE, USUAL_RISE_DB, progress_words, words};

@@ -2,7 +2,9 @@
 
 use super::defaults::{Chosen, Origin, defaults};
 use super::device::Device;
-use super::{Failure, PortArgument, output};
+use super::failure::Failure;
+use super::output;
+use super::rig::PortArgument;
 use serde_json::json;
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_link::native::list_ports;

@@ -8,8 +8,9 @@
 //! stop
 //! ```
 
+use super::argument;
+use super::failure::Failure;
 use super::tones::{PlaceKind, ToneArgument, tone};
-use super::{Failure, argument};
 use slipline_model::atomic_file::said;
 use slipline_model::setup::GLIDE_RANGE_S;
 use slipline_plate::quantity::must_be;

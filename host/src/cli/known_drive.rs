@@ -2,7 +2,8 @@
 
 use super::argument::within;
 use super::device::LoadedDevice;
-use super::{Failure, progress};
+use super::failure::Failure;
+use super::progress;
 use clap::{ArgGroup, Args};
 use slipline_instrument::measure::KnownDrive;
 use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, ampere, farad, ohm, volt};

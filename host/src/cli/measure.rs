@@ -1,10 +1,14 @@
 //! `slipline measure`.
 
-use super::destination::Destination;
+use super::argument::{self, PlateArgument};
+use super::destination::{Destination, ForceArgument};
+use super::device::ArmingArgument;
+use super::failure::Failure;
 use super::known_drive::KnownDriveArgument;
 use super::measured_file::kind;
 use super::measuring::{BandArgument, ByDevice, place_on};
-use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
+use super::output;
+use super::rig::PortArgument;
 use argument::Typed;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -85,7 +89,7 @@ fn measurement_file(text: &str) -> Result<PathBuf, String> {
 }
 
 pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     let sensor = match (&arguments.sensor, arguments.input) {
         (_, Input::Current) => current_sensor(),
         (Some(place), Input::Sensor) => {

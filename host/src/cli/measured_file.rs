@@ -1,7 +1,7 @@
 //! Measurement files of `calibrate`, and the arguments that describe their sensors.
 
-use super::Failure;
 use super::argument::{self, Typed};
+use super::failure::Failure;
 use super::source::{read_bytes, read_text};
 use clap::Args;
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};

@@ -1,11 +1,13 @@
 //! Measurements with a device, for `measure` and `calibrate`.
 
 use super::argument::{self, Typed};
-use super::device::{Device, LoadedDevice};
+use super::device::{ArmingArgument, Device, LoadedDevice};
+use super::failure::Failure;
 use super::known_drive;
 use super::measured_file::SensorArgument;
+use super::progress;
+use super::rig::PortArgument;
 use super::source::is_standard_input_taken;
-use super::{ArmingArgument, Failure, PortArgument, progress};
 use clap::Args;
 use slipline_instrument::measure::{KnownDrive, MeasureError, Measured, POINTS, Sensor, current_sensor};
 use slipline_instrument::native;

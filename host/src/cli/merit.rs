@@ -1,7 +1,9 @@
 //! `slipline merit`.
 
+use super::argument::{self, PlateArgument};
+use super::failure::Failure;
 use super::tones::GoneArgument;
-use super::{Failure, PlateArgument, argument, output, progress};
+use super::{output, progress};
 use argument::PlaceArgument;
 use clap::Args;
 use serde_json::json;
@@ -24,7 +26,7 @@ pub struct MeritArguments {
 }
 
 pub(super) fn run(arguments: &MeritArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     arguments.gone.refuse("--felt-edge of drive, simulate and record")?;
     let one = arguments.turning_point.as_ref();
     let one = one.map(|place| place.turning_point_on(&plate, "--turning-point")).transpose()?;

@@ -114,3 +114,12 @@ pub(super) fn table(out: &mut dyn Write, rows: &[Vec<String>]) -> io::Result<()>
     }
     Ok(())
 }
+
+/// Takes standard output for the trace: the command's text goes to standard error then.
+///
+/// # Errors
+/// [`Failure::Usage`] with JSON, which needs standard output, too.
+pub fn trace_to_standard_output(json: bool) -> Result<(), Failure> {
+    begin(json);
+    take()
+}

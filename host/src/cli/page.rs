@@ -3,7 +3,8 @@
 mod contents;
 mod server;
 
-use super::{Failure, output};
+use super::failure::Failure;
+use super::output;
 use crate::signals;
 use clap::Args;
 use contents::Contents;

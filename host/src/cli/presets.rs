@@ -1,6 +1,7 @@
 //! `slipline presets`.
 
-use super::{Failure, output};
+use super::failure::Failure;
+use super::output;
 use serde_json::json;
 
 pub(super) fn run(as_json: bool) -> Result<(), Failure> {

@@ -1,8 +1,10 @@
 //! `slipline profile`: the profile of a board's actuator.
 
 use super::device::Device;
+use super::failure::Failure;
+use super::output;
+use super::rig::PortArgument;
 use super::source::read_text;
-use super::{Failure, PortArgument, output};
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use slipline_instrument::profile_file;

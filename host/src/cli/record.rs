@@ -1,15 +1,45 @@
 //! `slipline record`.
 
-use super::destination::Destination;
-use super::{Failure, RecordArguments, output, progress, tones};
+use super::argument;
+use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
+use super::setup_source::SetupArgument;
+use super::{output, progress, tones};
+use clap::Args;
 use serde_json::json;
 use slipline_link::Sounding;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::answer::ToneAnswer;
-use slipline_model::field::simulation::SAMPLE_RATE_HZ;
+use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};
+use slipline_model::field::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ};
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_plate::number_format::rounded;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// `record`.
+#[derive(Debug, Args)]
+pub struct RecordArguments {
+    #[command(flatten)]
+    sounds: SetupArgument,
+    /// Duration of the recording, 1ms to 600s.
+    #[arg(long = "for", alias = "seconds", value_name = "TIME", value_parser = argument::seconds(0.001, MAX_SECONDS), allow_hyphen_values = true, default_value = "1s")]
+    duration: f64,
+    /// The WAV file (.wav; -): one channel, 16 bits, at the device's sample rate.
+    #[arg(long, value_name = "FILE", value_parser = wav_file, required_unless_present = "wav", help_heading = "Output")]
+    out: Option<PathBuf>,
+    #[arg(long, hide = true, value_name = "F", conflicts_with = "out")]
+    wav: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+}
+
+/// A file whose name ends in .wav, or a stream.
+fn wav_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_wav = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("wav"));
+    let is_allowed = is_wav || is_stream(&path) || path == Path::new(STANDARD_STREAM);
+    is_allowed.then_some(path).ok_or_else(|| "must end in .wav".to_owned())
+}
 
 pub(super) fn run(arguments: &RecordArguments, as_json: bool) -> Result<(), Failure> {
     let wanted = arguments.sounds.read()?;

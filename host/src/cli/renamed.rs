@@ -1,6 +1,6 @@
 //! Options that have another name now; the old ones are taken for a release.
 
-use super::Command;
+use super::command::Command;
 use std::ffi::OsString;
 
 /// Each command's old options and the ones in their place.

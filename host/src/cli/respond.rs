@@ -1,14 +1,47 @@
 //! `slipline respond`.
 
-use super::destination::Destination;
+use super::argument::{self, FingerArgument, PlateArgument, Typed};
+use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
+use super::figure_file::{FigureFile, figure_file};
 use super::schema::with_files;
-use super::{Failure, RespondArguments, argument, differs, output};
+use super::{differs, output};
+use clap::Args;
 use serde_json::json;
 use slipline_model::answer::respond::{Differences, FieldRequest, plate_of, solve};
 use slipline_model::export::figures::response_figure;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_place};
-use slipline_plate::{plane, respond_range};
+use slipline_plate::{POINTS_MAX, POINTS_MIN, plane, respond_range};
+
+/// `respond`.
+#[derive(Debug, Args)]
+pub struct RespondArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// The frequency, such as 40kHz.
+    #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true)]
+    freq: Typed<f64>,
+    /// Places along the plate, 8 to 200001.
+    #[arg(long, value_parser = argument::count(POINTS_MIN, POINTS_MAX), allow_hyphen_values = true, default_value = "2001")]
+    points: usize,
+    /// The paper's equation, without the (W'/W) term.
+    #[arg(long)]
+    paper_mode: bool,
+    /// Solve the plate in two dimensions, with the air of its file on the whole sheet, and show where the one-mode equation
+    /// differs.
+    #[arg(long = "2d")]
+    two_dimensions: bool,
+    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm).
+    /// All values are illustrative.
+    #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
+    finger: Option<FingerArgument>,
+    /// Draw the amplitude over x (.svg, .png; -).
+    #[arg(long = "out", alias = "figure", value_name = "FILE", value_parser = figure_file, help_heading = "Output")]
+    figure: Option<FigureFile>,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+}
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
     if arguments.two_dimensions && arguments.paper_mode {
@@ -18,7 +51,7 @@ pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Fai
                 .to_owned(),
         ));
     }
-    let file = argument::plate(&arguments.plate.plate)?;
+    let file = arguments.plate.read()?;
     // The allowed frequencies are the paper's as well.
     let plate = plate_of(&file, arguments.paper_mode);
     let on_plate = format!(" on the plate {:?}", plate.name());

@@ -1,10 +1,27 @@
 //! The rig of the simulated device: its plate and a sensor.
 
-use super::{Failure, PortArgument, argument};
+use super::argument;
+use super::defaults;
+use super::failure::Failure;
+use clap::Args;
 use slipline_instrument::rig::{PreparedRig, RigOptions, secret, secret_seed};
 use slipline_link::Port;
 use slipline_link::simulator::Options;
 use slipline_plate::Plate;
+
+/// The port of the device.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Device")]
+pub struct PortArgument {
+    /// sim, a serial port's name, or unix:PATH. Without this option: SLIPLINE_PORT of the environment, else port = "..." of the
+    /// settings file, else sim.
+    #[arg(long, value_name = "P", default_value = defaults::port(), hide_default_value = true)]
+    pub(super) port: Port,
+    /// With --port sim: the plate under the simulated device, if it differs from the plate of the command. A
+    /// preset's name, a TOML file, or secret:SEED (a plate whose values all deviate by a few per cent).
+    #[arg(long, value_name = "TRUTH")]
+    actual_plate: Option<String>,
+}
 
 impl PortArgument {
     /// The rig of the simulated device with the plate of `--actual-plate`; `None` without this option.

@@ -1,6 +1,7 @@
 //! `slipline calibrate --plan`: proposed sensor places before a measurement.
 
-use super::{Failure, output};
+use super::failure::Failure;
+use super::output;
 use serde_json::{Value, json};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};

@@ -1,21 +1,53 @@
 //! `slipline serve`: offers the simulated device to other programs, in real time.
 
-use super::{Failure, ServeArguments};
+use super::argument::Typed;
+use super::destination::ForceArgument;
+use super::failure::Failure;
+use super::{argument, measured_file};
 #[cfg(unix)]
 use super::{
-    argument::Typed,
     measuring::place_on,
     rig::{actual_plate, prepared},
 };
+use clap::Args;
 #[cfg(unix)]
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 #[cfg(unix)]
 use slipline_plate::Plate;
+use slipline_plate::calibrate::SensorKind;
+use std::path::PathBuf;
+
+/// `serve`.
+#[derive(Debug, Args)]
+pub struct ServeArguments {
+    /// Serve at this Unix socket. A file of another kind is not replaced.
+    #[arg(long, value_name = "PATH", required_unless_present = "pty", conflicts_with = "pty")]
+    socket: Option<PathBuf>,
+    /// Serve at a pseudo-terminal, which other programs open as a serial port; its path is printed.
+    #[arg(long)]
+    pty: bool,
+    /// The device holds this plate's table from the start.
+    #[arg(long, value_name = "PLATE")]
+    plate: Option<String>,
+    /// The device drives this plate and measures it: its first input is a sensor at this place, from the
+    /// driven end (30mm), its second the drive's current.
+    #[arg(long, value_name = "PLACE", value_parser = argument::place, allow_hyphen_values = true, requires = "plate")]
+    sensor: Option<Typed<f64>>,
+    /// What the sensor measures: displacement, velocity, acceleration or strain.
+    #[arg(long, value_name = "KIND", value_parser = measured_file::kind, default_value = "displacement", requires = "sensor")]
+    kind: SensorKind,
+    /// The actual plate, if it differs from the plate of --plate: a preset's name, a TOML file, or
+    /// secret:SEED (a plate whose values all deviate by a few per cent).
+    #[arg(long, value_name = "TRUTH", requires = "sensor")]
+    actual_plate: Option<String>,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+}
 
 /// Serves until the program is interrupted.
 #[cfg(unix)]
 pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failure> {
-    use super::{argument, output};
+    use super::output;
     use crate::signals;
     use serde_json::json;
     use slipline_link::native::{Server, system_clock};

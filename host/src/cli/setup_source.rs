@@ -6,9 +6,10 @@
 //! --setup -------------------------------------> Setup /
 //! ```
 
+use super::failure::Failure;
 use super::source::read_text;
 use super::tones::{AskedTones, TonesArgument};
-use super::{Failure, argument, defaults};
+use super::{argument, defaults};
 use clap::Args;
 use slipline_instrument::requests::NamedFeeling;
 use slipline_link::{DeviceTable, Snapshot, Sounding};

@@ -1,18 +1,22 @@
 //! `slipline simulate`.
 
-use super::destination::Destination;
-use super::envelope_file::Form;
+use super::argument::{self, FingerArgument};
+use super::destination::{Destination, ForceArgument};
+use super::envelope_file::{EnvelopeArgument, Form};
+use super::failure::Failure;
 use super::rig::actual_plate;
 use super::schema::with_files;
-use super::{Failure, SimulateArguments, differs, output, progress, tones};
+use super::setup_source::{SetupArgument, SetupSource};
+use super::{differs, output, progress, tones};
+use clap::Args;
 use serde_json::json;
-use slipline_instrument::requests::SimulateRequest;
+use slipline_instrument::requests::{NamedFeeling, SimulateRequest};
 use slipline_link::simulator::loopback::Loopback;
 use slipline_model::answer::simulate::SimulatedDrive;
 use slipline_model::export::figures::envelope_figure;
 use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
-    SAMPLE_RATE_HZ, Simulated, SlowBeat, Solver, ToneResult, sheet_grid,
+    MAX_SECONDS, SAMPLE_RATE_HZ, Simulated, SlowBeat, Solver, ToneResult, sheet_grid,
 };
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
@@ -21,26 +25,40 @@ use std::io::Write;
 use std::sync::Arc;
 use std::thread::available_parallelism;
 
+/// `simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArguments {
+    #[command(flatten)]
+    sounds: SetupArgument,
+    /// The plate on which the waves run, if it differs from the table's plate. A preset's name, a TOML file, or
+    /// secret:SEED (a plate whose values all deviate by a few per cent).
+    #[arg(long, value_name = "TRUTH")]
+    actual_plate: Option<String>,
+    /// Longest drive, 10ms to 600s: it ends when the plate has settled and been measured for 2s.
+    #[arg(long = "for", alias = "seconds", value_name = "TIME", value_parser = argument::seconds(0.01, MAX_SECONDS), allow_hyphen_values = true)]
+    duration: Option<f64>,
+    /// Leave out the table's gains: every tone has the same DAC amplitude. Not with a setup file.
+    #[arg(long, conflicts_with = "setup")]
+    no_table: bool,
+    /// Run the whole sheet in two dimensions instead of the first width mode, and show where the two differ. For membranes
+    /// and shear waves only.
+    #[arg(long)]
+    sheet: bool,
+    /// A finger on the plate: none, light, firm, or R,M,WIDTH (120mm:0.5Ns/m,0.1g,10mm).
+    /// All values are illustrative.
+    #[arg(long, value_name = "PLACE:KIND", value_parser = argument::finger, allow_hyphen_values = true)]
+    finger: Option<FingerArgument>,
+    #[command(flatten)]
+    files: EnvelopeArgument,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+}
+
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
     let wanted = arguments.sounds.read()?;
-    let plate = &wanted.plate;
-    let actual = arguments.actual_plate.as_deref();
-    let actual = actual.map(|text| actual_plate(text, Some(plate))).transpose()?;
-    if arguments.no_table && wanted.has_felt_edge() {
-        let why = "--felt-edge is by the table's gains: with --no-table name a --turning-point";
-        return Err(Failure::Usage(why.to_owned()));
-    }
-    let solver = if arguments.sheet { sheet_of(actual.as_ref().unwrap_or(plate))? } else { Solver::Line };
+    let request = arguments.request(&wanted)?;
     let files = arguments.files.destinations(arguments.force)?;
-    let request = SimulateRequest {
-        plate: Arc::clone(plate),
-        actual,
-        has_gains: !arguments.no_table,
-        seconds: arguments.duration,
-        solver,
-        finger: arguments.finger.and_then(|argument| argument.0),
-    };
-    let (table, device_table) = progress::table_for(plate, SAMPLE_RATE_HZ)?;
+    let (table, device_table) = progress::table_for(&request.plate, SAMPLE_RATE_HZ)?;
     let setup = wanted.setup(&table)?;
     let chain = Loopback::connect(SAMPLE_RATE_HZ).map_err(Failure::failed)?;
     // Without gains the sum is another; it is checked with that table.
@@ -53,58 +71,92 @@ pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Fa
         match &file.form {
             Form::Csv => file.destination.write(|out| Ok(csv(&result, out)?))?,
             Form::Figure(figure) => {
-                figure.write(&file.destination, &envelope_figure(&result, plate.name()))?;
+                figure.write(&file.destination, &envelope_figure(&result, request.plate.name()))?;
             }
         }
     }
-
     let drive = planned.drive(&wanted.feeling, &result);
-    let value =
-        with_files(json!(drive.answer()), Destination::names(files.iter().map(|file| &file.destination)));
-    let waves_run_on = match (&arguments.actual_plate, drive.actual.name()) {
+    let names = Destination::names(files.iter().map(|file| &file.destination));
+    let actual_plate = arguments.actual_plate.as_deref();
+    output::print(as_json, &with_files(json!(drive.answer()), names), |out| {
+        print(&drive, actual_plate, &wanted.feeling, out)
+    })
+}
+
+impl SimulateArguments {
+    /// What is simulated of this plate and its tones.
+    fn request(&self, wanted: &SetupSource) -> Result<SimulateRequest, Failure> {
+        let plate = Arc::clone(&wanted.plate);
+        let actual = self.actual_plate.as_deref().map(|text| actual_plate(text, Some(&plate))).transpose()?;
+        if self.no_table && wanted.has_felt_edge() {
+            let why = "--felt-edge is by the table's gains: with --no-table name a --turning-point";
+            return Err(Failure::Usage(why.to_owned()));
+        }
+        let solver = if self.sheet { sheet_of(actual.as_ref().unwrap_or(&plate))? } else { Solver::Line };
+        let finger = self.finger.and_then(|argument| argument.0);
+        Ok(SimulateRequest {
+            plate,
+            actual,
+            has_gains: !self.no_table,
+            seconds: self.duration,
+            solver,
+            finger,
+        })
+    }
+}
+
+/// Prints a simulated drive; `actual_plate` is the option that named the plate on which the waves ran.
+fn print(
+    drive: &SimulatedDrive<'_>,
+    actual_plate: Option<&str>,
+    feeling: &NamedFeeling,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    let result = drive.result;
+    let waves_run_on = match (actual_plate, drive.actual.name()) {
         // A plate near the command's has its name.
-        (Some(text), name) if name == plate.name() => format!("{name} ({text})"),
+        (Some(text), name) if name == drive.plate.name() => format!("{name} ({text})"),
         (_, name) => name.to_owned(),
     };
-    output::print(as_json, &value, |out| {
-        output::lines(
-            out,
-            &[
-                ("Plate", plate.name().to_owned()),
-                ("Waves run on", waves_run_on),
-                ("Simulated", format!("{:.3} s, the last {:.3} s measured", result.seconds, result.window_s)),
-                ("Clipped", format!("{} samples", result.clipped_samples)),
-            ],
-        )?;
-        if let Some(it) = drive.sensitivity {
-            let (worst, at) = (it.worst_db, show_place(it.worst_at_m));
-            writeln!(out, "The table is off by up to {worst:.2} dB on the actual plate, worst at {at}.")?;
-        }
-        if let Some(beat) = result.slow_beat {
-            writeln!(out, "{}", slow_beat(beat, result.window_s))?;
-        }
-        writeln!(out)?;
-        print_places(&drive, out)?;
-        writeln!(out, "{}", wanted.feeling.words())?;
-        if let Some(gain_db) = drive.chord_gain_db {
-            writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
-        }
-        writeln!(out)?;
-        output::table(out, &rows(&result))?;
-        writeln!(out)?;
-        writeln!(out, "{}", felt_words(result.felt(drive.actual, drive.feeling.0)))?;
-        if arguments.sheet {
-            writeln!(out)?;
-            for tone in &result.tones {
-                let [one_mode, sheet] = tone.differs.nodes;
-                let (at, peak) = (show_place(tone.boundary_m), differs::peak(&tone.differs));
-                writeln!(
-                    out,
-                    "On the sheet, the peak for {at}: {peak}; {sheet} nodes (one mode: {one_mode})."
-                )?;
-            }
-        }
-        Ok(())
+    output::lines(
+        out,
+        &[
+            ("Plate", drive.plate.name().to_owned()),
+            ("Waves run on", waves_run_on),
+            ("Simulated", format!("{:.3} s, the last {:.3} s measured", result.seconds, result.window_s)),
+            ("Clipped", format!("{} samples", result.clipped_samples)),
+        ],
+    )?;
+    if let Some(it) = drive.sensitivity {
+        let (worst, at) = (it.worst_db, show_place(it.worst_at_m));
+        writeln!(out, "The table is off by up to {worst:.2} dB on the actual plate, worst at {at}.")?;
+    }
+    if let Some(beat) = result.slow_beat {
+        writeln!(out, "{}", slow_beat(beat, result.window_s))?;
+    }
+    writeln!(out)?;
+    print_places(drive, out)?;
+    writeln!(out, "{}", feeling.words())?;
+    if let Some(gain_db) = drive.chord_gain_db {
+        writeln!(out, "As a chord, {gain_db:.1} dB above the setup's levels.")?;
+    }
+    writeln!(out)?;
+    output::table(out, &rows(result))?;
+    writeln!(out)?;
+    writeln!(out, "{}", felt_words(result.felt(drive.actual, &feeling.feeling)))?;
+    match drive.solver {
+        Solver::Line => Ok(()),
+        Solver::Sheet { .. } => print_sheet(result, out),
+    }
+}
+
+/// Where the peaks of the sheet differ from those of one mode.
+fn print_sheet(result: &Simulated, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out)?;
+    result.tones.iter().try_for_each(|tone| {
+        let [one_mode, sheet] = tone.differs.nodes;
+        let (at, peak) = (show_place(tone.boundary_m), differs::peak(&tone.differs));
+        writeln!(out, "On the sheet, the peak for {at}: {peak}; {sheet} nodes (one mode: {one_mode}).")
     })
 }
 

@@ -1,8 +1,9 @@
 //! `slipline study`.
 
-use super::destination::Destination;
+use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
 use super::source::read_text;
-use super::{Failure, ForceArgument, argument, output, progress};
+use super::{argument, output, progress};
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_model::atomic_file::said;

@@ -1,9 +1,12 @@
 //! `slipline sweep`.
 
-use super::destination::Destination;
-use super::device::{Device, LoadedDevice, run};
+use super::argument::{self, PlateArgument};
+use super::destination::{Destination, ForceArgument};
+use super::device::{ArmingArgument, Device, LoadedDevice, run};
+use super::failure::Failure;
 use super::measuring::FrequenciesArgument;
-use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
+use super::output;
+use super::rig::PortArgument;
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_instrument::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
@@ -36,7 +39,7 @@ pub struct SweepArguments {
 }
 
 pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     let out = Destination::new(&arguments.out, arguments.force)?;
     let rig = arguments.port.rig(Some(&plate))?;
     let device = Device::connect(&arguments.port.port, rig.as_ref())?;

@@ -1,17 +1,39 @@
 //! `slipline table`.
 
-use super::destination::Destination;
+use super::argument::{self, PlateArgument, Typed};
+use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
 use super::schema::{finished, with_files};
-use super::{Failure, TableArguments, argument, output, progress};
+use super::{output, progress};
+use clap::Args;
 use serde_json::json;
 use slipline_model::answer::table::BuiltTable;
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
-use slipline_plate::sample_rates;
+use slipline_plate::{KNOTS_MAX, sample_rates};
 use std::io::Write;
+use std::path::PathBuf;
+
+/// `table`.
+#[derive(Debug, Args)]
+pub struct TableArguments {
+    #[command(flatten)]
+    plate: PlateArgument,
+    /// The device's sample rate, such as 400kHz.
+    #[arg(long, value_name = "F", value_parser = argument::frequency, allow_hyphen_values = true, default_value = "400kHz")]
+    sample_rate: Typed<f64>,
+    /// Knots, 2 to 1025.
+    #[arg(long, value_parser = argument::count(2, KNOTS_MAX), allow_hyphen_values = true, default_value = "1025")]
+    knots: usize,
+    /// Write the JSON to this file.
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+}
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     let file = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let why = format!(": the plate's band ends at {}", show_frequency(plate.band_hz().1));
     let rate_hz =

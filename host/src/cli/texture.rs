@@ -1,9 +1,11 @@
 //! `slipline texture`.
 
-use super::destination::Destination;
+use super::argument::{self, PlateArgument};
+use super::destination::{Destination, ForceArgument};
+use super::failure::Failure;
 use super::schema::with_files;
 use super::source::{read_bytes, read_text};
-use super::{Failure, ForceArgument, PlateArgument, argument, output, progress};
+use super::{output, progress};
 use argument::{Beat, Typed};
 use clap::Args;
 use serde_json::json;
@@ -70,7 +72,7 @@ struct Named {
 }
 
 pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let (table, _) = progress::table_for(&plate, SAMPLE_RATE_HZ)?;
     let named = make(&plate, &table, &arguments.wanted, arguments.tones)?;

@@ -5,8 +5,8 @@
 //!                                      --table, feeling--> ToneSetups, or the felt edges that can be had
 //! ```
 
-use super::Failure;
 use super::argument::{self, PlaceArgument, level};
+use super::failure::Failure;
 use super::feeling::FeelingArgument;
 use clap::Args;
 use slipline_instrument::requests::NamedFeeling;

@@ -1,7 +1,7 @@
 //! `calibrate --touch`: a felt edge.
 
-use super::Failure;
 use super::argument::{self, PlaceArgument, Typed};
+use super::failure::Failure;
 use slipline_instrument::requests::{FeltEdgeError, FeltEdgeRequest};
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
 use slipline_plate::Plate;

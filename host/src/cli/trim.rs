@@ -1,9 +1,13 @@
 //! `slipline trim`.
 
-use super::destination::Destination;
+use super::argument::{self, PlateArgument};
+use super::destination::{Destination, ForceArgument};
+use super::device::ArmingArgument;
+use super::failure::Failure;
 use super::measured_file::kind;
 use super::measuring::{BandArgument, ByDevice, Measurer, place_on};
-use super::{ArmingArgument, Failure, ForceArgument, PlateArgument, PortArgument, argument, output};
+use super::output;
+use super::rig::PortArgument;
 use crate::signals::{self, Signal};
 use argument::Typed;
 use clap::Args;
@@ -53,7 +57,7 @@ pub struct TrimArguments {
 }
 
 pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate.plate)?;
+    let plate = arguments.plate.read()?;
     let place_m = place_on(&plate, &arguments.sensor)?;
     SpeedTrim::check(&plate).map_err(Failure::failed)?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;

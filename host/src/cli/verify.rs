@@ -1,10 +1,38 @@
 //! `slipline verify`: checks that the device sends exactly the codes of the mirror.
 
-use super::device::Device;
-use super::{Failure, VerifyArguments, argument, output};
+use super::argument::Typed;
+use super::defaults;
+use super::destination::ForceArgument;
+use super::device::{ArmingArgument, Device};
+use super::failure::Failure;
+use super::rig::PortArgument;
+use super::{argument, output};
+use clap::Args;
 use serde_json::json;
 use slipline_instrument::native::{Verified, verify_windows_s};
+use slipline_link::protocol::limits::MAX_TONES;
 use slipline_plate::quantity::Measure;
+
+/// `verify`.
+#[derive(Debug, Args)]
+pub struct VerifyArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    /// The plate whose table is used. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
+    /// settings file, else membrane.
+    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true, help_heading = "Plate")]
+    plate: String,
+    /// Number of tones, 1 to 16.
+    #[arg(long, value_parser = argument::count(1, MAX_TONES), allow_hyphen_values = true, default_value = "16")]
+    tones: usize,
+    /// Longest window of codes per digest.
+    #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
+    window: Typed<f64>,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+    #[command(flatten)]
+    arming: ArmingArgument,
+}
 
 pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Failure> {
     let plate = argument::plate(&arguments.plate)?;

@@ -1,8 +1,12 @@
 //! `slipline watch`: the device's status as lines of JSON. It arms nothing and drives nothing.
 
+use super::destination::ForceArgument;
 use super::device::Device;
-use super::{Failure, WatchArguments, output};
+use super::failure::Failure;
+use super::output;
+use super::rig::PortArgument;
 use crate::signals;
+use clap::Args;
 use serde_json::{Value, json};
 use slipline_link::protocol::event::Status;
 use slipline_link::{LinkState, Snapshot};
@@ -12,6 +16,15 @@ use std::time::Duration;
 
 /// Time between two looks for a new status; the link requests one every fifth of a second.
 const GLANCE: Duration = Duration::from_millis(50);
+
+/// `watch`.
+#[derive(Debug, Args)]
+pub struct WatchArguments {
+    #[command(flatten)]
+    port: PortArgument,
+    #[command(flatten)]
+    pub(super) force: ForceArgument,
+}
 
 /// Prints each status until a signal comes or the reader of the lines leaves.
 pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {

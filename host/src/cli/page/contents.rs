@@ -1,6 +1,6 @@
 //! What is served: the files of a folder, or those that were built into the program.
 
-use super::super::Failure;
+use super::super::failure::Failure;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 //! Answers browsers: GET and HEAD of the page's files.
 
-use super::super::Failure;
+use super::super::failure::Failure;
 use super::contents::Contents;
 use std::io::{Cursor, Read};
 use std::net::SocketAddr;
