@@ -6,12 +6,12 @@ use crate::feeling;
 use crate::finger::FingerArgument;
 use crate::one_or_more::OneOrMore;
 use crate::options::Options;
-use crate::place::{LEVEL, exactly_one, setup_file, turning_point_of};
+use crate::place::{LEVEL, exactly_one, no_such_tone, setup_file};
 use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
 use serde_json::{Map, Value};
-use slipline_instrument::requests::{NamedFeeling, SimulateRequest};
+use slipline_instrument::requests::{NamedFeeling, SimulateRequest, ToneRequest};
 use slipline_link::DeviceTable;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::simulator::loopback::Loopback;
@@ -19,7 +19,7 @@ use slipline_model::field::asked_place::AskedPlace;
 use slipline_model::field::simulation::{
     MAX_SECONDS, SAMPLE_RATE_HZ, SimulationError, Solver, table_for_watched,
 };
-use slipline_model::setup::{Setup, ToneSetup};
+use slipline_model::setup::Setup;
 use slipline_model::texture::{chord_of, sounding};
 use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
 use slipline_plate::{DriveTable, Plate, Progress};
@@ -33,7 +33,7 @@ const THREADS_MAX: usize = 64;
 
 /// What sounds: tones, each by its place and level, or a setup of a file.
 enum Sounds {
-    Tones(Vec<(AskedPlace, f64)>),
+    Tones(Vec<ToneRequest>),
     Setup(Box<Setup>),
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn run(
         }
     };
     let has_felt_edge = matches!(&sounds, Sounds::Tones(tones)
-        if tones.iter().any(|(place, _)| matches!(place, AskedPlace::FeltEdge(_))));
+        if tones.iter().any(|tone| matches!(tone.asked, AskedPlace::FeltEdge(_))));
     if !has_gains && (has_felt_edge || matches!(sounds, Sounds::Setup(_))) {
         let given = "no_table beside felt_edge_m or a setup";
         return Err(Failure::wrong_arguments(given, "False: they are by the table's gains").into());
@@ -89,10 +89,7 @@ pub(crate) fn run(
 }
 
 /// The tones of the arguments.
-fn tones(
-    places: [Option<OneOrMore>; 3],
-    level: Option<OneOrMore>,
-) -> Result<Vec<(AskedPlace, f64)>, Failure> {
+fn tones(places: [Option<OneOrMore>; 3], level: Option<OneOrMore>) -> Result<Vec<ToneRequest>, Failure> {
     let [felt_edges_m, turning_points_m, frequencies_hz] = places.map(|given| given.map(OneOrMore::numbers));
     let first = |given: &Option<Vec<f64>>| given.as_ref().map(|_| 0.0);
     // Counts the arguments; an empty series is one, too.
@@ -117,7 +114,7 @@ fn tones(
     for &level in &levels {
         OutOfRange::check("level", level, LEVEL).map_err(|refused| Failure::out_of_range(&refused))?;
     }
-    Ok(asked.into_iter().zip(levels).collect())
+    Ok(asked.into_iter().zip(levels).map(|(asked, level)| ToneRequest { asked, level }).collect())
 }
 
 impl Drive {
@@ -142,17 +139,9 @@ impl Drive {
             Sounds::Setup(setup) => return Ok((**setup).clone()),
             Sounds::Tones(tones) => tones,
         };
-        let empty = Setup {
-            feeling: self.feeling.feeling,
-            tones: Vec::new(),
-            ..Setup::new(Arc::clone(&self.request.plate))
-        };
-        let mut setup = empty.clone();
-        for (slot, &(place, level)) in (0..).zip(tones) {
-            let position_m = turning_point_of(place, &empty, level, table)?;
-            setup.tones.push(ToneSetup { slot, position_m, level, phase_turns: 0.0 });
-        }
-        Ok(setup)
+        let (plate, feeling) = (Arc::clone(&self.request.plate), self.feeling.feeling);
+        let setup = ToneRequest::setup(tones, Setup { feeling, ..Setup::new(plate) }, table);
+        setup.map_err(|(_, error)| no_such_tone(error))
     }
 }
 

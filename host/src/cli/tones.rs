@@ -9,10 +9,9 @@ use super::argument::{self, PlaceArgument, level};
 use super::failure::Failure;
 use super::feeling::FeelingArgument;
 use clap::Args;
-use slipline_instrument::requests::NamedFeeling;
+use slipline_instrument::requests::{NamedFeeling, ToneRequest};
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
-use slipline_model::field::edge_reach::NoFeltEdge;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, ToneSetup};
 use slipline_plate::quantity::{
@@ -116,8 +115,8 @@ impl PlaceKind {
 /// What is asked of one tone.
 #[derive(Clone, Debug)]
 struct AskedTone {
-    at: AskedPlace,
-    level: f64,
+    request: ToneRequest,
+    /// As it was typed.
     text: String,
 }
 
@@ -134,8 +133,9 @@ impl TonesArgument {
         self.gone.refuse("--felt-edge X")?;
         let feeling = self.feeling.read()?;
         let asked = |kind: PlaceKind, tone: &ToneArgument| {
-            let at = kind.of(&tone.at, plate, &format!("{OPTION}{}", kind.word()))?;
-            Ok(AskedTone { at, level: tone.level.unwrap_or(self.level), text: tone.text.clone() })
+            let asked = kind.of(&tone.at, plate, &format!("{OPTION}{}", kind.word()))?;
+            let request = ToneRequest { asked, level: tone.level.unwrap_or(self.level) };
+            Ok(AskedTone { request, text: tone.text.clone() })
         };
         let felt_edges = self.felt_edges.iter().map(|tone| asked(PlaceKind::FeltEdge, tone));
         let turning_points = self.turning_points.iter().map(|tone| asked(PlaceKind::TurningPoint, tone));
@@ -154,15 +154,14 @@ impl TonesArgument {
 impl AskedTones {
     /// Whether a felt edge is asked for.
     pub(super) fn has_felt_edge(&self) -> bool {
-        self.tones.iter().any(|tone| matches!(tone.at, AskedPlace::FeltEdge(_)))
+        self.tones.iter().any(|tone| matches!(tone.request.asked, AskedPlace::FeltEdge(_)))
     }
 
     /// The tones of a setup, by their turning points.
     pub(super) fn of_setup(setup: &Setup, feeling: NamedFeeling) -> Self {
-        let asked = |tone: &ToneSetup| AskedTone {
-            at: AskedPlace::TurningPoint(PlaceOrFrequency::Place(tone.position_m)),
-            level: tone.level,
-            text: String::new(),
+        let asked = |tone: &ToneSetup| {
+            let asked = AskedPlace::TurningPoint(PlaceOrFrequency::Place(tone.position_m));
+            AskedTone { request: ToneRequest { asked, level: tone.level }, text: String::new() }
         };
         Self { tones: setup.tones.iter().map(asked).collect(), feeling }
     }
@@ -176,8 +175,8 @@ impl AskedTones {
     ) -> Result<Self, Failure> {
         self.allow(places.len(), "places")?;
         for (tone, place) in self.tones.iter_mut().zip(places) {
-            tone.at = kind.of(&place.at, plate, kind.word())?;
-            tone.level = place.level.unwrap_or(tone.level);
+            tone.request.asked = kind.of(&place.at, plate, kind.word())?;
+            tone.request.level = place.level.unwrap_or(tone.request.level);
             tone.text.clone_from(&place.text);
         }
         Ok(self)
@@ -187,7 +186,7 @@ impl AskedTones {
     /// felt edge keeps it.
     pub(super) fn at_levels(mut self, levels: &[f64]) -> Result<Self, Failure> {
         self.allow(levels.len(), "levels")?;
-        self.tones.iter_mut().zip(levels).for_each(|(tone, level)| tone.level = *level);
+        self.tones.iter_mut().zip(levels).for_each(|(tone, level)| tone.request.level = *level);
         Ok(self)
     }
 
@@ -203,36 +202,35 @@ impl AskedTones {
 
     /// The setup of these tones; `table` is that of the plate. An error names the felt edges that can be had.
     pub(super) fn setup(&self, plate: &Arc<Plate>, table: &DriveTable) -> Result<Setup, Failure> {
-        let feeling = self.feeling.feeling;
-        let mut setup = Setup { feeling, tones: Vec::new(), ..Setup::new(Arc::clone(plate)) };
-        for (slot, tone) in (0..).zip(&self.tones) {
-            let position_m = tone.turning_point_m(&setup, table, OPTION)?;
-            setup.tones.push(ToneSetup { slot, position_m, level: tone.level, phase_turns: 0.0 });
-        }
-        Ok(setup)
+        let like = Setup { feeling: self.feeling.feeling, ..Setup::new(Arc::clone(plate)) };
+        let requests: Vec<_> = self.tones.iter().map(|tone| tone.request).collect();
+        ToneRequest::setup(&requests, like, table).map_err(|(number, error)| match self.tones.get(number) {
+            Some(tone) => tone.refused(plate, error, OPTION),
+            None => Failure::refused(error),
+        })
     }
 
     /// A setup of these tones in the slots of `before`, with its master level and glide.
     pub(super) fn after(&self, before: &Setup, table: &DriveTable) -> Result<Setup, Failure> {
         let mut setup = before.without_chord();
         for (tone, asked) in setup.tones.iter_mut().zip(&self.tones) {
-            (tone.position_m, tone.level) = (asked.turning_point_m(before, table, "")?, asked.level);
+            let ToneRequest { asked: place, level } = asked.request;
+            let position_m = place.turning_point_m(before, level, table);
+            tone.position_m = position_m.map_err(|error| asked.refused(&before.plate, error, ""))?;
+            tone.level = level;
         }
         Ok(setup)
     }
 }
 
 impl AskedTone {
-    /// Its turning point on the plate of a setup, for its feeling, in metres; words of the refusal begin with `dashes`.
-    fn turning_point_m(&self, setup: &Setup, table: &DriveTable, dashes: &str) -> Result<f64, Failure> {
-        self.at.turning_point_m(setup, self.level, table).map_err(|error| match error {
-            NoSuchTone::NoFeltEdge(place_m, refusal) => self.refused(place_m, &setup.plate, &refusal, dashes),
-            NoSuchTone::OutOfRange(refusal) => Failure::refused(refusal),
-        })
-    }
-
-    /// The refusal of a felt edge that no tone has, with the turning point that plays the frequency of this place.
-    fn refused(&self, place_m: f64, plate: &Plate, refusal: &NoFeltEdge, dashes: &str) -> Failure {
+    /// The refusal of this tone, whose options begin with `dashes`: of a felt edge that no tone has, with the turning point
+    /// that plays the frequency of this place.
+    fn refused(&self, plate: &Plate, error: NoSuchTone, dashes: &str) -> Failure {
+        let (place_m, refusal) = match error {
+            NoSuchTone::NoFeltEdge(place_m, refusal) => (place_m, refusal),
+            NoSuchTone::OutOfRange(refusal) => return Failure::refused(refusal),
+        };
         let text = &self.text;
         let (start_m, end_m) = plate.span_m();
         let turns = if (start_m..=end_m).contains(&place_m) {

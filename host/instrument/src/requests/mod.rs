@@ -4,6 +4,7 @@
 //! options of a shell --> request: absent options get their defaults, incomplete ones are refused
 //!                          |--measure----> frequencies, method, drive circuit --> native::Measurer
 //!                          |--calibrate--> measurements or felt edges ----------> CalibrationReport
+//!                          |--tones------> places and levels -------------------> Setup
 //!                          \--simulate---> plates, finger, solver --------------> SimulatedDrive
 //! ```
 //! A shell reads its options and words a refusal with their names. What follows from the options is stated here.
@@ -12,6 +13,7 @@ mod calibrate;
 mod feeling;
 mod measure;
 mod simulate;
+mod tones;
 
 pub use calibrate::{
     FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, IncompleteCalipers, complete_calipers, measured,
@@ -20,3 +22,4 @@ pub use calibrate::{
 pub use feeling::NamedFeeling;
 pub use measure::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 pub use simulate::{PlannedSimulation, SimulateRequest};
+pub use tones::ToneRequest;

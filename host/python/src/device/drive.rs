@@ -9,23 +9,17 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
 use slipline_instrument::native::{Client, InterruptibleLink};
+use slipline_instrument::requests::ToneRequest;
 use slipline_link::Sounding;
 use slipline_link::protocol::command::Apply;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_model::answer::ToneAnswer;
-use slipline_model::field::asked_place::AskedPlace;
 use slipline_model::field::tone_places::TonePlaces;
-use slipline_model::setup::{GLIDE_RANGE_S, Setup, ToneSetup, edit};
+use slipline_model::setup::{GLIDE_RANGE_S, Setup, edit};
 use slipline_model::texture::{chord_of, setup_of, sounding};
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, must_be};
 use slipline_plate::texture::TextureTone;
 use std::sync::Arc;
-
-/// A tone that is asked for.
-pub(super) struct AskedTone {
-    at: AskedPlace,
-    level: f64,
-}
 
 /// The fields of a drive, as far as they are known when it begins: those of `slipline drive --json`.
 #[derive(Serialize)]
@@ -43,30 +37,29 @@ struct TableAnswer {
     crc: String,
 }
 
-impl AskedTone {
-    /// The tone of these places, if one of them is given.
-    pub(super) fn at_most_one(
-        felt_edge_m: Option<f64>,
-        turning_point_m: Option<f64>,
-        frequency_hz: Option<f64>,
-        level: f64,
-    ) -> Result<Option<Self>, Failure> {
-        OutOfRange::check("level", level, LEVEL).map_err(|it| Failure::out_of_range(&it))?;
-        Ok(at_most_one(felt_edge_m, turning_point_m, frequency_hz)?.map(|at| Self { at, level }))
-    }
+/// The tone of these places, if one of them is given.
+pub(super) fn asked_tone(
+    felt_edge_m: Option<f64>,
+    turning_point_m: Option<f64>,
+    frequency_hz: Option<f64>,
+    level: f64,
+) -> Result<Option<ToneRequest>, Failure> {
+    OutOfRange::check("level", level, LEVEL).map_err(|it| Failure::out_of_range(&it))?;
+    let asked = at_most_one(felt_edge_m, turning_point_m, frequency_hz)?;
+    Ok(asked.map(|asked| ToneRequest { asked, level }))
+}
 
-    /// A further tone: a dictionary of a place and a level, which is that of the drive by default.
-    pub(super) fn of_dictionary(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<Self> {
-        let mut options = Options::new("drive", Some(tone))?;
-        let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
-        let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name, ANY));
-        let level = options.number("level", LEVEL)?.unwrap_or(level);
-        options.end()?;
-        let tone = Self::at_most_one(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
-        let none =
-            || Failure::wrong_arguments("a tone of drive()", "a dictionary such as {\"felt_edge_m\": 0.2}");
-        Ok(tone.ok_or_else(none)?)
-    }
+/// A further tone: a dictionary of a place and a level, which is that of the drive by default.
+pub(super) fn further_tone(tone: &Bound<'_, PyDict>, level: f64) -> PyResult<ToneRequest> {
+    let mut options = Options::new("drive", Some(tone))?;
+    let places = ["felt_edge_m", "turning_point_m", "frequency_hz"];
+    let [felt_edge_m, turning_point_m, frequency_hz] = places.map(|name| options.number(name, ANY));
+    let level = options.number("level", LEVEL)?.unwrap_or(level);
+    options.end()?;
+    let tone = asked_tone(felt_edge_m?, turning_point_m?, frequency_hz?, level)?;
+    let none =
+        || Failure::wrong_arguments("a tone of drive()", "a dictionary such as {\"felt_edge_m\": 0.2}");
+    Ok(tone.ok_or_else(none)?)
 }
 
 /// When a drive begins: a sample index, or a word.
@@ -97,7 +90,7 @@ impl Device {
     pub(super) fn drive_tones(
         &self,
         py: Python<'_>,
-        tones: Vec<AskedTone>,
+        tones: Vec<ToneRequest>,
         glide_s: f64,
         apply: Apply,
     ) -> PyResult<Answer> {
@@ -111,12 +104,9 @@ impl Device {
         }
         let loaded = self.loaded()?;
         self.sound(py, apply, move |_| {
-            let mut setup = Setup { glide_s, tones: Vec::new(), ..Setup::new(Arc::clone(&loaded.plate)) };
-            for (slot, AskedTone { at, level }) in (0..).zip(tones) {
-                let found = at.turning_point_m(&setup, level, &loaded.table);
-                let position_m = found.map_err(|error| Failure::of(&error))?;
-                setup.tones.push(ToneSetup { slot, position_m, level, phase_turns: 0.0 });
-            }
+            let like = Setup { glide_s, ..Setup::new(Arc::clone(&loaded.plate)) };
+            let setup = ToneRequest::setup(&tones, like, &loaded.table);
+            let setup = setup.map_err(|(_, error)| Failure::of(&error))?;
             let sounding = Sounding::Drive(edit::drive(&setup));
             Ok((loaded, setup, sounding))
         })

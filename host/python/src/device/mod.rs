@@ -22,7 +22,7 @@ use crate::measurement::Measurement;
 use crate::plate::Plate as PyPlate;
 use crate::result::{Answer, fields};
 use attention::Attention;
-use drive::{AskedTone, At};
+use drive::{At, asked_tone, further_tone};
 use measure::Wish;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
@@ -157,8 +157,8 @@ impl Device {
         glide_s: f64,
         at: Option<At>,
     ) -> PyResult<Answer> {
-        let first = AskedTone::at_most_one(felt_edge_m, turning_point_m, frequency_hz, level)?;
-        let further = tones.iter().map(|tone| AskedTone::of_dictionary(tone, level));
+        let first = asked_tone(felt_edge_m, turning_point_m, frequency_hz, level)?;
+        let further = tones.iter().map(|tone| further_tone(tone, level));
         let tones = first.map(Ok).into_iter().chain(further).collect::<PyResult<Vec<_>>>()?;
         self.drive_tones(py, tones, glide_s, At::apply(at)?)
     }
