@@ -4,21 +4,26 @@
 #[cfg(feature = "native")]
 #[path = "in_use/client.rs"]
 mod client;
+#[path = "in_use/fixed_link.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod fixed_link;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;
 #[path = "in_use/script.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod script;
+#[path = "in_use/sensors.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod sensors;
 #[path = "in_use/session.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod session;
 
 use session::Session;
-use slipline_instrument::calibration::WizardPage;
+use slipline_instrument::MeasureIntent;
 use slipline_instrument::hold::Standing;
 use slipline_instrument::rig::secret;
-use slipline_instrument::{CalibrateIntent, MeasureIntent};
 use slipline_link::protocol::event::State;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::departure;
@@ -67,22 +72,17 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     session.instrument.perform_measure(MeasureIntent::Secret(true));
     session.measure(None);
     assert!(session.notice().starts_with("Measured 30.0 mm, run 1"), "{}", session.notice());
-    session.instrument.perform_calibrate(CalibrateIntent::Open);
-    session.turn();
-    for (page, answers) in [(WizardPage::FirstAnswer, 0), (WizardPage::SecondPlace, 1)] {
-        session.instrument.perform_calibrate(CalibrateIntent::Page(page));
-        session.turn();
-        session.measure(Some(answers));
-    }
-    session.instrument.perform_calibrate(CalibrateIntent::Page(WizardPage::Result));
-    session.pass(100);
-    session.instrument.perform_calibrate(CalibrateIntent::Use);
-    session.pass(1500);
+    let is_other_plate =
+        |session: &Session| session.instrument.shown().measure.comparison().unwrap().is_other_plate();
+    assert!(is_other_plate(&session));
+    session.calibrate_by_measuring();
+    assert!(!is_other_plate(&session), "the plate's model fits");
     let nominal = slipline_plate::preset("membrane").unwrap();
     let truth = secret(&Arc::new(nominal.clone()), 1).unwrap();
     let off_mm = |plate: &Plate| 1e3 * departure(plate, &truth, 400e3).unwrap().boundary_m;
     let used = Arc::clone(&session.instrument.setup().plate);
-    assert!(off_mm(&used) < 0.3 * off_mm(&nominal), "{} {} mm", off_mm(&nominal), off_mm(&used));
+    let (before_mm, after_mm) = (off_mm(&nominal), off_mm(&used));
+    assert!(after_mm < 1.0 && after_mm < 0.3 * before_mm, "{before_mm} {after_mm} mm");
     assert!(session.sent().contains(&"Comb".to_owned()));
 
     // The level is held and stopped: STOP ends the hold, too.

@@ -16,6 +16,8 @@ mod fake_speaker;
 mod feeling;
 mod finger;
 mod finger_trace;
+#[path = "../../../instrument/tests/in_use/fixed_link.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod fixed_link;
 mod focus;
 mod foreign;
@@ -49,6 +51,9 @@ mod reasons;
 #[path = "../../../instrument/tests/in_use/script.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod script;
+#[path = "../../../instrument/tests/in_use/sensors.rs"]
+#[allow(dead_code, reason = "two programs of tests use it, each a part")]
+mod sensors;
 #[path = "../../../instrument/tests/in_use/session.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod session;
@@ -73,9 +78,9 @@ mod upkeep;
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use fake_files::FakeFiles;
-use fixed_link::FixedLink;
+use fixed_link::{FixedLink, real_device};
 use slipline_link::protocol::event::State;
-use slipline_link::{LinkState, Request, Snapshot, Sounding};
+use slipline_link::{LinkState, Request, Sounding};
 use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 use test_app::{TestApp, open_window};
@@ -390,19 +395,6 @@ fn another_plate_gets_its_table_made_sent_and_verified() {
     type_into(&mut app, "Loss factor", "7");
     assert!(app.window.query_by_label_contains("must be").is_some());
     assert!(app.window.state().setup().plate.spec().loss_factor < 0.5);
-}
-
-/// A device with a real plate on it, in this state.
-fn real_device(state: State) -> FixedLink {
-    let mut snapshot: Snapshot = TestApp::driving().snapshot();
-    let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
-    identity.simulated = false;
-    snapshot.identity = Some(Arc::new(identity));
-    // Nothing is known of a profile, so nothing is asked about it.
-    snapshot.profile = None;
-    snapshot.status.as_mut().unwrap().state = state;
-    snapshot.revision += 1;
-    FixedLink::of(snapshot)
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! A link with fixed snapshots that records the requests.
 
+use crate::session::Session;
+use slipline_instrument::Link;
+use slipline_link::protocol::event::State;
 use slipline_link::{Request, Snapshot, Ticket};
-use slipline_window::app::Link;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -15,6 +17,19 @@ pub(crate) struct FixedLink {
     later: Rc<RefCell<Option<Arc<Snapshot>>>>,
     /// The requests.
     pub(crate) sent: Rc<RefCell<Vec<Request>>>,
+}
+
+/// A device with a real plate on it, in this state.
+pub(crate) fn real_device(state: State) -> FixedLink {
+    let mut snapshot = (**Session::driving().instrument.snapshot()).clone();
+    let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
+    identity.simulated = false;
+    snapshot.identity = Some(Arc::new(identity));
+    // Nothing is known of a profile, so nothing is asked about it.
+    snapshot.profile = None;
+    snapshot.status.as_mut().unwrap().state = state;
+    snapshot.revision += 1;
+    FixedLink::of(snapshot)
 }
 
 impl FixedLink {
