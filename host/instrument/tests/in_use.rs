@@ -7,6 +7,8 @@ mod client;
 #[path = "in_use/fixed_link.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod fixed_link;
+#[path = "in_use/holding.rs"]
+mod holding;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;
