@@ -9,6 +9,8 @@ mod client;
 mod fixed_link;
 #[path = "in_use/holding.rs"]
 mod holding;
+#[path = "in_use/measuring.rs"]
+mod measuring;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;

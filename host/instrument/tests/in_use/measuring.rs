@@ -1,0 +1,234 @@
+//! Measuring with the connected device: what is sent and kept, and everything that ends it.
+
+use crate::sensors::Half;
+use crate::session::{Session, drives, membrane};
+use slipline_instrument::calibration::{CalibrationWizard, WizardPage};
+use slipline_instrument::{CalibrateIntent, MeasureIntent};
+use slipline_link::{Request, Sounding};
+use slipline_model::field::steady_field::{POINTS, SteadyField};
+use slipline_plate::calibrate::{Comparison, SensorKind};
+use slipline_plate::quantity::show_place;
+
+/// What is said after a measurement that has ended a drive.
+const DRIVE_ENDED: &str = "The drive was stopped for it: press Drive to go on.";
+
+fn begin(session: &mut Session) {
+    session.instrument.perform_measure(MeasureIntent::Begin(None));
+    session.pass(200);
+}
+
+/// A measurement under way, which has ended a drive.
+fn begun() -> Session {
+    let mut session = Session::sensed(Half(1));
+    begin(&mut session);
+    assert!(session.is_measuring());
+    session
+}
+
+fn combs(sent: &[Request]) -> usize {
+    sent.iter().filter(|request| matches!(request, Request::Play(Sounding::Comb(_)))).count()
+}
+
+/// How often the sensor is listened to.
+fn looks(session: &Session) -> usize {
+    session.take_requests().iter().filter(|request| matches!(request, Request::Listen(_))).count()
+}
+
+/// The names of the measurements.
+fn names(session: &Session) -> Vec<String> {
+    session.instrument.shown().measure.shelf.entries().iter().map(|entry| entry.name.clone()).collect()
+}
+
+fn compared(session: &Session) -> Comparison {
+    session.instrument.shown().measure.comparison().unwrap().clone()
+}
+
+fn has_signal(session: &Session) -> bool {
+    session.instrument.shown().measure.live.signal.is_some()
+}
+
+/// Opens the calibration on this page.
+fn open_calibration(session: &mut Session, page: WizardPage) {
+    session.instrument.perform_calibrate(CalibrateIntent::Open);
+    session.open_wizard(page);
+}
+
+#[test]
+fn a_plate_is_measured_with_the_device_and_is_silent_afterwards() {
+    let mut session = begun();
+    session.take_requests();
+    session.pass(1500);
+    let share = session.instrument.shown().measure.live.progress.unwrap();
+    assert!(share > 0.0 && share < 1.0, "{share}");
+    // Drive has to wait, and says so.
+    session.instrument.start();
+    session.turn();
+    assert!(session.notice().contains("is being measured"), "{}", session.notice());
+    session.end_of_measuring();
+    let sent = session.take_requests();
+    assert!(combs(&sent) >= 3 && matches!(sent.last(), Some(Request::Stop | Request::Note(..))), "{sent:?}");
+    assert!(drives(&sent).is_empty());
+    session.pass(500);
+    assert!(!session.is_driving());
+    assert_eq!(names(&session), ["30.0 mm, run 1"]);
+    let measurement = session.instrument.shown().measure.shelf.chosen().unwrap().measurement.clone();
+    assert_eq!((measurement.points.len(), measurement.sensor), (60, SensorKind::Acceleration));
+    assert!(compared(&session).is_other_plate());
+}
+
+#[test]
+fn cancel_stop_and_another_plate_end_a_measurement_and_nothing_is_kept() {
+    let ends: [fn(&mut Session); 3] = [
+        |session| session.instrument.perform_measure(MeasureIntent::Cancel),
+        |session| session.instrument.press_stop(),
+        |session| session.change_plate(membrane(1.01)),
+    ];
+    for end in ends {
+        let mut session = begun();
+        session.pass(700);
+        session.take_requests();
+        end(&mut session);
+        session.pass(700);
+        let sent = session.take_requests();
+        assert!(sent.iter().any(|request| matches!(request, Request::Stop)), "{sent:?}");
+        assert_eq!(combs(&sent), 0);
+        assert!(names(&session).is_empty() && !session.is_driving() && !session.is_measuring());
+    }
+}
+
+#[test]
+fn a_device_that_goes_away_ends_it_with_a_reason() {
+    let mut session = begun();
+    session.pass(700);
+    session.plug(false, 2000);
+    assert!(!session.is_measuring() && names(&session).is_empty());
+    let failed = session.instrument.shown().measure.live.failed.unwrap().to_owned();
+    assert!(failed.starts_with("Not measured: the device went away."), "{failed}");
+}
+
+#[test]
+fn what_a_device_does_not_allow_is_told() {
+    let mut session = Session::driving();
+    begin(&mut session);
+    assert!(session.notice().contains("This device has no input for a sensor"), "{}", session.notice());
+    assert!(session.is_driving(), "nothing was stopped");
+}
+
+#[test]
+fn the_sensor_is_seen_while_it_is_put_in_its_place() {
+    let mut session = Session::sensed(Half(3));
+    session.instrument.perform_calibrate(CalibrateIntent::Open);
+    session.pass(500);
+    assert!(!has_signal(&session), "no sensor on the first page");
+    session.open_wizard(WizardPage::FirstPlace);
+    session.pass(1500);
+    // Half of what is driven, and nothing else was asked of the device.
+    assert!(has_signal(&session) && session.is_driving(), "looking stops nothing");
+    session.take_requests();
+    session.pass(1000);
+    let count = looks(&session);
+    assert!((2..=10).contains(&count), "{count} in a second");
+    (session.attention.has_page, session.attention.is_calibration_open) = (false, false);
+    session.pass(1000);
+    looks(&session);
+    session.pass(500);
+    assert_eq!(looks(&session), 0, "the pages are closed");
+}
+
+#[test]
+fn the_calibrations_pages_measure_too() {
+    let mut session = Session::sensed(Half(2));
+    open_calibration(&mut session, WizardPage::FirstAnswer);
+    let [proposed_m, _] = CalibrationWizard::of(&session.instrument.setup().plate).places_m();
+    assert_eq!(session.instrument.shown().measure.live.draft.place_m, proposed_m);
+    let answer = |session: &Session| {
+        let calibration = session.instrument.shown().calibration.unwrap().calibration.clone();
+        calibration.answer(0).map(|answer| answer.name.clone())
+    };
+    assert_eq!(answer(&session), None);
+    session.measure(Some(0));
+    assert_eq!(answer(&session), Some(format!("{}, run 1", show_place(proposed_m))));
+}
+
+#[test]
+fn a_secret_plate_is_drawn_anew_with_every_other_plate() {
+    let mut session = Session::at_bench().0;
+    session.instrument.perform_measure(MeasureIntent::Secret(true));
+    session.change_plate(membrane(1.5));
+    session.pass(1500);
+    assert!(session.instrument.shown().measure.live.is_secret);
+    session.measure(None);
+    // A few per cent, and not the half by which the plates differ.
+    let off_db = compared(&session).usual_db;
+    assert!((0.2..5.0).contains(&off_db), "{off_db} dB");
+}
+
+#[test]
+fn a_measurement_that_ends_a_drive_says_so() {
+    let mut session = begun();
+    session.end_of_measuring();
+    assert!(session.notice().ends_with(DRIVE_ENDED), "{}", session.notice());
+    begin(&mut session);
+    session.pass(300);
+    session.instrument.perform_measure(MeasureIntent::Cancel);
+    session.pass(500);
+    assert_eq!(session.notice(), "The measurement was cancelled.", "nothing was driven");
+}
+
+#[test]
+fn the_rig_rests_while_nobody_listens_and_has_settled_when_it_is_heard() {
+    let (mut session, bench) = Session::at_bench();
+    session.measure(None);
+    session.instrument.start();
+    session.pass(1000);
+    assert!(session.is_driving());
+    let mut sensed = [[0; 128]; 2];
+    bench.inputs().sample(&[3000; 128], false, &mut sensed);
+    assert_eq!(sensed, [[2048; 128]; 2], "it costs nothing");
+    open_calibration(&mut session, WizardPage::FirstPlace);
+    session.pass(1500);
+    let level_db = session.instrument.shown().measure.live.signal.unwrap().level_db();
+    assert!(level_db.is_finite(), "it is heard: {level_db}");
+}
+
+/// The predicted envelope at this place, in metres.
+fn curve_m(field: &SteadyField, x_m: f64) -> f64 {
+    let at = x_m / field.length_m * (POINTS - 1) as f64;
+    let before = (at.max(0.0) as usize).min(POINTS - 2);
+    let (low_m, high_m) = (field.bound_m[before], field.bound_m[before + 1]);
+    low_m + (high_m - low_m) * (at - before as f64)
+}
+
+/// The whole way of somebody new, and what the simulated plate shows afterwards.
+#[test]
+fn after_a_calibration_the_simulated_plate_moves_as_is_predicted() {
+    let mut session = Session::new();
+    session.pass(2000);
+    session.instrument.perform_measure(MeasureIntent::Secret(true));
+    session.calibrate_by_measuring();
+    session.instrument.start();
+    session.pass(2500);
+    // The envelope of the simulated plate beside the predicted one, and the largest of that.
+    let both = |session: &Session| {
+        let shown = session.instrument.shown();
+        let (measured, is_current) = shown.measured.unwrap();
+        assert!(is_current);
+        let points: Vec<(f64, f64)> =
+            measured.points().map(|(x_m, m)| (m, curve_m(shown.predicted, x_m))).collect();
+        let top_m = points.iter().map(|(_, curve_m)| *curve_m).fold(0.0, f64::max);
+        (points, top_m)
+    };
+    // The plate that nobody knew, by what a calibration leaves open of it: the level, and a little of the shape.
+    let (points, top_m) = both(&session);
+    let highest_m = points.iter().map(|(m, _)| *m).fold(0.0, f64::max);
+    let off = |&(m, curve_m): &(f64, f64)| (m / highest_m - curve_m / top_m).abs();
+    let left = points.iter().map(off).fold(0.0, f64::max);
+    assert!(left < 0.04, "{left}");
+    // The calibrated plate itself.
+    session.instrument.perform_measure(MeasureIntent::Secret(false));
+    session.pass(1500);
+    let (points, top_m) = both(&session);
+    let high: Vec<f64> =
+        points.iter().filter(|(_, curve_m)| *curve_m > 0.3 * top_m).map(|(m, curve_m)| m / curve_m).collect();
+    assert!(high.len() >= 5 && high.iter().all(|share| (share - 1.0).abs() < 0.01), "{high:?}");
+}
