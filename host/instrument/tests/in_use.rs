@@ -4,6 +4,8 @@
 #[cfg(feature = "native")]
 #[path = "in_use/client.rs"]
 mod client;
+#[path = "in_use/drive_check.rs"]
+mod drive_check;
 #[path = "in_use/fixed_link.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod fixed_link;
