@@ -16,6 +16,8 @@ mod measuring;
 #[path = "in_use/pluggable_port.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod pluggable_port;
+#[path = "in_use/replaying.rs"]
+mod replaying;
 #[path = "in_use/script.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod script;
