@@ -6,6 +6,8 @@
 mod client;
 #[path = "in_use/drive_check.rs"]
 mod drive_check;
+#[path = "in_use/felt_lines.rs"]
+mod felt_lines;
 #[path = "in_use/fixed_link.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod fixed_link;
