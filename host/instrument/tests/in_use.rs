@@ -29,6 +29,8 @@ mod sensors;
 #[path = "in_use/session.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod session;
+#[path = "in_use/texturing.rs"]
+mod texturing;
 
 use session::Session;
 use slipline_instrument::MeasureIntent;

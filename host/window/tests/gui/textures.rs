@@ -5,7 +5,6 @@ use crate::type_into;
 use eframe::egui::{Key, Modifiers, Pos2, Rect, accesskit::Role, pos2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_model::setup::file::{self as setup_file, Opened};
-use slipline_window::settings::ThemeChoice;
 use std::path::PathBuf;
 
 /// The texture page, with its first draft made.
@@ -96,24 +95,6 @@ fn a_profile_is_drawn_played_undone_and_saved() {
 }
 
 #[test]
-fn a_texture_begins_from_rest_and_is_not_refused_for_the_way_to_it() {
-    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut app = TestApp::first_start(ThemeChoice::Dark, size);
-    type_into(&mut app, "Boundary position", "209 mm");
-    app.wait(600);
-    open_textures(&mut app);
-    choose(&mut app, "Profile");
-    app.wait(600);
-    app.window.get_by_label("Play this").click();
-    app.wait(600);
-    assert!(app.window.state().setup().tones.len() > 1 && app.is_driving());
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(600);
-    assert_eq!(app.window.state().setup().tones.len(), 1);
-    assert!(!has(&app, "add up to"), "the device refused the way first");
-}
-
-#[test]
 fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
@@ -130,28 +111,14 @@ fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
     assert!(has(&app, "1 tone leaves an error of"));
     type_into(&mut app, "Tones at most", "17");
     assert!(has(&app, "must be 1 to 16"));
-}
-
-#[test]
-fn profiles_that_are_none_are_refused_by_name_and_change_nothing() {
-    let mut app = TestApp::driving();
-    open_textures(&mut app);
-    let before = breakpoints_mm(&app);
-    for (name, bytes, reason) in [
-        ("bad.csv", Ok(b"0.1,1\nnonsense,2\n".to_vec()), "line 2"),
-        ("bad.png", Ok(b"\x89PNG\r\n\x1a\nnot an image".to_vec()), "PNG"),
-        ("gone.csv", Err("there is no such file".to_owned()), "no such file"),
-    ] {
-        open_profile(&mut app, name, bytes);
-        let notice = app.window.state().notice().cloned().unwrap();
-        assert!(notice.is_error && notice.text.contains(name) && notice.text.contains(reason), "{notice:?}");
-        app.window.get_by_label("Dismiss").click();
-        app.wait(50);
-        assert_eq!(breakpoints_mm(&app), before);
-    }
-    // The file reader takes breakpoints that are not in order; the texture's job refuses them.
-    open_profile(&mut app, "mixed.csv", Ok(b"0.2,1\n0.1,1\n".to_vec()));
-    assert!(has(&app, "breakpoint 2 of the profile"));
+    open_profile(&mut app, "gone.csv", Err("there is no such file".to_owned()));
+    let notice = app.window.state().notice().cloned().unwrap();
+    let reason = "no such file";
+    assert!(
+        notice.is_error && notice.text.contains("gone.csv") && notice.text.contains(reason),
+        "{notice:?}"
+    );
+    assert_eq!(breakpoints_mm(&app), [10.0, 280.0]);
 }
 
 #[test]
@@ -199,34 +166,4 @@ fn the_page_lies_inside_its_panel() {
     }
     let page = app.window.get_by_label("Texture over the plate").rect();
     assert!(page.right() <= window.right() && page.width() > 250.0, "{page:?}");
-}
-
-#[test]
-fn a_beat_opens_without_red_on_the_first_plate_and_its_range_does_not_run_backwards() {
-    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut app = TestApp::first_start(ThemeChoice::Light, size);
-    open_textures(&mut app);
-    choose(&mut app, "Beat");
-    app.wait(600);
-    assert!(!has(&app, "must be") && has(&app, "2 tones"));
-    type_into(&mut app, "Beat", "300 Hz");
-    app.wait(300);
-    let node = app.window.query_all_by_label_contains("beat frequency = 300 Hz: must be").next().unwrap();
-    let text = node.accesskit_node().label().or_else(|| node.accesskit_node().value()).unwrap();
-    let range = text.split("must be ").nth(1).unwrap();
-    let ends: Vec<f64> = range.split(' ').filter_map(|word| word.parse().ok()).collect();
-    assert!(ends.len() == 2 && ends[0] < ends[1], "{text}");
-}
-
-#[test]
-fn a_texture_that_moves_the_lines_to_turning_points_says_so() {
-    let size = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut app = TestApp::first_start(ThemeChoice::Light, size);
-    open_textures(&mut app);
-    choose(&mut app, "Stripes");
-    app.wait(600);
-    app.window.get_by_label("Play this").click();
-    app.wait(300);
-    let notice = app.window.state().notice().cloned().map(|notice| notice.text).unwrap_or_default();
-    assert!(notice.starts_with("The lines are at turning points now"), "{notice}");
 }
