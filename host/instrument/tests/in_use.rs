@@ -1,6 +1,8 @@
 //! An instrument in use, without a window: a scripted session with the simulated device in virtual time, from
 //! the first connection to a calibrated plate, a held level, a replay, and a pulled cable.
 
+#[path = "in_use/chords.rs"]
+mod chords;
 #[cfg(feature = "native")]
 #[path = "in_use/client.rs"]
 mod client;
