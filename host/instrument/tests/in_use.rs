@@ -8,6 +8,8 @@ mod chords;
 mod client;
 #[path = "in_use/drive_check.rs"]
 mod drive_check;
+#[path = "in_use/drive_time.rs"]
+mod drive_time;
 #[path = "in_use/felt_lines.rs"]
 mod felt_lines;
 #[path = "in_use/fixed_link.rs"]
