@@ -33,6 +33,8 @@ mod sensors;
 #[path = "in_use/session.rs"]
 #[allow(dead_code, reason = "two programs of tests use it, each a part")]
 mod session;
+#[path = "in_use/sounding.rs"]
+mod sounding;
 #[path = "in_use/texturing.rs"]
 mod texturing;
 

@@ -62,7 +62,6 @@ mod sliders;
 mod small_screens;
 mod snapshots;
 mod sound;
-mod sounding;
 mod stage;
 mod states;
 mod stop;

@@ -8,7 +8,6 @@ use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;
 use slipline_instrument::bench::Bench;
-use slipline_link::protocol::Refusal;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_link::{PortInfo, Request, Snapshot};
 use slipline_model::export::figures;
@@ -318,11 +317,6 @@ impl TestApp {
     /// Pulls the cable, or puts it in again; the device restarts.
     pub(crate) fn plug(&mut self, is_plugged: bool) {
         self.worker.borrow().plug(is_plugged);
-    }
-
-    /// Has every drive refused from now on, or taken again.
-    pub(crate) fn refuse_drives(&mut self, refusal: Option<Refusal>) {
-        self.worker.borrow().refuse_drives(refusal);
     }
 
     /// The setup as its file would be.
