@@ -19,9 +19,14 @@ pub(crate) struct FixedLink {
     pub(crate) sent: Rc<RefCell<Vec<Request>>>,
 }
 
+/// Link and device while the simulated device drives.
+pub(crate) fn driving() -> Snapshot {
+    (**Session::driving().instrument.snapshot()).clone()
+}
+
 /// A device with a real plate on it, in this state.
 pub(crate) fn real_device(state: State) -> FixedLink {
-    let mut snapshot = (**Session::driving().instrument.snapshot()).clone();
+    let mut snapshot = driving();
     let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
     identity.simulated = false;
     snapshot.identity = Some(Arc::new(identity));

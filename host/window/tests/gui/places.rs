@@ -1,6 +1,7 @@
 //! Nothing moves under the hand: whatever is pressed, on every page and dialog, every other control stays where it is.
 
 use crate::calibrate::{answers, open_calibration};
+use crate::fixed_link::driving;
 use crate::test_app::TestApp;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, vec2};
@@ -390,7 +391,7 @@ fn a_press_in_the_bars_or_on_the_stage_moves_no_other_control() {
 /// The words that were pressed and what is at their place afterwards, for a device with a real plate.
 #[test]
 fn a_second_press_at_the_place_of_drive_does_not_disarm() {
-    let driving = TestApp::driving().snapshot();
+    let driving = driving();
     let shown = |state| {
         let (window, _) =
             crate::states::show(crate::states::in_state(&driving, state, false), [1280.0, 800.0]);

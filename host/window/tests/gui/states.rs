@@ -1,7 +1,7 @@
 //! Every state of link and device offers a next step, and Drive names its obstacle.
 
 use crate::fake_files::FakeFiles;
-use crate::fixed_link::FixedLink;
+use crate::fixed_link::{FixedLink, driving};
 use crate::test_app::{TestApp, open_window};
 use eframe::egui::{Key, Modifiers, Rect, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable as _;
@@ -97,13 +97,13 @@ struct Case {
 
 #[test]
 fn a_drive_that_waits_for_the_trigger_input_is_told_as_that() {
-    let driving = TestApp::driving().snapshot();
+    let driving = driving();
     let (window, _) = show(in_state(&driving, State::Waiting, false), [1280.0, 800.0]);
     assert!(window.query_by_label("State: waiting").is_some());
 }
 
 fn cases() -> Vec<Case> {
-    let driving = TestApp::driving().snapshot();
+    let driving = driving();
     let real = |state| in_state(&driving, state, false);
     let simulated = |state| in_state(&driving, state, true);
     let case = |name, snapshot, offers: &[(&'static str, Effect)], drive| Case {
@@ -251,7 +251,7 @@ fn drive_by_the_keys_acts_or_says_what_helps() {
 
 #[test]
 fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
-    let driving = TestApp::driving().snapshot();
+    let driving = driving();
     let mut uploading = in_state(&driving, State::Armed, false);
     uploading.upload = Some(UploadProgress { sent: 100, total: 256 });
     let mut differs = in_state(&driving, State::Armed, false);
@@ -302,7 +302,7 @@ fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
 
 #[test]
 fn a_press_of_drive_before_arming_does_not_drive_after_arming() {
-    let driving = TestApp::driving().snapshot();
+    let driving = driving();
     let (mut window, link) = show(in_state(&driving, State::Idle, false), [1280.0, 800.0]);
     window.key_press_modifiers(Modifiers::COMMAND, Key::Enter);
     window.run_steps(3);
@@ -320,7 +320,7 @@ fn a_press_of_drive_before_arming_does_not_drive_after_arming() {
 
 #[test]
 fn a_fault_that_stands_after_it_was_cleared_is_told() {
-    let driving = TestApp::driving().snapshot();
+    let driving = driving();
     let (mut window, link) = show(in_state(&driving, State::Fault, false), [1280.0, 800.0]);
     window.get_by_label("Clear fault").click();
     window.run_steps(3);
