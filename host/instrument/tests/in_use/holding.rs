@@ -5,6 +5,7 @@ use crate::session::{Session, membrane};
 use slipline_instrument::calibration::WizardPage;
 use slipline_instrument::hold::{Standing, ToneWords, words};
 use slipline_instrument::{CalibrateIntent, MeasureIntent};
+use slipline_link::protocol::event::State;
 use slipline_link::{Request, Sounding};
 use slipline_model::field::touch::Touch;
 use slipline_model::setup::edit::Edit;
@@ -121,7 +122,8 @@ fn stop_ends_it_and_drive_does_not_bring_it_back() {
     session.turn();
     assert!(matches!(session.take_requests().first(), Some(Request::Stop)), "nothing comes before the stop");
     session.pass(300);
-    assert!(!is_on(&session) && !session.is_driving());
+    assert!(!is_on(&session));
+    assert_eq!(session.state(), Some(State::Armed));
     assert_eq!(standing(&session), "Not held any more: the drive was stopped");
     session.instrument.start();
     session.pass(1000);
