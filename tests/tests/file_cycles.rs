@@ -2,8 +2,8 @@
 //!
 //! A file that is a module's parent declares its children, re-exports their items and calls them; a child may use its
 //! parent's items. These two are one unit and are not counted. What is counted is every other use of one file by
-//! another: `use` declarations and paths that begin with `crate`, `super` or `self`, followed through re-exports to the
-//! file that defines the item. Unit tests may use anything.
+//! another: `use` declarations and paths that begin with `crate`, `super` or `self`, to the file that they name and,
+//! followed through its re-exports, to the file that defines the item. Unit tests may use anything.
 
 use slipline_tests::source_tree::{PRODUCT, root, rust_files};
 use std::collections::{BTreeMap, BTreeSet};
@@ -100,7 +100,16 @@ fn paths(text: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The module whose file defines what a path names, if that is in the crate.
+/// The module whose file a path names, and the one whose file defines the item, if they are in the crate.
+fn named(crate_of: &BTreeMap<Module, SourceFile>, from: &Module, path: &[String]) -> BTreeSet<Module> {
+    [MOST_RE_EXPORTS, 0].into_iter().filter_map(|depth| resolve(crate_of, from, path, depth)).collect()
+}
+
+/// Re-exports that are followed one after another.
+const MOST_RE_EXPORTS: u8 = 8;
+
+/// The module whose file defines what a path names, if that is in the crate; of re-exports that are followed, `depth`
+/// are behind.
 fn resolve(
     crate_of: &BTreeMap<Module, SourceFile>,
     from: &Module,
@@ -140,7 +149,7 @@ fn resolve(
         }
         // An item: of this file, or imported into it from another.
         let imported = crate_of.get(&at)?.imports.iter().find(|(name, _)| name == part);
-        if let Some((_, path)) = imported.filter(|_| depth < 8) {
+        if let Some((_, path)) = imported.filter(|_| depth < MOST_RE_EXPORTS) {
             let path = [&path[..], &parts.cloned().collect::<Vec<_>>()].concat();
             return resolve(crate_of, &at, &path, depth + 1);
         }
@@ -156,7 +165,7 @@ fn uses(crate_of: &BTreeMap<Module, SourceFile>) -> BTreeMap<Module, BTreeSet<Mo
         .iter()
         .map(|(from, source)| {
             let paths = source.imports.iter().map(|(_, path)| path.clone()).chain(paths(&source.text));
-            let used = paths.filter_map(|path| resolve(crate_of, from, &path, 0));
+            let used = paths.flat_map(|path| named(crate_of, from, &path));
             (from.clone(), used.filter(|to| !is_family(from, to)).collect())
         })
         .collect()
@@ -232,14 +241,18 @@ fn a_circle_is_found_through_groups_and_re_exports() {
     let module = |path: &str| path.split("::").map(str::to_owned).collect::<Module>();
     let crate_of: BTreeMap<Module, SourceFile> = [
         (Vec::new(), source("pub mod a; pub mod b; pub mod c;")),
-        (module("a"), source("use crate::{b::{self, Item as Other}, std::fmt};\n")),
+        (module("a"), source("use crate::{b::Item as Other, std::fmt};\n")),
         (module("b"), source("pub mod inner;\npub use inner::Item;")),
         (module("b::inner"), source("use super::Helper;\nfn f() { crate::c::call() }")),
         (module("c"), source("use super::a;")),
     ]
     .into();
     let uses = uses(&crate_of);
-    assert_eq!(uses[&module("a")], [module("b"), module("b::inner")].into());
+    assert_eq!(
+        uses[&module("a")],
+        [module("b"), module("b::inner")].into(),
+        "named in b, defined in b::inner"
+    );
     assert_eq!(uses[&module("b::inner")], [module("c")].into(), "its parent is not counted");
     assert!(reached(&uses, &module("c")).contains(&module("c")));
     assert!(!reached(&uses, &module("b")).contains(&module("b")));

@@ -9,12 +9,13 @@
 //! bars/status_line: messages
 //! ```
 //! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` is what the
-//! views keep from frame to frame; a view gets its own part of it. `room` decides what fits the window, `theme` has
+//! views keep from frame to frame, as plain data; a view gets its own part of it (`kept`). `room` decides what fits the window, `theme` has
 //! colours and fonts.
 
 mod bars;
 mod dialogs;
 mod fields;
+mod kept;
 mod panels;
 mod plots;
 mod room;
@@ -22,8 +23,8 @@ mod stage;
 mod state;
 pub mod theme;
 
+pub(crate) use kept::Brush;
 pub(crate) use stage::arrow_step_m;
-pub(crate) use stage::brush::Brush;
 pub(crate) use state::ViewState;
 
 use crate::intent::Intents;

@@ -1,14 +1,6 @@
 //! What the views keep from frame to frame: the open pages, typed texts, and each panel's own part.
 
-use super::bars::log::LogView;
-use super::bars::status_line::Seen;
-use super::dialogs::TypedPath;
-use super::fields::field::Fields;
-use super::panels::designer::sketch::Sketched;
-use super::plots::PlotsView;
-use super::plots::response::ResponseView;
-use super::stage::brush::Brush;
-use super::stage::press::Pressing;
+use super::kept::{Brush, Fields, LogView, PlotsView, Pressing, ResponseView, Seen, Sketched, TypedPath};
 use crate::intent::{Intent, Intents};
 use eframe::egui;
 

@@ -2,22 +2,11 @@
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
+use crate::view::kept::LogView;
 use crate::view::stage::aligned::{self, Width};
 use crate::view::theme;
 use eframe::egui::{self, RichText, ScrollArea};
 use slipline_link::{LogEntry, Severity};
-
-/// The filter of the log.
-pub(crate) struct LogView {
-    least: Severity,
-    filter: String,
-}
-
-impl Default for LogView {
-    fn default() -> Self {
-        Self { least: Severity::Info, filter: String::new() }
-    }
-}
 
 /// Width of the heading and the space after it, in points.
 const LEAST_HEADING: f32 = 34.0;

@@ -5,24 +5,13 @@ use crate::intent::{Intent, Intents};
 use crate::scene::Notice;
 use crate::scene::Scene;
 use crate::view::bars::top_bar;
+use crate::view::kept::{Seen, SeenNotice};
 use crate::view::theme;
 use eframe::egui::{
     self, Align2, FontId, Galley, Label, Rect, ScrollArea, Sense, UiBuilder, text::LayoutJob, vec2,
 };
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The state of a shown message.
-pub(crate) struct Shown {
-    number: u64,
-    /// The time at which it was shown first, in seconds of the window's clock.
-    since_s: f64,
-    /// Whether it is shown in full.
-    is_open: bool,
-}
-
-/// The messages that are shown.
-pub(crate) type Seen = Vec<Shown>;
 
 /// Height of the line, in points.
 pub(crate) const HEIGHT: f32 = 28.0;
@@ -83,7 +72,7 @@ fn current<'a>(
     for &notice in &scene.notices {
         let known = seen.iter().position(|seen| seen.number == notice.number);
         let known = known.unwrap_or_else(|| {
-            seen.push(Shown { number: notice.number, since_s: now_s, is_open: false });
+            seen.push(SeenNotice { number: notice.number, since_s: now_s, is_open: false });
             seen.len() - 1
         });
         let seen = &seen[known];

@@ -6,8 +6,6 @@ mod path;
 mod profile;
 mod scenes;
 
-pub(crate) use path::TypedPath;
-
 use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::top_bar;

@@ -2,14 +2,9 @@
 
 use crate::intent::{Intent, Intents, PathQuestion};
 use crate::view::fields::lines::lines;
+use crate::view::kept::TypedPath;
 use crate::view::theme;
 use eframe::egui::{self, Key, RichText};
-
-/// The typed text and its question.
-pub(crate) struct TypedPath {
-    question: PathQuestion,
-    text: String,
-}
 
 /// Shows the question; returns whether it was cancelled.
 pub(super) fn show(

@@ -2,10 +2,8 @@
 
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
-use crate::view::fields::{
-    field::Fields,
-    sensor_fields::{number, refusal},
-};
+use crate::view::fields::sensor_fields::{number, refusal};
+use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_instrument::measure::KnownDrive;

@@ -2,8 +2,9 @@
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
-use crate::view::fields::field::{Fields, InputField, labelled};
+use crate::view::fields::field::{InputField, labelled};
 use crate::view::fields::refusal::Refusal;
+use crate::view::kept::Fields;
 use eframe::egui;
 use slipline_model::setup::Setup;
 use slipline_model::setup::edit::Edit;

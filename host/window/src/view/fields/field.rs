@@ -1,22 +1,9 @@
 //! Input fields for a value with a unit. A refused text stays in the field, with the reason under it.
 
+use crate::view::kept::{Fields, Typing};
 use crate::view::theme;
-use eframe::egui::{self, Id, Key, RichText};
-use std::collections::HashMap;
+use eframe::egui::{self, Key, RichText};
 use std::fmt::Display;
-
-/// The texts of the fields that are being edited.
-#[derive(Default)]
-pub(crate) struct Fields {
-    texts: HashMap<Id, Typing>,
-}
-
-struct Typing {
-    text: String,
-    error: Option<String>,
-    /// The value that the field had before typing began.
-    over: String,
-}
 
 /// Most letters in a field: the path of a socket has up to 108.
 const MOST_LETTERS: usize = 120;

@@ -2,8 +2,8 @@
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
-use crate::view::fields::field::Fields;
 use crate::view::fields::slider::FreeSlider;
+use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_instrument::hold::{MAX_RISE, Standing, ToneWords, words};

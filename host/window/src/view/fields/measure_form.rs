@@ -2,12 +2,12 @@
 
 use crate::intent::{Intent, Intents, MeasureDraft, MeasureIntent};
 use crate::scene::Scene;
-use crate::view::fields::field::Fields;
 use crate::view::fields::{
     drive_fields,
     lines::lines,
     sensor_fields::{kind, number, place, refusal},
 };
+use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui;
 use slipline_instrument::measure::LEVEL;

@@ -1,6 +1,7 @@
 //! Fields for what the user states of a sensor: its place, its kind, a number of its measurement.
 
-use crate::view::fields::field::{Fields, InputField};
+use crate::view::fields::field::InputField;
+use crate::view::kept::Fields;
 use crate::view::theme;
 use anyhow::anyhow;
 use eframe::egui::{self, RichText};

@@ -2,8 +2,9 @@
 //! unchanged, and the reason is shown under the slider.
 
 use crate::intent::{Intent, Intents};
-use crate::view::fields::field::{Fields, InputField};
+use crate::view::fields::field::InputField;
 use crate::view::fields::refusal::Refusal;
+use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText, Slider};
 use slipline_model::setup::edit::Edit;

@@ -3,9 +3,9 @@
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
 use crate::sound::{SoundChoice, SpeakerState};
-use crate::view::fields::field::Fields;
 use crate::view::fields::lines::lines;
 use crate::view::fields::slider::{FreeSlider, LEVELS};
+use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui;
 use slipline_plate::quantity;

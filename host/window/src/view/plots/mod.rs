@@ -8,6 +8,7 @@ pub(crate) mod steer;
 
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
+use crate::view::kept::{PlotsAxes, PlotsContent, PlotsView};
 use crate::view::stage::aligned;
 use crate::view::theme;
 use eframe::egui::{self, Align2, FontId, pos2};
@@ -17,28 +18,6 @@ use slipline_model::field::steady_field::magnification;
 use slipline_model::waveform::level_at;
 use slipline_plate::quantity::show_frequency;
 use steer::steer;
-
-/// The state of the plots.
-#[derive(Default)]
-pub(crate) struct PlotsView {
-    /// The content; frozen while the plots are paused.
-    shown: Option<Shown>,
-    /// The curve that is held to be compared: seconds and share of full scale.
-    held_waveform: Option<Vec<[f64; 2]>>,
-    /// The spectrum that is held: Hz and dB.
-    held_spectrum: Option<Vec<[f64; 2]>>,
-    /// Whether the waveform is magnified to fill its plot.
-    is_magnified: bool,
-    /// Whether the frequency axis is logarithmic.
-    is_logarithmic: bool,
-}
-
-/// The content of the plots besides the codes.
-struct Shown {
-    axes: Axes,
-    /// The frequencies that sound, in Hz; at rest the setup's.
-    pitches: Vec<f64>,
-}
 
 const WAVEFORM_HELP: &str =
     "What the DAC sends over time, in shares of its full scale, from the codes that the device makes";
@@ -63,35 +42,23 @@ const PEAK_FLOOR_DB: f64 = -80.0;
 /// Rows of a label from its peak, negative above it, the best first.
 const ROWS: [i32; 6] = [0, -1, 1, 2, 3, 4];
 
-/// The ranges of the plots. They depend on the plate, not on the tone, so that they do not change while a boundary
-/// is dragged.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Axes {
-    /// Duration of the waveform, in seconds.
-    span_s: f64,
-    /// The end of the spectrum, in Hz, and its start where the axis is logarithmic.
-    top_hz: f64,
-    bottom_hz: f64,
-}
-
-impl Axes {
-    fn of(scene: &Scene<'_>) -> Self {
-        let (low_hz, high_hz) = scene.setup.plate.band_hz();
-        let rate_hz = scene.waveform.window().map_or(f64::INFINITY, |window| window.sample_rate_hz);
-        Self {
-            span_s: (TURNS / low_hz).max(LEAST_CODES / rate_hz),
-            top_hz: (HARMONICS * high_hz).min(0.5 * rate_hz),
-            bottom_hz: LOWEST * low_hz,
-        }
+/// The ranges of the plots for the plate on the screen.
+fn axes(scene: &Scene<'_>) -> PlotsAxes {
+    let (low_hz, high_hz) = scene.setup.plate.band_hz();
+    let rate_hz = scene.waveform.window().map_or(f64::INFINITY, |window| window.sample_rate_hz);
+    PlotsAxes {
+        span_s: (TURNS / low_hz).max(LEAST_CODES / rate_hz),
+        top_hz: (HARMONICS * high_hz).min(0.5 * rate_hz),
+        bottom_hz: LOWEST * low_hz,
     }
 }
 
 /// The present content. Paused plots keep theirs.
-fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a Shown {
+fn look<'a>(scene: &Scene<'_>, view: &'a mut PlotsView) -> &'a PlotsContent {
     let now = || {
         let steady = scene.sounding.unwrap_or(scene.predicted);
         let pitches = steady.tones.iter().map(|wave| wave.tone.frequency_hz).collect();
-        Shown { axes: Axes::of(scene), pitches }
+        PlotsContent { axes: axes(scene), pitches }
     };
     if scene.settings.animate {
         view.shown = None;
@@ -243,7 +210,7 @@ pub(crate) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
 }
 
 pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsView, intents: &mut Intents) {
-    let Shown { axes, pitches } = look(scene, plots);
+    let PlotsContent { axes, pitches } = look(scene, plots);
     let (axes, pitches) = (*axes, pitches.clone());
     let lines = if is_shown(scene) { scene.waveform.spectrum() } else { &[] };
     let curve = || {

@@ -6,6 +6,7 @@ use super::envelope::{self, Height};
 use super::layout::Layout;
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
+use crate::view::kept::Brush;
 use crate::view::stage::polyline::thinned;
 use crate::view::theme::{self, GAP, HANDLE, Palette};
 use eframe::egui::{
@@ -14,27 +15,6 @@ use eframe::egui::{
 };
 use slipline_model::field::steady_field::POINTS;
 use std::f64::consts::SQRT_2;
-
-/// The brush of the stage.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Brush {
-    /// Whether a press on the envelope draws.
-    pub(crate) is_taken: bool,
-    /// The end of the stroke under way: place and RMS displacement, in metres.
-    at: Option<(f64, f64)>,
-}
-
-impl Brush {
-    /// Takes it, or puts it away.
-    pub(crate) fn switch(&mut self) {
-        *self = Self { is_taken: !self.is_taken, at: None };
-    }
-
-    /// Whether a stroke is under way.
-    pub(crate) fn is_drawing(&self) -> bool {
-        self.at.is_some()
-    }
-}
 
 const CANVAS_HELP: &str = "Draw the wanted amplitude here with the pointer or a finger. The tones follow, and what of it cannot be \
     had is shaded. A stroke is one step of undo";

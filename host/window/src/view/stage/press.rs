@@ -9,6 +9,7 @@
 use super::layout::Layout;
 use crate::intent::{Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
+use crate::view::kept::{Press, Pressing};
 use crate::view::theme::{self, HANDLE};
 use eframe::egui::{self, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, pos2};
 use slipline_model::setup::edit::Edit;
@@ -23,27 +24,6 @@ const PLATE_HELP: &str = "The plate and its wave, the driven end at the left. A 
 const ENVELOPE_HELP: &str = "How far each place of the plate moves at most: predicted as a line, the plate that is there as rings, \
     a secret one at the level of the line. \
     A press brings the selected tone's line to that place, a double click adds a tone there";
-
-/// The latest press, as far as its effect is open.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Pressing {
-    waits: Option<Press>,
-    /// Whether the press under way has taken the line, so that its end is no click.
-    has_taken: bool,
-    /// Where the pointer was when it brought a line, until it has left the line's knob.
-    brought_at: Option<Pos2>,
-}
-
-/// A press whose effect is not decided.
-#[derive(Clone, Copy, Debug)]
-struct Press {
-    at: Pos2,
-    /// When it began, and when it ended, in seconds.
-    began_s: f64,
-    ended_s: Option<f64>,
-    /// Whether a click came just before it.
-    follows_click: bool,
-}
 
 impl Pressing {
     /// Whether the pointer rests on the knob of a line that it has brought.

@@ -3,7 +3,8 @@
 
 use crate::caption::{self, Panel};
 use crate::view::fields::choice::choice;
-use crate::view::fields::field::{Fields, InputField, labelled};
+use crate::view::fields::field::{InputField, labelled};
+use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_model::jobs::design::{Draft, Kind, Stretch};

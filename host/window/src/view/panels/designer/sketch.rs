@@ -3,19 +3,16 @@
 
 use crate::axis::Axis;
 use crate::scene::{DesignState, Scene};
+use crate::view::kept::Sketched;
 use crate::view::theme;
 use eframe::egui::{self, Align2, CornerRadius, FontId, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2};
 use slipline_plate::design::Design;
 use slipline_plate::quantity::{show_frequency, show_place};
-use std::sync::Arc;
 
 /// Points of the outline along the plate.
 const POINTS: usize = 61;
 /// How much of the present plate's colours is covered.
 const COVER: f32 = 0.8;
-
-/// The design that is drawn: while another one is made, the latest.
-pub(crate) type Sketched = Option<Arc<Design>>;
 
 /// Draws the design in the plate's rectangle, to the scale of the axis, or smaller where it would not fit.
 pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, sketched: &mut Sketched, axis: &Axis, rect: Rect) {

@@ -13,39 +13,15 @@ pub(crate) mod inks;
 mod nyquist;
 
 use crate::scene::Scene;
+use crate::view::kept::{ResponsePart, ResponseView};
 use crate::view::plots::{self, frame::fit};
 use crate::view::stage::aligned;
 use bode::Strip;
 use curves::Curves;
 use eframe::egui::{self, Rect, UiBuilder, pos2};
 
-/// The state of the views.
-#[derive(Debug)]
-pub(crate) struct ResponseView {
-    /// Whether the frequency axis is linear.
-    is_linear: bool,
-    /// What a narrow window shows.
-    chosen: Part,
-    /// Width of the Nyquist plot over its height.
-    aspect: f64,
-}
-
-impl Default for ResponseView {
-    fn default() -> Self {
-        Self { is_linear: false, chosen: Part::default(), aspect: 1.0 }
-    }
-}
-
-/// What a narrow window shows one at a time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum Part {
-    #[default]
-    Level,
-    Phase,
-    Nyquist,
-}
-
-const PARTS: [(Part, &str); 3] = [(Part::Level, "Level"), (Part::Phase, "Phase"), (Part::Nyquist, "Nyquist")];
+const PARTS: [(ResponsePart, &str); 3] =
+    [(ResponsePart::Level, "Level"), (ResponsePart::Phase, "Phase"), (ResponsePart::Nyquist, "Nyquist")];
 
 /// The least width and height, in points, for all plots at once.
 const ALL: egui::Vec2 = egui::vec2(600.0, 300.0);
@@ -106,9 +82,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, response: &mut Response
         )
     } else {
         match response.chosen {
-            Part::Level => (Some((area, vec![(Strip::Level, 0.65), (Strip::Residual, 0.35)])), None),
-            Part::Phase => (Some((area, vec![(Strip::Phase, 1.0)])), None),
-            Part::Nyquist => (None, Some(area)),
+            ResponsePart::Level => (Some((area, vec![(Strip::Level, 0.65), (Strip::Residual, 0.35)])), None),
+            ResponsePart::Phase => (Some((area, vec![(Strip::Phase, 1.0)])), None),
+            ResponsePart::Nyquist => (None, Some(area)),
         }
     };
     if let Some((area, strips)) = bode {
