@@ -1,35 +1,77 @@
 //! Work that takes longer than a frame.
 
-use crate::jobs::calibrate::{self, CalibrateDone, CalibrateJob};
 use crate::jobs::recorded::{self, Recorded, RecordedJob};
-use crate::jobs::rig::{self, RigJob, RigPrepared};
-use slipline_model::field::sheet::{self, SheetJob};
-use slipline_model::field::time_domain::{self, SimulatedField, TimeDomainJob};
 use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::check::{self, CheckJob, Checked};
-use slipline_model::jobs::compare::{self, CompareJob, Compared};
-use slipline_model::jobs::design::{self, Designed, Draft};
-use slipline_model::jobs::measured_places::{self, MeasuredPlaces, MeasuredPlacesJob};
-use slipline_model::jobs::plane::{self, PlaneChecked, PlaneJob};
-use slipline_model::jobs::table::{self, TableJob, TableState};
-use slipline_model::jobs::texture::{self, TextureJob, Textured};
-use slipline_model::waveform::{self, Waveform, WaveformJob};
 use std::io;
 
-/// One line per kind of work: its meaning, its queue, the job and its result, the name of its thread, and the
-/// work.
+/// Passes the kinds of work on to the macro of this name, one line each: the meaning; the kind and its queue; the job
+/// and its result; the name of its thread; the worker that does it on a page; the work; and what puts parts of the job
+/// back into a result that comes from such a worker, because whoever asked tells them from equal ones.
+#[macro_export]
+macro_rules! for_each_job {
+    ($then:ident) => {
+        $then! {
+            /// Computes turning-point tables.
+            Table tables: slipline_model::jobs::table::TableJob => slipline_model::jobs::table::TableState,
+                "table", quick, slipline_model::jobs::table::make, |_, _| ();
+            /// Computes validity lights.
+            Check checks: slipline_model::jobs::check::CheckJob => slipline_model::jobs::check::Checked,
+                "check", quick, slipline_model::jobs::check::work(), |_, _| ();
+            /// Computes the plate in two dimensions.
+            Plane planes: slipline_model::jobs::plane::PlaneJob => slipline_model::jobs::plane::PlaneChecked,
+                "plane", long, slipline_model::jobs::plane::work, |_, _| ();
+            /// Designs plates.
+            Design designs: slipline_model::jobs::design::Draft => slipline_model::jobs::design::Designed,
+                "design", long, slipline_model::jobs::design::work, |_, _| ();
+            /// Makes textures.
+            Texture textures: slipline_model::jobs::texture::TextureJob => slipline_model::jobs::texture::Textured,
+                "texture", long, slipline_model::jobs::texture::work, |job, done| done.wish = job.wish.clone();
+            /// Compares measurements with the plate's model.
+            Comparison comparisons:
+                slipline_model::jobs::compare::CompareJob => slipline_model::jobs::compare::Compared,
+                "compare", quick, slipline_model::jobs::compare::work, |job, done| done.job = job.clone();
+            /// Compares a real plate with its model at the places of the sensor.
+            Places measured_places: slipline_model::jobs::measured_places::MeasuredPlacesJob
+                => slipline_model::jobs::measured_places::MeasuredPlaces,
+                "places", quick, slipline_model::jobs::measured_places::work, |job, done| done.job = job.clone();
+            /// Fits plates to measurements.
+            Calibration calibrations: $crate::jobs::calibrate::CalibrateJob => $crate::jobs::calibrate::CalibrateDone,
+                "calibrate", long, $crate::jobs::calibrate::work, |job, done| done.job = job.clone();
+            /// Puts the rigs of the simulated device together.
+            Rig rigs: $crate::jobs::rig::RigJob => $crate::jobs::rig::RigPrepared,
+                "rig", long, $crate::jobs::rig::work, |job, done| done.job = job.clone();
+            /// Runs the 2-D sheet.
+            Sheet sheets: slipline_model::field::sheet::SheetJob => slipline_model::field::sheet::Frame,
+                "sheet", long, slipline_model::field::sheet::work(), |_, _| ();
+            /// Replays the device's codes with the mirror.
+            Waveform waveforms: slipline_model::waveform::WaveformJob => slipline_model::waveform::Waveform,
+                "mirror", quick, slipline_model::waveform::work(), |_, _| ();
+            /// Runs the simulated plate in the time domain.
+            TimeDomain time_domain:
+                slipline_model::field::time_domain::TimeDomainJob => slipline_model::field::time_domain::SimulatedField,
+                "plate", quick,
+                |job, task: &slipline_model::jobs::Task| slipline_model::field::time_domain::run(&job, task), |_, _| ();
+        }
+    };
+}
+
 macro_rules! jobs {
-    ($(#[doc = $meaning:literal] $queue:ident: $job:ty => $done:ty, $thread:literal, $work:expr;)*) => {
+    ($(
+        #[doc = $meaning:literal]
+        $kind:ident $queue:ident: $job:ty => $done:ty, $thread:literal, $lane:ident, $work:expr, $put_back:expr;
+    )*) => {
         /// Work that takes longer than a frame. The shell decides where it runs: on threads, in workers, or at once.
         pub struct Jobs {
             $(#[doc = $meaning] pub $queue: JobQueue<$job, $done>,)*
+            /// Reads recordings of the sweep; on a page at once, because their sounds are not copied to a worker.
+            pub recordings: JobQueue<RecordedJob, Recorded>,
         }
 
         impl Jobs {
             /// All work is done at once, in the call that asks for it.
             #[must_use]
             pub fn inline() -> Self {
-                Self { $($queue: JobQueue::inline($work),)* }
+                Self { $($queue: JobQueue::inline($work),)* recordings: JobQueue::inline(recorded::work) }
             }
 
             /// Each kind of work has a thread of its own, and calls `wake` after each job.
@@ -37,37 +79,13 @@ macro_rules! jobs {
             /// # Errors
             /// The error of the system when it cannot start a thread.
             pub fn threaded(wake: impl Fn() + Clone + Send + 'static) -> io::Result<Self> {
-                Ok(Self { $($queue: JobQueue::threaded(concat!("slipline-", $thread), $work, wake.clone())?,)* })
+                Ok(Self {
+                    $($queue: JobQueue::threaded(concat!("slipline-", $thread), $work, wake.clone())?,)*
+                    recordings: JobQueue::threaded("slipline-recorded", recorded::work, wake)?,
+                })
             }
         }
     };
 }
 
-jobs! {
-    /// Computes turning-point tables.
-    tables: TableJob => TableState, "table", table::make;
-    /// Computes validity lights.
-    checks: CheckJob => Checked, "check", check::work();
-    /// Computes the plate in two dimensions.
-    planes: PlaneJob => PlaneChecked, "plane", plane::work;
-    /// Designs plates.
-    designs: Draft => Designed, "design", design::work;
-    /// Makes textures.
-    textures: TextureJob => Textured, "texture", texture::work;
-    /// Compares measurements with the plate's model.
-    comparisons: CompareJob => Compared, "compare", compare::work;
-    /// Compares a real plate with its model at the places of the sensor.
-    measured_places: MeasuredPlacesJob => MeasuredPlaces, "places", measured_places::work;
-    /// Reads recordings of the sweep.
-    recordings: RecordedJob => Recorded, "recorded", recorded::work;
-    /// Fits plates to measurements.
-    calibrations: CalibrateJob => CalibrateDone, "calibrate", calibrate::work;
-    /// Puts the rigs of the simulated device together.
-    rigs: RigJob => RigPrepared, "rig", rig::work;
-    /// Runs the 2-D sheet.
-    sheets: SheetJob => sheet::Frame, "sheet", sheet::work();
-    /// Replays the device's codes with the mirror.
-    waveforms: WaveformJob => Waveform, "mirror", waveform::work();
-    /// Runs the simulated plate in the time domain.
-    time_domain: TimeDomainJob => SimulatedField, "plate", |job, task: &_| time_domain::run(&job, task);
-}
+for_each_job!(jobs);

@@ -8,13 +8,13 @@ use crate::keep_alives::KeepAlives;
 use crate::message::{self, FromDevice, ToDevice};
 use crate::ports::PagePorts;
 use crate::serial::SerialGlue;
-use js_sys::{Function, JSON, Uint8Array};
+use js_sys::{Function, Uint8Array};
+use serde::Serialize;
 use slipline_instrument::rig::RigCopy;
 use slipline_link::connection::Connection;
 use slipline_link::protocol::Command;
 use slipline_link::transport::Waker;
 use slipline_link::{LinkState, Request, Severity, Snapshot, SnapshotUpdate, Ticket, TracedMessage};
-use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -195,7 +195,7 @@ impl DeviceWorker {
 
     fn send(&self, message: &FromDevice, is_loud: bool) {
         let bytes = message::bytes(message);
-        let state = state_text(self.connection.view(), &self.keep_alives);
+        let state = message::json(&State::of(self.connection.view(), &self.keep_alives));
         let _ = self.publish.call3(
             &JsValue::NULL,
             &Uint8Array::from(bytes.as_slice()),
@@ -205,58 +205,62 @@ impl DeviceWorker {
     }
 }
 
-/// The state of link and device as JSON, for `window.slipline.state()`. Times are those of this worker, in
-/// milliseconds; the keep-alives are those since the device was armed.
-fn state_text(view: &Snapshot, keep_alives: &KeepAlives) -> String {
-    let link = match view.link {
-        LinkState::Disconnected => "disconnected",
-        LinkState::Connecting => "connecting",
-        LinkState::Connected => "connected",
-        LinkState::Lost(_) => "lost",
-        LinkState::Reconnecting(_) => "reconnecting",
-    };
-    let state = view.status.map(|status| status.state);
-    let is_armed = view.is_armed();
-    let state = state.map_or_else(|| "null".to_owned(), |state| format!("\"{state:?}\""));
-    let mut text = format!(
-        "{{\"revision\":{},\"link\":\"{link}\",\"device_state\":{state},\"armed\":{is_armed},\"driver_stalls\":{}",
-        view.revision, view.driver_stalls
-    );
-    let port = view.port.as_ref().map(ToString::to_string);
-    let board = view.identity.as_ref().map(|identity| identity.board.as_str());
-    let error = view.error.as_ref().map(ToString::to_string);
-    for (name, value) in [("port", port.as_deref()), ("board", board), ("error", error.as_deref())] {
-        let _ = write!(text, ",\"{name}\":{}", quoted(value));
-    }
-    let verified = view.upload_verified.map_or_else(|| "null".to_owned(), |verified| verified.to_string());
-    let _ = write!(text, ",\"table_verified\":{verified},\"commands\":{}", view.counters.commands);
-    // All in the trace: the window sends its own after one that was sent past it.
-    let sent_at = |is_it: fn(&Command) -> bool| {
-        let sent = view.frames.iter().filter(|frame| match &frame.message {
-            TracedMessage::Command(command) => is_it(command),
-            TracedMessage::Event(_) | TracedMessage::Unknown { .. } => false,
-        });
-        let times: Vec<String> = sent.map(|frame| format!("{:.3}", frame.time.as_secs_f64() * 1e3)).collect();
-        times.join(",")
-    };
-    for (name, at) in [
-        ("stops_sent_ms", sent_at(|command| matches!(command, Command::Stop))),
-        ("disarms_sent_ms", sent_at(|command| matches!(command, Command::Disarm))),
-    ] {
-        // Writing to a string cannot fail.
-        let _ = write!(text, ",\"{name}\":[{at}]");
-    }
-    let longest_gap_ms = keep_alives.longest_gap.as_secs_f64() * 1e3;
-    let _ = write!(
-        text,
-        ",\"keep_alives\":{},\"keep_alive_longest_gap_ms\":{longest_gap_ms:.3}}}",
-        keep_alives.count
-    );
-    text
+/// The state of link and device, for `window.slipline.state()`. Times are those of this worker, in milliseconds; the
+/// keep-alives are those since the device was armed.
+#[derive(Serialize)]
+struct State<'a> {
+    revision: u64,
+    link: &'static str,
+    device_state: Option<String>,
+    armed: bool,
+    driver_stalls: u32,
+    port: Option<String>,
+    board: Option<&'a str>,
+    error: Option<String>,
+    table_verified: Option<bool>,
+    commands: u32,
+    stops_sent_ms: Vec<f64>,
+    disarms_sent_ms: Vec<f64>,
+    keep_alives: u32,
+    keep_alive_longest_gap_ms: f64,
 }
 
-/// A text as JSON has it, or null.
-pub(crate) fn quoted(text: Option<&str>) -> String {
-    let quoted = text.and_then(|text| JSON::stringify(&text.into()).ok());
-    quoted.map_or_else(|| "null".to_owned(), String::from)
+impl<'a> State<'a> {
+    fn of(view: &'a Snapshot, keep_alives: &KeepAlives) -> Self {
+        // All in the trace: the window sends its own after one that was sent past it.
+        let sent_at = |is_it: fn(&Command) -> bool| {
+            let sent = view.frames.iter().filter(|frame| match &frame.message {
+                TracedMessage::Command(command) => is_it(command),
+                TracedMessage::Event(_) | TracedMessage::Unknown { .. } => false,
+            });
+            sent.map(|frame| milliseconds(frame.time)).collect()
+        };
+        Self {
+            revision: view.revision,
+            link: match view.link {
+                LinkState::Disconnected => "disconnected",
+                LinkState::Connecting => "connecting",
+                LinkState::Connected => "connected",
+                LinkState::Lost(_) => "lost",
+                LinkState::Reconnecting(_) => "reconnecting",
+            },
+            device_state: view.status.map(|status| format!("{:?}", status.state)),
+            armed: view.is_armed(),
+            driver_stalls: view.driver_stalls,
+            port: view.port.as_ref().map(ToString::to_string),
+            board: view.identity.as_ref().map(|identity| identity.board.as_str()),
+            error: view.error.as_ref().map(ToString::to_string),
+            table_verified: view.upload_verified,
+            commands: view.counters.commands,
+            stops_sent_ms: sent_at(|command| matches!(command, Command::Stop)),
+            disarms_sent_ms: sent_at(|command| matches!(command, Command::Disarm)),
+            keep_alives: keep_alives.count,
+            keep_alive_longest_gap_ms: milliseconds(keep_alives.longest_gap),
+        }
+    }
+}
+
+/// A time in milliseconds, to a thousandth.
+fn milliseconds(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e6).round() / 1e3
 }

@@ -1,4 +1,4 @@
-//! Messages between the page's thread and the device worker.
+//! Messages between the page's thread and the device worker, and states for the page's script.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -35,4 +35,9 @@ pub(crate) fn bytes(message: &impl Serialize) -> Vec<u8> {
 /// The message in these bytes; `None` if they are not one of this build.
 pub(crate) fn read<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
+}
+
+/// A state as JSON. What the types here hold can always be written.
+pub(crate) fn json(state: &impl Serialize) -> String {
+    serde_json::to_string(state).unwrap_or_default()
 }

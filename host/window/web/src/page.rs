@@ -1,12 +1,13 @@
 //! The page's entry: the window on a canvas, with the browser's parts.
 
-use crate::device::quoted;
 use crate::files::{BrowserFiles, Dropped};
 use crate::fonts::fonts;
 use crate::host::Host;
+use crate::message;
 use crate::remote_link::RemoteLink;
-use crate::work::{self, Workers};
+use crate::work::{self, Kind, Workers};
 use eframe::egui;
+use serde::Serialize;
 use slipline_instrument::Jobs;
 use slipline_instrument::bench::Bench;
 use slipline_model::export::figures::plate;
@@ -130,6 +131,20 @@ impl eframe::App for Window {
     }
 }
 
+/// The state of the window, for `window.slipline.state()`.
+#[derive(Serialize)]
+struct State<'a> {
+    turning_point_m: f64,
+    felt_edge_m: Option<f64>,
+    can_undo: bool,
+    tones: usize,
+    /// Pictures so far.
+    frames: u64,
+    notice: Option<&'a str>,
+    /// The kinds of the jobs that run in workers.
+    computing: Vec<Kind>,
+}
+
 /// The page that is open; the script passes messages and events on to it.
 #[wasm_bindgen]
 pub struct Page {
@@ -192,21 +207,17 @@ impl Page {
     /// The lines and the setup on the screen and the jobs that run as JSON, for `window.slipline.state()`; nothing after a panic.
     pub fn state(&self) -> Option<String> {
         let window = self.runner.app_mut::<Window>()?;
-        let notice = quoted(window.app.notice().map(|notice| notice.text.as_str()));
         let shown = window.app.shown();
-        let tone = shown.setup.tone(shown.selected)?;
         let line = shown.line(shown.selected)?;
-        let holds_edge = line.holds == Holds::FeltEdge;
-        let felt_edge = if holds_edge { line.place_m.to_string() } else { "null".to_owned() };
-        Some(format!(
-            "{{\"turning_point_m\":{},\"felt_edge_m\":{felt_edge},\"can_undo\":{},\"tones\":{},\"frames\":{},\
-             \"notice\":{notice},\"computing\":{}}}",
-            tone.position_m,
-            shown.undo.0.is_some(),
-            shown.setup.tones.len(),
-            window.frames,
-            self.workers.computing(),
-        ))
+        Some(message::json(&State {
+            turning_point_m: shown.setup.tone(shown.selected)?.position_m,
+            felt_edge_m: (line.holds == Holds::FeltEdge).then_some(line.place_m),
+            can_undo: shown.undo.0.is_some(),
+            tones: shown.setup.tones.len(),
+            frames: window.frames,
+            notice: window.app.notice().map(|notice| notice.text.as_str()),
+            computing: self.workers.computing(),
+        }))
     }
 
     /// The accessible nodes of the latest picture, for `window.slipline.nodes()` of a build for tests.

@@ -16,19 +16,7 @@ use eframe::egui;
 use lanes::{Lane, Lanes};
 use serde::{Deserialize, Serialize};
 use slipline_instrument::Jobs;
-use slipline_instrument::jobs::calibrate::{self, CalibrateDone, CalibrateJob};
-use slipline_instrument::jobs::rig::{self, RigJob, RigPrepared};
-use slipline_model::field::sheet::{self, Frame, SheetJob};
-use slipline_model::field::time_domain::{self, SimulatedField, TimeDomainJob};
-use slipline_model::jobs::check::{self, CheckJob, Checked};
-use slipline_model::jobs::compare::{self, CompareJob, Compared};
-use slipline_model::jobs::design::{self, Designed, Draft};
-use slipline_model::jobs::measured_places::{self, MeasuredPlaces, MeasuredPlacesJob};
-use slipline_model::jobs::plane::{self, PlaneChecked, PlaneJob};
-use slipline_model::jobs::table::{self, TableJob, TableState};
-use slipline_model::jobs::texture::{self, TextureJob, Textured};
 use slipline_model::jobs::{JobQueue, Task};
-use slipline_model::waveform::{self, Waveform, WaveformJob};
 use slipline_plate::exchange::Exchange;
 use std::cell::Cell;
 use std::rc::Rc;
@@ -39,12 +27,15 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 type Work<Job, Done> = Box<dyn FnMut(Job, &Task) -> Option<Done>>;
 
-/// One line per kind of work: its variant, its queue, the job and its result, its worker, the work, and what puts parts of
-/// the job back into the result that came with it: whoever asked tells them from equal ones.
+/// What a page has for each kind of work in a worker: see [`for_each_job`](slipline_instrument::for_each_job).
 macro_rules! kinds {
-    ($($kind:ident $queue:ident: $job:ty => $done:ty, $lane:ident, $work:expr, $put_back:expr;)*) => {
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        enum Kind {
+    ($(
+        #[doc = $meaning:literal]
+        $kind:ident $queue:ident: $job:ty => $done:ty, $thread:literal, $lane:ident, $work:expr, $put_back:expr;
+    )*) => {
+        /// A kind of work.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+        pub(crate) enum Kind {
             $($kind,)*
         }
 
@@ -158,22 +149,7 @@ macro_rules! kinds {
     };
 }
 
-kinds! {
-    Table tables: TableJob => TableState, quick, table::make, |_, _| ();
-    Check checks: CheckJob => Checked, quick, check::work(), |_, _| ();
-    Waveform waveforms: WaveformJob => Waveform, quick, waveform::work(), |_, _| ();
-    TimeDomain time_domain: TimeDomainJob => SimulatedField, quick,
-        |job, task: &Task| time_domain::run(&job, task), |_, _| ();
-    Comparison comparisons: CompareJob => Compared, quick, compare::work, |job, done| done.job = job.clone();
-    Places measured_places: MeasuredPlacesJob => MeasuredPlaces, quick, measured_places::work,
-        |job, done| done.job = job.clone();
-    Rig rigs: RigJob => RigPrepared, long, rig::work, |job, done| done.job = job.clone();
-    Sheet sheets: SheetJob => Frame, long, sheet::work(), |_, _| ();
-    Plane planes: PlaneJob => PlaneChecked, long, plane::work, |_, _| ();
-    Design designs: Draft => Designed, long, design::work, |_, _| ();
-    Texture textures: TextureJob => Textured, long, texture::work, |job, done| done.wish = job.wish.clone();
-    Calibration calibrations: CalibrateJob => CalibrateDone, long, calibrate::work, |job, done| done.job = job.clone();
-}
+slipline_instrument::for_each_job!(kinds);
 
 #[wasm_bindgen]
 extern "C" {

@@ -137,13 +137,10 @@ impl Workers {
         self.ctx.request_repaint();
     }
 
-    /// The kinds of the jobs that run, as a list of JSON.
-    pub(crate) fn computing(&self) -> String {
+    /// The kinds of the jobs that run.
+    pub(crate) fn computing(&self) -> Vec<Kind> {
         let lanes = [&self.lanes.quick, &self.lanes.long];
-        let running =
-            lanes.map(|lane| lane.state.borrow().running.as_ref().map(|running| running.job.kind()));
-        let names: Vec<String> = running.iter().flatten().map(|kind| format!("\"{kind:?}\"")).collect();
-        format!("[{}]", names.join(","))
+        lanes.iter().filter_map(|lane| Some(lane.state.borrow().running.as_ref()?.job.kind())).collect()
     }
 
     /// Takes the share that a worker has done of its job.
