@@ -41,7 +41,7 @@ pub use definition::{
     Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Gas,
     Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFile, PlateFileError,
     PlateSpec, Preset, Resonator, ResponseCurve, SampleRateError, Source, Taper, Thickness, Travel,
-    TurningWidth, limits, preset, presets, sample_rates,
+    TurningWidth, fields, limits, preset, presets, sample_rates,
 };
 pub use frequency::{
     CONTACT_M, Equation, Finger, POINTS_MAX, POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder,

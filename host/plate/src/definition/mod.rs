@@ -9,6 +9,7 @@ pub(crate) mod calibration;
 pub(crate) mod clamped_strip;
 pub(crate) mod drive;
 pub(crate) mod error;
+pub mod fields;
 mod file;
 pub(crate) mod film;
 pub(crate) mod free_wave;

@@ -46,6 +46,20 @@ pub struct LeadIn {
     pub end_resistance_n_s_per_m: f64,
 }
 
+impl EndSlope {
+    /// Both, in the order in which messages list [`EndSlope::word`].
+    pub const ALL: [Self; 2] = [Self::Free, Self::Held];
+
+    /// Its word in a plate file: `free` or `held`.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Free => "free",
+            Self::Held => "held",
+        }
+    }
+}
+
 impl Source {
     /// A force on an end of zero impedance, with a free slope in bending.
     pub fn soft(model: &Model, at_frequency_hz: f64) -> Self {

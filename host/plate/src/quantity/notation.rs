@@ -44,30 +44,13 @@ impl Notation for PlateFile {
     }
 }
 
-/// One field of a form.
-#[derive(Debug)]
+/// One field of a form: its caption and the unit of its number.
+#[derive(Debug, Clone, Copy)]
 pub struct Caption {
     /// Its caption.
     pub name: &'static str,
-    /// The plate library's names of this field. The name of a list stands for all its elements: `taper.points` for
-    /// `taper.points[3][1]`.
-    pub keys: &'static [&'static str],
     /// The unit of its number.
     pub unit: Unit,
-}
-
-impl Caption {
-    /// A field's caption, its unit, and the library's names of it.
-    #[must_use]
-    pub const fn new(name: &'static str, unit: Unit, keys: &'static [&'static str]) -> Self {
-        Self { name, keys, unit }
-    }
-
-    /// Whether this is the caption of one of the library's fields.
-    #[must_use]
-    pub fn is_of(&self, field: &str) -> bool {
-        self.keys.contains(&list_of(field).unwrap_or(field))
-    }
 }
 
 /// The list of which a field is an element.
@@ -79,7 +62,7 @@ fn list_of(field: &str) -> Option<&str> {
 /// captions, numbers in the form's units and format.
 pub trait Form {
     /// The caption of one of the library's fields; `None` if the form does not have it.
-    fn caption(&self, field: &str) -> Option<&Caption>;
+    fn caption(&self, field: &str) -> Option<Caption>;
 }
 
 /// Significant digits of a form's numbers in a sentence, as in the library's ranges.
@@ -133,13 +116,14 @@ mod tests {
     struct Sheet;
 
     impl Form for Sheet {
-        fn caption(&self, field: &str) -> Option<&Caption> {
-            static FIELDS: [Caption; 3] = [
-                Caption::new("Thickness", Unit::Millimetre, &["thickness_m", "model.thickness_m"]),
-                Caption::new("Band to", Unit::Hertz, &["band high"]),
-                Caption::new("Half-widths", Unit::Millimetre, &["taper.points"]),
-            ];
-            FIELDS.iter().find(|caption| caption.is_of(field))
+        fn caption(&self, field: &str) -> Option<Caption> {
+            let (name, unit) = match field {
+                "thickness_m" | "model.thickness_m" => ("Thickness", Unit::Millimetre),
+                "band high" => ("Band to", Unit::Hertz),
+                "taper.points[3][1]" => ("Half-widths", Unit::Millimetre),
+                _ => return None,
+            };
+            Some(Caption { name, unit })
         }
     }
 

@@ -1,8 +1,9 @@
 //! A plate file whose numbers vary from plate to plate.
 
 use super::text::Text;
-use super::{fields, in_text, parse, read};
+use super::{in_text, parse, read};
 use crate::definition::error::{PlateError, PlateFileError};
+use crate::definition::fields::SECTIONS;
 use crate::definition::plate::Plate;
 
 /// A plate file, parsed once, of which many plates with other numbers are made.
@@ -32,7 +33,7 @@ impl<'t> PlateFile<'t> {
     /// The numbers that the file states, each with the path of its field, such as `taper.rate_per_m`.
     #[must_use]
     pub fn numbers(&self) -> Vec<(String, f64)> {
-        let given = fields::SECTIONS.iter().filter_map(|schema| self.0.section(schema, &[]).ok().flatten());
+        let given = SECTIONS.iter().filter_map(|schema| self.0.section(schema, &[]).ok().flatten());
         given.flat_map(|section| section.numbers().collect::<Vec<_>>()).collect()
     }
 

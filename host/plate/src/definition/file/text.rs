@@ -1,7 +1,12 @@
 //! Reads a plate's TOML text field by field and finds the line of each field for error messages.
 
-use super::fields::{FieldSpec, FieldType, SECTIONS, Section};
+use crate::definition::air::Faces;
 use crate::definition::error::{PlateError, PlateFileError};
+use crate::definition::fields::{Field, FieldType, Kind, SECTIONS, Section, Slot};
+use crate::definition::plate::PlateSpec;
+use crate::definition::source::EndSlope;
+use crate::definition::turning_width::TurningWidth;
+use crate::quantity::number_format::typed;
 use crate::quantity::{hint, must_be, nearest};
 use std::ops::Range;
 use toml::Spanned;
@@ -22,8 +27,7 @@ pub(super) struct Given<'a> {
     text: &'a str,
     schema: &'static Section,
     table: &'a DeTable<'a>,
-    /// The kind of the section; empty if it has no kinds.
-    pub(super) kind: &'static str,
+    kind: &'static Kind,
     /// Numbers that take the place of the text's.
     changes: &'a [(&'a str, f64)],
 }
@@ -94,10 +98,11 @@ impl<'t> Text<'t> {
             };
             table = inner;
         }
-        let mut given = Given { text: self.text, schema, table, kind: "", changes };
+        let mut given = Given { text: self.text, schema, table, kind: &schema.kinds[0], changes };
         given.refuse_unknown(|_| true)?;
-        if let Some(&(kind, fields)) = given.find_kind()? {
-            given.kind = kind;
+        given.kind = given.find_kind()?;
+        if !schema.kind_field.is_empty() {
+            let fields = given.kind.fields;
             // A subsection is judged by its own reader, which knows why it does not belong to a kind.
             let is_section = |name: &str| {
                 schema.field(name).is_some_and(|field| matches!(field.field_type, FieldType::Section))
@@ -128,9 +133,9 @@ impl<'a> Given<'a> {
         let Some((key, value)) = unknown else { return Ok(()) };
         let name: String = printable(key.get_ref()).take(QUOTED).collect();
         if self.schema.field(&name).is_some() {
-            let (kind, fields) = self.find_kind()?.copied().unwrap_or_default();
+            let Kind { word, fields, .. } = self.kind;
             let has = if fields.is_empty() { "no other field".to_owned() } else { fields.join(", ") };
-            let reason = format!("\"{kind}\" has {has}");
+            let reason = format!("\"{word}\" has {has}");
             return Err(PlateError::Unexpected { field: self.schema.path(&name), reason });
         }
         if value.get_ref().is_table() {
@@ -154,11 +159,11 @@ impl<'a> Given<'a> {
         Err(PlateError::Unexpected { field: self.schema.path(&name), reason })
     }
 
-    /// The kind and the names of its fields; `None` if the section has no kinds.
-    fn find_kind(&self) -> Result<Option<&'static (&'static str, &'static [&'static str])>, PlateError> {
+    /// The kind of the section.
+    fn find_kind(&self) -> Result<&'static Kind, PlateError> {
         let schema = self.schema;
-        if schema.kinds.is_empty() {
-            return Ok(None);
+        if schema.kind_field.is_empty() {
+            return Ok(self.kind);
         }
         let field = schema.path(schema.kind_field);
         let Some((_, value)) = entry(self.table, schema.kind_field) else {
@@ -168,21 +173,23 @@ impl<'a> Given<'a> {
             });
         };
         let word = value.get_ref().as_str().unwrap_or_default();
-        match schema.kinds.iter().find(|(kind, _)| *kind == word) {
-            Some(found) => Ok(Some(found)),
-            None => {
-                let meant = hint(word, schema.kinds.iter().map(|(kind, _)| *kind));
-                let (not_a_kind, reason) = schema.not_a_kind;
-                let meant = if word == not_a_kind { format!("; {reason}") } else { meant };
-                let allowed = format!("{}{meant}", schema.one_of());
-                Err(wrong_type(&field, quoted(self.text, value.span()), allowed))
-            }
-        }
+        schema.kinds.iter().find(|kind| kind.word == word).ok_or_else(|| {
+            let meant = hint(word, schema.kinds.iter().map(|kind| kind.word));
+            let (not_a_kind, reason) = schema.not_a_kind;
+            let meant = if word == not_a_kind { format!("; {reason}") } else { meant };
+            let allowed = format!("{}{meant}", schema.one_of());
+            wrong_type(&field, quoted(self.text, value.span()), allowed)
+        })
     }
 
-    fn value(&self, name: &str) -> Option<(&'static FieldSpec, &'a Spanned<DeValue<'a>>)> {
+    fn value(&self, name: &str) -> Option<(&'static Field, &'a Spanned<DeValue<'a>>)> {
         let field = self.schema.field(name)?;
         entry(self.table, name).map(|(_, value)| (field, value))
+    }
+
+    /// The name of the section.
+    pub(super) fn name(&self) -> &'static str {
+        self.schema.name
     }
 
     /// Whether the field was given.
@@ -196,8 +203,8 @@ impl<'a> Given<'a> {
             .schema
             .field(name)
             .map_or_else(String::new, |field| format!("{}, {}", field.meaning, self.schema.allowed(field)));
-        let needed =
-            if self.kind.is_empty() { allowed } else { format!("\"{}\" needs it: {allowed}", self.kind) };
+        let word = self.kind.word;
+        let needed = if word.is_empty() { allowed } else { format!("\"{word}\" needs it: {allowed}") };
         PlateError::Missing { field: self.schema.path(name), needed }
     }
 
@@ -230,36 +237,62 @@ impl<'a> Given<'a> {
     /// The numbers of this section, each with the path of its field.
     pub(super) fn numbers(&self) -> impl Iterator<Item = (String, f64)> {
         let is_number =
-            |field: &&FieldSpec| matches!(field.field_type, FieldType::Number(_) | FieldType::NumberThat(_));
+            |field: &&Field| matches!(field.field_type, FieldType::Number(_) | FieldType::NumberThat(_));
         let fields = self.schema.fields.iter().filter(is_number);
         fields.filter_map(|field| Some((self.schema.path(field.name), self.number(field.name).ok()??)))
     }
 
-    /// A required number.
-    pub(super) fn required(&self, name: &str) -> Result<f64, PlateError> {
-        self.number(name)?.ok_or_else(|| self.missing(name))
+    /// Reads the section's fields into a specification.
+    pub(super) fn read_into(&self, spec: &mut PlateSpec) -> Result<(), PlateError> {
+        (self.kind.begin)(spec, &|name| self.has(name));
+        for field in self.schema.fields_of(self.kind) {
+            let name = field.name;
+            let Some(slot) = field.slot(spec) else { continue };
+            match slot {
+                Slot::Number(number) => {
+                    *number = self.number(name)?.or(field.default).ok_or_else(|| self.missing(name))?;
+                }
+                Slot::Optional(number) => *number = self.number(name)?,
+                Slot::Text(text) => {
+                    *text = self.read(name, |value| value.as_str().map(str::to_owned))?.unwrap_or_default();
+                }
+                Slot::Flag(flag) => *flag = self.read(name, DeValue::as_bool)?.unwrap_or_default(),
+                Slot::Pairs(points) => *points = self.points(name)?,
+                Slot::Triples(points) => *points = self.points(name)?,
+                Slot::Width(width) => {
+                    let word = self.word(name)?;
+                    *width =
+                        TurningWidth::ALL.into_iter().find(|it| word == Some(it.word())).unwrap_or(*width);
+                }
+                Slot::Slope(slope) => {
+                    let word = self.word(name)?;
+                    *slope = EndSlope::ALL.into_iter().find(|it| word == Some(it.word())).unwrap_or(*slope);
+                }
+                Slot::Faces(faces) => *faces = self.faces(name)?,
+            }
+        }
+        Ok(())
     }
 
-    /// An optional text.
-    pub(super) fn text(&self, name: &str) -> Result<Option<String>, PlateError> {
-        self.read(name, |value| value.as_str().map(str::to_owned))
-    }
-
-    /// true or false; false if it is absent.
-    pub(super) fn flag(&self, name: &str) -> Result<bool, PlateError> {
-        Ok(self.read(name, DeValue::as_bool)?.unwrap_or(false))
+    fn faces(&self, name: &str) -> Result<Faces, PlateError> {
+        match self.number(name)? {
+            None => Ok(Faces::default()),
+            Some(1.0) => Ok(Faces::One),
+            Some(2.0) => Ok(Faces::Two),
+            Some(count) => Err(wrong_type(&self.schema.path(name), typed(count), "1 or 2".to_owned())),
+        }
     }
 
     /// One of a few words; `None` if it is absent.
-    pub(super) fn word(&self, name: &str) -> Result<Option<&'static str>, PlateError> {
-        let Some((FieldSpec { field_type: FieldType::OneOf(words), .. }, _)) = self.value(name) else {
+    fn word(&self, name: &str) -> Result<Option<&'static str>, PlateError> {
+        let Some((Field { field_type: FieldType::OneOf(words), .. }, _)) = self.value(name) else {
             return Ok(None);
         };
         self.read(name, |value| words.iter().copied().find(|word| value.as_str() == Some(word)))
     }
 
     /// Points of `N` numbers each.
-    pub(super) fn points<const N: usize>(&self, name: &str) -> Result<Vec<[f64; N]>, PlateError> {
+    fn points<const N: usize>(&self, name: &str) -> Result<Vec<[f64; N]>, PlateError> {
         let points = self.read(name, DeValue::as_array)?.ok_or_else(|| self.missing(name))?;
         let one = match self.schema.field(name).map(|field| &field.field_type) {
             Some(FieldType::Points(columns)) => columns.one,

@@ -1,20 +1,20 @@
 //! The form of the designer: the fields of a draft, and the reason of a refusal at the field it names. Fields and
 //! terms are those of `slipline design`.
 
-use crate::caption::{self, Panel};
+use crate::caption::Panel;
 use crate::view::fields::choice::choice;
 use crate::view::fields::field::{InputField, labelled};
 use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_model::jobs::design::{Draft, Kind, Stretch};
-use slipline_plate::PlateError;
 use slipline_plate::design::{Material, material_names};
 use slipline_plate::limits;
 use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
 use slipline_plate::quantity::{
-    self, Caption, FIELD_DIGITS, Measure, QuantityError, Range, Unit, frequency_hz, length_m, show_range,
+    self, FIELD_DIGITS, Measure, QuantityError, Range, Unit, frequency_hz, length_m, show_range,
 };
+use slipline_plate::{Notation as _, PlateError};
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
@@ -38,9 +38,9 @@ pub(super) struct Shown {
     pub(super) is_told: bool,
 }
 
-/// One field: its name, its text and its allowed range.
+/// One field: the library's name of it, its text and its allowed range.
 struct Entry {
-    caption: &'static Caption,
+    field: &'static str,
     value: String,
     hint: String,
 }
@@ -86,8 +86,9 @@ impl<'a> Form<'a> {
         entry: &Entry,
         take: impl FnOnce(&mut Draft, &str) -> Result<(), QuantityError>,
     ) {
-        let Entry { caption: Caption { name, keys, .. }, value, hint } = entry;
-        let reason = self.refusal.filter(|refusal| keys.contains(&refusal.field()));
+        let Entry { field, value, hint } = entry;
+        let name = &Panel::Designer.field(field);
+        let reason = self.refusal.filter(|refusal| Panel::Designer.field(refusal.field()) == *name);
         labelled(ui, name, |ui| {
             ui.vertical(|ui| {
                 let field = InputField { name, value, hint, width: FIELD, caption: None, is_live: true };
@@ -145,7 +146,7 @@ impl<'a> Form<'a> {
             draft.loss_factor = None;
         });
         let thickness = Entry {
-            caption: &caption::THICKNESS,
+            field: "model.thickness_m",
             value: millimetres(draft.thickness_m),
             hint: format!("The sheet's thickness, {}", lengths(limits::THICKNESS)),
         };
@@ -174,7 +175,7 @@ impl<'a> Form<'a> {
             Stretch::Tension(tension) => format!("{tension} N/m"),
         };
         let stretch = Entry {
-            caption: &caption::WAVE_SPEED,
+            field: "model.wave_speed_m_per_s",
             value,
             hint: "A wave speed (12 m/s) or a tension per width (70 N/m)".to_owned(),
         };
@@ -194,13 +195,13 @@ impl<'a> Form<'a> {
     fn size(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
         let low = Entry {
-            caption: &caption::BAND_LOW,
+            field: "band low",
             value: Unit::Hertz.written(draft.band_hz.0, FIELD_DIGITS),
             hint: "The boundary's lowest frequency, such as 20 kHz".to_owned(),
         };
         self.entry(ui, &low, |draft, text| frequency_hz(text).map(|value| draft.band_hz.0 = value));
         let high = Entry {
-            caption: &caption::BAND_HIGH,
+            field: "band high",
             value: Unit::Hertz.written(draft.band_hz.1, FIELD_DIGITS),
             hint: format!(
                 "The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest",
@@ -208,7 +209,7 @@ impl<'a> Form<'a> {
         };
         self.entry(ui, &high, |draft, text| frequency_hz(text).map(|value| draft.band_hz.1 = value));
         let long = Entry {
-            caption: &caption::LENGTH,
+            field: "length_m",
             value: millimetres(draft.length_m),
             hint: format!("From the driven end to the narrow end, {}", lengths(limits::LENGTH)),
         };
@@ -220,7 +221,7 @@ impl<'a> Form<'a> {
         let draft = self.draft;
         let automatic = |value: Option<f64>| value.map_or_else(|| AUTOMATIC.to_owned(), millimetres);
         let start = Entry {
-            caption: &caption::START_MARGIN,
+            field: "start_margin_m",
             value: automatic(draft.start_margin_m),
             hint: "From the driven end to the nearest boundary; auto: as much as its peak needs".to_owned(),
         };
@@ -228,14 +229,14 @@ impl<'a> Form<'a> {
             optional(text, length_m).map(|value| draft.start_margin_m = value)
         });
         let end = Entry {
-            caption: &caption::END_MARGIN,
+            field: "end_margin_m",
             value: automatic(draft.end_margin_m),
             hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs".to_owned(),
         };
         self.entry(ui, &end, |draft, text| optional(text, length_m).map(|value| draft.end_margin_m = value));
         let library = Material::named(draft.material).map_or(0.0, |material| material.loss_factor);
         let loss = Entry {
-            caption: &caption::LOSS_FACTOR,
+            field: "loss_factor",
             value: draft.loss_factor.unwrap_or(library).to_string(),
             hint: format!("{}; auto: the library's for this material", limits::LOSS_FACTOR),
         };
@@ -244,7 +245,7 @@ impl<'a> Form<'a> {
             optional(text, plain).map(|value| draft.loss_factor = value)
         });
         let scale = Entry {
-            caption: &caption::FULL_SCALE,
+            field: "full_scale_m",
             value: draft.full_scale_m.map_or_else(|| AUTOMATIC.to_owned(), millimetres),
             hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm"
                 .to_owned(),
@@ -253,13 +254,13 @@ impl<'a> Form<'a> {
             optional(text, length_m).map(|value| draft.full_scale_m = value)
         });
         let rim = Entry {
-            caption: &caption::RIM,
+            field: "rim_m",
             value: millimetres(draft.rim_m),
             hint: format!("Width of the frame's rim, {}", lengths(limits::RIM)),
         };
         self.entry(ui, &rim, |draft, text| length_m(text).map(|value| draft.rim_m = value));
         let name = Entry {
-            caption: &caption::NAME,
+            field: "name",
             value: draft.name.clone(),
             hint: format!("The plate's name, {}", limits::NAME.with_unit()),
         };

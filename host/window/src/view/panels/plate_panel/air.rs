@@ -1,11 +1,10 @@
 //! The air around the plate on the screen: how the plate stands in it, and what air it is.
 
-use crate::caption;
 use crate::view::fields::choice::choice;
 use crate::view::panels::plate_panel::numbers::{Numbers, changed};
 use crate::view::theme;
 use eframe::egui::{self, RichText};
-use slipline_plate::{Air, AirMounting, Faces, Gas, Model, PlateSpec};
+use slipline_plate::{Air, AirMounting, Faces, Gas, Model};
 
 const MOUNTING_HELP: &str =
     "How the plate stands in the air that swings with it: a light plate turns earlier in air";
@@ -35,22 +34,7 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         return;
     };
     let around = |gas, mounting| Some(Air::Around { gas, mounting });
-    if let AirMounting::Coefficient { alpha, .. } | AirMounting::Calibrated { alpha, .. } = mounting {
-        numbers.number(ui, &caption::AIR_COEFFICIENT, alpha, |spec, value| {
-            if let Some(AirMounting::Coefficient { alpha, .. } | AirMounting::Calibrated { alpha, .. }) =
-                mounting_of(spec)
-            {
-                *alpha = value;
-            }
-        });
-    }
-    if let AirMounting::Calibrated { distant, .. } = mounting {
-        numbers.number(ui, &caption::DISTANT_SHARE, distant, |spec, value| {
-            if let Some(AirMounting::Calibrated { distant, .. }) = mounting_of(spec) {
-                *distant = value;
-            }
-        });
-    }
+    numbers.show(ui, &["air.coefficient", "air.distant_share"]);
     let (_, faces) = mounting.coefficient();
     let with = |faces| match mounting {
         AirMounting::Baffle { .. } => Some(AirMounting::Baffle { faces }),
@@ -88,32 +72,8 @@ fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mount
     ];
     let shown = if gas == given { "density" } else { "temperature" };
     offer(ui, numbers, ("Air by", shown, GAS_HELP), &entries, around(gas));
-    match gas {
-        Gas::Given { .. } => {
-            numbers.number(ui, &caption::AIR_DENSITY, density_kg_per_m3, |spec, value| {
-                if let Some(Gas::Given { density_kg_per_m3, .. }) = gas_of(spec) {
-                    *density_kg_per_m3 = value;
-                }
-            });
-            numbers.number(ui, &caption::SOUND_SPEED, sound_speed_m_per_s, |spec, value| {
-                if let Some(Gas::Given { sound_speed_m_per_s, .. }) = gas_of(spec) {
-                    *sound_speed_m_per_s = value;
-                }
-            });
-        }
-        Gas::Atmosphere { temperature_c, height_m } => {
-            numbers.number(ui, &caption::AIR_TEMPERATURE, temperature_c, |spec, value| {
-                if let Some(Gas::Atmosphere { temperature_c, .. }) = gas_of(spec) {
-                    *temperature_c = value;
-                }
-            });
-            numbers.number(ui, &caption::AIR_HEIGHT, height_m, |spec, value| {
-                if let Some(Gas::Atmosphere { height_m, .. }) = gas_of(spec) {
-                    *height_m = value;
-                }
-            });
-        }
-    }
+    numbers
+        .show(ui, &["air.density_kg_per_m3", "air.sound_speed_m_per_s", "air.temperature_c", "air.height_m"]);
 }
 
 /// The ways to stand in the air, with what else is stated kept. Only a calibration makes one that is calibrated.
@@ -190,21 +150,5 @@ fn offer(
     });
     if let Some(plate) = chosen {
         numbers.take(plate);
-    }
-}
-
-/// How a plate stands in the air, to change it.
-fn mounting_of(spec: &mut PlateSpec) -> Option<&mut AirMounting> {
-    match &mut spec.air {
-        Some(Air::Around { mounting, .. }) => Some(mounting),
-        None | Some(Air::Vacuum) => None,
-    }
-}
-
-/// A plate's air, to change it.
-fn gas_of(spec: &mut PlateSpec) -> Option<&mut Gas> {
-    match &mut spec.air {
-        Some(Air::Around { gas, .. }) => Some(gas),
-        None | Some(Air::Vacuum) => None,
     }
 }
