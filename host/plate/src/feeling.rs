@@ -7,7 +7,7 @@
 //! friction are in [`crate::sensation`]. Source and spread of every number are in PHYSICS.md, section 5.
 
 use crate::definition::Plate;
-use crate::quantity::{OutOfRange, Range};
+use crate::quantity::{OutOfRange, Range, from_decibels};
 use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use num_complex::Complex64;
 
@@ -161,7 +161,7 @@ impl Feeling {
     /// The felt edges for persons: for thresholds of vibration half of [`PERSONS_DB`] higher and lower, and for just
     /// felt falls of the friction that are larger and smaller by the same factor.
     pub fn edges_by_person(plate: &Plate, strength: &[f64]) -> EdgesByPerson {
-        let half = 10_f64.powf(0.5 * PERSONS_DB / 20.0);
+        let half = from_decibels(0.5 * PERSONS_DB);
         EdgesByPerson {
             near: Self::edge_from(plate, strength, half),
             far: Self::edge_from(plate, strength, half.recip()),

@@ -3,8 +3,8 @@
 
 use proptest::prelude::*;
 use slipline_plate::{
-    Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Plate, PlateSpec, Source, preset, reflection,
-    resistance_reflection, respond,
+    Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Plate, PlateSpec, Source, preset,
+    quantity::decibels, reflection, resistance_reflection, respond,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -170,7 +170,7 @@ fn a_hinged_moved_end_puts_about_half_of_its_motion_into_the_near_field() {
         let share = 0.5 * (1.0 + (1.0 - 0.33) * across);
         let found = peak(&hinged) / peak(&aluminium(DriveEnd::Displacement));
         assert!((found / share - 1.0).abs() < 1e-6, "{frequency_hz}: {found} {share}");
-        assert!((20.0 * found.log10() + 6.0).abs() < 0.9, "{frequency_hz}: {found}");
+        assert!((decibels(found) + 6.0).abs() < 0.9, "{frequency_hz}: {found}");
     }
 }
 
@@ -203,7 +203,7 @@ fn one_percent_of_wave_speed_costs_at_each_end_what_the_two_dimensional_solvers_
         let fast = plate.with_wave_speed(1.01).expect("in range");
         let worst_db = (0..=120)
             .map(|i| plate.frequency_for_boundary_hz(0.2 + 0.078 * f64::from(i) / 120.0))
-            .map(|frequency_hz| 20.0 * (peak(&fast, frequency_hz) / peak(&plate, frequency_hz)).log10().abs())
+            .map(|frequency_hz| decibels(peak(&fast, frequency_hz) / peak(&plate, frequency_hz)).abs())
             .fold(0.0, f64::max);
         assert!((worst_db - wanted_db).abs() < 0.35, "{name}: {worst_db}");
     }
@@ -232,7 +232,7 @@ fn swing_db(plate: &Plate) -> f64 {
         })
         .collect();
     let largest = peaks.iter().copied().fold(0.0, f64::max);
-    20.0 * (largest / peaks.iter().copied().fold(f64::INFINITY, f64::min)).log10()
+    decibels(largest / peaks.iter().copied().fold(f64::INFINITY, f64::min))
 }
 
 #[test]

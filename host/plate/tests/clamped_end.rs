@@ -3,7 +3,7 @@
 
 use slipline_plate::{
     Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Model, Plate, PlateSpec, Source,
-    TurningWidth, plane, preset, reflection, respond,
+    TurningWidth, plane, preset, quantity::decibels, reflection, respond,
 };
 
 /// From just above the cut-off to where the next symmetric width mode could carry power away from the end.
@@ -132,7 +132,7 @@ fn a_moved_end_gives_the_field_of_the_plate_in_two_dimensions() {
             let one = respond(&plate, frequency_hz, points, Equation::Corrected).expect("enters");
             let (peak, true_peak) = (one.peak.expect("a peak"), truth.peak.expect("a peak"));
             // The level is absolute: it depends on the fraction of the drive that becomes the wave.
-            let level_db = 20.0 * (peak.amplitude / true_peak.amplitude).log10();
+            let level_db = decibels(peak.amplitude / true_peak.amplitude);
             assert!(level_db.abs() < 0.5, "{slope:?} {boundary_m}: {level_db} dB");
             assert!(
                 (peak.position_m - true_peak.position_m).abs() < 5e-4,

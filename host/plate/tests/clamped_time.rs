@@ -6,7 +6,7 @@ use slipline_plate::calibrate::SensorKind;
 use slipline_plate::truth::Random;
 use slipline_plate::{
     Bending, Complex64, DriveEnd, EndSlope, Equation, Impedance, LeadIn, Model, Plate, PlateSpec,
-    SensedPlate, Source, Taper, TimeDomainLine, preset, respond,
+    SensedPlate, Source, Taper, TimeDomainLine, preset, quantity::decibels, respond,
 };
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -137,10 +137,6 @@ impl Errors {
     }
 }
 
-fn decibels(found: f64, exact: f64) -> f64 {
-    (20.0 * (found / exact).log10()).abs()
-}
-
 /// Settles a tone of full scale; afterwards the line's envelope is that of the settled tone.
 fn settle(line: &mut TimeDomainLine, hz: f64, rate_hz: f64) {
     let (wait, measured) = ((line.settle_time_s() * rate_hz) as usize, (20.0 * rate_hz / hz) as usize);
@@ -171,7 +167,7 @@ fn of_a_line(plate: &Plate) -> Errors {
             }
             _ => (SQRT_2 * f64::from(line.envelope().rms_m()[top]), amplitude(&top)),
         };
-        errors.peak_db = errors.peak_db.max(decibels(found, level * wanted));
+        errors.peak_db = errors.peak_db.max(decibels(found / (level * wanted)).abs());
     }
     errors
 }
@@ -194,7 +190,7 @@ fn of_a_sensor(plate: &Plate) -> Errors {
         // Far beyond the turning point there is no response.
         let floor = SILENT * answers.iter().map(|it| it.1).fold(0.0, f64::max);
         for (found, exact) in answers.into_iter().filter(|it| it.1 > floor) {
-            errors.answer_db = errors.answer_db.max(decibels(found, exact));
+            errors.answer_db = errors.answer_db.max(decibels(found / exact).abs());
         }
     }
     errors

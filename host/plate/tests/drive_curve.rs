@@ -5,7 +5,8 @@ use slipline_plate::calibrate::{SensorKind, band_hz};
 use slipline_plate::truth::Random;
 use slipline_plate::{
     Actuator, Calibration, Complex64, DriveEnd, Equation, LineError, Model, Plate, PlateSpec, Resonator,
-    ResponseCurve, SensedPlate, Sheet, SheetError, SheetGrid, TimeDomainLine, preset, presets, respond,
+    ResponseCurve, SensedPlate, Sheet, SheetError, SheetGrid, TimeDomainLine, preset, presets,
+    quantity::decibels, respond,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -26,7 +27,7 @@ fn correction(plate: &Plate, random: &mut Random) -> ResponseCurve {
         let share = i as f64 / (count - 1) as f64;
         let hz = low_hz * (high_hz / low_hz).powf(share);
         let ripple = ripple_db * (TAU * periods * share + phase).cos();
-        [hz, 20.0 * resonator.response(hz).norm().log10() + ripple, 0.0]
+        [hz, decibels(resonator.response(hz).norm()) + ripple, 0.0]
     };
     ResponseCurve { points: (0..count).map(point).collect() }
 }
@@ -57,7 +58,7 @@ fn actuators(plate: &Plate) -> [ResponseCurve; 2] {
     let point = |i: u32| {
         let hz = 0.5 * low_hz * (4.0 * high_hz / low_hz).powf(f64::from(i) / 200.0);
         let response = resonator.response(hz);
-        [hz, 20.0 * response.norm().log10(), -response.arg().to_degrees()]
+        [hz, decibels(response.norm()), -response.arg().to_degrees()]
     };
     let few = vec![[0.7 * low_hz, -3.0, -20.0], [middle_hz, 4.0, -80.0], [1.1 * high_hz, -1.0, -250.0]];
     [ResponseCurve { points: (0..=200).map(point).collect() }, ResponseCurve { points: few }]
@@ -88,10 +89,6 @@ fn exact_m(plate: &Plate, hz: f64, rate_hz: f64, points: usize) -> Vec<Complex64
     let drive = plate.drive_response(hz) * plate.spec().full_scale_m * hold(hz, rate_hz);
     let field = respond(plate, hz, points, Equation::Corrected).expect("in the band").amplitude;
     field.into_iter().map(|f| f * drive).collect()
-}
-
-fn decibels(found: f64, exact: f64) -> f64 {
-    20.0 * (found / exact).log10()
 }
 
 /// The preset of `cargo test`; `.ci/run statistics` has the others.
@@ -148,8 +145,8 @@ fn lines_have_the_drive(names: &[&str]) {
                 let top =
                     (0..129).max_by(|&a, &b| exact[a].norm().total_cmp(&exact[b].norm())).expect("some");
                 let found = std::f64::consts::SQRT_2 * f64::from(line.envelope().rms_m()[top]);
-                let error = decibels(found, exact[top].norm());
-                let drive = decibels(plate.drive_response(hz).norm(), nominal.drive_response(hz).norm());
+                let error = decibels(found / exact[top].norm());
+                let drive = decibels(plate.drive_response(hz).norm() / nominal.drive_response(hz).norm());
                 (worst, left_out) = (worst.max(error.abs()), left_out.max(drive.abs()));
                 assert!(error.abs() < DECIBELS, "{name} {number} {hz} Hz: {error} dB");
             }
@@ -230,7 +227,7 @@ fn sheets_have_the_drive(name: &str, count: usize) {
             let droop = hold(hz, rate_hz.max(step_hz)) / hold(hz, rate_hz.min(step_hz)) * hold(hz, rate_hz);
             let top = (0..plain.len()).max_by(|&a, &b| plain[a].total_cmp(&plain[b])).expect("some");
             let drive = plate.drive_response(hz).norm() / nominal.drive_response(hz).norm();
-            let error = decibels(found[top], plain[top] * drive * droop);
+            let error = decibels(found[top] / (plain[top] * drive * droop));
             worst = worst.max(error.abs());
             assert!(error.abs() < DECIBELS, "{name} {number} {hz} Hz: {error} dB");
         }
@@ -269,7 +266,7 @@ fn answers_have_the_drive(names: &[&str]) {
             }
             let floor = 1e-5 * fields.iter().map(|it| it.1).fold(0.0, f64::max);
             for (found, exact) in fields {
-                let error = decibels(found, exact);
+                let error = decibels(found / exact);
                 if exact > floor {
                     worst = worst.max(error.abs());
                     assert!(error.abs() < DECIBELS, "{what}: {error} dB");

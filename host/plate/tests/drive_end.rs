@@ -2,7 +2,7 @@
 
 use slipline_plate::{
     Actuator, DriveEnd, DriveTable, Equation, Plate, Progress, Resonator, Sensitivity, TurningWidth, airy,
-    preset, presets, respond, sensitivity_per_percent, table_sensitivity,
+    preset, presets, quantity::decibels, respond, sensitivity_per_percent, table_sensitivity,
 };
 
 fn peak(plate: &Plate, frequency: f64) -> f64 {
@@ -28,12 +28,10 @@ fn boundaries() -> impl Iterator<Item = f64> {
     (0..400).map(|i| 0.08 + 0.19 * f64::from(i) / 399.0)
 }
 
-fn db(ratio: f64) -> f64 {
-    20.0 * ratio.log10()
-}
-
 fn swing(levels: &[f64]) -> f64 {
-    db(levels.iter().copied().fold(0.0, f64::max) / levels.iter().copied().fold(f64::INFINITY, f64::min))
+    decibels(
+        levels.iter().copied().fold(0.0, f64::max) / levels.iter().copied().fold(f64::INFINITY, f64::min),
+    )
 }
 
 #[test]
@@ -62,7 +60,7 @@ fn one_percent_of_wave_speed_costs_what_the_driven_end_lets_it() {
                 let plate = ratio
                     .map_or_else(|| held.clone(), |ratio| of_ratio("al-bending", 0.002, ratio, frequency));
                 let fast = plate.with_wave_speed(1.01).expect("in range");
-                db(peak(&fast, frequency) / peak(&plate, frequency)).abs()
+                decibels(peak(&fast, frequency) / peak(&plate, frequency)).abs()
             })
             .fold(0.0, f64::max)
     };
@@ -95,7 +93,7 @@ fn the_table_holds_the_level_within_1_db_for_every_preset_at_the_knots_and_betwe
                 table.span_start_m + (table.span_end_m - table.span_start_m) * (f64::from(i) + 0.37) / 97.0;
             let frequency = table.frequency_hz(x);
             let turn = std::f64::consts::PI * frequency / 400e3;
-            let error = db(peak(&plate, frequency) * table.gain(x) * turn.sin() / turn / level);
+            let error = decibels(peak(&plate, frequency) * table.gain(x) * turn.sin() / turn / level);
             assert!(error.abs() < 1.0, "{} at {x}: {error} dB", entry.name);
         }
     }
@@ -200,7 +198,7 @@ fn a_plate_one_percent_faster_than_its_table_stays_within_1_db_when_matched_and_
             .map(|x| {
                 let frequency = table.frequency_hz(x);
                 let turn = std::f64::consts::PI * frequency / 400e3;
-                db(peak(&fast, frequency) * table.gain(x) * turn.sin() / turn / level).abs()
+                decibels(peak(&fast, frequency) * table.gain(x) * turn.sin() / turn / level).abs()
             })
             .fold(0.0, f64::max)
     };

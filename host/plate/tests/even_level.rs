@@ -2,7 +2,7 @@
 //! plate itself, and on one with a wave speed 1 % off.
 
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
-use slipline_plate::{DriveTable, Knot, Plate, plane, preset};
+use slipline_plate::{DriveTable, Knot, Plate, plane, preset, quantity::decibels};
 
 const KNOTS: usize = 33;
 
@@ -12,7 +12,7 @@ fn levels_db(plate: &Plate, table: &DriveTable) -> Vec<f64> {
     let setup = plane::Setup::of(plate);
     let level = |knot: &Knot| {
         let response = plane::respond(plate, knot.frequency_hz, 601, &setup).expect("enters");
-        20.0 * (knot.gain * response.peak.expect("a peak").amplitude / promised).log10()
+        decibels(knot.gain * response.peak.expect("a peak").amplitude / promised)
     };
     table.knots.iter().map(level).collect()
 }

@@ -8,7 +8,7 @@ use slipline_plate::calibrate::{
 use slipline_plate::check::{Checker, Conditions};
 use slipline_plate::{
     Complex64, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, Thickness, TurningWidth, plane,
-    preset, respond, respond_batch,
+    preset, quantity::decibels, respond, respond_batch,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -157,7 +157,7 @@ fn graded_plates_peak_where_two_dimensions_have_them() {
         let one = respond(plate, hz, 2001, Equation::Corrected).expect("enters").peak.expect("a peak");
         let setup = plane::Setup::of(plate);
         let two = plane::respond(plate, hz, 2001, &setup).expect("solves").peak.expect("a peak");
-        (1e3 * (one.position_m - two.position_m), 20.0 * (one.amplitude / two.amplitude).log10())
+        (1e3 * (one.position_m - two.position_m), decibels(one.amplitude / two.amplitude))
     };
     let of = |thickness| {
         let spec = PlateSpec { turning_width: TurningWidth::Arc, ..spec(thickness, 0.1) };

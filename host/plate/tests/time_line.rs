@@ -3,7 +3,7 @@
 
 use super::drive_curve::settled_phasor;
 use proptest::prelude::*;
-use slipline_plate::quantity::OutOfRange;
+use slipline_plate::quantity::{OutOfRange, decibels};
 use slipline_plate::{
     Actuator, Bending, Complex64, DriveEnd, DriveTable, Equation, LineError, Model, Plate, PlateSpec,
     Resonator, Source, Taper, TimeDomainLine, TurningWidth, preset, presets, respond,
@@ -86,7 +86,7 @@ fn peaks_agree(plate: &Plate, frequency: f64, line: &mut TimeDomainLine, rate: f
             let turn = std::f64::consts::PI * frequency / rate;
             let actuator = plate.spec().actuator.as_ref().map_or(1.0, |it| it.response(frequency).norm());
             let level = 0.9 * wanted.amplitude * actuator * plate.spec().full_scale_m * turn.sin() / turn;
-            let error_db = 20.0 * (found.amplitude / level).log10();
+            let error_db = decibels(found.amplitude / level);
             if error_db.abs() > 0.5 {
                 return Err(format!("{frequency} Hz: {error_db} dB"));
             }
@@ -130,7 +130,7 @@ fn dragged_in_steps_with_the_table_the_settled_peak_stays_within_1_db_for_every_
             let frequency = table.frequency_hz(x);
             settle(&mut line, rate, frequency, table.gain(x));
             let Some(peak) = line.envelope().peak(&plate, frequency) else { continue };
-            let error = 20.0 * (peak.amplitude / table.peak_at_full_scale_m).log10();
+            let error = decibels(peak.amplitude / table.peak_at_full_scale_m);
             assert!(error.abs() < 1.0, "{} at {x}: {error} dB", entry.name);
         }
     }

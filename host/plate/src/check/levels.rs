@@ -7,6 +7,7 @@ use crate::frequency::Finger;
 use crate::frequency::driven_end::{drive_rise, with_whole_end};
 use crate::frequency::medium::LANES;
 use crate::progress::Progress;
+use crate::quantity::decibels;
 use crate::table::TableError;
 use crate::table::level::{DriveToPeak, Level, middles, other_plates};
 use num_complex::Complex64;
@@ -142,7 +143,7 @@ impl Variants {
             if let Some(whole) = &self.whole {
                 let ratio = at(&self.others[whole.plate], group)?.into_iter().zip(&nominal).zip(group);
                 sum_db += ratio
-                    .map(|((real, stated), &hz)| db(self.rise(hz) * real.amplitude / stated.amplitude))
+                    .map(|((real, stated), &hz)| decibels(self.rise(hz) * real.amplitude / stated.amplitude))
                     .sum::<f64>();
             }
             levels.extend(nominal);
@@ -163,7 +164,7 @@ impl Variants {
         let worst_db = |plates: &[usize], number: usize, hz: f64| {
             let apart = |&plate: &usize| {
                 let ratio = self.rise(hz) * of_others[plate][number].amplitude / intended[number].amplitude;
-                (db(ratio) - above_db).abs()
+                (decibels(ratio) - above_db).abs()
             };
             plates.iter().map(apart).fold(0.0, f64::max)
         };
@@ -175,7 +176,7 @@ impl Variants {
             let others = within.iter().map(|plate| at_site(plate).amplitude);
             SiteLevels {
                 nominal: level.amplitude,
-                rise_db: db(others.fold(real, f64::max) / real),
+                rise_db: decibels(others.fold(real, f64::max) / real),
                 peak_largest: level.peak_largest
                     && whole.iter().chain(within).all(|plate| at_site(plate).peak_largest),
                 by_end_db: worst_db(&whole, number, hz),
@@ -204,8 +205,4 @@ impl Variants {
 
 fn at(plate: &DriveToPeak, frequencies_hz: &[f64]) -> Result<Vec<Level>, TableError> {
     plate.levels(frequencies_hz, &mut Progress::new(&mut |_| true))
-}
-
-fn db(ratio: f64) -> f64 {
-    20.0 * ratio.log10()
 }

@@ -5,6 +5,8 @@
 //! film of air can make the plate slippery. The model that uses both is [`crate::feeling`]. Source and spread of every
 //! number are in PHYSICS.md, section 5.
 
+use crate::quantity::decibels;
+
 /// Lowest frequency, Hz, of a tone that can make the plate slippery; tones below are felt as vibration. No source: the
 /// upper limit of hearing, a round value.
 pub const SLIPPERY_FROM_HZ: f64 = 20e3;
@@ -61,7 +63,7 @@ pub fn threshold_m(frequency_hz: f64) -> f64 {
 pub fn sound_level_db(frequency_hz: f64, amplitude_m: f64) -> f64 {
     let velocity = std::f64::consts::TAU * frequency_hz * amplitude_m.abs();
     let pressure_rms = 413.0 * velocity / std::f64::consts::SQRT_2;
-    20.0 * (pressure_rms.max(1e-12) / 20e-6).log10()
+    decibels(pressure_rms.max(1e-12) / 20e-6)
 }
 
 #[cfg(test)]
@@ -79,7 +81,7 @@ mod tests {
     #[test]
     fn the_threshold_is_flat_then_falls_12_db_per_octave_to_its_best() {
         assert_eq!(threshold_m(30.0), threshold_m(40.0));
-        let octave = 20.0 * (threshold_m(100.0) / threshold_m(200.0)).log10();
+        let octave = decibels(threshold_m(100.0) / threshold_m(200.0));
         assert!((octave - 12.04).abs() < 0.01, "{octave}");
         assert!(threshold_m(250.0) < threshold_m(150.0) && threshold_m(250.0) < threshold_m(400.0));
     }

@@ -2,7 +2,7 @@
 
 use crate::definition::error::{Origin, PlateError};
 use crate::definition::limits;
-use crate::quantity::Range;
+use crate::quantity::{Range, from_decibels};
 use num_complex::Complex64;
 
 /// A measured response: points of frequency, gain and phase, in rising frequency.
@@ -60,7 +60,7 @@ impl ResponseCurve {
         let turn = b[2] - a[2];
         let turn = turn - 360.0 * (turn / 360.0).round();
         let gain_db = a[1] + share * (b[1] - a[1]);
-        Complex64::from_polar(10_f64.powf(gain_db / 20.0), -(a[2] + share * turn).to_radians())
+        Complex64::from_polar(from_decibels(gain_db), -(a[2] + share * turn).to_radians())
     }
 
     /// Whether `frequency_hz` lies between the first and the last point.
@@ -74,6 +74,7 @@ impl ResponseCurve {
 mod tests {
     use super::*;
     use crate::definition::actuator::Resonator;
+    use crate::quantity::decibels;
 
     fn curve(points: &[[f64; 3]]) -> ResponseCurve {
         ResponseCurve { points: points.to_vec() }
@@ -85,7 +86,7 @@ mod tests {
         let points = (0..=400).map(|i| {
             let frequency_hz = 10.0 * 1000_f64.powf(f64::from(i) / 400.0);
             let response = resonator.response(frequency_hz);
-            [frequency_hz, 20.0 * response.norm().log10(), -response.arg().to_degrees()]
+            [frequency_hz, decibels(response.norm()), -response.arg().to_degrees()]
         });
         let measured = ResponseCurve { points: points.collect() };
         for frequency_hz in [10.0, 33.3, 99.0, 101.7, 250.0, 9_999.0] {

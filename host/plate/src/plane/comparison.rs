@@ -1,6 +1,7 @@
 //! Differences of two computations of one plate.
 
 use crate::frequency::Response;
+use crate::quantity::decibels;
 
 /// A node is a minimum of |f| that is at most this fraction of the maxima on both sides of it.
 const NODE_DEPTH: f64 = 0.95;
@@ -23,7 +24,7 @@ impl Comparison {
         let peaks = first.peak.zip(second.peak);
         Self {
             peak_shift_m: peaks.map(|(first, second)| second.position_m - first.position_m),
-            level_db: peaks.map(|(first, second)| 20.0 * (second.amplitude / first.amplitude).log10()),
+            level_db: peaks.map(|(first, second)| decibels(second.amplitude / first.amplitude)),
             nodes: [first, second].map(nodes),
         }
     }

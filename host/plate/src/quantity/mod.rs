@@ -10,6 +10,7 @@
 //! ```
 
 mod display;
+mod level;
 mod notation;
 pub mod number_format;
 mod parse;
@@ -20,6 +21,7 @@ pub mod ticks;
 mod unit;
 
 pub use display::{Measure, TypedRange, show_frequency, show_length, show_place, show_range, show_si};
+pub use level::{decibels, from_decibels};
 pub(crate) use notation::PlateFile;
 pub use notation::{Caption, Form, Notation};
 pub use parse::{

@@ -4,6 +4,7 @@
 //! listed here. Nothing else is accepted; a comma before exactly three digits could divide thousands, and is refused unless the
 //! number begins with 0.
 
+use super::level::{decibels, from_decibels};
 use super::refusal::QuantityError;
 
 /// A typed value where both a place and a frequency are valid.
@@ -137,7 +138,7 @@ pub fn level(text: &str) -> Result<f64, QuantityError> {
     match split(text)? {
         (number, "") => Ok(number),
         (percent, "%") => Ok(percent * 1e-2),
-        (decibel, unit) if unit.eq_ignore_ascii_case("dB") => Ok(10f64.powf(decibel / 20.0)),
+        (decibel, unit) if unit.eq_ignore_ascii_case("dB") => Ok(from_decibels(decibel)),
         (_, unit) => Err(refused(unit, "% or dB")),
     }
 }
@@ -149,7 +150,7 @@ pub fn level(text: &str) -> Result<f64, QuantityError> {
 pub fn decibel(text: &str) -> Result<f64, QuantityError> {
     match split(text)? {
         (number, "") => Ok(number),
-        (percent, "%") => Ok(20.0 * (percent * 1e-2).log10()),
+        (percent, "%") => Ok(decibels(percent * 1e-2)),
         (number, unit) if unit.eq_ignore_ascii_case("dB") => Ok(number),
         (_, unit) => Err(refused(unit, "dB or %")),
     }

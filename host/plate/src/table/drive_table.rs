@@ -13,7 +13,7 @@ use super::level::{DriveToPeak, drives_to_peak, mid_levels, other_plates};
 use super::travel::TableTravel;
 use crate::definition::plate::Plate;
 use crate::progress::Progress;
-use crate::quantity::OutOfRange;
+use crate::quantity::{OutOfRange, decibels};
 
 /// One knot of the table.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -144,7 +144,7 @@ impl DriveTable {
             peak_at_full_scale_m: level * plate.spec().full_scale_m,
             worst_error_db: 0.0,
             worst_shift_m: 0.0,
-            swing_without_gain_db: 20.0 * (high / low).log10(),
+            swing_without_gain_db: decibels(high / low),
             knots_without_peak: at_knots.iter().filter(|level| !level.peak_present).count(),
             nominal_heights: Vec::new(),
             travel,
@@ -201,7 +201,7 @@ impl DriveTable {
         let levels = drive_to_peak.levels(&frequencies, progress)?;
         for ((&x, &frequency), found) in places.iter().zip(&frequencies).zip(&levels) {
             let height = self.gain(x) * found.amplitude / level;
-            let error_db = 20.0 * height.log10();
+            let error_db = decibels(height);
             self.nominal_heights.push(height);
             self.worst_error_db = self.worst_error_db.max(error_db.abs());
             let turning = plate.turning_point_m(frequency).unwrap_or(f64::NAN);

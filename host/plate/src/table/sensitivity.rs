@@ -5,6 +5,7 @@ use super::error::{KNOTS_MAX, TableError};
 use super::level::DriveToPeak;
 use crate::definition::plate::Plate;
 use crate::progress::Progress;
+use crate::quantity::decibels;
 
 /// Error of the peak when a table made for one plate drives another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +52,7 @@ fn watched(
     let frequencies: Vec<f64> = (0..PLACES).map(|i| table.frequency_hz(place(i))).collect();
     for (i, level) in drive_to_peak.levels(&frequencies, progress)?.into_iter().enumerate() {
         let x = place(i);
-        let error_db = 20.0 * (level.amplitude * table.gain(x) / intended).log10();
+        let error_db = decibels(level.amplitude * table.gain(x) / intended);
         result.highest_db = result.highest_db.max(error_db);
         result.lowest_db = result.lowest_db.min(error_db);
         if error_db.abs() > result.worst_db {

@@ -2,6 +2,7 @@
 
 use crate::definition::plate::Plate;
 use crate::definition::travel::Travel;
+use crate::quantity::decibels;
 
 /// Largest travel of a table at level 1, as a fraction of the peak travel. The rest is a margin for the device, which
 /// computes the travel in 32-bit floats and adds 0.001 for safety.
@@ -46,7 +47,7 @@ impl TableTravel {
 
     /// Reduction of the table's level by the limit, dB (0 or more).
     pub fn lowered_db(&self) -> f64 {
-        -20.0 * self.scale.log10()
+        -decibels(self.scale)
     }
 }
 

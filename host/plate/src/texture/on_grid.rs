@@ -13,6 +13,7 @@ use super::fit::{HEADROOM, Texture, TextureTone, least_beat_hz};
 use super::palette::Palette;
 use super::refinement;
 use super::target::Target;
+use crate::quantity::decibels;
 
 /// The longest period of a chord, in samples.
 pub const CHORD_PERIOD: u32 = 1 << 14;
@@ -101,7 +102,7 @@ impl Texture {
         let squares = palette.squares(&positions_m)?.times(&powers);
         let figures = Figures::of(&squares, &self.places_m, target);
         let texture = self.with_tones(tones.collect(), figures, &squares, target, scale(sum), palette);
-        Ok(Some(ChordTexture { texture, harmonics, gain_db: 20.0 * (scale(peak) / scale(sum)).log10() }))
+        Ok(Some(ChordTexture { texture, harmonics, gain_db: decibels(scale(peak) / scale(sum)) }))
     }
 }
 

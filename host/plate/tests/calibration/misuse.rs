@@ -13,7 +13,7 @@
 use super::rig::{Random, Rig, Solver};
 use super::{PLACES, calibrated, count, measured};
 use slipline_plate::calibrate::{CalibrateError, Calibrated, Measurement};
-use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper};
+use slipline_plate::{Complex64, Finger, Plate, PlateSpec, Taper, quantity::decibels};
 
 /// The presets of `cargo test`, and of the second pass in the long tests.
 const FIRST: &str = "membrane";
@@ -190,7 +190,7 @@ fn signals(name: &str) {
     for point in &mut clipped[0].points {
         let over = point.response.norm() / (0.4 * largest);
         point.response /= over.max(1.0);
-        point.headroom_db = point.headroom_db.map(|_| -20.0 * over.log10());
+        point.headroom_db = point.headroom_db.map(|_| -decibels(over));
     }
     let error = calibrated(&rig, &clipped).expect_err("clipped");
     assert!(matches!(error, CalibrateError::Clipped { .. }), "{error}");

@@ -21,7 +21,7 @@ mod truth;
 
 use plates::Random;
 use slipline_plate::check::{Checker, Colour, Conditions, Report};
-use slipline_plate::{Finger, Plate, Response, plane};
+use slipline_plate::{Finger, Plate, Response, plane, quantity::decibels};
 use std::collections::BTreeMap;
 
 /// Largest level error under a green light, dB.
@@ -102,13 +102,13 @@ impl Case<'_> {
         let place_m = self.real.peak?.position_m;
         let touched = truth::field(self.plate, self.frequency_hz, Some(Finger::light(place_m)));
         let [free, left] = [&self.real, &touched].map(|response| truth::amplitude_at(response, place_m));
-        Some(deviation("a light touch", 20.0 * (free / left).log10() / LEVEL_DB, "finger load"))
+        Some(deviation("a light touch", decibels(free / left) / LEVEL_DB, "finger load"))
     }
 
     fn reflection(&self) -> Deviation {
         let setup = plane::Setup::of(self.plate);
         let r = plane::reflection(self.plate, self.frequency_hz, &setup).expect("enters").norm();
-        deviation("reflection", 20.0 * (1.0 + r).log10() / LEVEL_DB, "drive match")
+        deviation("reflection", decibels(1.0 + r) / LEVEL_DB, "drive match")
     }
 
     fn thickness(&self) -> Option<Deviation> {

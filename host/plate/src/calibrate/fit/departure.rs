@@ -2,6 +2,7 @@
 
 use crate::definition::Plate;
 use crate::progress::Progress;
+use crate::quantity::decibels;
 use crate::table::level::DriveToPeak;
 use crate::table::{DriveTable, TableError};
 
@@ -48,7 +49,7 @@ pub fn departure(stated: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<
     for ((&place_m, &frequency_hz), level) in places_m.iter().zip(&frequencies_hz).zip(&levels) {
         let turning_m = actual.turning_point_m(frequency_hz).unwrap_or(0.0);
         boundary_m = boundary_m.max((turning_m - place_m).abs());
-        let level_db = 20.0 * (level.amplitude * table.gain(place_m)).log10();
+        let level_db = decibels(level.amplitude * table.gain(place_m));
         (lowest_db, highest_db) = (lowest_db.min(level_db), highest_db.max(level_db));
     }
     Ok(Departure { boundary_m, level_db: 0.5 * (highest_db - lowest_db) })

@@ -9,8 +9,8 @@ use super::sensor::{MeasuredPoint, Measurement};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::signal::AUDIBLE;
 use crate::definition::Plate;
-use crate::quantity::number_format::significant;
 use crate::quantity::{OutOfRange, Range};
+use crate::quantity::{decibels, number_format::significant};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::fmt;
@@ -199,7 +199,7 @@ pub fn check_drive(
     // Largest signal-to-noise ratio of a working drive.
     let best = points.iter().map(|point| above_noise(point, expected(point).norm())).fold(0.0, f64::max);
     if best < AUDIBLE / FEEBLE {
-        return Ok(DriveCheck::TooQuiet { louder_db: 20.0 * (AUDIBLE / FEEBLE / best).log10() });
+        return Ok(DriveCheck::TooQuiet { louder_db: decibels(AUDIBLE / FEEBLE / best) });
     }
     let mut shares: Vec<f64> =
         points.iter().map(|point| point.response.norm() * ampere / expected(point).norm()).collect();

@@ -4,7 +4,7 @@ use crate::check::grading::{Finding, Site, colour, pick};
 use crate::check::report::{Colour, Limit};
 use crate::check::thresholds::{ACTUATOR_LOSS_DB, DAC_AMPLITUDE_STEPS, DAC_STEPS, EXCURSION_PERCENT, Limits};
 use crate::definition::actuator::Actuator;
-use crate::quantity::number_format::with_decimals;
+use crate::quantity::{decibels, number_format::with_decimals};
 
 pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
     let name = "actuator band";
@@ -20,7 +20,7 @@ pub(in crate::check) fn actuator_light(site: &Site<'_>) -> Finding {
         let sentence = "The actuator's measured curve does not cover this frequency: its nearest end was used; measure the actuator here as well.";
         return site.judged(name, None, "dB", Colour::Amber, 0.0, sentence.to_owned()).at(0.0);
     }
-    let gain_db = 20.0 * actuator.response(site.frequency_hz).norm().log10();
+    let gain_db = decibels(actuator.response(site.frequency_hz).norm());
     let loss_db = -gain_db;
     let colour = colour(loss_db, ACTUATOR_LOSS_DB);
     site.judged(

@@ -5,7 +5,7 @@ use crate::check::interval::Interval;
 use crate::check::report::Colour;
 use crate::check::thresholds::ULTRASONIC_HZ;
 use crate::feeling::{Feeling, FeltEdge, FeltTone};
-use crate::quantity::number_format::with_decimals;
+use crate::quantity::{from_decibels, number_format::with_decimals};
 
 /// Whether a usual finger feels the tone end on the plate; the value is the place of the felt edge in mm. Amber at most:
 /// fingers differ, and the place where a finger feels nothing is no error of the model.
@@ -51,7 +51,7 @@ pub(in crate::check) fn felt_edge_light(site: &Site<'_>) -> Finding {
 fn at_ends(site: &Site<'_>, interval: &Interval, strength: &[f64]) -> Vec<(f64, Colour)> {
     let open_db = site.levels.open_db(site.plate).unwrap_or(0.0);
     let end = |side: f64| {
-        let factor = 10.0_f64.powf(side * open_db / 20.0);
+        let factor = from_decibels(side * open_db);
         let strength: Vec<f64> = strength.iter().map(|strength| strength * factor).collect();
         let edge_m =
             Feeling::edge(site.plate, &strength).place_m().map(|edge_m| edge_m + side * interval.boundary_m);

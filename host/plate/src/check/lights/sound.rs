@@ -7,7 +7,7 @@ use crate::check::thresholds::{
     AUDIBLE_DB_A, BEAT_HZ, LISTENER_M, Limits, NEAR_ULTRASOUND_DB, NEAR_ULTRASOUND_END_HZ, ULTRASONIC_HZ,
     ULTRASOUND_DB,
 };
-use crate::quantity::number_format::with_decimals;
+use crate::quantity::{decibels, number_format::with_decimals};
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 /// Density of air at 20 degrees C, kg/m^3.
@@ -30,12 +30,12 @@ pub fn a_weighting_db(frequency_hz: f64) -> f64 {
     let pole = |f: f64| square + f * f;
     let response = 12_194.217_f64.powi(2) * square * square
         / (pole(20.598_997) * (pole(107.652_65) * pole(737.862_23)).sqrt() * pole(12_194.217));
-    20.0 * response.log10() + 2.0
+    decibels(response) + 2.0
 }
 
 /// Sound pressure level of a sine with the given pressure amplitude, dB SPL.
 fn level_db(pressure_amplitude_pa: f64) -> f64 {
-    20.0 * (pressure_amplitude_pa / SQRT_2 / REFERENCE_PA).log10()
+    decibels(pressure_amplitude_pa / SQRT_2 / REFERENCE_PA)
 }
 
 /// Upper bound of the level at [`LISTENER_M`], dB SPL: the Rayleigh integral with all parts of the plate in phase,

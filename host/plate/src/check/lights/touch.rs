@@ -6,7 +6,7 @@ use crate::check::report::{Colour, Limit};
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{FINGER_DB, FINGER_LOAD, FINGERTIP_M, WIDTH};
 use crate::frequency::Finger;
-use crate::quantity::number_format::with_decimals;
+use crate::quantity::{decibels, from_decibels, number_format::with_decimals};
 
 /// Whether a fingertip fits between the edges at the boundary; the value is the plate's width there in fingertips.
 pub(in crate::check) fn width_light(site: &Site<'_>) -> Finding {
@@ -99,7 +99,7 @@ pub(in crate::check) fn touched_db(site: &Site<'_>, light: &Finger) -> [f64; 2] 
     let left = site.prepared.variants.share_left(light, site.frequency_hz);
     let ratio =
         firm.impedance().at_n_s_per_m(site.frequency_hz) / light.impedance().at_n_s_per_m(site.frequency_hz);
-    let rise = 10.0_f64.powf(site.levels.rise_db / 20.0);
+    let rise = from_decibels(site.levels.rise_db);
     let by_light = (left.inv() - 1.0) * rise;
-    [by_light, by_light * ratio].map(|by| (20.0 * (1.0 + by).norm().log10()).max(0.0))
+    [by_light, by_light * ratio].map(|by| decibels((1.0 + by).norm()).max(0.0))
 }

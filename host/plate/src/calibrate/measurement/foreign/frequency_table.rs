@@ -9,7 +9,7 @@
 
 use super::{FileError, Foreign, LEVEL};
 use crate::calibrate::measurement::sensor::Measurement;
-use crate::quantity::{Range, must_be};
+use crate::quantity::{Range, decibels, from_decibels, must_be};
 use crate::text_table::{BadLine, FINITE, Row, Separator, cells, lines, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
@@ -139,7 +139,7 @@ fn point(row: &Row<String>, columns: &Columns) -> Result<(f64, Complex64), BadLi
             let part = |at, field| within(at, field, Range::new(-MAGNITUDE.high, MAGNITUDE.high, ""));
             return Ok((frequency_hz, Complex64::new(part(re, "real part")?, -part(im, "imaginary part")?)));
         }
-        Form::Decibel(level, phase) => (10_f64.powf(within(level, "level", LEVEL)? / 20.0), phase),
+        Form::Decibel(level, phase) => (from_decibels(within(level, "level", LEVEL)?), phase),
         Form::Magnitude(level, phase) => (within(level, "magnitude", MAGNITUDE)?, phase),
     };
     let degrees = phase.map_or(Ok(0.0), |at| cell(at, "phase"))?;
@@ -155,7 +155,7 @@ pub(super) fn write(measurement: &Measurement) -> String {
     text.push_str("* Freq(Hz) Level(dB) Phase(degrees)\n");
     for point in &measurement.points {
         let shown = measurement.shown(point);
-        let level_db = (20.0 * shown.norm().log10()).max(LEVEL.low);
+        let level_db = decibels(shown.norm()).max(LEVEL.low);
         // Writing to a text cannot fail.
         let _ = writeln!(text, "{} {level_db} {}", point.frequency_hz, shown.arg().to_degrees());
     }

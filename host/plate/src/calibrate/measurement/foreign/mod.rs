@@ -13,7 +13,7 @@ mod uff58;
 use super::csv::{self, CsvError};
 use super::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::calibrate::error::CalibrateError;
-use crate::quantity::{OutOfRange, Range};
+use crate::quantity::{OutOfRange, Range, from_decibels};
 use crate::text_table::BadLine;
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -134,7 +134,7 @@ impl Foreign {
         let points: Vec<_> = points.iter().step_by(points.len().div_ceil(FREQUENCIES_MAX).max(1)).collect();
         let square: f64 =
             points.iter().map(|point| point.1.norm_sqr()).sum::<f64>() / points.len().max(1) as f64;
-        let noise = (square.sqrt() * 10_f64.powf(-snr_db / 20.0)).max(1e-30);
+        let noise = (square.sqrt() * from_decibels(-snr_db)).max(1e-30);
         let points = points.iter().map(|point| MeasuredPoint {
             frequency_hz: point.0,
             response: point.1,
