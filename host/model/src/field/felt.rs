@@ -174,6 +174,7 @@ mod tests {
     use super::*;
     use crate::field::steady_field::SteadyTone;
     use slipline_plate::Calibration;
+    use slipline_plate::quantity::from_decibels;
 
     fn felt(name: &str, hertz: &[f64], peak_m: f64) -> Felt {
         let plate = slipline_plate::preset(name).unwrap();
@@ -206,7 +207,7 @@ mod tests {
     fn the_edge_by_person_is_that_of_a_tone_four_decibels_weaker_and_stronger() {
         for (hertz, peak_m) in [(110.0, 1e-5), (150.0, 1e-5), (180.0, 1e-5)] {
             let edge_m = |db: f64| {
-                let edge = felt("membrane", &[hertz], peak_m * 10_f64.powf(db / 20.0)).edge;
+                let edge = felt("membrane", &[hertz], peak_m * from_decibels(db)).edge;
                 edge.place_m().unwrap()
             };
             let by_person = felt("membrane", &[hertz], peak_m).by_person;
@@ -250,7 +251,7 @@ mod tests {
         // 1 % of wave speed is 1 % of 1/d, about 2.2 mm.
         let by_speed_m = felt(0.01, None, 1e-5).tolerance_m.unwrap();
         assert!((1.8e-3..2.6e-3).contains(&by_speed_m), "{by_speed_m}");
-        let louder = 10_f64.powf(1.0 / 20.0);
+        let louder = from_decibels(1.0);
         let by_level_m = felt(0.0, Some(1.0), 1e-5).tolerance_m.unwrap();
         let wanted_m = (edge_m(1e-5 * louder) - edge_m(1e-5)).max(edge_m(1e-5) - edge_m(1e-5 / louder));
         assert!(wanted_m > 1e-4 && (by_level_m / wanted_m - 1.0).abs() < 1e-3, "{by_level_m} {wanted_m}");

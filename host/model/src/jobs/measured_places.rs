@@ -4,6 +4,7 @@ use crate::field::steady_field::SteadyField;
 use crate::jobs::Task;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Comparison, Measurement};
+use slipline_plate::quantity::from_decibels;
 use std::sync::Arc;
 
 /// A plate and its measurements.
@@ -87,9 +88,8 @@ pub fn work(job: MeasuredPlacesJob, task: &Task) -> Option<MeasuredPlaces> {
         }
         let Ok(comparison) = Comparison::of(&job.plate, measurement) else { continue };
         let ratios = measurement.points.iter().zip(&comparison.off_db);
-        let ratios = ratios.filter_map(|(point, off_db)| {
-            off_db.map(|off_db| (point.frequency_hz, 10_f64.powf(off_db / 20.0)))
-        });
+        let ratios = ratios
+            .filter_map(|(point, off_db)| off_db.map(|off_db| (point.frequency_hz, from_decibels(off_db))));
         places.push(MeasuredPlace { place_m: measurement.place_m, ratios: ratios.collect() });
     }
     task.report(1.0).then_some(MeasuredPlaces { job, places })

@@ -2,6 +2,7 @@
 
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::Measurement;
+use slipline_plate::quantity::decibels;
 use std::f64::consts::{PI, TAU};
 
 /// Responses below this multiple of their noise have no phase.
@@ -49,7 +50,7 @@ impl Bode {
 
 /// A ratio in dB; that of a zero ratio is the smallest finite number.
 fn decibel(ratio: f64) -> f64 {
-    20.0 * ratio.max(f64::MIN_POSITIVE).log10()
+    decibels(ratio.max(f64::MIN_POSITIVE))
 }
 
 /// Magnitudes in dB.
@@ -98,11 +99,11 @@ mod tests {
             }
         }
         assert!(bode.phase_deg[39].unwrap() > 720.0);
-        let half_db = 20.0 * 0.5_f64.log10();
+        let half_db = decibels(0.5);
         assert!((bode.level_db[0] - half_db).abs() < 1e-12);
         assert!((bode.noise_db[0] - half_db + 20.0).abs() < 1e-9);
         // 1.96 standard deviations of a tenth.
-        assert!((bode.spread_db[0] - 20.0 * 1.196_f64.log10()).abs() < 1e-9);
+        assert!((bode.spread_db[0] - decibels(1.196)).abs() < 1e-9);
     }
 
     #[test]

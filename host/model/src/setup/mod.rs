@@ -11,6 +11,7 @@ pub mod undo;
 
 use slipline_plate::Plate;
 use slipline_plate::feeling::Feeling;
+use slipline_plate::quantity::{decibels, from_decibels};
 use std::sync::Arc;
 
 /// Tones a setup may have; the device may allow fewer.
@@ -106,13 +107,13 @@ impl Setup {
     /// slightly lower than needed, because the device rounds to hundredths of a decibel.
     #[must_use]
     pub fn fitting_master_db(&self, sum: f64) -> f64 {
-        (self.master_db - 20.0 * sum.log10() - 0.05).max(MASTER_MIN_DB)
+        (self.master_db - decibels(sum) - 0.05).max(MASTER_MIN_DB)
     }
 
     /// The factor of its tones as a chord; 1 if they are not a chord.
     #[must_use]
     pub fn chord_factor(&self) -> f64 {
-        10f64.powf(self.chord_gain_db.unwrap_or(0.0) / 20.0)
+        from_decibels(self.chord_gain_db.unwrap_or(0.0))
     }
 
     /// The same tones without a chord, as after a change of one of them.
@@ -130,7 +131,7 @@ impl Setup {
     /// The master level as a factor, 0..=1.
     #[must_use]
     pub fn master(&self) -> f64 {
-        10f64.powf(self.master_db / 20.0)
+        from_decibels(self.master_db)
     }
 
     /// The lowest free slot.

@@ -7,7 +7,7 @@ use crate::field::simulation::SAMPLE_RATE_HZ;
 use crate::jobs::table::KNOTS;
 use slipline_plate::{
     Boundary, DriveTable, NoBoundary, Plate, PlateError, PlateFile, PlateFileError, Progress, TableError,
-    boundaries,
+    boundaries, quantity::decibels,
 };
 use std::ops::Range;
 
@@ -149,7 +149,7 @@ impl Study {
             let (shift_m, level_db) = match found {
                 Ok(boundary) => (
                     boundary.turning_point_m - nominal.turning_point_m,
-                    20.0 * (boundary.peak_m / nominal.peak_m).log10(),
+                    decibels(boundary.peak_m / nominal.peak_m),
                 ),
                 Err(why) => {
                     // The first place without a boundary gives the reason.

@@ -1,6 +1,7 @@
 //! The spectrum of DAC codes, for the plot.
 
 use realfft::{RealFftPlanner, RealToComplex};
+use slipline_plate::quantity::decibels;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -66,7 +67,7 @@ impl Spectrum {
             let bin = strongest.unwrap_or(first);
             lines.push(Line {
                 frequency_hz: bin as f64 * bin_hz,
-                level_db: (20.0 * (output[bin].norm() * scale).log10()).max(FLOOR_DB),
+                level_db: decibels(output[bin].norm() * scale).max(FLOOR_DB),
             });
             first = end;
         }
@@ -150,7 +151,7 @@ mod tests {
             .collect();
         let lines = Spectrum::default().of(&codes, rate);
         for (hertz, codes) in tones {
-            let wanted_db = 20.0 * (codes / 2048.0f64).log10();
+            let wanted_db = decibels(codes / 2048.0f64);
             let level_db = level_at(&lines, hertz).unwrap();
             // A bin is 6.1 Hz wide.
             assert!((level_db - wanted_db).abs() < 0.1, "{hertz}: {level_db}, not {wanted_db}");

@@ -1,5 +1,5 @@
 use super::*;
-use slipline_plate::{Calibration, PlateSpec, ResponseCurve};
+use slipline_plate::{Calibration, PlateSpec, ResponseCurve, quantity::decibels};
 
 /// Tones on the plate for which their table is made, with the table's gains.
 fn on_plate<'a>(plate: &'a Plate, tones: &'a [(f64, f64)], solver: Solver) -> Simulation<'a> {
@@ -32,11 +32,7 @@ fn the_boundary_asked_for_is_where_the_wave_turns() {
     assert!((measured.position_m - peak.position_m).abs() < tone.predicted.edge_width_m / 20.0);
     assert!((tone.measured_turning_point_m.unwrap() - 0.16).abs() < tone.predicted.edge_width_m / 20.0);
     let wanted_m = 0.8 * result.peak_at_full_scale_m;
-    assert!(
-        (20.0 * (measured.amplitude / wanted_m).log10()).abs() < 0.2,
-        "{} {wanted_m}",
-        measured.amplitude
-    );
+    assert!(decibels(measured.amplitude / wanted_m).abs() < 0.2, "{} {wanted_m}", measured.amplitude);
     assert_eq!(result.clipped_samples, 0);
 }
 
@@ -62,7 +58,7 @@ fn a_calibrated_plate_peaks_at_the_level_that_its_table_gives() {
         for solver in [Solver::Line, Solver::Sheet { threads: 1 }] {
             let [level, plain] = [&plate, &nominal].map(|plate| simulated(plate, boundary_m, solver));
             // The table rounds its gains.
-            let error_db = 20.0 * (level / plain).log10();
+            let error_db = decibels(level / plain);
             assert!(error_db.abs() < 0.05, "{boundary_m} {solver:?}: {error_db} dB, {level} {plain}");
         }
     }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::study::Draft;
-use slipline_plate::{Equation, TurningWidth, preset, respond};
+use slipline_plate::{Equation, TurningWidth, preset, quantity::decibels, respond};
 
 fn study(plate: Plate, places: &str, count: u64, vary: &str) -> Study {
     let text =
@@ -114,7 +114,7 @@ fn level_and_shift_are_those_of_the_fine_solution_of_the_plate_s_own_file() {
             let plate = Plate::from_toml(&study.plate(i as u64).unwrap().to_toml()).unwrap();
             let (turning_m, found_peak) = peak(&plate);
             assert!((chunk.turning_point_shift_m[i] - (turning_m - nominal_m)).abs() < 1e-12, "{name}");
-            let level_db = 20.0 * (found_peak / nominal_peak).log10();
+            let level_db = decibels(found_peak / nominal_peak);
             assert!((chunk.level_db[i] - level_db).abs() < 1e-3, "{name}: {} {level_db}", chunk.level_db[i]);
             assert_eq!(plate.spec().loss_factor, study.varied(i as u64)[1]);
         }
