@@ -19,6 +19,7 @@ use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, windows};
 use slipline_plate::check::Colour;
 use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::decibels;
 use std::f64::consts::TAU;
 
 /// Codes of an input from mid-scale to the end of its range.
@@ -78,7 +79,7 @@ impl Window {
             return 0.0;
         }
         let away = (CODES - f64::from(lowest)).max(f64::from(highest) - CODES).max(0.5);
-        20.0 * (CODES / away).log10()
+        decibels(CODES / away)
     }
 
     /// Deviation of each part of an answer at this frequency, codes: it is a mean of that number of samples

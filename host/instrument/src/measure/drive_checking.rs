@@ -16,6 +16,7 @@ use slipline_link::DeviceTable;
 use slipline_link::protocol::listen::InputsReport;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, DriveCircuit, Measurement, SensorKind, check_drive};
+use slipline_plate::quantity::{decibels, from_decibels};
 use std::sync::Arc;
 
 /// The device's input that samples the current through the drive, by a shunt.
@@ -46,8 +47,8 @@ impl Effort {
             return None;
         }
         let wanted_db = louder_db + ROOM_DB;
-        let level = (self.level * 10_f64.powf(wanted_db / 20.0)).min(LOUDEST);
-        let rest_db = wanted_db - 20.0 * (level / self.level).log10();
+        let level = (self.level * from_decibels(wanted_db)).min(LOUDEST);
+        let rest_db = wanted_db - decibels(level / self.level);
         let window_s = (self.window_s * 10_f64.powf(rest_db / 10.0)).min(WINDOW_S.1);
         Some(Self { level, window_s })
     }

@@ -4,6 +4,7 @@ use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{BLOCK, ListenRequest, Listened, Request, WindowShape};
 use slipline_plate::check::Colour;
 use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::decibels;
 
 /// Half of an input's range, codes.
 const HALF_RANGE: f64 = 2047.5;
@@ -51,7 +52,7 @@ impl Signal {
     /// The same in dB of full scale; minus infinity for an input whose code does not change.
     #[must_use]
     pub fn level_db(&self) -> f64 {
-        20.0 * self.share().log10()
+        decibels(self.share())
     }
 
     /// Red for an input whose code does not change or that is clipped, green otherwise.

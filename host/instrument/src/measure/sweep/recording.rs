@@ -8,6 +8,7 @@ use crate::measure::error::MeasureError;
 use slipline_link::DeviceTable;
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::MeasuredPoint;
+use slipline_plate::quantity::decibels;
 use std::f64::consts::TAU;
 
 /// Share of the input's range above which a sine counts as clipped.
@@ -94,7 +95,7 @@ pub(super) fn mark_clipped_at(played_hz: f64, points: &mut [MeasuredPoint]) {
 
 /// Headroom above a sine of this amplitude, dB, where 1 is the end of the input's range: 0 if it is clipped.
 pub(super) fn headroom_db(swing: f64) -> f64 {
-    if swing < CLIPPED { -20.0 * swing.max(1e-6).log10() } else { 0.0 }
+    if swing < CLIPPED { -decibels(swing.max(1e-6)) } else { 0.0 }
 }
 
 /// The mean of codes, minus mid-scale.
