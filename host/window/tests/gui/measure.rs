@@ -5,7 +5,7 @@ use crate::test_app::TestApp;
 use eframe::egui::{self, Key, Pos2, Rect, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz, predicted};
-use slipline_plate::{Complex64, Plate};
+use slipline_plate::{Complex64, Plate, quantity::decibels};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub(crate) fn measured(truth: &Plate, place_m: f64, headroom_db: f64) -> Measure
         point.noise = 0.005 * loudest;
         // The angle of the squares is spread evenly.
         point.response = answer + Complex64::cis(2.4 * (i * i) as f64) * point.noise;
-        point.headroom_db = Some(headroom_db + 20.0 * (loudest / answer.norm()).log10());
+        point.headroom_db = Some(headroom_db + decibels(loudest / answer.norm()));
     }
     sensor
 }

@@ -9,7 +9,7 @@ use crate::view::state::ViewState;
 use crate::view::theme;
 use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
 use slipline_model::response::{Entry, Headroom, differs};
-use slipline_plate::quantity::{show_frequency, show_place};
+use slipline_plate::quantity::{decibels, show_frequency, show_place};
 
 const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58); or a WAV recorded of `slipline sweep`; or drop it on the window";
 const CALIBRATE_HELP: &str =
@@ -137,7 +137,7 @@ fn details(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut In
     }
     let audible = measurement.points.iter().map(|point| point.response.norm() / point.noise);
     let best = audible.fold(0.0, f64::max);
-    row(ui, "Loudest over the noise", format!("{:.0} dB", 20.0 * best.max(f64::MIN_POSITIVE).log10()));
+    row(ui, "Loudest over the noise", format!("{:.0} dB", decibels(best.max(f64::MIN_POSITIVE))));
     ui.add_space(4.0);
     if ui.button("Export CSV…").on_hover_text("The chosen measurement as this page reads it").clicked() {
         intents.push(Intent::Measure(MeasureIntent::Save(entry.number)));

@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::view::theme;
 use eframe::egui::{self, CornerRadius, FontId, Rangef, Rect, Stroke, StrokeKind, Tooltip, pos2, vec2};
 use slipline_model::field::steady_field::interpolate;
-use slipline_plate::quantity::{show_length, show_place};
+use slipline_plate::quantity::{decibels, show_length, show_place};
 
 /// Space between the pointer's line and the words, and around the words, in points.
 const BESIDE: f32 = 8.0;
@@ -24,7 +24,7 @@ pub(crate) fn words(scene: &Scene<'_>, place_m: f64) -> String {
         words.push_str(&format!("   {}", show_length(amplitude_m)));
     }
     if let Some(felt) = scene.felt {
-        words.push_str(&match 20.0 * felt.at(place_m).log10() {
+        words.push_str(&match decibels(felt.at(place_m)) {
             over_db if over_db >= 0.0 => format!("   {over_db:.0} dB over felt"),
             over_db if over_db > -100.0 => format!("   {:.0} dB below felt", -over_db),
             _ => "   not felt".to_owned(),
