@@ -18,7 +18,7 @@ use slipline_model::atomic_file::STANDARD_STREAM;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind};
 use slipline_plate::number_format::with_decimals;
-use slipline_plate::quantity::{must_be, show_frequency, show_place};
+use slipline_plate::quantity::{decibels, must_be, show_frequency, show_place};
 use std::path::{Path, PathBuf};
 
 /// `measure`.
@@ -133,7 +133,7 @@ const PLOT_DB: f64 = 48.0;
 /// What was found, as a table with a plot of the level beside it; of many frequencies, some over the band.
 fn rows(measurement: &Measurement) -> Vec<Vec<String>> {
     let points = &measurement.points;
-    let level_db = |response: f64, of: f64| 20.0 * (response / of).log10();
+    let level_db = |response: f64, of: f64| decibels(response / of);
     let largest = points.iter().map(|it| it.response.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let mut rows = vec![["Frequency", "Level", "Phase", "Over noise", ""].map(str::to_owned).to_vec()];
     let count = points.len().min(ROWS);
@@ -198,7 +198,7 @@ fn lines(
     let hertz = |point: Option<&slipline_plate::calibrate::MeasuredPoint>| {
         point.map_or_else(String::new, |point| show_frequency(point.frequency_hz))
     };
-    let above_db = points.iter().map(|it| 20.0 * (it.response.norm() / it.noise).log10());
+    let above_db = points.iter().map(|it| decibels(it.response.norm() / it.noise));
     let mut above_db: Vec<f64> = above_db.collect();
     above_db.sort_by(f64::total_cmp);
     let middle_db = above_db.get(above_db.len() / 2).copied().unwrap_or(0.0);
