@@ -8,7 +8,7 @@ use slipline_model::field::simulation::{
 };
 use slipline_plate::{
     Bending, DriveEnd, DriveTable, Equation, Model, Plate, PlateSpec, Progress, TableError, Taper,
-    TurningWidth, preset, presets, respond,
+    TurningWidth, preset, presets, quantity::decibels, respond,
 };
 
 /// The level of each drive.
@@ -58,7 +58,7 @@ fn assert_peak_is_where_it_belongs(plate: &Plate, table: &DriveTable, boundary_m
                 off_m * 1e3,
                 edge_m * 1e3
             );
-            let level_db = 20.0 * (measured.amplitude / tone.predicted_peak_m.unwrap()).log10();
+            let level_db = decibels(measured.amplitude / tone.predicted_peak_m.unwrap());
             assert!(level_db.abs() < 0.3, "{place}: {level_db} dB");
         }
         // No peak: both say so.
@@ -92,7 +92,7 @@ fn with_the_table_the_peak_stays_within_a_decibel_over_every_presets_span() {
                 continue;
             }
             let measured_m = result.tones[0].measured.unwrap().amplitude;
-            let db = 20.0 * (measured_m / (0.8 * result.peak_at_full_scale_m)).log10();
+            let db = decibels(measured_m / (0.8 * result.peak_at_full_scale_m));
             assert!(db.abs() < 1.0, "{} at {:.1} mm: {db} dB", plate.name(), boundary_m * 1e3);
         }
     }
@@ -121,7 +121,7 @@ fn swing_db(plate_at: impl Fn(f64) -> Plate) -> f64 {
         let plate = plate_at(table.frequency_hz(x_m));
         run(&plate, &plate, &table, x_m, false).tones[0].measured.unwrap().amplitude
     };
-    20.0 * (measured_m(highest) / measured_m(lowest)).log10()
+    decibels(measured_m(highest) / measured_m(lowest))
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn off_db_when_one_percent_faster(name: &str) -> f64 {
     let reported = slipline_plate::table_sensitivity(&table, &plate, &actual).unwrap();
     let result = run(&plate, &actual, &table, reported.worst_at_m, true);
     let measured_m = result.tones[0].measured.unwrap().amplitude;
-    let db = 20.0 * (measured_m / (0.8 * result.peak_at_full_scale_m)).log10();
+    let db = decibels(measured_m / (0.8 * result.peak_at_full_scale_m));
     assert!((db.abs() - reported.worst_db).abs() < 0.5, "{name}: {db} dB measured, {reported:?} reported");
     db
 }
@@ -267,10 +267,10 @@ fn a_tone_of_a_code_or_two_is_off_by_what_the_dac_rounds() {
     let codes = LEVEL * table.gain(0.1804) * CODES;
     assert!((1.0..2.0).contains(&codes), "{codes} codes");
     let tone = &run(&plate, &plate, &table, 0.1804, true).tones[0];
-    let level_db = 20.0 * (tone.measured.unwrap().amplitude / tone.predicted_peak_m.unwrap()).log10();
+    let level_db = decibels(tone.measured.unwrap().amplitude / tone.predicted_peak_m.unwrap());
     // Rounded, it is one code where it is above half a code, and a wave of such steps has 4/pi cos(asin(1/2 over the codes))
     // of a code at its frequency.
     let fundamental = 4.0 / std::f64::consts::PI * (1.0 - (0.5 / codes).powi(2)).sqrt();
-    let rounded_db = 20.0 * (fundamental / codes).log10();
+    let rounded_db = decibels(fundamental / codes);
     assert!((level_db - rounded_db).abs() < 0.1, "{codes} codes: {level_db} dB, {rounded_db} dB");
 }

@@ -12,7 +12,10 @@ use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_link::{DriveRequest, HoldLimit, HoldLoss, HoldProgress, HoldState, Outcome, Request, Sounding};
 use slipline_model::field::simulation::table_for;
-use slipline_plate::{Finger, preset};
+use slipline_plate::{
+    Finger, preset,
+    quantity::{decibels, from_decibels},
+};
 use slipline_tests::rig::{BLOCK, MID};
 
 const RATE_HZ: f64 = 400e3;
@@ -120,7 +123,7 @@ impl HoldBench {
             |position: Position| f64::from(table.setting(position.fine()).gain.0) / f64::from(Gain::FULL.0);
         let position = table.position(boundary_m).unwrap();
         let hz = table.frequency_hz(position);
-        let level = 10_f64.powf(-headroom_db / 20.0);
+        let level = from_decibels(-headroom_db);
         let level = if other > 0.0 { level / gain(position) } else { level };
         let other_m = start_m + 0.2 * (end_m - start_m);
         let other = other / gain(table.position(other_m).unwrap());
@@ -176,10 +179,6 @@ impl HoldBench {
         let held = self.loopback.view().hold.clone().unwrap();
         (held.progress, held.tones[0].state, f64::from(held.tones[0].correction.0) / 100.0)
     }
-}
-
-fn decibels(ratio: f64) -> f64 {
-    20.0 * ratio.log10()
 }
 
 /// A finger comes and goes.

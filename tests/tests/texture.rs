@@ -2,7 +2,7 @@
 
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, Solver, table_for};
 use slipline_plate::texture::{Figures, Palette, Target, Texture};
-use slipline_plate::{Plate, Progress, preset};
+use slipline_plate::{Plate, Progress, preset, quantity::decibels};
 
 fn simulation<'a>(plate: &'a Plate, tones: &'a [(f64, f64)]) -> Simulation<'a> {
     let solver = Solver::Line;
@@ -49,7 +49,7 @@ fn what_is_said_to_be_in_reach_is_reached_on_the_plate() {
             }
         }
         let reached = (square / f64::from(count)).sqrt() / largest_m;
-        let off_db = 20.0 * (reached / texture.reach.rms_error).log10();
+        let off_db = decibels(reached / texture.reach.rms_error);
         assert!(off_db.abs() <= 0.5, "{off_db} dB: {reached} of {}", texture.reach.rms_error);
         assert!(reached > 0.05, "{reached}: it cannot be had");
     }
@@ -71,7 +71,7 @@ fn a_solid_area_is_on_the_plate_as_it_was_fitted() {
             let is_m = rms_m(&simulated, x);
             // Down to 40 dB below the largest, where the lines between the places are no longer the field.
             if fitted_m > 0.01 * largest_m {
-                let off_db = 20.0 * (is_m / fitted_m).log10();
+                let off_db = decibels(is_m / fitted_m);
                 assert!(off_db.abs() <= 0.5, "{turning_point_m}: {off_db} dB at {x} m");
             }
         }
