@@ -13,8 +13,8 @@ use slipline_protocol::{Decoder, Direction, Header};
 
 use crate::client::Client;
 
-/// Samples in a block.
-pub const BLOCK: u64 = 128;
+/// Samples in a block, as a number of samples of a run.
+pub const BLOCK: u64 = slipline_link::BLOCK as u64;
 /// Mid-scale.
 pub const MID: u16 = 2048;
 /// The default sample rate of a rig, in Hz.
