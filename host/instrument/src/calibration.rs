@@ -9,18 +9,15 @@ pub use name::named_calibrated;
 pub use page::WizardPage;
 pub use remedy::Remedy;
 
+use crate::calipers::{CALIPERS_TOLERANCE_M, with_calipers};
 use crate::jobs::calibrate::CalibrateJob;
 use crate::measure::Wanted;
-use crate::requests::with_calipers;
 use slipline_plate::calibrate::{Calipers, Measurement, Placing, Priors, SensorPlaces};
 use slipline_plate::{Plate, PlateError};
 use std::sync::Arc;
 
 /// Sensor places as fractions of the length, for a plate for which none can be proposed.
 const PLACES: [f64; 2] = [0.3, 0.6];
-/// Standard deviation of a half-width measured with calipers, metres: a tenth of a millimetre in the whole
-/// width.
-pub const CALIPERS_TOLERANCE_M: f64 = 5e-5;
 
 /// The measured response at one place of the sensor.
 #[derive(Debug, Clone)]

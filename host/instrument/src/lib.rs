@@ -23,6 +23,7 @@
 pub mod autopilot;
 pub mod bench;
 pub mod calibration;
+pub mod calipers;
 pub mod changes;
 pub mod device_info;
 pub mod hold;

@@ -9,10 +9,8 @@ use crate::result::{Answer, fields};
 use crate::waiting::compute;
 use pyo3::prelude::*;
 use slipline_instrument::calibration::named_calibrated;
-use slipline_instrument::requests::{
-    FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, IncompleteCalipers, complete_calipers, measured,
-    with_calipers,
-};
+use slipline_instrument::calipers::{IncompleteCalipers, complete_calipers, with_calipers};
+use slipline_instrument::requests::{FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, measured};
 use slipline_model::answer::calibrate::{
     CALIPERS_TOLERANCE, CalibrateAnswer, CalibrationReport, TOUCH_TOLERANCE, by_measurements,
 };

@@ -13,7 +13,8 @@ use super::rig::PortArgument;
 use super::touch::{TouchArgument, touch};
 use super::{progress, sensor_places};
 use clap::{ArgGroup, Args, ValueEnum};
-use slipline_instrument::requests::{self, FeltEdgesRequest, complete_calipers, with_calipers};
+use slipline_instrument::calipers::{complete_calipers, with_calipers};
+use slipline_instrument::requests::{self, FeltEdgesRequest};
 use slipline_model::answer::calibrate::{
     CALIPERS_TOLERANCE, CalibrationReport, TOUCH_TOLERANCE, by_measurements,
 };

@@ -2,7 +2,7 @@
 
 use crate::calibration::name::named_calibrated;
 use crate::calibration::remedy::Remedy;
-use crate::requests::with_calipers;
+use crate::calipers::with_calipers;
 use slipline_model::jobs::Task;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{

@@ -15,10 +15,7 @@ mod measure;
 mod simulate;
 mod tones;
 
-pub use calibrate::{
-    FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, IncompleteCalipers, complete_calipers, measured,
-    with_calipers,
-};
+pub use calibrate::{FeltEdgeError, FeltEdgeRequest, FeltEdgesRequest, measured};
 pub use feeling::NamedFeeling;
 pub use measure::{Frequencies, IncompleteCircuit, MeasureRequest, circuit_of};
 pub use simulate::{PlannedSimulation, SimulateRequest};
