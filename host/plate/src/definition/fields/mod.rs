@@ -36,6 +36,63 @@ pub fn field(path: &str) -> Option<&'static Field> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::definition::air::{Air, AirMounting};
+    use crate::definition::drive::DriveEnd;
+    use crate::definition::model::Model;
+    use crate::definition::plate::PlateSpec;
+    use crate::definition::taper::Taper;
+    use crate::definition::thickness::Thickness;
+
+    /// A section, the words of its kinds, and the word of a specification's kind: a match over all alternatives, so that a new one
+    /// does not compile without its word here.
+    macro_rules! words {
+        ($section:expr, $spec:ident => $place:expr, $($is:pat => $word:literal),+) => {
+            ($section, [$($word),+].as_slice(), |$spec: &PlateSpec| match $place { $($is => $word),+ })
+        };
+    }
+
+    #[test]
+    fn every_kind_of_a_plate_has_a_row_in_its_section() {
+        type Words = (&'static Section, &'static [&'static str], fn(&PlateSpec) -> &'static str);
+        let sections: [Words; 5] = [
+            words!(&TAPER, spec => spec.taper,
+                Taper::Exponential { .. } => "exponential",
+                Taper::Linear { .. } => "linear",
+                Taper::Sampled { .. } => "sampled"),
+            words!(&MODEL, spec => spec.model,
+                Model::Membrane { .. } => "membrane",
+                Model::ShearHorizontal { .. } => "shear-horizontal",
+                Model::BendingSupported(_) => "bending-supported",
+                Model::BendingClamped(_) => "bending-clamped"),
+            words!(&sheet::THICKNESS, spec => spec.thickness.as_ref().expect("a thickness"),
+                Thickness::Exponential { .. } => "exponential",
+                Thickness::Linear { .. } => "linear",
+                Thickness::Sampled { .. } => "sampled"),
+            words!(&DRIVE, spec => spec.drive_end,
+                DriveEnd::Displacement | DriveEnd::DisplacementAndSlope { .. } => "displacement",
+                DriveEnd::Force { .. } => "force",
+                DriveEnd::Resistance { .. } => "resistance",
+                DriveEnd::Source(_) => "source"),
+            words!(&drive::AIR, spec => spec.air.expect("air"),
+                Air::Around { mounting: AirMounting::Baffle { .. }, .. } => "baffle",
+                Air::Around { mounting: AirMounting::BareFrame, .. } => "bare-frame",
+                Air::Around { mounting: AirMounting::Unknown, .. } => "unknown",
+                Air::Around { mounting: AirMounting::Coefficient { .. }, .. } => "coefficient",
+                Air::Around { mounting: AirMounting::Calibrated { .. }, .. } => "calibrated",
+                Air::Vacuum => "vacuum"),
+        ];
+        for (section, words, word_of) in sections {
+            let rows: Vec<&str> = section.kinds.iter().map(|kind| kind.word).collect();
+            assert_eq!(rows, words, "[{}]", section.name);
+            for kind in section.kinds {
+                let mut spec = crate::preset("membrane").expect("a preset").spec().clone();
+                (kind.begin)(&mut spec, &|_| false);
+                assert_eq!(word_of(&spec), kind.word, "[{}]", section.name);
+                let found = section.kind_of(&spec).map(|kind| kind.word);
+                assert_eq!(found, Some(kind.word), "[{}]", section.name);
+            }
+        }
+    }
 
     #[test]
     fn the_page_on_plate_files_tells_of_every_field_and_kind_and_of_the_ranges_in_force() {
