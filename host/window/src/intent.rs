@@ -249,3 +249,17 @@ pub enum Intent {
 
 /// The requests of all views in one frame, in order.
 pub type Intents = Vec<Intent>;
+
+/// A control that makes a request.
+pub(crate) trait Asks {
+    /// Makes the request when the control is pressed.
+    fn asks(self, intents: &mut Intents, intent: Intent);
+}
+
+impl Asks for eframe::egui::Response {
+    fn asks(self, intents: &mut Intents, intent: Intent) {
+        if self.clicked() {
+            intents.push(intent);
+        }
+    }
+}

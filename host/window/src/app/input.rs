@@ -3,7 +3,7 @@
 use super::App;
 use crate::files::{FileJob, PROFILE_EXTENSIONS, has_extension, is_measurement};
 use crate::intent::{Dialog, Dragged, Intent, Intents};
-use crate::view::{Brush, arrow_step_m};
+use crate::view::{Brush, Tab, arrow_step_m};
 use eframe::egui::{self, Key, Modifiers};
 use slipline_link::Snapshot;
 use slipline_link::protocol::event::State;
@@ -69,38 +69,37 @@ impl App {
             } else if input.consume_key(Modifiers::COMMAND, Key::Z) {
                 asked.push(Intent::Undo);
             }
-            if input.consume_key(Modifiers::COMMAND, Key::B) {
-                asked.push(Intent::Switch);
-            }
-            if input.consume_key(Modifiers::COMMAND, Key::O) {
-                asked.push(Intent::OpenDialog);
-            }
-            if input.consume_key(Modifiers::COMMAND, Key::S) {
-                asked.push(Intent::SaveDialog);
-            }
-            if input.consume_key(Modifiers::NONE, Key::F1) {
-                asked.push(Intent::Dialog(Some(Dialog::Shortcuts)));
+            for (modifiers, key, intent) in [
+                (Modifiers::COMMAND, Key::B, Intent::Switch),
+                (Modifiers::COMMAND, Key::O, Intent::OpenDialog),
+                (Modifiers::COMMAND, Key::S, Intent::SaveDialog),
+                (Modifiers::NONE, Key::F1, Intent::Dialog(Some(Dialog::Shortcuts))),
+            ] {
+                if input.consume_key(modifiers, key) {
+                    asked.push(intent);
+                }
             }
             if input.consume_key(Modifiers::COMMAND, Key::Num0) {
                 // Both, or the whole window for the stage.
                 let show = !(self.settings.show_panel || self.settings.show_plots);
                 (self.settings.show_panel, self.settings.show_plots) = (show, show);
             }
-            for (index, key) in
-                [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6].into_iter().enumerate()
-            {
+            let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6];
+            for (key, tab) in keys.into_iter().zip(Tab::ALL) {
                 if input.consume_key(Modifiers::COMMAND, key) {
-                    self.view.open_tab(index);
+                    self.view.tab = tab;
                     asked.push(Intent::ShowPanel(true));
                 }
             }
             // A slider or field that has the focus uses the arrow keys itself.
-            if self.view.is_finger(focused) {
+            if focused.is_some() && self.view.focused_finger == focused {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0 {
                     asked.push(Intent::MoveFinger(self.instrument.finger_place_m() + step_m));
                 }
-            } else if (focused.is_none() && !self.view.is_measuring()) || self.view.is_handle(focused) {
+            } else if (focused.is_none() && !self.view.is_measuring())
+                || (focused.is_some() && self.view.focused_handle == focused)
+            {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
                     && let Some(line) = self.instrument.line(self.instrument.selected())

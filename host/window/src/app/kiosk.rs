@@ -3,6 +3,7 @@
 //! A real plate is one plate, so with a real device the setup stays.
 
 use super::{App, Lead};
+use crate::view::Tab;
 use eframe::egui;
 use slipline_link::protocol::event::State;
 use slipline_model::scenes::SCENES;
@@ -45,7 +46,8 @@ impl App {
         let Some(kiosk) = self.kiosk() else { return };
         self.dialog = None;
         (self.settings.show_panel, self.settings.show_plots) = (false, false);
-        self.view.close_pages();
+        // The page that needs no room beside the stage.
+        self.view.tab = Tab::Boundary;
         let (now_s, has_input) = ctx.input(|input| (input.time, !input.events.is_empty()));
         let since_s = kiosk.since_s.filter(|_| !has_input).unwrap_or(now_s);
         self.lead = Lead::Scenes(Kiosk { since_s: Some(since_s), ..kiosk });

@@ -4,6 +4,7 @@ use super::{App, Lead};
 use crate::files::{FileJob, Save};
 use crate::intent::{Confirm, Dialog};
 use crate::sound::SoundChoice;
+use crate::view::Tab;
 use eframe::egui;
 use slipline_instrument::{Attention, Output, Page};
 use slipline_link::Port;
@@ -26,7 +27,7 @@ impl App {
             has_page: self.dialog.is_some(),
             is_calibration_open: self.dialog == Some(Dialog::Calibrate),
             is_measurements_open: self.view.is_measuring(),
-            is_texture_open: self.view.is_texture_open(),
+            is_texture_open: self.view.tab == Tab::Texture,
             wave: self.settings.wave,
             uploads: self.settings.auto_upload,
         });
@@ -46,7 +47,7 @@ impl App {
             match output {
                 Output::Open(Page::Calibration) => self.dialog = Some(Dialog::Calibrate),
                 Output::Open(Page::Measurements) => self.view.open_measure(),
-                Output::Open(Page::Texture) => self.view.open_texture(),
+                Output::Open(Page::Texture) => self.view.tab = Tab::Texture,
                 Output::Open(Page::Arm) => self.dialog = Some(Dialog::Confirm(Confirm::Arm)),
                 Output::CloseCalibration => self.dialog = None,
                 Output::ChooseMeasurement => self.desk.files.begin(FileJob::ChooseMeasurement),

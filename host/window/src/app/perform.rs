@@ -5,6 +5,7 @@ use crate::files::{FileEvent, FileJob, has_extension};
 use crate::intent::{Confirm, DeviceIntent, Dialog, Export, Intent, Intents};
 use crate::scene::DesignState;
 use crate::settings::{Part, SPEEDS};
+use crate::view::Tab;
 use eframe::egui;
 use slipline_instrument::profile_file;
 use slipline_link::Severity;
@@ -162,7 +163,7 @@ impl App {
                 }
                 Intent::Animate(animate) => self.settings.animate = animate,
                 Intent::Copy(text) => ctx.copy_text(text),
-                Intent::ShowDevice => self.view.open_device(),
+                Intent::ShowDevice => self.view.tab = Tab::Device,
                 Intent::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
                 Intent::CopyDiagnostics => {
                     ctx.copy_text(self.diagnostics());

@@ -25,7 +25,7 @@ pub mod theme;
 
 pub(crate) use kept::Brush;
 pub(crate) use stage::arrow_step_m;
-pub(crate) use state::ViewState;
+pub(crate) use state::{Tab, ViewState};
 
 use crate::intent::Intents;
 use crate::scene::Scene;
@@ -68,7 +68,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) -
         };
         side.frame(frame).resizable(false).show(ui, |ui| side_panel::show(ui, scene, view, &mut intents));
     }
-    if !view.is_texture_open() {
+    if view.tab != Tab::Texture {
         view.brush = Brush::default();
     }
     egui::CentralPanel::no_frame().frame(frame).show(ui, |ui| {

@@ -1,7 +1,7 @@
 //! Which parts beside the stage there is room for. In a small window the panel and the row of plots take turns, so that
 //! the plate keeps a size at which it can be watched and touched.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::settings::{Part, Settings};
 use crate::view::bars::status_line;
 use eframe::egui::{self, Vec2, vec2};
@@ -56,9 +56,9 @@ impl Room {
         ];
         for (is_shown, name, intent) in parts {
             let button = ui.selectable_label(is_shown, name);
-            if button.on_hover_text("This window has room for one of them (Ctrl+0: none)").clicked() {
-                intents.push(intent(!is_shown));
-            }
+            button
+                .on_hover_text("This window has room for one of them (Ctrl+0: none)")
+                .asks(intents, intent(!is_shown));
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) enum Tab {
 
 impl Tab {
     /// From left to right.
-    const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::Boundary, Self::Tones, Self::Texture, Self::Plate, Self::Device, Self::Play];
 }
 
@@ -70,36 +70,6 @@ pub(crate) struct ViewState {
 }
 
 impl ViewState {
-    /// Opens a tab by its place, 0..6.
-    pub(crate) fn open_tab(&mut self, index: usize) {
-        self.tab = Tab::ALL.get(index).copied().unwrap_or_default();
-    }
-
-    /// Opens the device panel.
-    pub(crate) fn open_device(&mut self) {
-        self.tab = Tab::Device;
-    }
-
-    /// Goes back to the page that needs no room beside the stage.
-    pub(crate) fn close_pages(&mut self) {
-        self.tab = Tab::Boundary;
-    }
-
-    /// Opens the texture page.
-    pub(crate) fn open_texture(&mut self) {
-        self.tab = Tab::Texture;
-    }
-
-    /// Whether the texture page is open.
-    pub(crate) fn is_texture_open(&self) -> bool {
-        self.tab == Tab::Texture
-    }
-
-    /// Whether the page of the recorded drag is open.
-    pub(crate) fn is_play_open(&self) -> bool {
-        self.tab == Tab::Play
-    }
-
     /// Opens the validity lights.
     pub(crate) fn open_validity(&mut self, intents: &mut Intents) {
         self.tab = Tab::Plate;
@@ -130,15 +100,5 @@ impl ViewState {
     /// Whether the designer is open.
     pub(crate) fn is_designing(&self) -> bool {
         self.tab == Tab::Plate && self.plate_page == PlatePage::Designer
-    }
-
-    /// Whether the focus is on the finger.
-    pub(crate) fn is_finger(&self, focused: Option<egui::Id>) -> bool {
-        focused.is_some() && self.focused_finger == focused
-    }
-
-    /// Whether the focus is on a boundary handle.
-    pub(crate) fn is_handle(&self, focused: Option<egui::Id>) -> bool {
-        focused.is_some() && self.focused_handle == focused
     }
 }

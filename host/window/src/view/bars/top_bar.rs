@@ -1,6 +1,6 @@
 //! The top bar: the connected device, its state, and STOP.
 
-use crate::intent::{DeviceIntent, Dialog, Intent, Intents};
+use crate::intent::{Asks as _, DeviceIntent, Dialog, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::{menu, offers};
 use crate::view::stage::aligned::{self, Width};
@@ -270,9 +270,7 @@ fn stop_button(ui: &mut egui::Ui, palette: &Palette, end: f32, intents: &mut Int
             painter.text(place, egui::Align2::CENTER_CENTER, line, font, palette.on_colour);
         }
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "STOP"));
-        if button.on_hover_text(STOP_HELP).clicked() {
-            intents.push(Intent::Stop);
-        }
+        button.on_hover_text(STOP_HELP).asks(intents, Intent::Stop);
     });
 }
 
@@ -307,9 +305,7 @@ fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &
         let button = ui.add(egui::Button::new(text).stroke(Stroke::new(1.0, palette.warn)));
         button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
         let help = "The device's table is not the one for the plate on the screen. Click to upload it";
-        if button.on_hover_text(help).clicked() {
-            intents.push(Intent::Upload);
-        }
+        button.on_hover_text(help).asks(intents, Intent::Upload);
     }
 }
 
@@ -356,13 +352,11 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
             intents.push(Intent::AskForPort);
         }
         ui.separator();
-        if ui.button("Look again").on_hover_text(LOOK_AGAIN).clicked() {
-            intents.push(Intent::RefreshPorts);
-        }
+        ui.button("Look again").on_hover_text(LOOK_AGAIN).asks(intents, Intent::RefreshPorts);
         let missing = ui.button("A port is missing…");
-        if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
-            intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
-        }
+        missing
+            .on_hover_text("Cables, permissions and drivers: what to look at")
+            .asks(intents, Intent::Dialog(Some(Dialog::PortHelp)));
     };
     let response = ui.scope(|ui| {
         ui.set_max_width(width);

@@ -6,7 +6,7 @@ mod path;
 mod profile;
 mod scenes;
 
-use crate::intent::{Confirm, Dialog, Export, Intent, Intents};
+use crate::intent::{Asks as _, Confirm, Dialog, Export, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::top_bar;
 use crate::view::state::ViewState;
@@ -195,12 +195,12 @@ fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.label("It holds no name of yours or of your machine.");
     let text = report::text(scene.snapshot, scene.setup, scene.table);
     ui.horizontal(|ui| {
-        if ui.button("Copy again").on_hover_text("Put the text below on the clipboard once more").clicked() {
-            intents.push(Intent::CopyDiagnostics);
-        }
-        if ui.button("Save diagnostics…").on_hover_text("Write the text below into a file").clicked() {
-            intents.push(Intent::Export(Export::Diagnostics));
-        }
+        ui.button("Copy again")
+            .on_hover_text("Put the text below on the clipboard once more")
+            .asks(intents, Intent::CopyDiagnostics);
+        ui.button("Save diagnostics…")
+            .on_hover_text("Write the text below into a file")
+            .asks(intents, Intent::Export(Export::Diagnostics));
     });
     let height = (ui.ctx().content_rect().height() - 310.0).clamp(60.0, DIAGNOSTICS);
     egui::Frame::group(ui.style()).show(ui, |ui| {

@@ -1,6 +1,6 @@
 //! The scenes to start from: a card each, with a small picture of its envelope on the plate and of what is felt.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::stage::felt_strip;
 use crate::view::theme;
@@ -33,9 +33,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
                 response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, offered.name));
                 let is_hot = response.hovered() || response.has_focus();
                 card(ui, rect, is_hot, offered.name, offered.description, scene.thumbnails.get(number));
-                if response.on_hover_text(offered.description).clicked() {
-                    intents.push(Intent::StartScene(number));
-                }
+                response.on_hover_text(offered.description).asks(intents, Intent::StartScene(number));
             }
         });
         ui.add_space(INSET);

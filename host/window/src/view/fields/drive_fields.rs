@@ -2,14 +2,15 @@
 
 use crate::intent::MeasureDraft;
 use crate::scene::LiveScene;
-use crate::view::fields::sensor_fields::{number, refusal};
+use crate::view::fields::choice::choice_under;
+use crate::view::fields::field::refusal;
+use crate::view::fields::sensor_fields::{Field, number};
 use crate::view::kept::Fields;
-use crate::view::theme;
-use eframe::egui::{self, RichText};
+use eframe::egui;
 use slipline_instrument::measure::KnownDrive;
 use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, ampere, farad, ohm, volt};
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad};
-use slipline_plate::quantity::show_si;
+use slipline_plate::quantity::{QuantityError, Range, show_si};
 
 const CHECK_HELP: &str = "Before anything louder is played, quiet tones check by the drive's current for an open or shorted wire, an amplifier that is off, or another coil or piezo";
 /// Initial value of a piezo's capacitance.
@@ -33,34 +34,30 @@ fn circuit(ui: &mut egui::Ui, fields: &mut Fields, drive: KnownDrive) -> KnownDr
     let KnownDrive { circuit: DriveCircuit { mut full_scale_v, mut load, tolerance }, mut full_scale_a } =
         drive;
     let mut reason = None;
+    type Read = fn(&str) -> Result<f64, QuantityError>;
+    let mut entry =
+        |ui: &mut egui::Ui, value: &mut f64, field: Field, term: &'static str, range: Range, read: Read| {
+            let entry = (&*shown(*value, range.unit), term, range);
+            *value = number(ui, fields, &mut reason, field, entry, read).unwrap_or(*value);
+        };
     ui.horizontal_top(|ui| {
         let field = ("Amplifier", "The amplitude of its voltage at the DAC's full scale (2 V)", 64.0);
-        let value = shown(full_scale_v, AMPLIFIER.unit);
-        let entry = (value.as_str(), "amplifier", AMPLIFIER);
-        full_scale_v = number(ui, fields, &mut reason, field, entry, volt).unwrap_or(full_scale_v);
+        entry(ui, &mut full_scale_v, field, "amplifier", AMPLIFIER, volt);
         load = kind(ui, load);
     });
     ui.horizontal_top(|ui| {
         match &mut load {
             DriveLoad::Coil { resistance_ohm } => {
                 let field = ("Resistance", "Of the voice coil, by its data sheet (4 ohm)", 82.0);
-                let value = shown(*resistance_ohm, COIL.unit);
-                let entry = (value.as_str(), "resistance", COIL);
-                let read = number(ui, fields, &mut reason, field, entry, ohm);
-                *resistance_ohm = read.unwrap_or(*resistance_ohm);
+                entry(ui, resistance_ohm, field, "resistance", COIL, ohm);
             }
             DriveLoad::Piezo { capacitance_f } => {
                 let field = ("Capacitance", "Of the piezo, by its data sheet (220 nF)", 82.0);
-                let value = shown(*capacitance_f, PIEZO.unit);
-                let entry = (value.as_str(), "capacitance", PIEZO);
-                let read = number(ui, fields, &mut reason, field, entry, farad);
-                *capacitance_f = read.unwrap_or(*capacitance_f);
+                entry(ui, capacitance_f, field, "capacitance", PIEZO, farad);
             }
         }
         let field = ("Shunt", "The current at the end of the range of the second input (1.65 A)", 82.0);
-        let value = shown(full_scale_a, SHUNT.unit);
-        let entry = (value.as_str(), "shunt", SHUNT);
-        full_scale_a = number(ui, fields, &mut reason, field, entry, ampere).unwrap_or(full_scale_a);
+        entry(ui, &mut full_scale_a, field, "shunt", SHUNT, ampere);
     });
     refusal(ui, reason.as_deref());
     KnownDrive { circuit: DriveCircuit { full_scale_v, load, tolerance }, full_scale_a }
@@ -79,7 +76,6 @@ fn shown(value: f64, unit: &str) -> String {
 
 /// What the amplifier drives.
 fn kind(ui: &mut egui::Ui, load: DriveLoad) -> DriveLoad {
-    let mut chosen = load;
     let kinds = [
         DriveLoad::Coil { resistance_ohm: USUAL_COIL_OHM },
         DriveLoad::Piezo { capacitance_f: USUAL_PIEZO_F },
@@ -88,21 +84,14 @@ fn kind(ui: &mut egui::Ui, load: DriveLoad) -> DriveLoad {
         DriveLoad::Coil { .. } => "voice coil",
         DriveLoad::Piezo { .. } => "piezo",
     };
-    ui.vertical(|ui| {
-        ui.label(RichText::new("It drives a").small().color(theme::palette(ui).weak));
-        let list = egui::ComboBox::from_id_salt("drive kind").selected_text(word(&load)).width(96.0);
-        let list = list.show_ui(ui, |ui| {
-            for other in kinds {
-                let is_it = word(&other) == word(&load);
-                let choice = ui.selectable_label(is_it, word(&other));
-                if choice.on_hover_text("What moves the plate's driven end").clicked() && !is_it {
-                    chosen = other;
-                }
-            }
-        });
-        let name = format!("Drive: {}", word(&load));
-        list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-        list.response.on_hover_text("The current gives a coil's resistance, or a piezo's capacitance");
+    let help = "The current gives a coil's resistance, or a piezo's capacitance";
+    let chosen = choice_under(ui, "It drives a", ("Drive", word(&load), help), 96.0, |ui| {
+        let pressed = |other: &DriveLoad| {
+            let is_it = word(other) == word(&load);
+            let entry = ui.selectable_label(is_it, word(other));
+            entry.on_hover_text("What moves the plate's driven end").clicked() && !is_it
+        };
+        kinds.into_iter().filter(pressed).last()
     });
-    chosen
+    chosen.unwrap_or(load)
 }

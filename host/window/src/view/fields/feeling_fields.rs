@@ -1,6 +1,6 @@
 //! How a finger feels, as fields: every value is illustrative and can be set.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::field::{InputField, labelled};
 use crate::view::fields::refusal::Refusal;
@@ -93,23 +93,16 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     let fields = egui::CollapsingHeader::new("Feeling, illustrative").show(ui, |ui| {
         for value in &VALUES {
             labelled(ui, value.name, |ui| {
-                let (shown, hint) =
-                    ((value.shown)(&setup.feeling), format!("{}: {}", value.help, value.allowed));
-                let field = InputField {
-                    name: value.name,
-                    value: &shown,
-                    hint: &hint,
-                    width: 90.0,
-                    caption: None,
-                    is_live: false,
-                };
+                let shown = (value.shown)(&setup.feeling);
+                let hint = format!("{}: {}", value.help, value.allowed);
+                let field = InputField::new(value.name, &shown, &hint, 90.0);
                 let taken = field.show(ui, typed, |text| value.typed(setup, text));
                 intents.extend(taken.map(Intent::Edit));
             });
         }
-        if ui.button("As it was").on_hover_text("All values as at the first start").clicked() {
-            intents.push(Intent::Edit(Edit::Feeling(Feeling::default())));
-        }
+        ui.button("As it was")
+            .on_hover_text("All values as at the first start")
+            .asks(intents, Intent::Edit(Edit::Feeling(Feeling::default())));
     });
     fields
         .header_response

@@ -20,7 +20,17 @@ pub(crate) struct InputField<'a> {
     pub(crate) is_live: bool,
 }
 
-impl InputField<'_> {
+impl<'a> InputField<'a> {
+    /// A field without a caption, whose text is taken when it is left.
+    pub(crate) fn new(name: &'a str, value: &'a str, hint: &'a str, width: f32) -> Self {
+        Self { name, value, hint, width, caption: None, is_live: false }
+    }
+
+    /// The same under a caption.
+    pub(crate) fn under(self, caption: &'a str) -> Self {
+        Self { caption: Some(caption), ..self }
+    }
+
     /// Shows the field, with the reason of a refusal under it. The text goes through `take` on Enter or when the
     /// field loses the focus.
     pub(crate) fn show<T, E: Display>(
@@ -32,12 +42,9 @@ impl InputField<'_> {
         ui.vertical(|ui| {
             let mut reason = None;
             let taken = self.show_apart(ui, fields, &mut reason, take);
-            if let Some(reason) = reason {
-                // No wider than the field: a reason must not move the controls beside it.
-                ui.set_max_width(ui.min_rect().width());
-                let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
-                ui.add(egui::Label::new(text).wrap());
-            }
+            // No wider than the field: a reason must not move the controls beside it.
+            ui.set_max_width(ui.min_rect().width());
+            refusal(ui, reason.as_deref());
             taken
         })
         .inner
@@ -116,6 +123,13 @@ impl InputField<'_> {
             taken
         })
         .inner
+    }
+}
+
+/// Why a field was refused, under the fields.
+pub(crate) fn refusal(ui: &mut egui::Ui, reason: Option<&str>) {
+    if let Some(reason) = reason {
+        ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
 use crate::scene::{Asked, AskedContent};
-use crate::view::fields::sensor_fields::{kind, number, place, refusal};
+use crate::view::fields::field::refusal;
+use crate::view::fields::sensor_fields::{kind, number, place};
 use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, Label, RichText};

@@ -1,6 +1,6 @@
 //! The level hold in the boundary panel: its switch, its largest rise, its state and the state of each tone.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::slider::FreeSlider;
 use crate::view::kept::Fields;
@@ -24,9 +24,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     }
     let hold = &scene.hold;
     let mut is_on = hold.is_put_up || hold.holding.is_on();
-    if ui.checkbox(&mut is_on, "Hold the level").on_hover_text(HELP).changed() {
-        intents.push(Intent::HoldLevel(is_on));
-    }
+    ui.checkbox(&mut is_on, "Hold the level").on_hover_text(HELP).asks(intents, Intent::HoldLevel(is_on));
     let palette = theme::palette(ui);
     let say = |ui: &mut egui::Ui, text: RichText| ui.add(egui::Label::new(text).wrap());
     let colour = match hold.standing {
@@ -62,9 +60,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         allowed: show_range(MAX_RISE.low, MAX_RISE.high, Measure::Plain("dB")),
         read: |text| quantity::plain(text, "dB"),
     };
-    if let Some(decibels) = slider.show(ui, typed) {
-        intents.push(Intent::MaxRise(decibels));
-    }
+    intents.extend(slider.show(ui, typed).map(Intent::MaxRise));
     if hold.has_rig {
         let place = show_place(hold.place_m);
         let text = format!(

@@ -4,8 +4,9 @@ use crate::intent::{Intent, Intents, MeasureDraft, MeasureIntent};
 use crate::scene::Scene;
 use crate::view::fields::{
     drive_fields,
+    field::refusal,
     lines::lines,
-    sensor_fields::{kind, number, place, refusal},
+    sensor_fields::{kind, number, place},
 };
 use crate::view::kept::Fields;
 use crate::view::theme;

@@ -2,11 +2,11 @@
 //! unchanged, and the reason is shown under the slider.
 
 use crate::intent::{Intent, Intents};
-use crate::view::fields::field::InputField;
+use crate::view::fields::field::{InputField, refusal};
 use crate::view::fields::refusal::Refusal;
 use crate::view::kept::Fields;
 use crate::view::theme;
-use eframe::egui::{self, RichText, Slider};
+use eframe::egui::{self, Slider};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::{MASTER_SLIDER_MIN_DB, Setup};
 use slipline_plate::quantity::{self, QuantityError, ticks};
@@ -103,18 +103,11 @@ impl<'a> Quantity<'a> {
                 intents.push(Intent::Edit((self.edit)(value * self.unit)));
             }
             let hint = format!("{}: {}", self.help, self.allowed);
-            let field = InputField {
-                name: &self.field,
-                value: &self.shown,
-                hint: &hint,
-                width: VALUE - FIELD_EDGES,
-                caption: None,
-                is_live: false,
-            };
+            let field = InputField::new(&self.field, &self.shown, &hint, VALUE - FIELD_EDGES);
             let taken = field.show_apart(ui, typed, &mut reason, |text| self.typed(setup, text));
             intents.extend(taken.map(Intent::Edit));
         });
-        show_refusal(ui, reason);
+        refusal(ui, reason.as_deref());
     }
 }
 
@@ -147,24 +140,15 @@ impl FreeSlider<'_> {
                 chosen = Some(slid);
             }
             let hint = format!("{help}: {allowed}");
-            let width = VALUE - FIELD_EDGES;
-            let field = InputField { name, value: &shown, hint: &hint, width, caption: None, is_live: false };
+            let field = InputField::new(name, &shown, &hint, VALUE - FIELD_EDGES);
             let typed = field.show_apart(ui, fields, &mut reason, |text| {
                 let value = Refusal::read(name, text, &allowed, read)?;
                 range.contains(&value).then_some(value).ok_or_else(|| Refusal::beyond(name, text, &allowed))
             });
             chosen = typed.or(chosen);
         });
-        show_refusal(ui, reason);
+        refusal(ui, reason.as_deref());
         chosen
-    }
-}
-
-/// The reason of a refusal, under slider and field.
-fn show_refusal(ui: &mut egui::Ui, reason: Option<String>) {
-    if let Some(reason) = reason {
-        let text = RichText::new(reason).small().color(theme::palette(ui).wrong);
-        ui.add(egui::Label::new(text).wrap());
     }
 }
 

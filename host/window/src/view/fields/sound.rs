@@ -1,6 +1,6 @@
 //! The choice of what is heard, and how loud.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::sound::{SoundChoice, SpeakerState};
 use crate::view::fields::lines::lines;
@@ -35,9 +35,7 @@ pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
             radio.widget_info(|| {
                 egui::WidgetInfo::selected(egui::Role::RadioButton, true, scene.sound.choice == choice, &said)
             });
-            if radio.on_hover_text(help).clicked() {
-                intents.push(Intent::Sound(choice));
-            }
+            radio.on_hover_text(help).asks(intents, Intent::Sound(choice));
         }
     });
 }

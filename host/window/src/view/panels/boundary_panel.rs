@@ -1,6 +1,6 @@
 //! The boundary panel: the boundary's place, its tone and its level.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::sound::IS_THERE;
 use crate::view::fields::{
@@ -46,31 +46,17 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
 
     let mut reason = None;
     ui.horizontal_top(|ui| {
-        let value = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
-        let place = InputField {
-            name: "Boundary position",
-            value: &value,
-            hint: "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)",
-            width: 124.0,
-            caption: Some("Position"),
-            is_live: false,
-        };
-        let taken =
-            place.show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text));
-        let value = show_frequency(frequency_hz);
-        let pitch = InputField {
-            name: "Boundary frequency",
-            value: &value,
-            hint: "A frequency (126 Hz, 40 kHz) or a place (120 mm)",
-            width: 124.0,
-            caption: Some("Frequency"),
-            is_live: false,
-        };
-        let taken = pitch
-            .show_apart(ui, &mut view.fields, &mut reason, |text| typed_position(scene, &tone, text))
-            .or(taken);
-        if let Some(position_m) = taken {
-            intents.push(Intent::Edit(Edit::Move { slot, position_m }));
+        let place = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
+        let place_hint = "A place (120 mm, 12,5 cm) or a frequency (126 Hz, 40 kHz)";
+        let hertz_hint = "A frequency (126 Hz, 40 kHz) or a place (120 mm)";
+        for (caption, name, value, hint) in [
+            ("Position", "Boundary position", place, place_hint),
+            ("Frequency", "Boundary frequency", show_frequency(frequency_hz), hertz_hint),
+        ] {
+            let field = InputField::new(name, &value, hint, 124.0).under(caption);
+            let take = |text: &str| typed_position(scene, &tone, text);
+            let taken = field.show_apart(ui, &mut view.fields, &mut reason, take);
+            intents.extend(taken.map(|position_m| Intent::Edit(Edit::Move { slot, position_m })));
         }
     });
     range(ui, scene, reason);
@@ -138,9 +124,7 @@ fn mode(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         theme::heading(ui, "Line at");
         for (mode, name, help) in MODES {
             let radio = ui.radio(scene.setup.boundary == mode, name).on_hover_text(help);
-            if radio.clicked() {
-                intents.push(Intent::Edit(Edit::Boundary(mode)));
-            }
+            radio.asks(intents, Intent::Edit(Edit::Boundary(mode)));
         }
     });
 }

@@ -4,7 +4,7 @@ mod form;
 pub(crate) mod sketch;
 
 use crate::caption::Panel;
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::DesignState;
 use crate::scene::Scene;
 use crate::view::fields::field::row;
@@ -49,13 +49,10 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
             Ok(design) => {
                 let wide = egui::vec2(ui.available_width(), 28.0);
                 let take = ui.add_sized(wide, theme::primary(ui, "Use this plate", true));
-                if take.on_hover_text("Put it on the screen; Undo takes it back").clicked() {
-                    intents.push(Intent::UseDesign);
-                }
+                take.on_hover_text("Put it on the screen; Undo takes it back")
+                    .asks(intents, Intent::UseDesign);
                 for (name, help, intent) in SAVE {
-                    if ui.add_sized(wide, egui::Button::new(name)).on_hover_text(help).clicked() {
-                        intents.push(intent());
-                    }
+                    ui.add_sized(wide, egui::Button::new(name)).on_hover_text(help).asks(intents, intent());
                 }
                 ui.add_space(2.0);
                 figures(ui, design);

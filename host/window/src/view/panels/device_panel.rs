@@ -1,6 +1,6 @@
 //! The device panel: port, connection, table, counters.
 
-use crate::intent::{Confirm, DeviceIntent, Dialog, Intent, Intents};
+use crate::intent::{Asks as _, Confirm, DeviceIntent, Dialog, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::bars::top_bar;
 use crate::view::fields::field::{InputField, labelled, row};
@@ -32,9 +32,9 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
     ui.horizontal(|ui| {
         theme::heading(ui, "Ports");
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if ui.small_button("Look again").on_hover_text(top_bar::LOOK_AGAIN).clicked() {
-                intents.push(Intent::RefreshPorts);
-            }
+            ui.small_button("Look again")
+                .on_hover_text(top_bar::LOOK_AGAIN)
+                .asks(intents, Intent::RefreshPorts);
         });
     });
     for info in scene.ports {
@@ -64,22 +64,13 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
     labelled(ui, "Another port", |ui| {
         let current = scene.snapshot.port.as_ref().map_or_else(String::new, ToString::to_string);
         let hint = "unix:PATH of a served device, or a serial port's name. Enter connects to it and arms no real device";
-        let field = InputField {
-            name: "Another port",
-            value: &current,
-            hint,
-            width: ui.available_width() - 8.0,
-            caption: None,
-            is_live: false,
-        };
-        if let Some(port) = field.show(ui, &mut view.fields, str::parse) {
-            intents.push(Intent::Connect(port));
-        }
+        let field = InputField::new("Another port", &current, hint, ui.available_width() - 8.0);
+        intents.extend(field.show(ui, &mut view.fields, str::parse).map(Intent::Connect));
     });
     let missing = ui.link("My device is not listed, or may not be opened");
-    if missing.on_hover_text("Cables, permissions and drivers: what to look at").clicked() {
-        intents.push(Intent::Dialog(Some(Dialog::PortHelp)));
-    }
+    missing
+        .on_hover_text("Cables, permissions and drivers: what to look at")
+        .asks(intents, Intent::Dialog(Some(Dialog::PortHelp)));
 }
 
 /// Width of the buttons of a connection, in points.
@@ -105,9 +96,9 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
         }
         if is_open {
-            if button(ui, "Disconnect", false).on_hover_text("Stop, disarm and close the port").clicked() {
-                intents.push(Intent::Device(DeviceIntent::Disconnect));
-            }
+            button(ui, "Disconnect", false)
+                .on_hover_text("Stop, disarm and close the port")
+                .asks(intents, Intent::Device(DeviceIntent::Disconnect));
         } else if button(ui, "Connect", true).on_hover_text("Open the port that was chosen last").clicked() {
             intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
         }
@@ -115,12 +106,9 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.horizontal(|ui| {
         let mut looks = snapshot.auto_reconnect;
         let switch = ui.checkbox(&mut looks, "Reconnect by itself");
-        if switch
+        switch
             .on_hover_text("Look for a lost device, which comes back disarmed, and wait for a missing port")
-            .changed()
-        {
-            intents.push(Intent::Device(DeviceIntent::AutoReconnect(looks)));
-        }
+            .asks(intents, Intent::Device(DeviceIntent::AutoReconnect(looks)));
     });
 }
 
@@ -177,9 +165,9 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let has_faults = snapshot.status.is_some_and(|status| !status.faults.is_empty());
     let clear = ui.add_enabled(has_faults, egui::Button::new("Clear faults"));
     let clear = clear.on_hover_text("Clear the latched faults whose cause is gone");
-    if clear.on_disabled_hover_text("There is no fault").clicked() {
-        intents.push(Intent::Device(DeviceIntent::ClearFaults));
-    }
+    clear
+        .on_disabled_hover_text("There is no fault")
+        .asks(intents, Intent::Device(DeviceIntent::ClearFaults));
 }
 
 fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
@@ -212,20 +200,18 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
             ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
             let cancel = ui.button("Cancel upload");
-            if cancel.on_hover_text("Give it up; the device keeps the table it has").clicked() {
-                intents.push(Intent::Device(DeviceIntent::CancelUpload));
-            }
+            cancel
+                .on_hover_text("Give it up; the device keeps the table it has")
+                .asks(intents, Intent::Device(DeviceIntent::CancelUpload));
         } else {
             let upload = theme::primary(ui, "Upload", scene.is_table_dirty());
             let upload = ui.add_enabled(scene.table_crc().is_some(), upload);
             let upload =
                 upload.on_hover_text("Send the table of the plate on the screen, and compare its digest");
-            if upload.on_disabled_hover_text("The table is being made").clicked() {
-                intents.push(Intent::Upload);
-            }
-            if ui.button("Read back").on_hover_text("Ask the device which table it holds").clicked() {
-                intents.push(Intent::Device(DeviceIntent::ReadBack));
-            }
+            upload.on_disabled_hover_text("The table is being made").asks(intents, Intent::Upload);
+            ui.button("Read back")
+                .on_hover_text("Ask the device which table it holds")
+                .asks(intents, Intent::Device(DeviceIntent::ReadBack));
         }
     });
 }
@@ -304,9 +290,10 @@ fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ),
         ] {
             let button = ui.add_enabled(may, egui::Button::new(name));
-            if button.on_hover_text(help).on_disabled_hover_text(otherwise).clicked() {
-                intents.push(Intent::Dialog(Some(Dialog::Confirm(confirm))));
-            }
+            button
+                .on_hover_text(help)
+                .on_disabled_hover_text(otherwise)
+                .asks(intents, Intent::Dialog(Some(Dialog::Confirm(confirm))));
         }
         let keeps_one = scene.snapshot.keeps_profile();
         let profile = ui.add_enabled(keeps_one && is_silent, egui::Button::new("Actuator profile…"));
@@ -317,8 +304,6 @@ fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         } else {
             "Only a real board keeps one, with firmware of protocol 1.3 or newer"
         };
-        if profile.on_disabled_hover_text(otherwise).clicked() {
-            intents.push(Intent::OpenDialog);
-        }
+        profile.on_disabled_hover_text(otherwise).asks(intents, Intent::OpenDialog);
     });
 }

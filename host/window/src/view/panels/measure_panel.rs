@@ -1,6 +1,6 @@
 //! The page of measurements: their list, the values of the chosen one, and its agreement with the plate on the screen.
 
-use crate::intent::{CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
+use crate::intent::{Asks as _, CalibrateIntent, Dialog, Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
 use crate::view::fields::{field::row, foreign_form, measure_form};
 use crate::view::panels::validity;
@@ -23,12 +23,12 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let palette = theme::palette(ui);
     let shelf = scene.measure.shelf;
     ui.horizontal(|ui| {
-        if ui.button("Open measurement…").on_hover_text(OPEN_HELP).clicked() {
-            intents.push(Intent::Measure(MeasureIntent::OpenFile));
-        }
-        if ui.button("Calibrate…").on_hover_text(CALIBRATE_HELP).clicked() {
-            intents.push(Intent::Calibrate(CalibrateIntent::Open));
-        }
+        ui.button("Open measurement…")
+            .on_hover_text(OPEN_HELP)
+            .asks(intents, Intent::Measure(MeasureIntent::OpenFile));
+        ui.button("Calibrate…")
+            .on_hover_text(CALIBRATE_HELP)
+            .asks(intents, Intent::Calibrate(CalibrateIntent::Open));
     });
     if scene.dialog != Some(&Dialog::Calibrate) {
         foreign_form::show(ui, scene, &mut view.fields, intents);
@@ -62,9 +62,9 @@ fn listed(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, intents: &mut Inten
         switch.widget_info(|| {
             egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_shown, format!("Show {}", entry.name))
         });
-        if switch.on_hover_text("Draw its curve beside the others").changed() {
-            intents.push(Intent::Measure(MeasureIntent::Show(entry.number, is_shown)));
-        }
+        switch
+            .on_hover_text("Draw its curve beside the others")
+            .asks(intents, Intent::Measure(MeasureIntent::Show(entry.number, is_shown)));
         let (swatch, _) = ui.allocate_exact_size(vec2(SWATCH, 18.0), Sense::hover());
         let half = if is_chosen { 2.0 } else { 1.0 };
         let line =
@@ -75,21 +75,17 @@ fn listed(ui: &mut egui::Ui, entry: &Entry, is_chosen: bool, intents: &mut Inten
         let name = egui::Button::selectable(is_chosen, &entry.name).truncate().right_text("");
         let name = ui.add_sized(vec2(room, REMOVE), name);
         name.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_chosen, &entry.name));
-        if name
-            .on_hover_text(
-                "Choose it: the plate's model is compared with it, and its numbers are shown below",
-            )
-            .clicked()
-        {
-            intents.push(Intent::Measure(MeasureIntent::Choose(entry.number)));
-        }
+        name.on_hover_text(
+            "Choose it: the plate's model is compared with it, and its numbers are shown below",
+        )
+        .asks(intents, Intent::Measure(MeasureIntent::Choose(entry.number)));
         let remove = ui.add(egui::Button::new("×").frame(false).min_size(vec2(REMOVE, REMOVE)));
         remove.widget_info(|| {
             egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Remove {}", entry.name))
         });
-        if remove.on_hover_text("Remove it from the list; its file stays").clicked() {
-            intents.push(Intent::Measure(MeasureIntent::Remove(entry.number)));
-        }
+        remove
+            .on_hover_text("Remove it from the list; its file stays")
+            .asks(intents, Intent::Measure(MeasureIntent::Remove(entry.number)));
     });
 }
 
@@ -139,7 +135,7 @@ fn details(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut In
     let best = audible.fold(0.0, f64::max);
     row(ui, "Loudest over the noise", format!("{:.0} dB", decibels(best.max(f64::MIN_POSITIVE))));
     ui.add_space(4.0);
-    if ui.button("Export CSV…").on_hover_text("The chosen measurement as this page reads it").clicked() {
-        intents.push(Intent::Measure(MeasureIntent::Save(entry.number)));
-    }
+    ui.button("Export CSV…")
+        .on_hover_text("The chosen measurement as this page reads it")
+        .asks(intents, Intent::Measure(MeasureIntent::Save(entry.number)));
 }

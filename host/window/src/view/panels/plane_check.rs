@@ -1,6 +1,6 @@
 //! The button that computes the plate in two dimensions, and the difference to the one-mode equation.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -29,9 +29,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     };
     let button = ui.add_enabled(refusal.is_none(), theme::primary(ui, NAME, refusal.is_none()));
     let button = button.on_disabled_hover_text(refusal.unwrap_or_default()).on_hover_text(HELP);
-    if button.clicked() {
-        intents.push(Intent::CheckPlane);
-    }
+    button.asks(intents, Intent::CheckPlane);
     let words = match result.map(|checked| (&checked.job, &checked.result)) {
         Some((job, Ok(differs))) => Some((
             format!("At {}{}: {}", show_place(job.boundary_m), finger_words(job.finger), sentence(differs)),

@@ -3,7 +3,7 @@
 mod air;
 mod numbers;
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::field::row;
 use crate::view::panels::{designer, measure_panel, plane_check, validity};
@@ -88,9 +88,7 @@ fn presets(ui: &mut egui::Ui, plate: &Arc<Plate>, intents: &mut Intents) {
             }
             ui.separator();
             let file = ui.button("From a file…");
-            if file.on_hover_text("A plate file, or a setup with its plate").clicked() {
-                intents.push(Intent::OpenDialog);
-            }
+            file.on_hover_text("A plate file, or a setup with its plate").asks(intents, Intent::OpenDialog);
         });
     let label = format!("Plate: {name}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &label));
@@ -112,9 +110,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         TableState::Cancelled => {
             row(ui, "Table", "given up");
             let make = ui.button("Make the table");
-            if make.on_hover_text("Without it the plate cannot be driven").clicked() {
-                intents.push(Intent::MakeTable);
-            }
+            make.on_hover_text("Without it the plate cannot be driven").asks(intents, Intent::MakeTable);
         }
         TableState::Failed(reason) => {
             ui.label(RichText::new(reason).small().color(palette.wrong));

@@ -1,6 +1,6 @@
 //! The play panel: two setups to compare, a drag that is recorded and played again, and the time of the wave.
 
-use crate::intent::{Export, Intent, Intents};
+use crate::intent::{Asks as _, Export, Intent, Intents};
 use crate::scene::Scene;
 use crate::settings::SPEEDS;
 use crate::view::fields::{field::row, slider::FreeSlider};
@@ -73,9 +73,7 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         };
         let record = theme::primary(ui, word, is_recording || moves == 0);
         let record = ui.add(record.min_size(egui::vec2(RECORD, 0.0)));
-        if record.on_hover_text(help).clicked() {
-            intents.push(Intent::Record(!is_recording));
-        }
+        record.on_hover_text(help).asks(intents, Intent::Record(!is_recording));
         let word = if is_playing { "End replay" } else { "Play" };
         let play = theme::primary(ui, word, moves > 0 && !is_recording);
         let play = ui.add_enabled(moves > 0, play.min_size(egui::vec2(PLAY, 0.0)));
@@ -85,13 +83,13 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         });
         let help =
             "Move the lines as they were dragged. It arms and starts nothing; STOP, Esc and a drag end it";
-        if play.on_hover_text(help).on_disabled_hover_text("Record or import a drag first").clicked() {
-            intents.push(Intent::Play(!is_playing));
-        }
+        play.on_hover_text(help)
+            .on_disabled_hover_text("Record or import a drag first")
+            .asks(intents, Intent::Play(!is_playing));
         let mut is_looped = recorder.is_looped;
-        if ui.checkbox(&mut is_looped, "Loop").on_hover_text("Begin again at the end").changed() {
-            intents.push(Intent::Loop(is_looped));
-        }
+        ui.checkbox(&mut is_looped, "Loop")
+            .on_hover_text("Begin again at the end")
+            .asks(intents, Intent::Loop(is_looped));
     });
     let length_s = recorder.recording().duration_s();
     let words = match (recorder.is_recording(), recorder.played_s()) {
@@ -103,13 +101,11 @@ fn recording(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     row(ui, "Recording", words);
     ui.horizontal(|ui| {
         let help = "A CSV file of time_s, tone and place_m, such as Export writes";
-        if ui.button("Import…").on_hover_text(help).clicked() {
-            intents.push(Intent::OpenDialog);
-        }
+        ui.button("Import…").on_hover_text(help).asks(intents, Intent::OpenDialog);
         let export = ui.add_enabled(moves > 0, egui::Button::new("Export…"));
-        if export.on_hover_text("Write where and when the lines were moved into a CSV file").clicked() {
-            intents.push(Intent::Export(Export::Recording));
-        }
+        export
+            .on_hover_text("Write where and when the lines were moved into a CSV file")
+            .asks(intents, Intent::Export(Export::Recording));
     });
 }
 
@@ -130,9 +126,7 @@ fn time(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mu
         allowed: format!("{} to {}", SPEEDS.start(), SPEEDS.end()),
         read: |text| quantity::plain(text, ""),
     };
-    if let Some(speed) = slider.show(ui, &mut view.fields) {
-        intents.push(Intent::Speed(speed));
-    }
+    intents.extend(slider.show(ui, &mut view.fields).map(Intent::Speed));
     let Some(steady) = scene.sounding else {
         ui.label(RichText::new("At rest there is no time to choose.").small().color(palette.weak));
         return;
@@ -154,7 +148,5 @@ fn time(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mu
         allowed: format!("0 to {:.2} {unit}", span_s * scale),
         read: quantity::short_time_s,
     };
-    if let Some(time_s) = slider.show(ui, &mut view.fields) {
-        intents.push(Intent::Scrub(time_s));
-    }
+    intents.extend(slider.show(ui, &mut view.fields).map(Intent::Scrub));
 }

@@ -1,8 +1,8 @@
 //! The texture page: what should be felt, what can be had of it, and the tones that make it.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
-use crate::view::fields::field::{InputField, row};
+use crate::view::fields::field::{InputField, refusal, row};
 use crate::view::fields::lines::lines;
 use crate::view::fields::refusal::Refusal;
 use crate::view::kept::Brush;
@@ -63,7 +63,7 @@ fn fields(
     let mut field = |ui: &mut egui::Ui,
                      (name, value, hint): (&str, &str, &str),
                      take: &dyn Fn(&str) -> anyhow::Result<WishDraft>| {
-        let field = InputField { name, value, hint, width: FIELD, caption: Some(name), is_live: false };
+        let field = InputField::new(name, value, hint, FIELD).under(name);
         let taken = field.show_apart(ui, &mut view.fields, &mut reason, take);
         changed = taken.or(changed.take());
     };
@@ -95,9 +95,7 @@ fn fields(
                     let open = ui.add(open);
                     let help =
                         "CSV: lines of place in metres, comma, amplitude. PNG: the brightness of its middle row";
-                    if open.on_hover_text(help).clicked() {
-                        intents.push(Intent::OpenProfile);
-                    }
+                    open.on_hover_text(help).asks(intents, Intent::OpenProfile);
                 });
             }
         }
@@ -113,9 +111,7 @@ fn fields(
             brush(ui, scene, &mut view.brush, intents);
         }
     });
-    if let Some(reason) = reason {
-        ui.add(egui::Label::new(RichText::new(reason).small().color(theme::palette(ui).wrong)).wrap());
-    }
+    refusal(ui, reason.as_deref());
     if draft.kind == WishKind::Profile && draft.profile.len() > BREAKPOINTS_DRAWN_MAX {
         let count = draft.profile.len();
         ui.label(RichText::new(format!("{count} points from a file.")).small());
@@ -149,13 +145,11 @@ fn actions(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let is_ready = texture.latest.filter(is_finished).is_some();
     ui.horizontal(|ui| {
         let play = ui.add_enabled(is_ready, theme::primary(ui, "Play this", is_ready));
-        if play.on_hover_text("Put these tones in the setup; Undo takes them back").clicked() {
-            intents.push(Intent::PlayTexture);
-        }
+        play.on_hover_text("Put these tones in the setup; Undo takes them back")
+            .asks(intents, Intent::PlayTexture);
         let save = ui.add_enabled(is_ready, egui::Button::new("Save setup…"));
-        if save.on_hover_text("A setup that this app and `slipline drive --setup` play").clicked() {
-            intents.push(Intent::SaveTexture);
-        }
+        save.on_hover_text("A setup that this app and `slipline drive --setup` play")
+            .asks(intents, Intent::SaveTexture);
         let again = "Compute it after all: it was cancelled";
         if texture.is_given_up && ui.button("Make it").on_hover_text(again).clicked() {
             intents.push(Intent::Texture(Box::new(texture.draft.clone())));
@@ -179,9 +173,7 @@ fn result(ui: &mut egui::Ui, scene: &Scene<'_>) {
         return;
     };
     match &textured.result {
-        Err(reason) => {
-            ui.add(egui::Label::new(RichText::new(reason.to_string()).small().color(palette.wrong)).wrap());
-        }
+        Err(reason) => refusal(ui, Some(&reason.to_string())),
         Ok(made) => {
             // First, because the numbers are more for one kind than for another.
             tones(ui, made);

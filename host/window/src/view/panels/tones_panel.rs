@@ -1,6 +1,6 @@
 //! The tones panel: one row per tone, and their sum.
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::{
     field::{InputField, UNKNOWN, row},
@@ -52,23 +52,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                     });
                     let help =
                         format!("{name}: the arrow keys and the page Boundary are for the selected tone");
-                    if number.on_hover_text(help).clicked() {
-                        intents.push(Intent::Select(slot));
-                    }
+                    number.on_hover_text(help).asks(intents, Intent::Select(slot));
                     let value = scene.line(slot).map_or(UNKNOWN.to_owned(), |line| show_place(line.place_m));
                     let label = format!("Position of tone {}", slot + 1);
-                    let field = InputField {
-                        name: &label,
-                        value: &value,
-                        hint: "A place (120 mm) or a frequency (126 Hz, 40 kHz)",
-                        width: 84.0,
-                        caption: None,
-                        is_live: false,
-                    };
+                    let hint = "A place (120 mm) or a frequency (126 Hz, 40 kHz)";
+                    let field = InputField::new(&label, &value, hint, 84.0);
                     let taken = field.show(ui, &mut view.fields, |text| typed_position(scene, tone, text));
-                    if let Some(position_m) = taken {
-                        intents.push(Intent::Edit(Edit::Move { slot, position_m }));
-                    }
+                    intents.extend(taken.map(|position_m| Intent::Edit(Edit::Move { slot, position_m })));
                     let hertz = setup.plate.frequency_for_boundary_hz(tone.position_m);
                     ui.label(RichText::new(show_frequency(hertz)).color(palette.weak));
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -77,9 +67,9 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
                             let label = format!("Remove tone {}", slot + 1);
                             egui::WidgetInfo::labeled(egui::Role::Button, true, label)
                         });
-                        if remove.on_hover_text("Remove this tone").clicked() {
-                            intents.push(Intent::Edit(Edit::Remove { slot }));
-                        }
+                        remove
+                            .on_hover_text("Remove this tone")
+                            .asks(intents, Intent::Edit(Edit::Remove { slot }));
                     });
                 });
                 if let Some(what) = scene.line(slot).map(|line| line.holds.words()) {

@@ -6,7 +6,7 @@ pub(crate) mod response;
 mod scale;
 pub(crate) mod steer;
 
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::kept::{PlotsAxes, PlotsContent, PlotsView};
 use crate::view::stage::aligned;
@@ -112,9 +112,9 @@ pub(crate) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &
     let word = if scene.settings.animate { "Pause" } else { "Go on" };
     let pause = ui.small_button(word);
     pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
-    if pause.on_hover_text("Hold the plots and the wave (P)").clicked() {
-        intents.push(Intent::Animate(!scene.settings.animate));
-    }
+    pause
+        .on_hover_text("Hold the plots and the wave (P)")
+        .asks(intents, Intent::Animate(!scene.settings.animate));
 }
 
 /// The text in place of an empty plot of the drive.

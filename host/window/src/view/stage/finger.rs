@@ -1,7 +1,7 @@
 //! The finger on the plate: its choice, and its handle on the stage.
 
 use crate::caption::Panel;
-use crate::intent::{Dragged, Grab, Intent, Intents};
+use crate::intent::{Asks as _, Dragged, Grab, Intent, Intents};
 use crate::scene::Scene;
 use crate::view::fields::lines::lines;
 use crate::view::stage::fingertip::{self, Look};
@@ -41,9 +41,7 @@ pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
             let is_enabled = refusal.is_none() || !touch.loads();
             let radio = ui.add_enabled(is_enabled, egui::RadioButton::new(touch == present, name));
             let radio = radio.on_disabled_hover_text(refusal.as_deref().unwrap_or_default());
-            if radio.on_hover_text(help).clicked() {
-                intents.push(Intent::Touch(touch));
-            }
+            radio.on_hover_text(help).asks(intents, Intent::Touch(touch));
         }
     });
     let text = match (&refusal, scene.finger) {
@@ -96,9 +94,7 @@ pub(super) fn handle(
         ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
         view.focused_finger = Some(id);
     }
-    if let Some(place_m) = handle::by_assistive_technology(ui, id, finger.place_m) {
-        intents.push(Intent::MoveFinger(place_m));
-    }
+    intents.extend(handle::by_assistive_technology(ui, id, finger.place_m).map(Intent::MoveFinger));
     let felt = scene.felt.filter(|_| scene.sounding.is_some());
     let zone = felt.map_or(Zone::Not, |felt| Zone::of(felt.at(finger.place_m)));
     let look = Look {

@@ -25,7 +25,7 @@ use crate::axis::Axis;
 use crate::intent::Intents;
 use crate::scene::Scene;
 use crate::view::panels::designer::sketch;
-use crate::view::state::ViewState;
+use crate::view::state::{Tab, ViewState};
 use crate::view::theme;
 use eframe::egui::{self, Align2, CornerRadius, FontId, Key, Rangef, Rect, Stroke, pos2};
 use hint::Hint;
@@ -47,7 +47,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let hint = Hint::of(ui, scene, &axis, area.x_range());
     let needs_row = hint.as_ref().is_some_and(|hint| hint.is_apart);
     let hint_height = if needs_row { LABEL + 2.0 } else { 0.0 };
-    let has_time_line = view.is_play_open() && time_line::is_there(scene);
+    let has_time_line = view.tab == Tab::Play && time_line::is_there(scene);
     let layout = Layout::new(area, axis, plate.half_width_m(0.0), density, hint_height, has_time_line);
     // The well's round corners show the page.
     let well = layout.axis.over_plate(layout.envelope);

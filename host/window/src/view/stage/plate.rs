@@ -1,7 +1,7 @@
 //! The plate from above, to scale, with its wave.
 
 use crate::axis::Axis;
-use crate::intent::{Intent, Intents};
+use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use crate::view::fields::field::UNKNOWN;
@@ -114,19 +114,16 @@ fn switches(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let Settings { show_amplitude, show_relief, .. } = *scene.settings;
     let [wave, amplitude, relief] = SWITCHES;
     let wave = ui.selectable_label(!show_amplitude, wave);
-    if wave.on_hover_text("Colour the plate by where it is now, in slow motion").clicked() {
-        intents.push(Intent::ShowAmplitude(false));
-    }
+    wave.on_hover_text("Colour the plate by where it is now, in slow motion")
+        .asks(intents, Intent::ShowAmplitude(false));
     let amplitude = ui.selectable_label(show_amplitude, amplitude);
-    if amplitude.on_hover_text("Colour the plate by how far it moves at most").clicked() {
-        intents.push(Intent::ShowAmplitude(true));
-    }
+    amplitude
+        .on_hover_text("Colour the plate by how far it moves at most")
+        .asks(intents, Intent::ShowAmplitude(true));
     let mut is_relief = show_relief;
     let relief = ui.checkbox(&mut is_relief, relief);
     let help = "Show the displacement as hills and valleys too, seen from the side and much magnified";
-    if relief.on_hover_text(help).changed() {
-        intents.push(Intent::ShowRelief(is_relief));
-    }
+    relief.on_hover_text(help).asks(intents, Intent::ShowRelief(is_relief));
 }
 
 fn button_width(ui: &egui::Ui, name: &str) -> f32 {

@@ -50,7 +50,7 @@ pub(super) fn show(
         labelled(ui, name, |ui| {
             let value = Unit::Millimetre.written(value_m, DIGITS);
             let hint = "A length (32 mm), of the whole width; for the tolerance, one standard deviation";
-            let field = InputField { name, value: &value, hint, width: 120.0, caption: None, is_live: false };
+            let field = InputField::new(name, &value, hint, 120.0);
             let taken = field.show(ui, &mut view.fields, |text| {
                 let value_m = quantity::length_m(text).map_err(|error| error.to_string())?;
                 if name == "Widths known to" {

@@ -2,7 +2,7 @@
 
 use super::wrapped;
 use crate::caption::Panel;
-use crate::intent::{CalibrateIntent, Intent, Intents};
+use crate::intent::{Asks as _, CalibrateIntent, Intent, Intents};
 use crate::scene::CalibrateScene;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
@@ -38,9 +38,8 @@ fn why_not(ui: &mut egui::Ui, refused: &Refused, intents: &mut Intents) {
         Remedy::Page(step) => (format!("Back to page {}", step.number()), CalibrateIntent::Page(step)),
     };
     let help = ui.add(theme::primary(ui, &name, true));
-    if help.on_hover_text("What may help, as said above; nothing is lost").clicked() {
-        intents.push(Intent::Calibrate(intent));
-    }
+    help.on_hover_text("What may help, as said above; nothing is lost")
+        .asks(intents, Intent::Calibrate(intent));
 }
 
 fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {

@@ -1,6 +1,6 @@
 //! What the sensor shows right now, on the pages where it is put in its place.
 
-use crate::intent::{Intent, Intents, MeasureIntent};
+use crate::intent::{Asks as _, Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
 use crate::view::fields::lines::lines;
 use crate::view::panels::validity;
@@ -36,11 +36,7 @@ pub(super) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     lines(ui, format!("The sensor now: {sentence}"), ink, LINES);
     if scene.hold.has_rig {
         let tap = ui.button("Tap on the simulated plate");
-        if tap
-            .on_hover_text("Knocks at its driven end for half a second, to see what the sensor shows")
-            .clicked()
-        {
-            intents.push(Intent::Measure(MeasureIntent::Tap));
-        }
+        tap.on_hover_text("Knocks at its driven end for half a second, to see what the sensor shows")
+            .asks(intents, Intent::Measure(MeasureIntent::Tap));
     }
 }

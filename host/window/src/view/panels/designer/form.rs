@@ -3,10 +3,9 @@
 
 use crate::caption::Panel;
 use crate::view::fields::choice::choice;
-use crate::view::fields::field::{InputField, labelled};
+use crate::view::fields::field::{InputField, labelled, refusal};
 use crate::view::kept::Fields;
-use crate::view::theme;
-use eframe::egui::{self, RichText};
+use eframe::egui;
 use slipline_model::jobs::design::{Draft, Kind, Stretch};
 use slipline_plate::design::{Material, material_names};
 use slipline_plate::limits;
@@ -91,20 +90,15 @@ impl<'a> Form<'a> {
         let reason = self.refusal.filter(|refusal| Panel::Designer.field(refusal.field()) == *name);
         labelled(ui, name, |ui| {
             ui.vertical(|ui| {
-                let field = InputField { name, value, hint, width: FIELD, caption: None, is_live: true };
+                let field = InputField { is_live: true, ..InputField::new(name, value, hint, FIELD) };
                 let draft = self.draft;
                 let taken = field.show(ui, self.fields, |text| {
                     let mut draft = draft.clone();
                     take(&mut draft, text).map(|()| draft)
                 });
                 self.shown.change = taken.or(self.shown.change.take());
-                if let Some(refusal) = reason {
-                    self.shown.is_told = true;
-                    let text = RichText::new(refusal.worded(&Panel::Designer))
-                        .small()
-                        .color(theme::palette(ui).wrong);
-                    ui.add(egui::Label::new(text).wrap());
-                }
+                self.shown.is_told |= reason.is_some();
+                refusal(ui, reason.map(|refused| refused.worded(&Panel::Designer)).as_deref());
             });
         });
     }

@@ -54,14 +54,8 @@ impl Numbers<'_, '_> {
             let Some(&mut value) = field.number_of(&mut spec) else { continue };
             labelled(ui, caption.name, |ui| {
                 let text = caption.unit.written(value, FIELD_DIGITS);
-                let input = InputField {
-                    name: caption.name,
-                    value: &text,
-                    hint: "The range is checked by the rule that plate files obey",
-                    width: 120.0,
-                    caption: None,
-                    is_live: false,
-                };
+                let hint = "The range is checked by the rule that plate files obey";
+                let input = InputField::new(caption.name, &text, hint, 120.0);
                 let taken = input.show(ui, &mut self.view.fields, |text| {
                     let value = caption.unit.read(text).map_err(|error| error.to_string())?;
                     changed(self.plate, |spec| {
