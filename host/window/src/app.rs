@@ -182,11 +182,6 @@ impl App {
         self.ports = (self.desk.ports)();
     }
 
-    /// Connects to a port that the user has chosen elsewhere than in the window.
-    pub fn choose_port(&mut self, port: Port) {
-        self.connect(port);
-    }
-
     /// Shows a failure.
     pub fn fail(&mut self, text: String) {
         self.instrument.fail(text);

@@ -33,7 +33,8 @@ pub(crate) struct Work {
     /// Plate, rate and choice for which the source of the wave was decided.
     decided: Option<(Arc<Plate>, f64, SourceChoice)>,
     frame: Option<Frame>,
-    driven: Option<TimeDomainJob>,
+    /// The latest drive that the device has accepted.
+    pub(crate) driven: Option<TimeDomainJob>,
     /// Whether a drag has kept that drive from the sheet.
     is_sheet_owed: bool,
     /// Plate time that has passed in slow motion, in seconds.
@@ -46,11 +47,6 @@ pub(crate) struct Work {
 }
 
 impl Work {
-    /// The latest drive that the device has accepted.
-    pub(crate) fn driven(&self) -> Option<&TimeDomainJob> {
-        self.driven.as_ref()
-    }
-
     /// Keeps the table that was finished last: it is restored when the computation of another one is cancelled.
     pub(crate) fn keep(&mut self, table: &TableState) {
         if let Some(made) = table.made() {

@@ -40,7 +40,7 @@ impl Instrument {
     pub(crate) fn simulate_again(&mut self) {
         self.jobs.time_domain.cancel();
         self.playback.measured = None;
-        let drive = self.background.driven().and_then(|drive| self.simulated_drive(drive));
+        let drive = self.background.driven.as_ref().and_then(|drive| self.simulated_drive(drive));
         self.playback.unmeasured = drive.filter(|_| self.sounding_on_screen().is_some());
     }
 

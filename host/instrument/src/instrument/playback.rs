@@ -43,11 +43,6 @@ impl Playback {
         self.sounding.as_ref().filter(|sounding| Arc::ptr_eq(&sounding.plate, plate))
     }
 
-    /// Whether the device sends codes that are not known.
-    pub(crate) fn is_unknown(&self) -> bool {
-        self.waveform.window().is_some() && !self.waveform.is_true()
-    }
-
     /// Recomputes what is felt of the current drive.
     pub(crate) fn feel(&mut self, feeling: &Feeling) {
         if let Some(sounding) = &mut self.sounding {

@@ -58,7 +58,8 @@ impl Instrument {
     /// Whether the device sends codes that are not known.
     #[must_use]
     pub fn is_waveform_unknown(&self) -> bool {
-        self.playback.is_unknown()
+        let waveform = &self.playback.waveform;
+        waveform.window().is_some() && !waveform.is_true()
     }
 
     /// The messages, the latest last.

@@ -120,7 +120,9 @@ impl CommandQueue {
             if status.state == State::Fault {
                 recorder.stopped_by_itself(status.first_fault_at);
             }
-            if !self.is_disarming() {
+            // Unless a disarm has been sent and is not answered yet.
+            if !matches!(&self.current, Some(Current::Task(task)) if matches!(task.job, Job::Send(Command::Disarm)))
+            {
                 recorder.end_lease(&status);
             }
         }
@@ -130,11 +132,6 @@ impl CommandQueue {
         for ticket in std::mem::take(&mut self.status_asked) {
             recorder.finish(Some(ticket), Outcome::Done { at: status.now });
         }
-    }
-
-    /// Whether a disarm has been sent and is not answered yet.
-    fn is_disarming(&self) -> bool {
-        matches!(&self.current, Some(Current::Task(task)) if matches!(task.job, Job::Send(Command::Disarm)))
     }
 
     /// Evaluates the reply to a stop.

@@ -34,11 +34,13 @@ pub struct Serial(Native);
 pub fn open(name: &str) -> Result<Serial, LinkError> {
     let port = Port::Serial(name.to_owned());
     let builder = serialport::new(name, BAUD_RATE).dtr_on_open(true).timeout(PATIENCE);
+    let path = Path::new(name);
     let native = Native::open(&builder).map_err(|error| {
-        if matches!(error.kind, ErrorKind::NoDevice) && Path::new(name).exists() {
+        if matches!(error.kind, ErrorKind::NoDevice) && path.exists() {
             // The crate reports "no device" also for a port that another program has locked.
             LinkError::Busy(port.clone())
-        } else if is_no_device(Path::new(name)) {
+        } else if path.is_file() || path.is_dir() {
+            // The system's own error (ENOTTY) does not say so.
             LinkError::NotSerial(port.clone())
         } else {
             LinkError::opening(&port, &io::Error::from(error))
@@ -47,12 +49,6 @@ pub fn open(name: &str) -> Result<Serial, LinkError> {
     // Discards bytes that arrived for the port's previous program.
     native.clear(serialport::ClearBuffer::All).ok();
     Ok(Serial(native))
-}
-
-/// Whether there is a file or a folder of that name. The system's own error (ENOTTY) does not distinguish
-/// this.
-fn is_no_device(path: &Path) -> bool {
-    path.is_file() || path.is_dir()
 }
 
 impl Transport for Serial {

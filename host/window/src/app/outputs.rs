@@ -34,10 +34,11 @@ impl App {
     }
 
     /// Connects to a port.
-    pub(super) fn connect(&mut self, port: Port) {
+    pub fn connect(&mut self, port: Port) {
         // The chosen port is remembered even if it does not exist at the moment.
         self.settings.port = Some(port.to_string());
-        self.forget_sound();
+        // What is heard was chosen for the device before.
+        self.hearing.chosen = None;
         self.instrument.connect(port);
     }
 

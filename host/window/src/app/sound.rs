@@ -13,7 +13,7 @@ use slipline_plate::quantity::show_frequency;
 /// The choice for this connection, where it differs from the usual one.
 #[derive(Default)]
 pub(super) struct Hearing {
-    chosen: Option<SoundChoice>,
+    pub(super) chosen: Option<SoundChoice>,
     /// Whether the user has moved a finger or put one on the plate: only then it is heard.
     pub(super) has_touched: bool,
 }
@@ -37,11 +37,6 @@ impl App {
         if matches!(self.desk.speaker.state(), SpeakerState::Failed(_)) {
             self.desk.speaker.retry();
         }
-    }
-
-    /// Forgets the choice: another device is connected.
-    pub(super) fn forget_sound(&mut self) {
-        self.hearing.chosen = None;
     }
 
     /// Passes the present sound to the speaker.

@@ -95,7 +95,7 @@ impl eframe::App for Window {
             self.app.look_for_ports();
         }
         if let Some(port) = chosen {
-            self.app.choose_port(port);
+            self.app.connect(port);
         }
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         if !dropped.is_empty() {

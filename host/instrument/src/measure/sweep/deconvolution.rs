@@ -147,8 +147,11 @@ impl Spectra<'_> {
         // The gate smooths 1/|X|^2 as it smooths H.
         let bin_hz = self.bin_hz();
         let blur = (bin_hz * gate.ring_s).recip().ceil() as usize;
-        let noise = noise_spectrum(self.noise)?;
-        let noise_bin_hz = self.rate_hz / self.noise.len() as f64;
+        // |N|^2 per value at each bin.
+        let noise_values = self.noise.len() as f64;
+        let bins = spectrum(self.noise, self.noise.len())?;
+        let noise: Vec<f64> = bins.iter().map(|bin| bin.norm_sqr() / noise_values).collect();
+        let noise_bin_hz = self.rate_hz / noise_values;
         let answer = |&frequency_hz: &f64| {
             let turns = frequency_hz / self.rate_hz;
             let response = sum(&gated, turns) / sum(&edges, turns);
@@ -179,12 +182,6 @@ fn gated(impulse: &[f64], gate: &Gate, rate_hz: f64) -> Vec<(f64, f64, f64)> {
         (time, impulse[(place + count - before) % count], gate.time(time / rate_hz))
     };
     (0..before + after).map(at).filter(|(_, _, weight)| *weight > 0.0).collect()
-}
-
-/// |N|^2 per value at each bin.
-fn noise_spectrum(noise: &[f64]) -> Option<Vec<f64>> {
-    let bins = spectrum(noise, noise.len())?;
-    Some(bins.iter().map(|bin| bin.norm_sqr() / noise.len() as f64).collect())
 }
 
 /// Mean of a quantity over the bins around a place.
