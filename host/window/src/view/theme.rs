@@ -83,11 +83,6 @@ pub(super) const DARK: Palette = Palette {
 };
 
 impl Palette {
-    /// Text on the accent colour.
-    const fn on_accent(&self) -> Color32 {
-        if self.dark { self.page } else { self.on_colour }
-    }
-
     /// Shade over the part of a view that a boundary cannot reach.
     #[must_use]
     pub fn beyond(&self) -> Color32 {
@@ -216,7 +211,8 @@ pub(super) fn primary(ui: &egui::Ui, word: &str, is_due: bool) -> egui::Button<'
     let palette = palette(ui);
     let text = egui::RichText::new(word).strong();
     if is_due {
-        egui::Button::new(text.color(palette.on_accent())).fill(palette.accent)
+        let ink = if palette.dark { palette.page } else { palette.on_colour };
+        egui::Button::new(text.color(ink)).fill(palette.accent)
     } else {
         egui::Button::new(text)
     }
@@ -233,6 +229,26 @@ pub(super) fn clear_of_bar(ui: &mut egui::Ui) {
 pub(super) fn describe(response: &egui::Response, name: &str, help: &str) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, name));
     response.ctx.accesskit_node_builder(response.id, |node| node.set_description(help));
+}
+
+/// Width of a text on one line, in points.
+pub(super) fn text_width(ui: &egui::Ui, text: &str, font: FontId) -> f32 {
+    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER).size().x
+}
+
+/// Names a text field for a screen reader, with its value before, what is typed, and its hint.
+pub(super) fn name_field(field: &egui::Response, name: &str, value: &str, typed: &str, hint: &str) {
+    field.widget_info(|| {
+        let mut info = egui::WidgetInfo::text_edit(true, value, typed, hint);
+        info.label = Some(name.to_owned());
+        info
+    });
+}
+
+/// The arrow keys, left and right, move what has the focus, not the focus.
+pub(super) fn keep_arrows(ui: &egui::Ui, focused: egui::Id) {
+    let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(focused, filter));
 }
 
 /// Colours of each sign: a displacement's own colour differs from the nearest by 1 of 255 in a channel at most.

@@ -32,11 +32,6 @@ fn level_help(level: Severity) -> &'static str {
     }
 }
 
-/// Width of the level menu in a row of this width: narrow rows leave some space to the filter.
-fn level_width(room: f32) -> f32 {
-    if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) }
-}
-
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, log: &mut LogView, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let needle = log.filter.to_lowercase();
@@ -56,16 +51,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, log: &mut LogView, inte
             // A hint that fits a narrow field.
             let edit = egui::TextEdit::singleline(&mut log.filter).hint_text("find");
             let field = ui.add(edit.desired_width(width.clamp(40.0, 110.0)).char_limit(64));
-            field.widget_info(|| {
-                let mut info = egui::WidgetInfo::text_edit(true, "", "", "find");
-                info.label = Some("Filter the log".to_owned());
-                info
-            });
+            theme::name_field(&field, "Filter the log", "", "", "find");
             field.on_hover_text("Only lines that contain this text are shown and copied");
         }
         let name = LEVELS.iter().find(|(level, _)| *level == log.least).map_or("", |(_, name)| name);
-        let chosen =
-            egui::ComboBox::from_id_salt("log level").selected_text(name).width(level_width(room)).truncate();
+        // In narrow rows it leaves some space to the filter.
+        let width = if room >= 220.0 { 96.0 } else { (room - COPY - 54.0).clamp(40.0, 62.0) };
+        let chosen = egui::ComboBox::from_id_salt("log level").selected_text(name).width(width).truncate();
         let response = chosen.show_ui(ui, |ui| {
             for (level, name) in LEVELS {
                 ui.selectable_value(&mut log.least, level, name).on_hover_text(level_help(level));
@@ -83,10 +75,8 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, log: &mut LogView, inte
     // All times share one column; the latest time is the longest.
     let seconds = |entry: &LogEntry| format!("{:.2}", entry.time.as_secs_f64());
     let font = egui::TextStyle::Small.resolve(ui.style());
-    let times = shown.last().map_or(0.0, |latest| {
-        let widest = "0".repeat(seconds(latest).len());
-        ui.painter().layout_no_wrap(widest, font, palette.weak).size().x
-    });
+    let times =
+        shown.last().map_or(0.0, |latest| theme::text_width(ui, &"0".repeat(seconds(latest).len()), font));
     let height = ui.text_style_height(&egui::TextStyle::Small) + 3.0;
     ui.spacing_mut().item_spacing.y = 1.0;
     ui.spacing_mut().interact_size.y = height;

@@ -191,8 +191,8 @@ fn visitors(ui: &mut egui::Ui, name: &str, effect: &str) {
 fn usual_state(ui: &egui::Ui, scene: &Scene<'_>) -> f32 {
     let width = |text: &str| {
         let font = egui::TextStyle::Button.resolve(ui.style());
-        let galley = ui.painter().layout_no_wrap(text.to_owned(), font, Color32::PLACEHOLDER);
-        galley.size().x + 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x
+        let around = 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
+        theme::text_width(ui, text, font) + around
     };
     let is_real = scene.snapshot.port.as_ref().is_some_and(|port| *port != Port::Simulated);
     let disarm = if is_real { width("Disarm") } else { 0.0 };
@@ -207,8 +207,7 @@ fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
     let milliseconds = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
     let text = format!("round trip {milliseconds:.1} ms");
     let font = egui::TextStyle::Body.resolve(ui.style());
-    let width = ui.painter().layout_no_wrap(text.clone(), font, Color32::PLACEHOLDER).size().x;
-    (width <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
+    (theme::text_width(ui, &text, font) <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
 }
 
 /// The cause of a fault, of the first if there are several.
@@ -221,7 +220,7 @@ const CHIP_FONT: FontId = FontId::proportional(13.0);
 
 /// Width of the chip with this text, in points.
 fn chip_width(ui: &egui::Ui, text: &str) -> f32 {
-    ui.painter().layout_no_wrap(text.to_owned(), CHIP_FONT, Color32::PLACEHOLDER).size().x + 34.0
+    theme::text_width(ui, text, CHIP_FONT) + 34.0
 }
 
 /// A rounded box with a coloured dot, a word, and the cause of a fault where there is room for it.

@@ -26,11 +26,7 @@ pub(super) fn show(
     ui.add_space(4.0);
     let edit = egui::TextEdit::singleline(&mut typed.text).desired_width(f32::INFINITY);
     let field = ui.add(edit);
-    field.widget_info(|| {
-        let mut info = egui::WidgetInfo::text_edit(true, &question.offered, &typed.text, "");
-        info.label = Some("File path".to_owned());
-        info
-    });
+    theme::name_field(&field, "File path", &question.offered, &typed.text, "");
     let field = field.on_hover_text("A path of this computer, such as /home/me/plate.toml");
     if is_new {
         field.request_focus();

@@ -79,11 +79,7 @@ impl<'a> InputField<'a> {
                 edit = edit.text_color(theme::palette(ui).wrong);
             }
             let response = ui.add(edit).on_hover_text(self.hint);
-            response.widget_info(|| {
-                let mut info = egui::WidgetInfo::text_edit(true, self.value, &text, self.hint);
-                info.label = Some(self.name.to_owned());
-                info
-            });
+            theme::name_field(&response, self.name, self.value, &text, self.hint);
             if response.changed() {
                 error = None;
             }

@@ -27,11 +27,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
         ui.spacing_mut().button_padding.x = 2.0;
         // As wide as their words need, and the rest is shared.
         let font = egui::TextStyle::Button.resolve(ui.style());
-        let word = |name: &str| {
-            let galley =
-                ui.painter().layout_no_wrap(name.to_owned(), font.clone(), egui::Color32::PLACEHOLDER);
-            galley.size().x
-        };
+        let word = |name: &str| theme::text_width(ui, name, font.clone());
         let words: f32 = TABS.iter().map(|(_, name, _)| word(name)).sum();
         let gaps = 4.0 * (TABS.len() - 1) as f32;
         let more = (ui.available_width() - gaps - words) / TABS.len() as f32;

@@ -64,8 +64,8 @@ const USUAL: &str = "8 red, 8 amber";
 
 /// Width of the summary's box, in points.
 pub(crate) fn chip_width(ui: &egui::Ui, scene: &Scene<'_>) -> f32 {
-    let width = |text: String| ui.painter().layout_no_wrap(text, CHIP_FONT, Color32::PLACEHOLDER).size().x;
-    width(summary(scene).1).max(width(USUAL.to_owned())) + 32.0
+    let width = |text: &str| theme::text_width(ui, text, CHIP_FONT);
+    width(&summary(scene).1).max(width(USUAL)) + 32.0
 }
 
 /// The summary in a small box; returns whether it was pressed.

@@ -20,6 +20,20 @@ pub(in crate::view) fn fit(ui: &mut egui::Ui, name: &str) -> bool {
     .clicked()
 }
 
+/// The small menu of a plot, which `entries` shows; returns whether all is to be shown again.
+pub(in crate::view) fn more(
+    ui: &mut egui::Ui,
+    name: &str,
+    help: &str,
+    entries: impl FnOnce(&mut egui::Ui) -> bool,
+) -> bool {
+    let button = egui::containers::menu::MenuButton::from_button(egui::Button::new("…").small());
+    let (response, menu) = button.ui(ui, entries);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
+    response.on_hover_text(help);
+    menu.is_some_and(|menu| menu.inner)
+}
+
 /// The least distance of labels, in points: of the x axis, of the y axis.
 const SPACING: (f64, f64) = (56.0, 26.0);
 /// Space that a label of the x axis needs right of its tick mark, in points.
@@ -42,10 +56,11 @@ fn memory(frame: &Frame) -> Id {
     Id::unique((name, [x.0, x.1, y.0, y.1].map(f64::to_bits), logarithmic.is_some()))
 }
 
-/// A plot in this frame.
+/// A plot in this frame; all of it is shown again if it is reset.
 pub(in crate::view) fn plot<'a>(
     frame: &Frame,
     palette: &theme::Palette,
+    is_reset: bool,
     values: impl Fn(PlotPoint) -> String + 'a,
 ) -> Plot<'a> {
     let Frame { name, x, y, unit, logarithmic } = *frame;
@@ -64,7 +79,7 @@ pub(in crate::view) fn plot<'a>(
         .tick_label_font(font)
         .min_thickness(34.0)
         .formatter(|mark, _| ticks::label(mark.value, mark.step_size));
-    Plot::new(name)
+    let plot = Plot::new(name)
         .id(memory(frame))
         .default_x_bounds(x.0, x.1)
         .default_y_bounds(y.0, y.1)
@@ -91,7 +106,8 @@ pub(in crate::view) fn plot<'a>(
         .allow_drag(false)
         .allow_axis_zoom_drag(false)
         .allow_boxed_zoom(false)
-        .show_grid(true)
+        .show_grid(true);
+    if is_reset { plot.reset() } else { plot }
 }
 
 /// The points of a curve that can be seen apart in this plot, as it is zoomed at present.

@@ -86,15 +86,13 @@ fn head(
     aligned::headed(ui, name, |ui| {
         pause(ui, scene, name, intents);
         let is_fitted = is_wide && fit(ui, name);
-        let button = egui::containers::menu::MenuButton::from_button(egui::Button::new("…").small());
-        let (response, menu) = button.ui(ui, |ui| {
+        let help = "Hold a curve to compare, and the scales of this plot";
+        let is_fitted_there = frame::more(ui, name, help, |ui| {
             let is_fitted = !is_wide && fit(ui, name);
             more(ui);
             is_fitted
         });
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {name}")));
-        response.on_hover_text("Hold a curve to compare, and the scales of this plot");
-        is_fitted || menu.is_some_and(|menu| menu.inner)
+        is_fitted || is_fitted_there
     })
 }
 
@@ -193,8 +191,8 @@ pub(crate) fn waveform(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
         |points: &[[f64; 2]]| points.iter().map(|[time_s, share]| [time_s * scale, *share]).collect();
     let (x, y) = ((0.0, axes.span_s * scale), (-1.15 / factor, 1.15 / factor));
     let frame = Frame { name: "waveform", x, y, unit, logarithmic: None };
-    let plot = plot(&frame, palette, move |at| format!("{:.2} {unit}\n{:.3} of full scale", at.x, at.y));
-    let plot = if is_reset { plot.reset() } else { plot };
+    let values = move |at: PlotPoint| format!("{:.2} {unit}\n{:.3} of full scale", at.x, at.y);
+    let plot = plot(&frame, palette, is_reset, values);
     let held: Option<Vec<[f64; 2]>> = plots.held_waveform.as_deref().map(scaled);
     let is_held = held.is_some();
     let points: Vec<[f64; 2]> = scaled(&points);
@@ -233,11 +231,10 @@ pub(crate) fn spectrum(ui: &mut egui::Ui, scene: &Scene<'_>, plots: &mut PlotsVi
     let x = (place(start), place(axes.top_hz));
     let y = (FLOOR_DB, 12.0);
     let frame = Frame { name: "spectrum", x, y, unit, logarithmic: is_logarithmic.then_some(scale) };
-    let plot = plot(&frame, palette, move |at| {
+    let plot = plot(&frame, palette, is_reset, move |at| {
         let hertz = if is_logarithmic { 10f64.powf(at.x) } else { at.x / scale };
         format!("{}\n{:.1} dB", show_frequency(hertz), at.y)
     });
-    let plot = if is_reset { plot.reset() } else { plot };
     let placed = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
         let shown = points.iter().filter(|[hertz, _]| *hertz >= start);
         shown.map(|[hertz, level_db]| [place(*hertz), *level_db]).collect()

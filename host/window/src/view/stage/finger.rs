@@ -90,8 +90,7 @@ pub(super) fn handle(
         intents.push(Intent::Grab(Grab { held: Dragged::Finger, axis: *axis, offset: pointer.x - x }));
     }
     if response.has_focus() {
-        let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        theme::keep_arrows(ui, id);
         view.focused_finger = Some(id);
     }
     intents.extend(handle::by_assistive_technology(ui, id, finger.place_m).map(Intent::MoveFinger));

@@ -57,9 +57,7 @@ pub(super) fn show(
         response.request_focus();
     }
     if response.has_focus() {
-        // Left and right move the boundary instead of the focus.
-        let filter = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        theme::keep_arrows(ui, id);
         view.focused_handle = Some(id);
         if !is_selected {
             intents.push(Intent::Select(slot));

@@ -9,9 +9,7 @@ use crate::view::panels::validity;
 use crate::view::stage::{displacement, polyline::thinned, relief};
 use crate::view::state::ViewState;
 use crate::view::theme;
-use eframe::egui::{
-    self, Align2, Color32, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2,
-};
+use eframe::egui::{self, Align2, FontId, Galley, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 use slipline_link::protocol::event::State;
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::sheet::FieldSource;
@@ -57,13 +55,12 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
         ui.allocate_ui_with_layout(left, egui::Layout::left_to_right(egui::Align::Center), |ui| {
             ui.set_min_width(left.x);
             let text = egui::RichText::new(drawn(scene)).color(palette.weak);
-            let width =
-                ui.painter().layout_no_wrap(text.text().to_owned(), FontId::proportional(13.5), palette.weak);
-            let beside = if has_scale { width.size().x + GAP } else { 0.0 };
+            let width = theme::text_width(ui, text.text(), FontId::proportional(13.5));
+            let beside = if has_scale { width + GAP } else { 0.0 };
             // What a calibration or a file adds to the name is at its end, so the words after it give way.
             let font = FontId::proportional(15.0);
-            let whole = ui.painter().layout_no_wrap(scene.setup.plate.name().to_owned(), font, palette.text);
-            let room = (left.x - beside).max((whole.size().x + 4.0).min(left.x - NAME)).max(NAME);
+            let whole = theme::text_width(ui, scene.setup.plate.name(), font);
+            let room = (left.x - beside).max((whole + 4.0).min(left.x - NAME)).max(NAME);
             let name = egui::RichText::new(scene.setup.plate.name()).strong().size(15.0);
             ui.scope(|ui| {
                 ui.set_max_width(room.min(left.x));
@@ -128,8 +125,7 @@ fn switches(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
 
 fn button_width(ui: &egui::Ui, name: &str) -> f32 {
     let font = egui::TextStyle::Button.resolve(ui.style());
-    let galley = ui.painter().layout_no_wrap(name.to_owned(), font, Color32::PLACEHOLDER);
-    galley.size().x + 2.0 * ui.spacing().button_padding.x
+    theme::text_width(ui, name, font) + 2.0 * ui.spacing().button_padding.x
 }
 
 /// The meaning of the plate's colours, and the slow-motion factor.
@@ -189,12 +185,7 @@ impl Scale {
     /// Its size does not depend on what the colours mean or how much they stand for, so that its neighbours keep their
     /// places.
     fn size(self, ui: &egui::Ui) -> Vec2 {
-        let longest = FULLEST.map(|end| {
-            ui.painter()
-                .layout_no_wrap(end.to_owned(), FontId::proportional(11.5), Color32::PLACEHOLDER)
-                .size()
-                .x
-        });
+        let longest = FULLEST.map(|end| theme::text_width(ui, end, FontId::proportional(11.5)));
         let ends = if self.is_wide { 2.0 * longest[0] } else { longest[1] };
         vec2(ends + self.bar().x + 12.0, 18.0)
     }

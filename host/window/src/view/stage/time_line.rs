@@ -6,8 +6,7 @@ use crate::scene::Scene;
 use crate::view::stage::polyline::thinned;
 use crate::view::theme;
 use eframe::egui::{
-    self, Align2, CursorIcon, EventFilter, FontId, Key, Pos2, Rangef, Rect, Sense, Shape, Stroke, StrokeKind,
-    pos2,
+    self, Align2, CursorIcon, FontId, Key, Pos2, Rangef, Rect, Sense, Shape, Stroke, StrokeKind, pos2,
 };
 use slipline_plate::quantity::ticks::Ticks;
 
@@ -44,8 +43,7 @@ pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &
         let share = f64::from((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         intents.push(Intent::Seek(share * length_s));
     } else if response.has_focus() {
-        let filter = EventFilter { horizontal_arrows: true, ..Default::default() };
-        ui.memory_mut(|memory| memory.set_focus_lock_filter(id, filter));
+        theme::keep_arrows(ui, id);
         let steps = ui.input(|input| {
             input.num_presses(Key::ArrowRight) as f64 - input.num_presses(Key::ArrowLeft) as f64
         });

@@ -51,23 +51,20 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
     // One unit for both, so that they are compared at a glance.
     let millimetres = |metres: f64| format!("{} mm", with_decimals(1e3 * metres, 2));
     let has_level = calibrated.level_tolerance_db.is_finite();
+    let row = |ui: &mut egui::Ui, cells: [RichText; 3]| {
+        cells.into_iter().for_each(|cell| drop(ui.label(cell)));
+        ui.end_row();
+    };
+    let off = |name: &str, before: String, after: String| {
+        [name.into(), RichText::new(before).color(palette.wrong), RichText::new(after).color(palette.good)]
+    };
     grid("calibration errors").show(ui, |ui| {
-        ui.label("");
-        ui.label(weak("with the file, at most"));
-        ui.label(weak("calibrated, 95 %, at most"));
-        ui.end_row();
-        ui.label("Boundary off by");
-        ui.label(RichText::new(millimetres(found.before.boundary_m)).color(palette.wrong));
-        let after = millimetres(calibrated.boundary_tolerance_m);
-        ui.label(RichText::new(format!("±{after}")).color(palette.good));
-        ui.end_row();
+        row(ui, ["", "with the file, at most", "calibrated, 95 %, at most"].map(weak));
+        let after = format!("±{}", millimetres(calibrated.boundary_tolerance_m));
+        row(ui, off("Boundary off by", millimetres(found.before.boundary_m), after));
         if has_level {
-            ui.label("Level off by");
-            ui.label(RichText::new(decibel(found.before.level_db)).color(palette.wrong));
-            ui.label(
-                RichText::new(format!("±{}", decibel(calibrated.level_tolerance_db))).color(palette.good),
-            );
-            ui.end_row();
+            let after = format!("±{}", decibel(calibrated.level_tolerance_db));
+            row(ui, off("Level off by", decibel(found.before.level_db), after));
         }
     });
     if let Some(caution) = calibrated.caution() {
@@ -76,16 +73,10 @@ fn accepted(ui: &mut egui::Ui, found: &CalibrationResult) {
     }
     ui.add_space(6.0);
     grid("calibration parameters").show(ui, |ui| {
-        for head in ["", "fitted", "95 % interval"] {
-            ui.label(weak(head));
-        }
-        ui.end_row();
+        row(ui, ["", "fitted", "95 % interval"].map(weak));
         for parameter in &calibrated.parameters {
             let (name, [value, low, high]) = parameter_words(parameter);
-            ui.label(name);
-            ui.label(value);
-            ui.label(format!("{low} to {high}"));
-            ui.end_row();
+            row(ui, [name, value, format!("{low} to {high}")].map(RichText::new));
         }
     });
     ui.add_space(4.0);

@@ -103,6 +103,31 @@ impl<'a> Form<'a> {
         });
     }
 
+    /// Shows the field of a length.
+    fn length(
+        &mut self,
+        ui: &mut egui::Ui,
+        field: &'static str,
+        hint: String,
+        at: fn(&mut Draft) -> &mut f64,
+    ) {
+        let entry = Entry { field, value: millimetres(*at(&mut self.draft.clone())), hint };
+        self.entry(ui, &entry, |draft, text| length_m(text).map(|value| *at(draft) = value));
+    }
+
+    /// Shows the field of a length that may be left to the library.
+    fn automatic(
+        &mut self,
+        ui: &mut egui::Ui,
+        field: &'static str,
+        hint: &str,
+        at: fn(&mut Draft) -> &mut Option<f64>,
+    ) {
+        let value = at(&mut self.draft.clone()).map_or_else(|| AUTOMATIC.to_owned(), millimetres);
+        let entry = Entry { field, value, hint: hint.to_owned() };
+        self.entry(ui, &entry, |draft, text| optional(text, length_m).map(|value| *at(draft) = value));
+    }
+
     /// Shows a menu of values and their names; `now` is selected, and `take` applies another choice to the draft.
     fn choice<T: PartialEq + Copy>(
         &mut self,
@@ -139,12 +164,8 @@ impl<'a> Form<'a> {
             draft.material = name;
             draft.loss_factor = None;
         });
-        let thickness = Entry {
-            field: "model.thickness_m",
-            value: millimetres(draft.thickness_m),
-            hint: format!("The sheet's thickness, {}", lengths(limits::THICKNESS)),
-        };
-        self.entry(ui, &thickness, |draft, text| length_m(text).map(|value| draft.thickness_m = value));
+        let hint = format!("The sheet's thickness, {}", lengths(limits::THICKNESS));
+        self.length(ui, "model.thickness_m", hint, |draft| &mut draft.thickness_m);
         let kinds = Kind::ALL.into_iter().map(|kind| (kind, kind.name()));
         let help = "How the sheet is held at its edges, and so which wave travels on it";
         self.choice(ui, "Wave", (draft.kind, help), kinds, |draft, kind| draft.kind = kind);
@@ -187,47 +208,29 @@ impl<'a> Form<'a> {
 
     /// The band and the length of the plate.
     fn size(&mut self, ui: &mut egui::Ui) {
-        let draft = self.draft;
-        let low = Entry {
-            field: "band low",
-            value: Unit::Hertz.written(draft.band_hz.0, FIELD_DIGITS),
-            hint: "The boundary's lowest frequency, such as 20 kHz".to_owned(),
-        };
-        self.entry(ui, &low, |draft, text| frequency_hz(text).map(|value| draft.band_hz.0 = value));
-        let high = Entry {
-            field: "band high",
-            value: Unit::Hertz.written(draft.band_hz.1, FIELD_DIGITS),
-            hint: format!(
-                "The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest",
-            ),
-        };
-        self.entry(ui, &high, |draft, text| frequency_hz(text).map(|value| draft.band_hz.1 = value));
-        let long = Entry {
-            field: "length_m",
-            value: millimetres(draft.length_m),
-            hint: format!("From the driven end to the narrow end, {}", lengths(limits::LENGTH)),
-        };
-        self.entry(ui, &long, |draft, text| length_m(text).map(|value| draft.length_m = value));
+        let low = "The boundary's lowest frequency, such as 20 kHz".to_owned();
+        let high =
+            format!("The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest");
+        let ends: [(_, _, fn(&mut Draft) -> &mut f64); 2] = [
+            ("band low", low, |draft| &mut draft.band_hz.0),
+            ("band high", high, |draft| &mut draft.band_hz.1),
+        ];
+        for (field, hint, at) in ends {
+            let value = Unit::Hertz.written(*at(&mut self.draft.clone()), FIELD_DIGITS);
+            let entry = Entry { field, value, hint };
+            self.entry(ui, &entry, |draft, text| frequency_hz(text).map(|value| *at(draft) = value));
+        }
+        let hint = format!("From the driven end to the narrow end, {}", lengths(limits::LENGTH));
+        self.length(ui, "length_m", hint, |draft| &mut draft.length_m);
     }
 
     /// The values that the library chooses unless the user gives them.
     fn rest(&mut self, ui: &mut egui::Ui) {
         let draft = self.draft;
-        let automatic = |value: Option<f64>| value.map_or_else(|| AUTOMATIC.to_owned(), millimetres);
-        let start = Entry {
-            field: "start_margin_m",
-            value: automatic(draft.start_margin_m),
-            hint: "From the driven end to the nearest boundary; auto: as much as its peak needs".to_owned(),
-        };
-        self.entry(ui, &start, |draft, text| {
-            optional(text, length_m).map(|value| draft.start_margin_m = value)
-        });
-        let end = Entry {
-            field: "end_margin_m",
-            value: automatic(draft.end_margin_m),
-            hint: "From the farthest boundary to the narrow end; auto: as much as its tail needs".to_owned(),
-        };
-        self.entry(ui, &end, |draft, text| optional(text, length_m).map(|value| draft.end_margin_m = value));
+        let hint = "From the driven end to the nearest boundary; auto: as much as its peak needs";
+        self.automatic(ui, "start_margin_m", hint, |draft| &mut draft.start_margin_m);
+        let hint = "From the farthest boundary to the narrow end; auto: as much as its tail needs";
+        self.automatic(ui, "end_margin_m", hint, |draft| &mut draft.end_margin_m);
         let library = Material::named(draft.material).map_or(0.0, |material| material.loss_factor);
         let loss = Entry {
             field: "loss_factor",
@@ -238,21 +241,10 @@ impl<'a> Form<'a> {
             let plain = |text: &str| quantity::plain(text, "");
             optional(text, plain).map(|value| draft.loss_factor = value)
         });
-        let scale = Entry {
-            field: "full_scale_m",
-            value: draft.full_scale_m.map_or_else(|| AUTOMATIC.to_owned(), millimetres),
-            hint: "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm"
-                .to_owned(),
-        };
-        self.entry(ui, &scale, |draft, text| {
-            optional(text, length_m).map(|value| draft.full_scale_m = value)
-        });
-        let rim = Entry {
-            field: "rim_m",
-            value: millimetres(draft.rim_m),
-            hint: format!("Width of the frame's rim, {}", lengths(limits::RIM)),
-        };
-        self.entry(ui, &rim, |draft, text| length_m(text).map(|value| draft.rim_m = value));
+        let hint = "The drive's displacement at DAC full scale; auto: 1 µm from 1 kHz on, else 100 µm";
+        self.automatic(ui, "full_scale_m", hint, |draft| &mut draft.full_scale_m);
+        let hint = format!("Width of the frame's rim, {}", lengths(limits::RIM));
+        self.length(ui, "rim_m", hint, |draft| &mut draft.rim_m);
         let name = Entry {
             field: "name",
             value: draft.name.clone(),

@@ -57,10 +57,8 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, strip: Strip, is_last
     let frame = Frame { name: strip.name(), x, y, unit: curves.unit().0, logarithmic: curves.logarithmic() };
     let values = |at: egui_plot::PlotPoint| read_out(curves, strip, at.x, at.y);
     let linked = Id::unique(("response", x.0.to_bits(), x.1.to_bits()));
-    let plot =
-        plot(&frame, palette, values).link_axis(linked, [true, false]).link_cursor(linked, [true, false]);
-    let plot = plot.show_axes([is_last, true]);
-    let plot = if is_reset { plot.reset() } else { plot };
+    let plot = plot(&frame, palette, is_reset, values).show_axes([is_last, true]);
+    let plot = plot.link_axis(linked, [true, false]).link_cursor(linked, [true, false]);
     let inks: Vec<egui::Color32> = curves.shown.iter().map(|entry| curves.ink(ui, entry)).collect();
     let shown = plot.show(ui, |plot| {
         steer(plot, [x, y]);

@@ -14,7 +14,10 @@ mod nyquist;
 
 use crate::scene::Scene;
 use crate::view::kept::{ResponsePart, ResponseView};
-use crate::view::plots::{self, frame::fit};
+use crate::view::plots::{
+    self,
+    frame::{fit, more},
+};
 use crate::view::stage::aligned;
 use bode::Strip;
 use curves::Curves;
@@ -45,17 +48,13 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, response: &mut Response
                 }
             }
         }
-        let button = egui::containers::menu::MenuButton::from_button(egui::Button::new("…").small());
-        let (shown, menu) = button.ui(ui, |ui| {
+        more(ui, NAME, "Show all again, and the scale of the frequencies", |ui| {
             let is_reset = fit(ui, NAME);
             let mut is_logarithmic = !response.is_linear;
             ui.checkbox(&mut is_logarithmic, "Logarithmic frequency").on_hover_text(plots::LOGARITHMIC_HELP);
             response.is_linear = !is_logarithmic;
             is_reset
-        });
-        shown.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("More: {NAME}")));
-        shown.on_hover_text("Show all again, and the scale of the frequencies");
-        menu.is_some_and(|menu| menu.inner)
+        })
     });
     let shelf = scene.measure.shelf;
     if shelf.entries().is_empty() {

@@ -24,8 +24,7 @@ pub(super) fn show(ui: &mut egui::Ui, curves: &Curves<'_>, is_reset: bool, aspec
     let half = (room * aspect.max(1.0), room * aspect.recip().max(1.0));
     let (x, y) = ((-half.0, half.0), (-half.1, half.1));
     let frame = Frame { name: "nyquist", x, y, unit: "Re", logarithmic: None };
-    let plot = plot(&frame, palette, |at| read_out(curves, at));
-    let plot = if is_reset { plot.reset() } else { plot };
+    let plot = plot(&frame, palette, is_reset, |at| read_out(curves, at));
     let inks: Vec<egui::Color32> = curves.shown.iter().map(|entry| curves.ink(ui, entry)).collect();
     let shown = plot.show(ui, |plot| {
         steer_evenly(plot, [x, y]);
