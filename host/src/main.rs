@@ -26,7 +26,7 @@ fn main() -> ExitCode {
         eprintln!("slipline: {sentence}");
     }
     let traced =
-        trace::start(cli.trace.as_deref(), cli.may_replace(), cli.prints_json()).and_then(|()| cli.checked());
+        trace::start(cli.trace.as_deref(), cli.may_replace, cli.prints_json()).and_then(|()| cli.checked());
     let result = traced.and_then(|cli| match cli.command {
         None => open_window(cli.file, cli.port, cli.kiosk),
         Some(command) => command.run(cli.json),

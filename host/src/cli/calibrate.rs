@@ -72,7 +72,7 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "FITTED.toml", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 /// Earlier measurements.
@@ -160,13 +160,13 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
     if arguments.port.is_some() && (arguments.plan || !data.is_empty() || !touches.is_empty()) {
         // The parser refuses --port itself beside these.
         let why = "--actual-plate selects the plate of the simulated device: it requires --port sim";
-        return Err(Failure::Usage(why.to_owned()));
+        return Err(Failure::usage(why));
     }
     let file = arguments.plate.read()?;
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;
     let feeling_out = Destination::perhaps(arguments.feeling_out.as_deref(), arguments.force)?;
     if out.as_ref().zip(feeling_out.as_ref()).is_some_and(|(plate, feeling)| plate.is(feeling)) {
-        return Err(Failure::Usage("--out and --feeling-out name the same file".to_owned()));
+        return Err(Failure::usage("--out and --feeling-out name the same file"));
     }
     let (nominal, priors) = arguments.calipers.applied_to(&file)?;
     if arguments.plan {
@@ -184,7 +184,7 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
             let measured = measured(&nominal, arguments)?;
             let current = arguments.measured.current.map(CurrentOf::transducer);
             let measured = requests::measured(&measured, current)
-                .ok_or_else(|| Failure::Usage("--data names no file".to_owned()))?;
+                .ok_or_else(|| Failure::usage("--data names no file"))?;
             by_measurements(&nominal, measured, &priors)
         }
         touches => touched(&nominal, touches, arguments, &priors)?,

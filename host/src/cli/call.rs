@@ -22,10 +22,12 @@ impl Cli {
     pub fn of_words(words: &[OsString]) -> Result<Self, Failure> {
         let matches = command().try_get_matches_from(words).map_err(refused)?;
         let mut cli = Self::from_arg_matches(&matches).map_err(refused)?;
-        if let (Some(Command::Info { is_port_given, .. }), Some((_, info))) =
-            (&mut cli.command, matches.subcommand())
-        {
-            *is_port_given = info.value_source("port") == Some(ValueSource::CommandLine);
+        if let Some((_, options)) = matches.subcommand() {
+            // Not every command has it.
+            cli.may_replace = options.try_get_one("force").is_ok_and(|force| force == Some(&true));
+            if let Some(Command::Info { is_port_given, .. }) = &mut cli.command {
+                *is_port_given = options.value_source("port") == Some(ValueSource::CommandLine);
+            }
         }
         Ok(cli)
     }

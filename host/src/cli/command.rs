@@ -53,6 +53,9 @@ pub struct Cli {
     /// file is replaced with --force only.
     #[arg(long, global = true, value_name = "FILE", display_order = 999, help_heading = "Output")]
     pub trace: Option<PathBuf>,
+    /// Whether existing files may be replaced, the trace included: the command's `--force`.
+    #[arg(skip)]
+    pub may_replace: bool,
 }
 
 /// What to do.
@@ -137,7 +140,7 @@ impl Cli {
             defaults::check()?;
         }
         if self.command.is_some() && self.kiosk {
-            return Err(Failure::Usage("--kiosk is for the window: it stands without a command".to_owned()));
+            return Err(Failure::usage("--kiosk is for the window: it stands without a command"));
         }
         if let Some(file) = self.file.as_deref().filter(|file| !file.is_file()) {
             let file = file.display().to_string();
@@ -155,41 +158,6 @@ impl Cli {
     #[must_use]
     pub const fn prints_json(&self) -> bool {
         self.json || matches!(self.command, Some(Command::Watch(_)))
-    }
-
-    /// Whether existing files may be replaced, the trace included.
-    #[must_use]
-    pub fn may_replace(&self) -> bool {
-        let force = match &self.command {
-            None
-            | Some(
-                Command::Presets
-                | Command::Ports
-                | Command::Check(_)
-                | Command::Merit(_)
-                | Command::Profile(_)
-                | Command::Page(_)
-                | Command::Completions(_),
-            ) => ForceArgument::default(),
-            Some(Command::Info { force, .. }) => *force,
-            Some(Command::Watch(arguments)) => arguments.force,
-            Some(Command::Drive(arguments)) => arguments.force,
-            Some(Command::Respond(arguments)) => arguments.force,
-            Some(Command::Table(arguments)) => arguments.force,
-            Some(Command::Simulate(arguments)) => arguments.force,
-            Some(Command::Record(arguments)) => arguments.force,
-            Some(Command::Verify(arguments)) => arguments.force,
-            Some(Command::Serve(arguments)) => arguments.force,
-            Some(Command::Design(arguments)) => arguments.force,
-            Some(Command::Texture(arguments)) => arguments.force,
-            Some(Command::Measure(arguments)) => arguments.force,
-            Some(Command::Sweep(arguments)) => arguments.force,
-            Some(Command::Calibrate(arguments)) => arguments.force,
-            Some(Command::Trim(arguments)) => arguments.force,
-            Some(Command::Figures(arguments)) => arguments.force,
-            Some(Command::Study(arguments)) => arguments.force,
-        };
-        force.force
     }
 }
 

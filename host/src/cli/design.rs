@@ -9,7 +9,7 @@ use super::{output, progress};
 use clap::{ArgGroup, Args, ValueEnum};
 use serde_json::json;
 use slipline_model::answer::design::{DesignAnswer, design};
-use slipline_plate::check::{Colour, Report};
+use slipline_plate::check::Colour;
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, end_margin_range, start_margin_range};
 use slipline_plate::limits;
 use slipline_plate::number_format::{significant, with_decimals};
@@ -77,7 +77,7 @@ pub struct DesignArguments {
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 /// The air around the plate.
@@ -164,7 +164,11 @@ pub(super) fn run(arguments: &DesignArguments, as_json: bool) -> Result<(), Fail
             writeln!(out, "# {name:<21} {text}")?;
         }
         match &lights {
-            Ok(report) => concerns(report).try_for_each(|line| writeln!(out, "# {line}"))?,
+            Ok(report) => {
+                for light in report.lights.iter().filter(|light| light.colour > Colour::Green) {
+                    writeln!(out, "# {}: {}", light.colour.name(), light.sentence)?;
+                }
+            }
             Err(reason) => writeln!(out, "# not checked: {reason}")?,
         }
         for file in &files {
@@ -247,12 +251,6 @@ fn band_end(end: &slipline_plate::design::BandEnd) -> String {
         show_si(end.edge_width_m, "m"),
         with_decimals(end.wavelengths, 2)
     )
-}
-
-/// The amber and red lights, as sentences.
-fn concerns(report: &Report) -> impl Iterator<Item = String> + '_ {
-    let worries = report.lights.iter().filter(|light| light.colour > Colour::Green);
-    worries.map(|light| format!("{}: {}", light.colour.name(), light.sentence))
 }
 
 /// The files that are written into the folder.

@@ -64,7 +64,7 @@ impl Destination {
     ) -> Result<Vec<Self>, Failure> {
         let name = folder.display();
         if folder == Path::new(STANDARD_STREAM) {
-            return Err(Failure::Usage("several files do not fit standard output: name a folder".to_owned()));
+            return Err(Failure::usage("several files do not fit standard output: name a folder"));
         }
         if folder.exists() && !folder.is_dir() {
             return Err(Failure::Usage(format!("{name} is a file: name a folder")));

@@ -62,8 +62,9 @@ pub struct DriveArguments {
     hold: HoldArgument,
     #[command(flatten)]
     known: KnownDriveArgument,
+    // Of the trace, which main writes.
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }
@@ -81,7 +82,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let wanted = arguments.sounds.read()?;
     if arguments.stdin && source::is_standard_input_taken() {
         let why = "--stdin follows standard input, which is a file of this command already";
-        return Err(Failure::Usage(why.to_owned()));
+        return Err(Failure::usage(why));
     }
     let rig = arguments.hold.rig(&arguments.port, &wanted.plate)?;
     // Refused before a device is asked.
@@ -91,7 +92,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     device.may_be_armed(&arguments.arming)?;
     if arguments.at == Begin::Trigger && device.snapshot().has_trigger_input() == Some(false) {
         let why = "the device has no trigger input: it can begin with --at now only";
-        return Err(Failure::Failed(why.to_owned()));
+        return Err(Failure::failed(why));
     }
     let drive = Drive::new(arguments, &wanted, &device, made, as_json)?;
     let mut holder =
@@ -198,7 +199,7 @@ impl<'a> Drive<'a> {
         let sounding = device.during(|| wanted.sounding(&setup, &table, &snapshot))?;
         if arguments.stdin && matches!(sounding, Sounding::Chord(_)) {
             let why = "--stdin: the setup is a chord, whose tones stand still; drive it without --stdin";
-            return Err(Failure::Usage(why.to_owned()));
+            return Err(Failure::usage(why));
         }
         let (places, gain_db) = TonePlaces::as_played(setup.clone(), Some(&sounding), &plate_table);
         if arguments.clear_faults {

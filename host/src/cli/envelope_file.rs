@@ -71,10 +71,8 @@ impl EnvelopeArgument {
         };
         match files.iter().enumerate().any(is_twice) {
             false => Ok(files),
-            true if self.out.is_empty() => {
-                Err(Failure::Usage("--csv and --figure name the same file".to_owned()))
-            }
-            true => Err(Failure::Usage("two outputs name the same file".to_owned())),
+            true if self.out.is_empty() => Err(Failure::usage("--csv and --figure name the same file")),
+            true => Err(Failure::usage("two outputs name the same file")),
         }
     }
 }

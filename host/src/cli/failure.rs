@@ -82,6 +82,11 @@ impl Failure {
         Self::because(error.to_string(), &error)
     }
 
+    /// Bad usage: what is wrong with a file, after its name.
+    pub(super) fn of_file(path: &Path, why: impl fmt::Display) -> Self {
+        Self::Usage(format!("{}: {why}", path.display()))
+    }
+
     /// A bad file, with its name.
     pub(super) fn in_file(path: &Path, error: impl Error + 'static) -> Self {
         Self::because(format!("{}: {error}", path.display()), &error)

@@ -1,10 +1,9 @@
 //! `--feeling`: the feeling of a finger by which felt edges are computed.
 
 use super::failure::Failure;
-use super::source::read_text;
+use super::source::text_of;
 use clap::Args;
 use slipline_instrument::requests::NamedFeeling;
-use slipline_model::atomic_file::said;
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use std::path::PathBuf;
 
@@ -21,8 +20,7 @@ impl FeelingArgument {
     /// The feeling of the file, else the default.
     pub(super) fn read(&self) -> Result<NamedFeeling, Failure> {
         let Some(path) = &self.feeling else { return Ok(NamedFeeling::default()) };
-        let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-        let text = read_text(path, FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
+        let text = text_of(path, FILE_BYTES_MAX)?;
         NamedFeeling::read(&text, path.display().to_string()).map_err(|error| Failure::in_file(path, error))
     }
 }

@@ -17,7 +17,7 @@ pub struct FiguresArguments {
     #[arg(long, value_name = "DIR", help_heading = "Output")]
     out: PathBuf,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 pub(super) fn run(arguments: &FiguresArguments, as_json: bool) -> Result<(), Failure> {

@@ -46,7 +46,7 @@ pub struct MeasureArguments {
     #[arg(long, value_name = "FILE", value_parser = measurement_file, help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
     #[command(flatten)]
     known: KnownDriveArgument,
     #[command(flatten)]
@@ -96,9 +96,7 @@ pub(super) fn run(arguments: &MeasureArguments, as_json: bool) -> Result<(), Fai
             Sensor { place_m: place_on(&plate, place)?, kind: arguments.kind, input: 0 }
         }
         (None, Input::Sensor) => {
-            return Err(Failure::Usage(
-                "--sensor PLACE is missing: the sensor's place, from the driven end".to_owned(),
-            ));
+            return Err(Failure::usage("--sensor PLACE is missing: the sensor's place, from the driven end"));
         }
     };
     let out = Destination::perhaps(arguments.out.as_deref(), arguments.force)?;

@@ -2,18 +2,16 @@
 
 use super::argument::{self, Typed};
 use super::failure::Failure;
-use super::source::{read_bytes, read_text};
+use super::source::{bytes_of, text_of};
 use clap::Args;
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
 use slipline_instrument::measured_file::{
     BYTES_MAX, ForeignError, ForeignMetadata, Opened, RecordingMetadata, measurement, recorded,
 };
-use slipline_model::atomic_file::said;
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{Foreign, Measurement, SNR, SNR_DB, SensorKind};
 use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
 /// Properties that a file of another program does not state.
@@ -65,13 +63,13 @@ impl RecordingArgument {
     /// The description of the sweep and the channel of a recording.
     fn sweep(&self, path: &Path, number: usize, count: usize) -> Result<(PlayedSweep, usize), Failure> {
         let played = Self::of("--played", &self.played, number, count)?.ok_or_else(|| {
-            refused(
+            Failure::of_file(
                 path,
                 "a recording: name the description of its sweep with --played, as slipline sweep wrote it",
             )
         })?;
-        let text = read_text(played, PLAYED_BYTES_MAX).map_err(|error| refused(played, said(&error)))?;
-        let sweep = PlayedSweep::from_toml(&text).map_err(|error| refused(played, error))?;
+        let text = text_of(played, PLAYED_BYTES_MAX)?;
+        let sweep = PlayedSweep::from_toml(&text).map_err(|error| Failure::of_file(played, error))?;
         Ok((sweep, Self::of("--channel", &self.channels, number, count)?.copied().unwrap_or(1)))
     }
 }
@@ -97,14 +95,14 @@ pub(super) fn measurements(
     let recordings = opened.iter().filter(|file| matches!(file, Opened::Recording(_))).count();
     if recordings == 0 && !(sensor.recording.played.is_empty() && sensor.recording.channels.is_empty()) {
         let why = "--played and --channel describe recordings, but no file of --data is a WAV file";
-        return Err(Failure::Usage(why.to_owned()));
+        return Err(Failure::usage(why));
     }
     let mut places = sensor.places.iter();
     let mut numbers = 0..;
     let read = files.iter().zip(opened).map(|(path, opened)| {
         let mut place = |what: &str| {
             let why = format_args!("{what}: state its sensor's place with --sensor PLACE");
-            let place = places.next().ok_or_else(|| refused(path, why))?;
+            let place = places.next().ok_or_else(|| Failure::of_file(path, why))?;
             let on_plate = Range::new(0.0, plate.length_m(), "m");
             place.within("--sensor", on_plate, Measure::Length, ", on the plate")
         };
@@ -144,7 +142,7 @@ pub(super) fn current_of(
         Opened::Foreign(foreign) => {
             let stated =
                 ForeignMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
-            measurement(plate, &foreign, &stated).map_err(|error| refused(path, error))
+            measurement(plate, &foreign, &stated).map_err(|error| Failure::of_file(path, error))
         }
         Opened::Recording(wav) => {
             let (sweep, channel) = sensor.recording.sweep(path, 0, 1)?;
@@ -154,13 +152,8 @@ pub(super) fn current_of(
     }
 }
 
-fn refused(path: &Path, why: impl Display) -> Failure {
-    Failure::Usage(format!("{}: {why}", path.display()))
-}
-
 fn read(path: &Path) -> Result<Opened, Failure> {
-    let bytes = read_bytes(path, BYTES_MAX).map_err(|error| refused(path, said(&error)))?;
-    Opened::read(bytes).map_err(|error| refused(path, error))
+    Opened::read(bytes_of(path, BYTES_MAX)?).map_err(|error| Failure::of_file(path, error))
 }
 
 /// The measurement of a recording; its notes are printed to stderr.
@@ -192,10 +185,10 @@ fn foreign_measurement(
 
 fn untold(path: &Path, error: &ForeignError) -> Failure {
     match error {
-        ForeignError::Kind => refused(
+        ForeignError::Kind => Failure::of_file(
             path,
             "it does not state what its sensor measures: add --kind (displacement, velocity, acceleration or strain)",
         ),
-        error => refused(path, error),
+        error => Failure::of_file(path, error),
     }
 }

@@ -166,7 +166,7 @@ pub(super) fn at_places(
     let rig = by.port.rig_with_sensor(plate, &options)?;
     if rig.is_none() && is_standard_input_taken() {
         let why = "the sensor's places are confirmed on standard input, which is a file of this command: name a file";
-        return Err(Failure::Usage(why.to_owned()));
+        return Err(Failure::usage(why));
     }
     let device = by.connect(rig.as_ref())?;
     let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
@@ -189,9 +189,7 @@ fn put_sensor(device: &Device, rig: Option<&PreparedRig>, place_m: f64) -> Resul
     eprintln!("Put the sensor at {} from the driven end, and press Enter.", show_place(place_m));
     let mut line = String::new();
     match device.during(|| std::io::stdin().read_line(&mut line)) {
-        Ok(0) => Err(Failure::Failed(
-            "the sensor's place was not confirmed: the standard input has ended".to_owned(),
-        )),
+        Ok(0) => Err(Failure::failed("the sensor's place was not confirmed: the standard input has ended")),
         Ok(_) => Ok(()),
         Err(error) => Err(Failure::Failed(format!("standard input: {error}"))),
     }

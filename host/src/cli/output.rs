@@ -22,11 +22,10 @@ pub(super) fn begin(as_json: bool) {
 pub(super) fn take() -> Result<(), Failure> {
     if HAS_JSON.load(Ordering::Relaxed) {
         let why = "--json and a file named - both need standard output: name another file";
-        return Err(Failure::Usage(why.to_owned()));
+        return Err(Failure::usage(why));
     }
     if HAS_FILE.swap(true, Ordering::Relaxed) {
-        let why = "two files named - both need standard output: name another file";
-        return Err(Failure::Usage(why.to_owned()));
+        return Err(Failure::usage("two files named - both need standard output: name another file"));
     }
     Ok(())
 }

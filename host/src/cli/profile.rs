@@ -4,14 +4,13 @@ use super::device::Device;
 use super::failure::Failure;
 use super::output;
 use super::rig::PortArgument;
-use super::source::read_text;
+use super::source::text_of;
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use slipline_instrument::profile_file;
 use slipline_link::protocol::event::ProfileReport;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
-use slipline_model::atomic_file::said;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -62,8 +61,7 @@ pub(super) fn run(arguments: &ProfileArguments, as_json: bool) -> Result<(), Fai
 }
 
 fn read(file: &Path) -> Result<ActuatorProfile, Failure> {
-    let refused = |message: String| Failure::Usage(format!("{}: {message}", file.display()));
-    let text = read_text(file, profile_file::BYTES_MAX).map_err(|error| refused(said(&error)))?;
+    let text = text_of(file, profile_file::BYTES_MAX)?;
     profile_file::read(&text).map_err(|error| Failure::in_file(file, error))
 }
 

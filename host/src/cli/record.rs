@@ -30,7 +30,7 @@ pub struct RecordArguments {
     #[arg(long, hide = true, value_name = "F", conflicts_with = "out")]
     wav: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 /// A file whose name ends in .wav, or a stream.

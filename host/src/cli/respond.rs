@@ -40,15 +40,14 @@ pub struct RespondArguments {
     #[arg(long = "out", alias = "figure", value_name = "FILE", value_parser = figure_file, help_heading = "Output")]
     figure: Option<FigureFile>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 pub(super) fn run(arguments: &RespondArguments, as_json: bool) -> Result<(), Failure> {
     if arguments.two_dimensions && arguments.paper_mode {
-        return Err(Failure::Usage(
+        return Err(Failure::usage(
             "--paper-mode cannot be used with --2d: the paper's equation leaves out a term of the one-mode equation, and \
-             the plate in two dimensions has all of them"
-                .to_owned(),
+             the plate in two dimensions has all of them",
         ));
     }
     let file = arguments.plate.read()?;

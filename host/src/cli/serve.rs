@@ -40,8 +40,9 @@ pub struct ServeArguments {
     /// secret:SEED (a plate whose values all deviate by a few per cent).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,
+    // Of the trace, which main writes.
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 /// Serves until the program is interrupted.
@@ -117,5 +118,5 @@ fn options(plate: &Plate) -> Result<slipline_link::simulator::Options, Failure> 
 /// Fails: this system has neither sockets nor pseudo-terminals.
 #[cfg(not(unix))]
 pub(super) fn run(_arguments: &ServeArguments, _as_json: bool) -> Result<(), Failure> {
-    Err(Failure::Failed("serve needs a Unix socket or a pseudo-terminal; this system has neither".to_owned()))
+    Err(Failure::failed("serve needs a Unix socket or a pseudo-terminal; this system has neither"))
 }

@@ -7,13 +7,12 @@
 //! ```
 
 use super::failure::Failure;
-use super::source::read_text;
+use super::source::text_of;
 use super::tones::{AskedTones, TonesArgument};
 use super::{argument, defaults};
 use clap::Args;
 use slipline_instrument::requests::NamedFeeling;
 use slipline_link::{DeviceTable, Snapshot, Sounding};
-use slipline_model::atomic_file::said;
 use slipline_model::setup::file::{self, Opened};
 use slipline_model::setup::{Setup, edit};
 use slipline_model::texture::{self, chord_of};
@@ -43,17 +42,17 @@ impl SetupArgument {
             let asked = self.tones.on(&plate)?;
             return Ok(SetupSource { plate, feeling: asked.feeling.clone(), sounds: Sounds::Tones(asked) });
         };
-        let refused = |message: String| Failure::Usage(format!("{}: {message}", path.display()));
-        let text = read_text(path, file::FILE_BYTES_MAX).map_err(|error| refused(said(&error)))?;
+        let text = text_of(path, file::FILE_BYTES_MAX)?;
         match file::read(&text).map_err(|error| Failure::in_file(path, error))? {
             Opened::Setup(setup) => Ok(SetupSource {
                 plate: Arc::clone(&setup.plate),
                 feeling: NamedFeeling::of_setup(&setup, path.display().to_string()),
                 sounds: Sounds::Setup(setup),
             }),
-            Opened::Plate(_) => Err(refused(
-                "a plate alone: name it with --plate, and a --felt-edge or a --turning-point".to_owned(),
-            )),
+            Opened::Plate(_) => {
+                let why = "a plate alone: name it with --plate, and a --felt-edge or a --turning-point";
+                Err(Failure::of_file(path, why))
+            }
         }
     }
 }

@@ -51,7 +51,7 @@ pub struct SimulateArguments {
     #[command(flatten)]
     files: EnvelopeArgument,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 pub(super) fn run(arguments: &SimulateArguments, as_json: bool) -> Result<(), Failure> {
@@ -90,7 +90,7 @@ impl SimulateArguments {
         let actual = self.actual_plate.as_deref().map(|text| actual_plate(text, Some(&plate))).transpose()?;
         if self.no_table && wanted.has_felt_edge() {
             let why = "--felt-edge is by the table's gains: with --no-table name a --turning-point";
-            return Err(Failure::Usage(why.to_owned()));
+            return Err(Failure::usage(why));
         }
         let solver = if self.sheet { sheet_of(actual.as_ref().unwrap_or(&plate))? } else { Solver::Line };
         let finger = self.finger.and_then(|argument| argument.0);

@@ -2,11 +2,10 @@
 
 use super::destination::{Destination, ForceArgument};
 use super::failure::Failure;
-use super::source::read_text;
+use super::source::text_of;
 use super::{argument, output, progress};
 use clap::Args;
 use serde_json::{Value, json};
-use slipline_model::atomic_file::said;
 use slipline_model::study::{
     Chunk, Draft, SPEC_BYTES_MAX, Spec, Statistics, Status, Study, Summary, csv, run_in_order,
 };
@@ -35,7 +34,7 @@ pub struct StudyArguments {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failure> {
@@ -107,9 +106,8 @@ pub(super) fn run(arguments: &StudyArguments, as_json: bool) -> Result<(), Failu
 
 /// Reads a specification, and its plate where it names one.
 fn read(path: &Path) -> Result<Spec, Failure> {
-    let text = read_text(path, SPEC_BYTES_MAX)
-        .map_err(|error| Failure::Usage(format!("{}: {}", path.display(), said(&error))))?;
-    let draft = Draft::parse(&text).map_err(|error| Failure::in_file(path, error))?;
+    let draft =
+        Draft::parse(&text_of(path, SPEC_BYTES_MAX)?).map_err(|error| Failure::in_file(path, error))?;
     let named = draft.plate_name().map(argument::plate).transpose()?;
     draft.finish(named).map_err(|error| Failure::in_file(path, error))
 }

@@ -33,7 +33,7 @@ pub struct SweepArguments {
     #[arg(long, value_name = "SWEEP.toml", help_heading = "Output")]
     out: PathBuf,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }

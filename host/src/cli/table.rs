@@ -29,7 +29,7 @@ pub struct TableArguments {
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failure> {

@@ -4,7 +4,7 @@ use super::argument::{self, PlateArgument};
 use super::destination::{Destination, ForceArgument};
 use super::failure::Failure;
 use super::schema::with_files;
-use super::source::{read_bytes, read_text};
+use super::source::{bytes_of, text_of};
 use super::{output, progress};
 use argument::{Beat, Typed};
 use clap::Args;
@@ -41,7 +41,7 @@ pub struct TextureArguments {
     #[arg(long, value_name = "SETUP.toml", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 /// The wanted texture; one of these.
@@ -145,18 +145,14 @@ type Breakpoints = Vec<(f64, f64)>;
 
 /// The profile of a file, and the file's name.
 fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Path, Breakpoints), Failure> {
-    let failed = |path: &Path, error: &dyn std::fmt::Display| {
-        Failure::Usage(format!("{}: {}", path.display(), said(&error)))
+    let image = wanted.image.as_deref().unwrap_or(Path::new(""));
+    let path = wanted.profile.as_deref().unwrap_or(image);
+    let breakpoints = if wanted.profile.is_some() {
+        textures::from_csv(&text_of(path, PROFILE_FILE_BYTES_MAX)?)
+    } else {
+        textures::from_png(&bytes_of(path, PROFILE_FILE_BYTES_MAX)?, plate.length_m())
     };
-    if let Some(path) = &wanted.profile {
-        let text = read_text(path, PROFILE_FILE_BYTES_MAX).map_err(|error| failed(path, &error))?;
-        let breakpoints = textures::from_csv(&text).map_err(|error| failed(path, &error))?;
-        return Ok((path, breakpoints));
-    }
-    let path = wanted.image.as_deref().unwrap_or(Path::new(""));
-    let bytes = read_bytes(path, PROFILE_FILE_BYTES_MAX).map_err(|error| failed(path, &error))?;
-    let breakpoints = textures::from_png(&bytes, plate.length_m()).map_err(|error| failed(path, &error))?;
-    Ok((path, breakpoints))
+    Ok((path, breakpoints.map_err(|error| Failure::of_file(path, said(&error)))?))
 }
 
 fn lines(

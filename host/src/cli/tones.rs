@@ -141,7 +141,7 @@ impl TonesArgument {
         let turning_points = self.turning_points.iter().map(|tone| asked(PlaceKind::TurningPoint, tone));
         let tones = felt_edges.chain(turning_points).collect::<Result<Vec<_>, Failure>>()?;
         match tones.len() {
-            0 => Err(Failure::Usage("name a --felt-edge or a --turning-point".to_owned())),
+            0 => Err(Failure::usage("name a --felt-edge or a --turning-point")),
             count if count > MAX_TONES => {
                 let allowed = Count::new(1, MAX_TONES, Counted::Tones);
                 Err(Failure::Usage(must_be(format_args!("{count} {}", allowed.of), allowed)))

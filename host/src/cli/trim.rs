@@ -51,7 +51,7 @@ pub struct TrimArguments {
     #[arg(long, value_name = "TRIMMED.toml", help_heading = "Output")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }

@@ -28,8 +28,9 @@ pub struct VerifyArguments {
     /// Longest window of codes per digest.
     #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
     window: Typed<f64>,
+    // Of the trace, which main writes.
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
     #[command(flatten)]
     arming: ArmingArgument,
 }
@@ -45,11 +46,7 @@ pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Fail
     device.use_table(&plate)?;
     let verified = device.verify(&plate, count, window_s)?;
     report(&port.to_string(), &verified, as_json)?;
-    if verified.equal {
-        Ok(())
-    } else {
-        Err(Failure::Failed("the device's codes differ from the mirror's".to_owned()))
-    }
+    if verified.equal { Ok(()) } else { Err(Failure::failed("the device's codes differ from the mirror's")) }
 }
 
 fn report(port: &str, verified: &Verified, as_json: bool) -> Result<(), Failure> {

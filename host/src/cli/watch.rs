@@ -22,8 +22,9 @@ const GLANCE: Duration = Duration::from_millis(50);
 pub struct WatchArguments {
     #[command(flatten)]
     port: PortArgument,
+    // Of the trace, which main writes.
     #[command(flatten)]
-    pub(super) force: ForceArgument,
+    force: ForceArgument,
 }
 
 /// Prints each status until a signal comes or the reader of the lines leaves.
