@@ -39,34 +39,3 @@ fn codes_by<K: Kernel>(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> Conv
 pub fn code_of(sample: i32) -> u16 {
     quantize(sample, ROUND).0
 }
-
-/// As [`codes`], with a rectangular dither of one code from `dither`: the codes' error does not follow the signal, but
-/// the noise is 3 dB higher.
-pub fn dithered_codes(samples: &[i32; BLOCK], dither: &mut Dither, codes: &mut [u16; BLOCK]) -> u32 {
-    let mut clipped = 0;
-    for (sample, code) in samples.iter().zip(codes) {
-        let (value, clamped) = quantize(*sample, dither.draw());
-        *code = value;
-        clipped += u32::from(clamped);
-    }
-    clipped
-}
-
-/// A source of rectangular dither: a 32-bit xorshift, the same sequence on every machine.
-#[derive(Clone, Debug)]
-pub struct Dither(u32);
-
-impl Dither {
-    /// Starts the sequence at `seed`. Zero counts as 1, because xorshift cannot leave zero.
-    #[must_use]
-    pub const fn new(seed: u32) -> Self {
-        Self(if seed == 0 { 1 } else { seed })
-    }
-
-    fn draw(&mut self) -> u32 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 17;
-        self.0 ^= self.0 << 5;
-        self.0
-    }
-}

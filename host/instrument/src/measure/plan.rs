@@ -219,13 +219,6 @@ impl Plan {
         self.quiet_samples() + self.combs.iter().map(|comb| self.samples_of(comb)).sum::<u64>()
     }
 
-    /// As [`Plan::samples`], if each comb has the largest number of windows.
-    #[must_use]
-    pub fn most_samples(&self) -> u64 {
-        let further = |comb: &Comb| u64::from(self.windows_of(comb) - 1) * comb.window_samples();
-        self.samples() + self.combs.iter().map(further).sum::<u64>()
-    }
-
     /// Largest number of windows of a comb, whose blocks the device counts in 16 bits.
     pub(super) fn windows_of(&self, comb: &Comb) -> u16 {
         self.windows.clamp(1, (u16::MAX / comb.period_blocks.max(1)).saturating_add(1))
@@ -388,7 +381,9 @@ mod tests {
         for (name, points, once_s, longest_s) in [("membrane", 60, 7.4, 39.0), ("al-bending", 150, 1.2, 6.0)]
         {
             let plan = plan(name, points, 16);
-            let seconds = [plan.samples(), plan.most_samples()].map(|samples| samples as f64 / RATE_HZ);
+            let further = |comb: &Comb| u64::from(plan.windows_of(comb) - 1) * comb.window_samples();
+            let most = plan.samples() + plan.combs.iter().map(further).sum::<u64>();
+            let seconds = [plan.samples(), most].map(|samples| samples as f64 / RATE_HZ);
             println!("{name}: {seconds:?} s");
             assert!(seconds[0] < once_s && seconds[1] < longest_s && seconds[1] > 3.0 * seconds[0], "{name}");
             assert!(plan.combs.iter().all(|comb| plan.windows_of(comb) == 32), "{name}");
