@@ -29,11 +29,6 @@ fn due(app: &TestApp) -> Vec<String> {
     buttons.filter(|node| is_filled(node.rect())).filter_map(|node| node.accesskit_node().label()).collect()
 }
 
-fn press(app: &mut TestApp, name: &str) {
-    app.window.get_by_role_and_label(Role::Button, name).click();
-    app.wait(200);
-}
-
 #[test]
 fn every_page_and_dialog_has_one_action_that_is_due_at_most() {
     let mut app = TestApp::driving();
@@ -48,7 +43,7 @@ fn every_page_and_dialog_has_one_action_that_is_due_at_most() {
         ("Designer", Some("Use this plate")),
         ("Measure", Some("Measure now")),
     ] {
-        press(&mut app, page);
+        app.click_button(page, 200);
         assert_eq!(due(&app), Vec::from_iter(wanted), "{page}");
     }
     app.files.has_no_dialogs.set(true);
@@ -56,15 +51,15 @@ fn every_page_and_dialog_has_one_action_that_is_due_at_most() {
     // It fades in.
     app.wait(900);
     assert_eq!(due(&app), ["Save"]);
-    press(&mut app, "Cancel");
+    app.click_button("Cancel", 200);
     app.files.has_no_dialogs.set(false);
     open_calibration(&mut app);
     app.wait(900);
     assert_eq!(due(&app), ["Next"]);
-    press(&mut app, "Next");
-    press(&mut app, "Next");
+    app.click_button("Next", 200);
+    app.click_button("Next", 200);
     assert_eq!(due(&app), ["Measure now"], "before the answer is there");
-    press(&mut app, "Cancel");
+    app.click_button("Cancel", 200);
     go_through(&mut app, &crate::calibrate::answers(1.02));
     assert_eq!(due(&app), ["Use this plate"]);
 }

@@ -16,13 +16,11 @@ fn air(app: &TestApp) -> Option<Air> {
 fn choose(app: &mut TestApp, list: &str, entry: &str) {
     app.window.get_by_role_and_label(Role::ComboBox, list).click_accesskit();
     app.wait(200);
-    app.window.get_by_role_and_label(Role::Button, entry).click();
-    app.wait(200);
+    app.click_button(entry, 200);
 }
 
 fn undo(app: &mut TestApp) {
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(100);
+    app.keys(Modifiers::COMMAND, Key::Z, 100);
 }
 
 #[test]
@@ -35,7 +33,7 @@ fn the_air_of_a_plate_is_chosen_typed_and_undone() {
     choose(&mut app, "Mounting: not stated", "bare frame");
     assert_eq!(air(&app), Some(Air::ROOM));
     assert!(app.window.state().setup().plate.band_hz().0 < 0.9 * band_hz.0, "air slows a light membrane");
-    assert!(app.window.query_by_label_contains("Faces with air").is_none(), "a bare frame has both");
+    assert!(!app.has_part("Faces with air"), "a bare frame has both");
     type_into(&mut app, "Temperature", "35 °C");
     type_into(&mut app, "Height above sea", "1500");
     let gas = Gas::Atmosphere { temperature_c: 35.0, height_m: 1500.0 };
@@ -103,7 +101,7 @@ fn a_number_of_the_air_that_cannot_be_is_refused_by_field_and_range() {
     let refuses = |app: &mut TestApp, field: &str, bad: &str, reason: &str| {
         type_into(app, field, bad);
         app.wait(100);
-        assert!(app.window.query_by_label(reason).is_some(), "{field}: {reason}");
+        assert!(app.has(reason), "{field}: {reason}");
     };
     refuses(&mut app, "Air coefficient", "11", "Air coefficient 11: must be 0 to 10");
     refuses(&mut app, "Temperature", "300 °C", "Temperature 300 °C: must be -60 to 100 °C");
@@ -121,12 +119,12 @@ fn a_plate_that_carries_no_air_has_no_field_for_it_or_says_what_is_missing() {
     app.open("shear.toml", Ok(shear.to_toml()));
     open_page(&mut app, "This plate");
     assert_eq!(app.window.state().setup().plate.name(), "al-sh");
-    assert!(app.window.query_by_label_contains("Mounting").is_none());
+    assert!(!app.has_part("Mounting"));
     let slack = slipline_plate::preset("membrane").unwrap().to_toml().replace("tension_n_per_m = 40.0\n", "");
     app.open("slack.toml", Ok(slack));
     app.wait(200);
     let reason = "Tension is missing: [air] needs it: the force per metre of width, in N/m";
-    assert!(app.window.query_by_label(reason).is_some());
+    assert!(app.has(reason));
     app.window.get_by_role_and_label(Role::ComboBox, "Mounting: not stated").click_accesskit();
     app.wait(200);
     let bare = app.window.get_by_role_and_label(Role::Button, "bare frame");

@@ -31,30 +31,24 @@ fn open_preset(app: &mut TestApp, name: &str) {
 }
 
 pub(crate) fn open_page(app: &mut TestApp, page: &str) {
-    app.window.get_by_role_and_label(Role::Button, "Plate").click();
-    app.wait(50);
-    app.window.get_by_role_and_label(Role::Button, page).click();
-    app.wait(100);
+    app.click_button("Plate", 50);
+    app.click_button(page, 100);
 }
 
 #[test]
 fn the_lights_follow_the_boundary_once_it_is_let_go() {
     let mut app = TestApp::driving();
     let chip = summary(&app);
-    app.window.get_by_label(&chip).click();
-    app.wait(100);
-    assert!(app.window.query_by_label("At 180.0 mm, 138.3 Hz").is_some());
+    app.click(&chip, 100);
+    assert!(app.has("At 180.0 mm, 138.3 Hz"));
     let line = crate::line_rect(&app).center();
-    app.window.drag_at(line);
-    app.window.step();
-    app.window.hover_at(line + eframe::egui::vec2(80.0, 0.0));
-    app.wait(100);
-    assert!(app.window.query_by_label("At 180.0 mm, 138.3 Hz").is_some(), "still on its way");
-    app.window.drop_at(line + eframe::egui::vec2(80.0, 0.0));
-    app.wait(100);
-    assert!(app.window.query_by_label("At 180.0 mm, 138.3 Hz").is_none());
+    app.grab(line, 0);
+    app.hover(line + eframe::egui::vec2(80.0, 0.0), 100);
+    assert!(app.has("At 180.0 mm, 138.3 Hz"), "still on its way");
+    app.release(line + eframe::egui::vec2(80.0, 0.0), 100);
+    assert!(!app.has("At 180.0 mm, 138.3 Hz"));
     let there = format!("At {:.1} mm", crate::boundary_mm(&app));
-    assert!(app.window.query_by_label_contains(&there).is_some(), "{there}");
+    assert!(app.has_part(&there), "{there}");
 }
 
 #[test]
@@ -70,16 +64,15 @@ fn every_light_has_its_word_and_its_sentence_and_the_summary_counts_them() {
     // No actuator is given: shown, but neither counted nor a warning.
     assert_eq!(words(&app, "actuator band: unchecked"), 1);
     assert_eq!(summary(&app), format!("Validity: {amber} amber"));
-    assert!(app.window.query_by_label_contains("has no actuator").is_some());
+    assert!(app.has_part("has no actuator"));
 }
 
 #[test]
 fn the_panel_has_what_the_thin_plate_light_asks_for() {
     let mut app = TestApp::driving();
     open_preset(&mut app, "al-bending");
-    app.window.get_by_label(&summary(&app)).click();
-    app.wait(100);
-    assert!(app.window.query_by_label("thin plate: amber").is_some());
+    app.click(&summary(&app), 100);
+    assert!(app.has("thin plate: amber"));
     open_page(&mut app, "This plate");
     app.window.get_by_role_and_label(Role::CheckBox, "Thin plate").click_accesskit();
     app.wait(1500);
@@ -87,9 +80,8 @@ fn the_panel_has_what_the_thin_plate_light_asks_for() {
     let Model::BendingSupported(bending) = &plate.spec().model else { panic!("{:?}", plate.spec().model) };
     assert!(bending.thick_plate);
     assert_eq!(plate.name(), "al-bending (changed)");
-    app.window.get_by_role_and_label(Role::Button, "Validity").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("thin plate: green").is_some());
+    app.click_button("Validity", 100);
+    assert!(app.has("thin plate: green"));
 }
 
 #[test]
@@ -102,7 +94,7 @@ fn a_plate_that_leaves_no_peak_gets_a_red_light() {
     assert!(app.window.state().setup().plate.spec().loss_factor == 0.5, "it was opened");
     assert!(summary(&app).contains("red"), "{}", summary(&app));
     open_page(&mut app, "Validity");
-    assert!(app.window.query_by_label("peak: red").is_some());
+    assert!(app.has("peak: red"));
 }
 
 #[test]
@@ -130,8 +122,7 @@ fn the_designer_makes_a_plate_that_is_used_saved_and_taken_back() {
     assert_eq!(names, ["plate.toml", "plate.svg", "plate.dxf", "frame.svg", "frame.dxf"]);
     let read = slipline_plate::Plate::from_toml(std::str::from_utf8(&saved[0].1).unwrap()).unwrap();
     assert_eq!(read.spec(), plate.spec());
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(200);
+    app.keys(Modifiers::COMMAND, Key::Z, 200);
     assert_eq!(app.window.state().setup().plate.name(), before);
 }
 
@@ -140,9 +131,8 @@ fn a_value_that_no_plate_can_have_is_named_at_its_field() {
     let mut app = TestApp::driving();
     let before = Arc::clone(&app.window.state().setup().plate);
     open_page(&mut app, "Designer");
-    app.window.get_by_label("More").click();
-    app.wait(300);
-    let is_offered = |app: &TestApp| app.window.query_by_label("Use this plate").is_some();
+    app.click("More", 300);
+    let is_offered = |app: &TestApp| app.has("Use this plate");
     assert!(is_offered(&app));
     for (field, bad, reason, good) in [
         ("Thickness", "5 m", "Thickness 5000 mm: must be 0.001 to 100 mm", "2 mm"),
@@ -161,10 +151,10 @@ fn a_value_that_no_plate_can_have_is_named_at_its_field() {
         assert!(!is_offered(&app), "{field}");
         type_into(&mut app, field, good);
         app.wait(100);
-        assert!(app.window.query_by_label_contains(reason).is_none() && is_offered(&app), "{field}");
+        assert!(!app.has_part(reason) && is_offered(&app), "{field}");
     }
     type_into(&mut app, "Thickness", "2 bananas");
-    assert!(app.window.query_by_label_contains("is no unit that fits here").is_some());
+    assert!(app.has_part("is no unit that fits here"));
     assert!(Arc::ptr_eq(&app.window.state().setup().plate, &before));
 }
 
@@ -172,29 +162,26 @@ fn a_value_that_no_plate_can_have_is_named_at_its_field() {
 fn the_wave_is_the_sheet_where_it_runs_live_and_the_modal_lines_elsewhere() {
     let mut app = TestApp::driving_with_sheet();
     app.wait(200);
-    assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some());
+    assert!(app.has("2-D sheet, 1/200 speed"));
     open_preset(&mut app, "al-bending");
     assert!(app.is_driving());
-    assert!(app.window.query_by_label_contains("modal lines, 1/").is_some());
-    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_none());
+    assert!(app.has_part("modal lines, 1/"));
+    assert!(!app.has_part("2-D sheet, 1/"));
     open_preset(&mut app, "paper-rubber");
-    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
+    assert!(app.has_part("2-D sheet, 1/"));
     // The same plate under another name has the same table: nothing is sent to the device, but the field is solved
     // again.
     let text = slipline_plate::preset("paper-rubber").unwrap().to_toml();
     open_plate(&mut app, text.replace("name = \"paper-rubber\"", "name = \"mine\""));
     app.wait(500);
     assert_eq!(app.window.state().setup().plate.name(), "mine");
-    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
+    assert!(app.has_part("2-D sheet, 1/"));
     // The user may prefer the lines.
-    app.window.get_by_label("View").click();
-    app.wait(200);
-    app.window.get_by_label("Wave: modal lines").click();
-    app.wait(200);
-    assert!(app.window.query_by_label_contains("modal lines, 1/").is_some());
-    app.window.key_press(Key::Space);
-    app.wait(400);
-    assert!(app.window.query_by_label("at rest").is_some());
+    app.click("View", 200);
+    app.click("Wave: modal lines", 200);
+    assert!(app.has_part("modal lines, 1/"));
+    app.key(Key::Space, 400);
+    assert!(app.has("at rest"));
 }
 
 #[test]
@@ -220,20 +207,18 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     open_page(&mut app, "This plate");
     type_into(&mut app, "Wave speed", "13 m/s");
     assert!(!Arc::ptr_eq(&app.window.state().setup().plate, &plate));
-    app.until("a bar", |app| app.window.query_by_label_contains("table 40 %").is_some());
-    assert!(app.window.query_by_label("waits for its table").is_some(), "no wave of another plate");
-    app.window.get_by_label("Cancel").click();
-    app.wait(100);
+    app.until("a bar", |app| app.has_part("table 40 %"));
+    assert!(app.has("waits for its table"), "no wave of another plate");
+    app.click("Cancel", 100);
     assert!(Arc::ptr_eq(&app.window.state().setup().plate, &plate), "the old plate is back");
-    assert!(app.window.query_by_label_contains("table 40 %").is_none());
-    assert!(app.window.query_by_label_contains("2-D sheet, 1/").is_some());
+    assert!(!app.has_part("table 40 %"));
+    assert!(app.has_part("2-D sheet, 1/"));
     app.wait(500);
     assert_eq!(app.snapshot().table.active.unwrap().crc, crc);
     assert!(app.is_driving());
     assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Upload(_))));
     // The old table is still active: the boundary can be moved with it.
-    app.window.key_press(Key::Escape);
-    app.wait(100);
+    app.key(Key::Escape, 100);
     // Cancelled work can be started again.
     is_held.store(false, Ordering::Relaxed);
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -250,8 +235,7 @@ fn at_rest_nothing_is_repainted_and_the_sheet_does_not_run() {
     app.wait(500);
     assert!(app.sheet_jobs.get() >= before + 5, "it moves while it is driven");
     assert!(delay(&app) <= Duration::from_millis(33));
-    app.window.key_press(Key::Space);
-    app.wait(3000);
+    app.key(Key::Space, 3000);
     let asleep = app.sheet_jobs.get();
     app.wait(1000);
     assert_eq!(app.sheet_jobs.get(), asleep);
@@ -264,9 +248,9 @@ fn the_designer_draws_its_plate_on_the_stage_while_one_types_and_loads_nothing()
     let before = app.setup_text();
     let shown = |app: &TestApp, length: &str| {
         let name = format!("Design, not loaded: designed, {length} long");
-        app.window.query_by_label(&name).is_some()
+        app.has(&name)
     };
-    let any = |app: &TestApp| app.window.query_by_label_contains("Design, not loaded").is_some();
+    let any = |app: &TestApp| app.has_part("Design, not loaded");
     assert!(!any(&app));
     open_page(&mut app, "Designer");
     app.wait(300);
@@ -274,19 +258,16 @@ fn the_designer_draws_its_plate_on_the_stage_while_one_types_and_loads_nothing()
     // Typed, and not confirmed.
     app.window.get_by_role_and_label(Role::TextInput, "Length").focus();
     app.window.step();
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    app.window.step();
+    app.keys(Modifiers::COMMAND, Key::A, 0);
     app.window.get_by_role_and_label(Role::TextInput, "Length").type_text("25 cm");
     app.wait(300);
     assert!(shown(&app, "250.0 mm"));
     assert_eq!(app.setup_text(), before);
     assert!(app.is_driving());
-    app.window.get_by_role_and_label(Role::Button, "This plate").click();
-    app.wait(100);
+    app.click_button("This plate", 100);
     assert!(!any(&app), "only while the designer is open");
     open_page(&mut app, "Designer");
-    app.window.get_by_label("Use this plate").click();
-    app.wait(300);
+    app.click("Use this plate", 300);
     assert!(!any(&app), "it is the plate now");
     assert_ne!(app.setup_text(), before);
 }

@@ -1,26 +1,18 @@
 //! The brush: the wanted amplitude is drawn over the envelope; the tones follow, and what cannot be had is shaded.
 
-use crate::fake_files::FakeFiles;
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, opened};
 use crate::textures::open_textures;
 use crate::{boundary_mm, line_rect, real_device};
 use eframe::egui::{Color32, Key, Modifiers, Pos2, Rect, Shape, accesskit::Role, pos2, vec2};
-use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::State;
 use slipline_link::{Request, Sounding};
 use slipline_model::setup::{Setup, ToneSetup};
-use slipline_window::settings::ThemeChoice;
 
 /// The window with the brush in the hand.
 pub(crate) fn with_brush(app: &mut TestApp) {
     open_textures(app);
-    press(app, "Brush");
-}
-
-fn press(app: &mut TestApp, name: &str) {
-    app.window.get_by_role_and_label(Role::Button, name).click();
-    app.wait(200);
+    app.click_button("Brush", 200);
 }
 
 fn has(app: &TestApp, name: &str) -> bool {
@@ -36,14 +28,12 @@ fn at(app: &TestApp, (along, up): (f32, f32)) -> Pos2 {
 /// Begins a stroke and draws it through these places, five moves from one to the next; it is not ended.
 fn draw(app: &mut TestApp, path: &[(f32, f32)]) -> Pos2 {
     let begin = at(app, path[0]);
-    app.window.drag_at(begin);
-    app.wait(50);
+    app.grab(begin, 50);
     let mut last = begin;
     for &to in &path[1..] {
         let to = at(app, to);
         for step in 1..=5 {
-            app.window.hover_at(last + (to - last) * (step as f32 / 5.0));
-            app.wait(50);
+            app.hover(last + (to - last) * (step as f32 / 5.0), 50);
         }
         last = to;
     }
@@ -53,8 +43,7 @@ fn draw(app: &mut TestApp, path: &[(f32, f32)]) -> Pos2 {
 /// As [`draw`], to its end.
 pub(crate) fn stroke(app: &mut TestApp, path: &[(f32, f32)]) {
     let last = draw(app, path);
-    app.window.drop_at(last);
-    app.wait(400);
+    app.release(last, 400);
 }
 
 fn setup(app: &TestApp) -> Setup {
@@ -96,19 +85,16 @@ fn the_tones_follow_a_stroke_which_is_one_step_of_undo() {
     let before = setup(&app);
     let mut seen: Vec<Setup> = Vec::new();
     let begin = at(&app, FALLS[0]);
-    app.window.drag_at(begin);
-    app.wait(50);
+    app.grab(begin, 50);
     for step in 1..=10 {
         let to = at(&app, (0.06 + 0.06 * step as f32, 0.1));
-        app.window.hover_at(to);
-        app.wait(50);
+        app.hover(to, 50);
         seen.push(setup(&app));
     }
     seen.dedup();
     assert!(seen.len() > 7, "a fit for each move: {}", seen.len());
     let end = at(&app, (0.66, 0.1));
-    app.window.drop_at(end);
-    app.wait(400);
+    app.release(end, 400);
     let drawn = setup(&app);
     assert!(drawn.tones.len() > 1 && app.is_driving());
     assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
@@ -117,8 +103,7 @@ fn the_tones_follow_a_stroke_which_is_one_step_of_undo() {
     let more = setup(&app);
     assert_ne!(more, drawn);
     let key = |app: &mut TestApp, key: Key| {
-        app.window.key_press_modifiers(Modifiers::COMMAND, key);
-        app.wait(400);
+        app.keys(Modifiers::COMMAND, key, 400);
         setup(app)
     };
     assert_eq!(key(&mut app, Key::Z), drawn);
@@ -170,8 +155,7 @@ fn a_stroke_goes_through_lines_and_brings_none() {
     // On the plate a press brings the line as ever.
     let plate = app.window.get_by_label("Plate from above").rect();
     let before = setup(&app);
-    app.window.drag_at(pos2(plate.left() + 0.4 * plate.width(), plate.top() + 8.0));
-    app.wait(1000);
+    app.grab(pos2(plate.left() + 0.4 * plate.width(), plate.top() + 8.0), 1000);
     let moved = |(one, other): (&ToneSetup, &ToneSetup)| one.position_m != other.position_m;
     let after = setup(&app);
     assert_eq!(before.tones.iter().zip(&after.tones).filter(|pair| moved(*pair)).count(), 1);
@@ -200,7 +184,7 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
         if way == "Esc" {
             assert!(has(&app, "Esc ended the drawing and stopped the drive. Press Drive to go on."));
             assert!(!app.is_driving());
-            press(&mut app, "Drive");
+            app.click_button("Drive", 200);
         }
         // A press on the envelope brings the line again.
         let envelope = app.window.get_by_label("Envelope").rect();
@@ -209,13 +193,11 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
             envelope.left() + if before > 150.0 { 0.4 } else { 0.6 } * envelope.width(),
             envelope.top() + 40.0,
         );
-        app.window.drag_at(place);
-        app.wait(1000);
-        app.window.drop_at(place);
-        app.wait(100);
+        app.grab(place, 1000);
+        app.release(place, 100);
         assert_ne!(boundary_mm(&app), before, "{way}");
         // Whatever page is open: with the brush in the hand it would be put away there.
-        press(&mut app, "Boundary");
+        app.click_button("Boundary", 200);
     }
 }
 
@@ -232,8 +214,7 @@ fn a_drawing_is_sent_a_few_times_a_second_and_to_its_end() {
     let drives = |sent: &[Request]| sent.iter().filter(|it| matches!(it, Request::Play(_))).count();
     let during = drives(&app.take_sent());
     assert!((2..=3).contains(&during), "{during}");
-    app.window.drop_at(last);
-    app.wait(1500);
+    app.release(last, 1500);
     let sent = app.take_sent();
     let Some(Request::Play(Sounding::Drive(drive))) =
         sent.iter().rev().find(|it| matches!(it, Request::Play(_)))
@@ -250,10 +231,7 @@ fn a_drawing_is_sent_a_few_times_a_second_and_to_its_end() {
 fn a_drawing_arms_and_starts_nothing() {
     for state in [State::Idle, State::Fault] {
         let link = real_device(state);
-        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-        let mut window =
-            open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
+        let mut window = opened(link.clone(), [1280.0, 800.0]);
         window.get_by_role_and_label(Role::Button, "Texture").click();
         window.run_steps(5);
         window.get_by_role_and_label(Role::Button, "Brush").click();
@@ -276,8 +254,7 @@ fn a_drawing_arms_and_starts_nothing() {
 fn what_was_stopped_stays_so_while_it_is_drawn() {
     let mut app = TestApp::driving();
     with_brush(&mut app);
-    app.window.key_press(Key::Space);
-    app.wait(300);
+    app.key(Key::Space, 300);
     app.take_sent();
     stroke(&mut app, &FALLS);
     assert!(setup(&app).tones.len() > 1 && !app.is_driving());
@@ -288,8 +265,7 @@ fn what_was_stopped_stays_so_while_it_is_drawn() {
 fn a_drawing_fits_the_smallest_screen_and_its_controls_can_be_touched() {
     for size in [[640.0, 480.0], [800.0, 480.0], [1280.0, 800.0]] {
         let mut app = TestApp::driving();
-        app.window.set_size(size.into());
-        app.wait(200);
+        app.resize(size.into(), 200);
         with_brush(&mut app);
         let screen = Rect::from_min_size(Pos2::ZERO, size.into());
         for name in ["Brush", "End drawing"] {

@@ -4,7 +4,7 @@ use crate::measure::{measured, membrane, open_measure};
 use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, accesskit::Role};
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use slipline_instrument::calibration::CalibrationWizard;
 use slipline_plate::calibrate::{Calipers, Measurement};
 use slipline_plate::quantity::show_place;
@@ -14,25 +14,16 @@ use std::path::PathBuf;
 /// Where the sensor of the answers stood, whatever the pages propose.
 const PLACES_M: [f64; 2] = [0.032, 0.176];
 
-fn has(app: &TestApp, part: &str) -> bool {
-    app.window.query_all_by_label_contains(part).next().is_some()
-}
-
 fn press(app: &mut TestApp, name: &str) {
     // In a small window it may lie below what is seen of the page.
     app.window.get_by_role_and_label(Role::Button, name).scroll_to_me();
     app.wait(400);
-    app.window.get_by_role_and_label(Role::Button, name).click();
-    app.wait(200);
-}
-
-fn is_enabled(app: &TestApp, name: &str) -> bool {
-    !app.window.get_by_role_and_label(Role::Button, name).accesskit_node().is_disabled()
+    app.click_button(name, 200);
 }
 
 /// The number of the open page.
 pub(crate) fn page(app: &TestApp) -> Option<usize> {
-    (1..=5).find(|number| app.window.query_by_label(&format!("{number} of 5")).is_some())
+    (1..=5).find(|number| app.has(&format!("{number} of 5")))
 }
 
 pub(crate) fn open_calibration(app: &mut TestApp) {
@@ -74,9 +65,9 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
     let mut app = TestApp::driving();
     let before = app.window.state().setup().clone();
     go_through(&mut app, &answers(1.04));
-    assert!(has(&app, "Boundary off by") && has(&app, "Wave speed") && has(&app, "Sensor's place"));
-    assert!(has(&app, "χ² per answer is"));
-    assert!(has(&app, "1.0 mm from its mark moves the boundary by up to"), "what no measurement shows");
+    assert!(app.shows("Boundary off by") && app.shows("Wave speed") && app.shows("Sensor's place"));
+    assert!(app.shows("χ² per answer is"));
+    assert!(app.shows("1.0 mm from its mark moves the boundary by up to"), "what no measurement shows");
     press(&mut app, "Save plate file…");
     let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     let saved = Plate::from_toml(str::from_utf8(&bytes).unwrap()).unwrap();
@@ -90,11 +81,10 @@ fn a_plate_that_is_four_per_cent_off_is_calibrated_used_and_taken_back() {
     assert!(off.abs() < 3e-3, "{off}");
     assert!(page(&app).is_none() && app.is_driving(), "its table is made and sent");
     // The measurement that was opened last is of this plate now.
-    assert!(has(&app, "The plate's model fits"));
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(500);
+    assert!(app.shows("The plate's model fits"));
+    app.keys(Modifiers::COMMAND, Key::Z, 500);
     assert_eq!(app.window.state().setup(), &before);
-    assert!(has(&app, "Measured differs"));
+    assert!(app.shows("Measured differs"));
 }
 
 #[test]
@@ -103,46 +93,45 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
     let both = answers(1.02);
     let proposed = CalibrationWizard::of(&app.window.state().setup().plate).places_m().map(show_place);
     open_calibration(&mut app);
-    assert!(page(&app) == Some(1) && !is_enabled(&app, "Back") && is_enabled(&app, "Next"));
+    assert!(page(&app) == Some(1) && !app.is_enabled("Back") && app.is_enabled("Next"));
     press(&mut app, "Next");
     let first = format!("The sensor's place: {} from the driven end, on the centre line", proposed[0]);
-    assert!(has(&app, &first));
+    assert!(app.shows(&first));
     press(&mut app, "Next");
-    assert!(page(&app) == Some(3) && !is_enabled(&app, "Next"));
+    assert!(page(&app) == Some(3) && !app.is_enabled("Next"));
     open_answer(&mut app, "near.csv", &both[0]);
-    assert!(is_enabled(&app, "Next") && has(&app, "Headroom: 12.0 dB left"));
+    assert!(app.is_enabled("Next") && app.shows("Headroom: 12.0 dB left"));
     press(&mut app, "Next");
-    assert!(has(&app, &format!("The sensor's place: {}", proposed[1])) && !is_enabled(&app, "Next"));
+    assert!(app.shows(&format!("The sensor's place: {}", proposed[1])) && !app.is_enabled("Next"));
     let stood = show_place(both[0].place_m);
-    assert!(stood != proposed[0] && has(&app, &format!("; it stood at {stood}")));
+    assert!(stood != proposed[0] && app.shows(&format!("; it stood at {stood}")));
     // A file of something else is no answer, and says so.
     *app.files.contents.borrow_mut() = vec![(PathBuf::from("bad.csv"), Ok("# place_m = 1\n".to_owned()))];
     press(&mut app, "Open file…");
     assert!(
         app.window.state().notice().is_some_and(|notice| notice.is_error && notice.text.contains("bad.csv"))
     );
-    assert!(!is_enabled(&app, "Next"));
+    assert!(!app.is_enabled("Next"));
     press(&mut app, "Back");
     press(&mut app, "Back");
     assert_eq!(page(&app), Some(2));
     // Esc closes the pages and keeps what is known, Cancel gives it up.
-    app.window.key_press(Key::Escape);
-    app.wait(300);
+    app.key(Key::Escape, 300);
     assert_eq!(page(&app), None);
     press(&mut app, "Calibrate…");
     assert_eq!(page(&app), Some(2));
     press(&mut app, "Next");
-    assert!(is_enabled(&app, "Next"), "the answer is kept");
+    assert!(app.is_enabled("Next"), "the answer is kept");
     press(&mut app, "Cancel");
     assert_eq!(page(&app), None);
     press(&mut app, "Calibrate…");
     assert_eq!(page(&app), Some(1));
     press(&mut app, "Next");
     press(&mut app, "Next");
-    assert!(!is_enabled(&app, "Next"));
+    assert!(!app.is_enabled("Next"));
     // What is in the list can be taken.
     press(&mut app, "near.csv at 32.0 mm");
-    assert!(is_enabled(&app, "Next"));
+    assert!(app.is_enabled("Next"));
 }
 
 #[test]
@@ -153,14 +142,14 @@ fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_
     let wrong =
         [Measurement { place_m: far.place_m, ..near.clone() }, Measurement { place_m: near.place_m, ..far }];
     go_through(&mut app, &wrong);
-    assert!(has(&app, "No plate file was made") && has(&app, "seem to be exchanged"));
-    assert!(app.window.query_by_label("Use this plate").is_none());
+    assert!(app.shows("No plate file was made") && app.shows("seem to be exchanged"));
+    assert!(!app.has("Use this plate"));
     press(&mut app, "Cancel");
     for name in ["near.csv", "far.csv"] {
         press(&mut app, &format!("Remove {name}"));
     }
     go_through(&mut app, &answers(1.25));
-    assert!(has(&app, "No plate file was made"), "a quarter faster");
+    assert!(app.shows("No plate file was made"), "a quarter faster");
     press(&mut app, "Back to page 1");
     assert_eq!(page(&app), Some(1));
 }
@@ -175,16 +164,15 @@ fn calipers_move_the_places_and_one_that_cannot_be_is_refused_at_its_field() {
     let [place_m, _] = calibration.places_m();
     assert_ne!(place_m, of_file_m[0]);
     open_calibration(&mut app);
-    app.window.get_by_label("Its widths and length are measured by calipers").click();
-    app.wait(200);
+    app.click("Its widths and length are measured by calipers", 200);
     type_into(&mut app, "Length", "300 mm");
     assert_eq!(app.window.get_by_role_and_label(Role::TextInput, "Length").value().unwrap(), "300 mm");
     type_into(&mut app, "Width, narrow end", "900 mm");
-    assert!(has(&app, "must be"));
+    assert!(app.shows("must be"));
     type_into(&mut app, "Widths known to", "5 m");
     assert!(app.window.query_all_by_label_contains("must be").count() >= 2);
     press(&mut app, "Next");
-    assert!(has(&app, &format!("The sensor's place: {}", show_place(place_m))));
+    assert!(app.shows(&format!("The sensor's place: {}", show_place(place_m))));
 }
 
 #[test]
@@ -195,7 +183,7 @@ fn where_paths_are_typed_the_pages_come_back() {
     press(&mut app, "Next");
     press(&mut app, "Next");
     press(&mut app, "Open file…");
-    assert!(page(&app).is_none() && has(&app, "Open a measurement"));
+    assert!(page(&app).is_none() && app.shows("Open a measurement"));
     press(&mut app, "Cancel");
     assert_eq!(page(&app), Some(3));
     let path = std::env::temp_dir().join("near.csv");
@@ -203,7 +191,7 @@ fn where_paths_are_typed_the_pages_come_back() {
     press(&mut app, "Open file…");
     type_into(&mut app, "File path", &path.display().to_string());
     app.wait(200);
-    assert!(page(&app) == Some(3) && is_enabled(&app, "Next"));
+    assert!(page(&app) == Some(3) && app.is_enabled("Next"));
 }
 
 /// The buttons that lead on, back and out.
@@ -217,8 +205,7 @@ fn places(app: &TestApp) -> Vec<(String, eframe::egui::Rect)> {
 fn the_calibrations_buttons_keep_their_places_from_page_to_page() {
     for size in [[1280.0, 800.0], [640.0, 480.0]] {
         let mut app = TestApp::driving();
-        app.window.set_size(size.into());
-        app.wait(100);
+        app.resize(size.into(), 100);
         for (name, answer) in ["near.csv", "far.csv"].into_iter().zip(&answers(1.02)) {
             app.open(name, Ok(answer.to_csv()));
             app.wait(200);
@@ -262,8 +249,7 @@ fn a_calibrated_plate_has_a_name_of_its_own() {
     press(&mut app, "Use this plate");
     app.wait(1500);
     assert_eq!(app.window.state().setup().plate.name(), "membrane, calibrated");
-    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
-    app.wait(200);
+    app.click_button("Boundary", 200);
     assert!(crate::plots::words(app.window.output()).iter().any(|(word, _)| word == "membrane, calibrated"));
     // Calibrated once more, it is still called so.
     assert_eq!(slipline_instrument::calibration::named_calibrated(&saved).name(), saved.name());

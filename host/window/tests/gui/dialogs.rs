@@ -39,14 +39,12 @@ fn frame(app: &mut TestApp) -> Rect {
 fn press(app: &mut TestApp, name: &str) {
     app.window.get_by_role_and_label(Role::Button, name).scroll_to_me();
     app.wait(300);
-    app.window.get_by_role_and_label(Role::Button, name).click();
-    app.wait(200);
+    app.click_button(name, 200);
 }
 
 fn sized(size: [f32; 2]) -> TestApp {
     let mut app = TestApp::driving();
-    app.window.set_size(size.into());
-    app.wait(100);
+    app.resize(size.into(), 100);
     app
 }
 
@@ -115,8 +113,7 @@ fn every_other_dialog_fits_the_smallest_screen() {
             if entry == "Keys" {
                 app.window.key_press(Key::F1);
             } else {
-                app.window.get_by_label(menu).click();
-                app.wait(200);
+                app.click(menu, 200);
                 app.window.get_by_label_contains(entry).scroll_to_me();
                 app.wait(300);
                 app.window.get_by_label_contains(entry).click();
@@ -125,8 +122,7 @@ fn every_other_dialog_fits_the_smallest_screen() {
             assert!(screen(size).contains_rect(first), "{size:?} {entry}: {first}");
             app.wait(500);
             assert_eq!(frame(&mut app), first, "{size:?} {entry}");
-            app.window.get_by_label("Close").click();
-            app.wait(300);
+            app.click("Close", 300);
         }
         // A path that is longer than its field, and one whose file is there.
         app.files.has_no_dialogs.set(true);
@@ -136,12 +132,11 @@ fn every_other_dialog_fits_the_smallest_screen() {
         app.window.get_by_role_and_label(Role::TextInput, "File path").type_text(&LONG.repeat(3));
         assert_eq!(frame(&mut app), first, "{size:?}: a long path");
         press(&mut app, "Save");
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-        app.wait(300);
+        app.keys(Modifiers::COMMAND, Key::S, 300);
         app.window.get_by_role_and_label(Role::TextInput, "File path").type_text(&LONG.repeat(3));
         app.wait(100);
         press(&mut app, "Save");
-        assert!(app.window.query_by_label_contains("There is a file of that name").is_some());
+        assert!(app.has_part("There is a file of that name"));
         assert_eq!(frame(&mut app), first, "{size:?}: a file that is there");
     }
 }

@@ -1,17 +1,15 @@
 //! "Is it on?" before a measurement: its switch, the circuit that the user states, and the result with a drive that is off.
 
-use crate::fake_files::FakeFiles;
 use crate::measure::open_measure;
-use crate::measuring::{has, press, wait_for_the_end};
+use crate::measuring::wait_for_the_end;
 use crate::real_device;
 use crate::sensors::{Half, NoCurrent};
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, opened};
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use slipline_instrument::bench::Bench;
 use slipline_link::protocol::event::State;
-use slipline_window::settings::ThemeChoice;
 
 const SWITCH: &str = "Check first that the drive is on";
 
@@ -25,26 +23,24 @@ fn switch_on(app: &mut TestApp) {
 fn the_check_is_switched_on_and_the_page_says_that_it_runs_and_what_it_found() {
     let mut app = TestApp::sensed(Box::new(NoCurrent(Half(5))), Bench::default());
     switch_on(&mut app);
-    assert!(app.window.query_by_label("Amplifier").is_none(), "the rig states its circuit itself");
-    press(&mut app, "Measure now");
+    assert!(!app.has("Amplifier"), "the rig states its circuit itself");
+    app.click_button("Measure now", 200);
     app.wait(500);
-    assert!(has(&app, "Quiet tones first") && has(&app, "Cancel measuring"));
+    assert!(app.shows("Quiet tones first") && app.shows("Cancel measuring"));
     wait_for_the_end(&mut app);
     assert!(
-        has(&app, "Not measured. No current flows: a wire of the drive is open"),
+        app.shows("Not measured. No current flows: a wire of the drive is open"),
         "{:?}",
         app.snapshot().log
     );
-    assert!(!has(&app, "run 1") && !has(&app, "Quiet tones first"));
+    assert!(!app.shows("run 1") && !app.shows("Quiet tones first"));
 }
 
 #[test]
 fn the_circuit_of_a_real_drive_is_typed_with_units_and_refused_beyond_its_range() {
     let mut link = real_device(State::Idle);
     std::sync::Arc::make_mut(&mut link.snapshot).port = None;
-    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 900.0]);
-    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let mut window = opened(link, [1280.0, 900.0]);
     for (role, name) in [(Role::Button, "Plate"), (Role::Button, "Measure"), (Role::CheckBox, SWITCH)] {
         window.get_by_role_and_label(role, name).click();
         window.run_steps(5);

@@ -1,13 +1,10 @@
 //! The window of a device that has stopped at the end of its drive time.
 
-use crate::fake_files::FakeFiles;
 use crate::real_device;
-use crate::test_app::open_window;
+use crate::test_app::opened;
 use eframe::egui::FullOutput;
-use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::{Fault, Faults, State};
-use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
 #[test]
@@ -17,9 +14,7 @@ fn a_stop_at_the_end_of_the_drive_time_is_told_and_a_real_device_is_cleared_firs
         let snapshot = Arc::make_mut(&mut link.snapshot);
         snapshot.status.as_mut().unwrap().faults = Faults::NONE.with(Fault::DriveTime);
         Arc::make_mut(snapshot.identity.as_mut().unwrap()).simulated = is_simulated;
-        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
+        let mut window = opened(link, [1280.0, 800.0]);
         assert!(window.query_by_label("State: fault: 10 minutes without a command").is_some());
         assert_eq!(window.query_by_label("Clear fault").is_some(), !is_simulated);
         assert_eq!(window.query_by_label("Drive").is_some(), is_simulated);

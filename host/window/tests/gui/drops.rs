@@ -45,7 +45,7 @@ fn breakpoints(app: &TestApp) -> Vec<(f64, String)> {
 fn a_dropped_csv_or_png_is_drawn_as_a_profile_on_the_page_of_textures() {
     let mut app = TestApp::driving();
     drop_file(&mut app, "falling.CSV", b"place_m,rms\n0.01,1\n0.28,0.25\n");
-    assert!(app.window.query_by_label("Texture over the plate").is_some(), "the page is open");
+    assert!(app.has("Texture over the plate"), "the page is open");
     let drawn = breakpoints(&app);
     assert_eq!(drawn.iter().map(|(mm, _)| *mm).collect::<Vec<_>>(), [10.0, 280.0]);
     assert!(drawn[1].1.starts_with("280.0 mm, 0.25"), "{drawn:?}");
@@ -62,10 +62,9 @@ fn a_dropped_csv_or_png_is_drawn_as_a_profile_on_the_page_of_textures() {
 fn a_dropped_plate_and_a_dropped_recording_are_what_they_are_and_nonsense_is_refused_by_name() {
     let mut app = TestApp::driving();
     drop_file(&mut app, "drag.csv", b"time_s,tone,place_m\n0,1,0.18\n0.5,1,0.2\n");
-    app.window.get_by_role_and_label(Role::Button, "Play").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("2 moves, 0.5 s").is_some());
-    assert!(app.window.query_by_label("Texture over the plate").is_none());
+    app.click_button("Play", 100);
+    assert!(app.has("2 moves, 0.5 s"));
+    assert!(!app.has("Texture over the plate"));
     let plate = slipline_plate::preset("membrane-heavy").unwrap().to_toml();
     drop_file(&mut app, "heavy.toml", plate.as_bytes());
     assert_eq!(app.window.state().setup().plate.name(), "membrane-heavy");

@@ -6,10 +6,8 @@ use egui_kittest::kittest::Queryable as _;
 
 /// Chooses an entry of the File menu.
 pub(crate) fn file_menu(app: &mut TestApp, entry: &str) {
-    app.window.get_by_label("File").click();
-    app.wait(200);
-    app.window.get_by_label_contains(entry).click();
-    app.wait(200);
+    app.click("File", 200);
+    app.click_part(entry, 200);
 }
 
 /// The width and height of a PNG file in pixels, its pixels, and its dots per metre.
@@ -79,8 +77,7 @@ fn are_copied(app: &mut TestApp) -> bool {
 #[test]
 fn the_diagnostics_are_copied_at_once_and_then_read_and_saved() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("File").click();
-    app.wait(200);
+    app.click("File", 200);
     app.window.get_by_label_contains("Copy diagnostics").click();
     assert!(are_copied(&mut app), "one click is enough");
     app.wait(200);
@@ -92,11 +89,10 @@ fn the_diagnostics_are_copied_at_once_and_then_read_and_saved() {
         "{text}"
     );
     assert!(frames.contains(" to device ") && frames.contains(" to host "), "{text}");
-    assert!(app.window.query_by_label_contains("read it before you send it").is_some());
+    assert!(app.has_part("read it before you send it"));
     app.window.get_by_label("Copy again").click_accesskit();
     assert!(are_copied(&mut app));
-    app.window.get_by_label("Save diagnostics…").click();
-    app.wait(100);
+    app.click("Save diagnostics…", 100);
     let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
     assert_eq!(name, "slipline-diagnostics.txt");
     assert!(String::from_utf8(bytes).unwrap().contains("== log"));

@@ -68,8 +68,7 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
     for &(name, level, places) in presets {
         let mut app = felt(name, level);
         for mm in places {
-            app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-            app.window.step();
+            app.keys(Modifiers::COMMAND, Key::Num1, 0);
             type_into(&mut app, "Boundary position", &format!("{mm} mm"));
             app.wait(100);
             let wanted = format!("{mm}.0 mm");
@@ -83,13 +82,11 @@ fn name_the_same_place(presets: &[(&str, f64, [u32; 5])]) {
             assert!(by_person.ends_with(" by person"), "{name}: {strip}");
             let field = app.window.get_by_role_and_label(Role::TextInput, "Boundary position").value();
             assert_eq!(field.as_deref(), Some(&wanted[..]), "{name}: the field");
-            app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num2);
-            app.window.step();
+            app.keys(Modifiers::COMMAND, Key::Num2, 0);
             app.window.step();
             let field = app.window.get_by_role_and_label(Role::TextInput, "Position of tone 1").value();
             assert_eq!(field.as_deref(), Some(&wanted[..]), "{name}: the page of tones");
-            app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-            app.window.step();
+            app.keys(Modifiers::COMMAND, Key::Num1, 0);
             app.window.step();
             if slipline_model::field::touch::refusal(&app.window.state().setup().plate).is_some() {
                 continue;
@@ -116,8 +113,7 @@ fn the_line_is_moved_by_what_it_shows() {
     app.window.get_by_role_and_label(Role::Slider, "Boundary").focus();
     app.window.step();
     for (modifiers, mm) in [(Modifiers::NONE, 201.0), (Modifiers::SHIFT, 201.1)] {
-        app.window.key_press_modifiers(modifiers, Key::ArrowRight);
-        app.window.step();
+        app.keys(modifiers, Key::ArrowRight, 0);
         assert!((slider_mm(&app, "Boundary") - mm).abs() < 0.01, "{}", slider_mm(&app, "Boundary"));
     }
     put(&mut app, "Boundary", 240.0);
@@ -130,13 +126,12 @@ fn the_line_is_moved_by_what_it_shows() {
     let span_mm = app.window.state().setup().plate.span_m().1 * 1e3;
     assert!(low_mm > 90.0 && high_mm > span_mm + 15.0, "{allowed}");
     for page in [("Boundary position", Key::Num1), ("Position of tone 1", Key::Num2)] {
-        app.window.key_press_modifiers(Modifiers::COMMAND, page.1);
-        app.wait(100);
+        app.keys(Modifiers::COMMAND, page.1, 100);
         type_into(&mut app, page.0, "290 mm");
         assert!((slider_mm(&app, "Boundary") - 290.0).abs() < 0.1, "{page:?}");
         type_into(&mut app, page.0, &format!("{} mm", high_mm + 2.0));
         let refusal = format!("outside {low_mm} to {high_mm} mm");
-        assert!(app.window.query_by_label_contains(&refusal).is_some(), "{page:?}");
+        assert!(app.has_part(&refusal), "{page:?}");
     }
 }
 
@@ -160,21 +155,17 @@ fn below_20_khz_an_ultrasonic_plate_is_not_felt_and_says_so() {
 fn a_scene_is_chosen_by_its_card_and_undone() {
     let mut app = felt("membrane", 0.03);
     let before = app.window.state().setup().clone();
-    app.window.get_by_label("File").click();
-    app.wait(200);
-    app.window.get_by_label_contains("Scenes…").click();
-    app.wait(200);
+    app.click("File", 200);
+    app.click_part("Scenes…", 200);
     for scene in slipline_model::scenes::SCENES {
         assert!(app.window.query_by_role_and_label(Role::Button, scene.name).is_some(), "{}", scene.name);
     }
-    app.window.get_by_role_and_label(Role::Button, "Vibrating area").click();
-    app.wait(1500);
+    app.click_button("Vibrating area", 1500);
     let setup = app.window.state().setup().clone();
     assert_eq!(Some(&setup), slipline_model::scenes::SCENES[0].setup().as_ref());
-    assert!(app.window.query_by_label("Scenes").is_none(), "the page is closed");
+    assert!(!app.has("Scenes"), "the page is closed");
     assert!(painted(&app, "felt to ").is_some() && app.is_driving());
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(50);
+    app.keys(Modifiers::COMMAND, Key::Z, 50);
     assert_eq!(app.window.state().setup(), &before);
 }
 
@@ -187,6 +178,6 @@ fn how_a_finger_feels_is_typed_and_refused_beyond_its_range() {
     assert_eq!(app.window.state().setup().feeling.threshold, 2.0);
     let setup = app.window.state().setup().clone();
     type_into(&mut app, "Threshold", "0");
-    assert!(app.window.query_by_label_contains("Threshold 0: must be 0.01 to 100").is_some());
+    assert!(app.has_part("Threshold 0: must be 0.01 to 100"));
     assert_eq!(app.window.state().setup(), &setup);
 }

@@ -15,15 +15,12 @@ pub(crate) fn choose(app: &mut TestApp, name: &str) {
 /// Drags the finger by each of these steps in points, one every 50 ms, and lets it go.
 pub(crate) fn drag_by(app: &mut TestApp, steps: &[f32]) {
     let mut at = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
-    app.window.drag_at(at);
-    app.wait(50);
+    app.grab(at, 50);
     for step in steps {
         at.x += step;
-        app.window.hover_at(at);
-        app.wait(50);
+        app.hover(at, 50);
     }
-    app.window.drop_at(at);
-    app.wait(50);
+    app.release(at, 50);
 }
 
 pub(crate) fn finger_mm(app: &TestApp) -> f64 {
@@ -51,21 +48,17 @@ fn a_finger_is_dragged_along_the_plate_and_the_field_follows() {
     choose(&mut app, "Firm");
     let on_peak = height(&app);
     assert_ne!(on_peak, untouched);
-    assert!(app.window.query_by_label("modal lines, touched, 1/200 speed").is_some());
-    assert!(app.window.query_by_label_contains("boundary line and strip stay those").is_some());
+    assert!(app.has("modal lines, touched, 1/200 speed"));
+    assert!(app.has_part("boundary line and strip stay those"));
     let finger = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
     let place_mm = finger_mm(&app);
-    app.window.drag_at(finger);
-    app.window.step();
-    app.window.hover_at(finger - vec2(120.0, 0.0));
-    app.wait(50);
+    app.grab(finger, 0);
+    app.hover(finger - vec2(120.0, 0.0), 50);
     assert!(finger_mm(&app) < place_mm - 40.0, "{place_mm} {}", finger_mm(&app));
     assert_ne!(height(&app), on_peak);
-    app.window.hover_at(finger - vec2(2000.0, 0.0));
-    app.wait(50);
+    app.hover(finger - vec2(2000.0, 0.0), 50);
     assert_eq!(finger_mm(&app), 0.0, "it stays on the plate");
-    app.window.drop_at(finger - vec2(2000.0, 0.0));
-    app.wait(50);
+    app.release(finger - vec2(2000.0, 0.0), 50);
     choose(&mut app, "None");
     assert_eq!(height(&app), untouched);
     assert_eq!(app.setup_text(), before, "the finger is no part of the setup");
@@ -79,8 +72,7 @@ fn the_keys_move_the_finger_and_not_the_boundary() {
     let (place_mm, boundary_mm) = (finger_mm(&app), crate::boundary_mm(&app));
     app.window.get_by_role_and_label(Role::Slider, "Finger").focus();
     app.wait(50);
-    app.window.key_press(Key::ArrowRight);
-    app.wait(50);
+    app.key(Key::ArrowRight, 50);
     assert!((finger_mm(&app) - place_mm - 1.0).abs() < 1e-6);
     assert_eq!(crate::boundary_mm(&app), boundary_mm);
 }
@@ -95,10 +87,10 @@ fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
     choose(&mut app, "Firm");
     assert!(said(&app, "simulated plate: without a finger only") && said(&app, "predicted with the finger"));
     assert!(!said(&app, "simulated plate"));
-    assert!(app.window.query_by_label("modal lines, touched, 1/200 speed").is_some());
+    assert!(app.has("modal lines, touched, 1/200 speed"));
     choose(&mut app, "None");
     assert!(said(&app, "simulated plate") && said(&app, "predicted"));
-    assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some(), "lifted, the sheet goes on");
+    assert!(app.has("2-D sheet, 1/200 speed"), "lifted, the sheet goes on");
 }
 
 #[test]
@@ -108,8 +100,7 @@ fn a_plate_that_was_opened_under_the_finger_gets_its_sheet_when_the_finger_is_li
     let text = slipline_plate::preset("membrane").unwrap().to_toml();
     open_plate(&mut app, text.replace("name = \"membrane\"", "name = \"another\""));
     app.wait(1500);
-    let shown =
-        |app: &TestApp, source: &str| app.window.query_by_label(&format!("{source}, 1/200 speed")).is_some();
+    let shown = |app: &TestApp, source: &str| app.has(&format!("{source}, 1/200 speed"));
     assert!(app.is_driving() && shown(&app, "modal lines, touched"));
     let jobs = app.sheet_jobs.get();
     choose(&mut app, "None");
@@ -141,6 +132,6 @@ fn a_plate_of_unknown_weight_takes_no_finger_and_says_why() {
     open_plate(&mut app, text.replace("tension_n_per_m = 40.0\n", ""));
     app.wait(500);
     assert!(app.window.get_by_role_and_label(Role::RadioButton, "Firm").accesskit_node().is_disabled());
-    assert!(app.window.query_by_label_contains("Tension is missing: a finger needs it").is_some());
+    assert!(app.has_part("Tension is missing: a finger needs it"));
     assert!(app.window.query_by_role_and_label(Role::Slider, "Finger").is_none());
 }

@@ -68,8 +68,7 @@ fn above_20_khz_the_trace_has_a_friction_that_is_called_illustrative() {
 /// Holds the pointer over the time `seconds` before now.
 fn look_back(app: &mut TestApp, seconds: f32) {
     let (_, rect) = lane(app, "speed").unwrap();
-    app.window.hover_at(pos2(rect.right() - seconds / 4.0 * rect.width(), rect.center().y));
-    app.wait(50);
+    app.hover(pos2(rect.right() - seconds / 4.0 * rect.width(), rect.center().y), 50);
 }
 
 #[test]
@@ -109,16 +108,13 @@ fn another_plate_begins_another_trace() {
 fn a_paused_trace_holds_and_one_at_rest_says_so() {
     let mut app = TestApp::driving();
     choose(&mut app, "Light");
-    app.window.get_by_label("Pause: Finger trace").click();
-    app.wait(100);
+    app.click("Pause: Finger trace", 100);
     let held = lane(&app, "amplitude").unwrap().0;
     drag_by(&mut app, &[4.0; 30]);
     assert_eq!(lane(&app, "amplitude").unwrap().0, held);
-    app.window.get_by_label("Go on: Finger trace").click();
-    app.wait(100);
+    app.click("Go on: Finger trace", 100);
     assert_ne!(lane(&app, "amplitude").unwrap().0, held);
-    app.window.key_press(Key::Space);
-    app.wait(500);
+    app.key(Key::Space, 500);
     assert_eq!(lane(&app, "amplitude"), None);
     let head = app.window.get_by_label("Finger trace").rect();
     let resting = words(app.window.output());

@@ -17,8 +17,7 @@ fn rings(app: &TestApp) -> Vec<Rect> {
 fn a_slider_that_has_the_keys_has_a_ring() {
     for (page, names) in [("Boundary", vec!["Level", "Master", "Glide"]), ("Tones", vec!["Level"])] {
         let mut app = TestApp::driving();
-        app.window.get_by_role_and_label(Role::Button, page).click();
-        app.wait(100);
+        app.click_button(page, 100);
         for name in names {
             let slider = app.window.get_by_role_and_label(Role::Slider, name).rect();
             let around = |app: &TestApp| rings(app).into_iter().any(|ring| ring.contains_rect(slider));

@@ -4,7 +4,7 @@ use crate::measure::{Dropped, measured, membrane, open_measure};
 use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::accesskit::Role;
-use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use egui_kittest::kittest::Queryable as _;
 use hound::{SampleFormat, WavSpec, WavWriter};
 use slipline_instrument::calibration::CalibrationWizard;
 use slipline_instrument::measure::{PlayedSweep, Wanted};
@@ -14,10 +14,6 @@ use std::f64::consts::{PI, TAU};
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-fn has(app: &TestApp, part: &str) -> bool {
-    app.window.query_all_by_label_contains(part).next().is_some()
-}
 
 fn drop_file(app: &mut TestApp, name: &str, bytes: &[u8]) {
     let path = PathBuf::from(name);
@@ -31,15 +27,10 @@ fn press(app: &mut TestApp, name: &str) {
     app.wait(300);
 }
 
-fn is_enabled(app: &TestApp, name: &str) -> bool {
-    !app.window.get_by_role_and_label(Role::Button, name).accesskit_node().is_disabled()
-}
-
 fn choose_kind(app: &mut TestApp, now: &str, kind: &str) {
     app.window.get_by_role_and_label(Role::ComboBox, &format!("Sensor: {now}")).click();
     app.wait(200);
-    app.window.get_by_role_and_label(Role::Button, kind).click();
-    app.wait(200);
+    app.click_button(kind, 200);
 }
 
 /// What an acceleration sensor measures at the first place of the calibration.
@@ -65,13 +56,13 @@ fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
         let mut app = TestApp::driving();
         open_measure(&mut app);
         drop_file(&mut app, name, text.as_bytes());
-        assert!(has(&app, "By another program: 60 frequencies from"), "{name}");
-        assert!(!is_enabled(&app, "Take it") && !has(&app, "Measured differs"), "{name}");
+        assert!(app.shows("By another program: 60 frequencies from"), "{name}");
+        assert!(!app.is_enabled("Take it") && !app.shows("Measured differs"), "{name}");
         type_into(&mut app, "Sensor stood at", "32 mm");
         choose_kind(&mut app, "choose…", "acceleration");
         press(&mut app, "Take it");
-        assert!(!has(&app, "By another program") && has(&app, "Measured differs"), "{name}");
-        assert!(app.window.query_by_label(name).is_some() && has(&app, "32.0 mm ±"), "{name}");
+        assert!(!app.shows("By another program") && app.shows("Measured differs"), "{name}");
+        assert!(app.has(name) && app.shows("32.0 mm ±"), "{name}");
     }
 }
 
@@ -80,24 +71,24 @@ fn a_universal_file_tells_its_sensor_and_what_cannot_be_is_said_where_it_was_tol
     let mut app = TestApp::driving();
     // Dropped on any page: its name says what it is.
     drop_file(&mut app, "hammer.UFF", near(1.0).to_uff58().as_bytes());
-    assert!(has(&app, "Sensor: acceleration") && is_enabled(&app, "Take it"));
+    assert!(app.shows("Sensor: acceleration") && app.is_enabled("Take it"));
     type_into(&mut app, "Sensor stood at", "900 mm");
-    assert!(has(&app, "320 mm"));
+    assert!(app.shows("320 mm"));
     type_into(&mut app, "Sensor stood at", "32 mm");
     type_into(&mut app, "Over the noise, dB", "150");
-    assert!(has(&app, "140"));
+    assert!(app.shows("140"));
     type_into(&mut app, "Over the noise, dB", "46");
     press(&mut app, "Take it");
-    assert!(has(&app, "The plate's model fits"));
+    assert!(app.shows("The plate's model fits"));
     // A file at other frequencies has none of use for this plate; its form stays open, to be corrected or left.
     let high: String = (0..40).map(|i| format!("{} -20\n", 40_000 + 100 * i)).collect();
     drop_file(&mut app, "high.frd", high.as_bytes());
     choose_kind(&mut app, "choose…", "velocity");
     press(&mut app, "Take it");
-    assert!(has(&app, "By another program: 40 frequencies"));
-    assert!(has(&app, "0 of its frequencies are between") && has(&app, "at least 8 are needed"));
+    assert!(app.shows("By another program: 40 frequencies"));
+    assert!(app.shows("0 of its frequencies are between") && app.shows("at least 8 are needed"));
     press(&mut app, "Leave it");
-    assert!(!has(&app, "By another program") && app.window.query_by_label("high.frd").is_none());
+    assert!(!app.shows("By another program") && !app.has("high.frd"));
 }
 
 #[test]
@@ -112,7 +103,7 @@ fn a_file_that_is_no_measurement_is_refused_by_its_line() {
         drop_file(&mut app, name, bytes);
         let notice = app.window.state().notice().cloned().unwrap();
         assert!(notice.is_error && notice.text.contains(name) && notice.text.contains(reason), "{notice:?}");
-        assert!(!has(&app, "By another program"));
+        assert!(!app.shows("By another program"));
     }
 }
 
@@ -129,13 +120,13 @@ fn the_calibration_takes_such_files_at_the_places_of_its_pages() {
         press(&mut app, "Open file…");
         let place = app.window.get_by_role_and_label(Role::TextInput, "Sensor stood at").value().unwrap();
         assert_eq!(place, format!("{:.1} mm", 1e3 * place_m), "where the page has it put");
-        assert!(!is_enabled(&app, "Next"));
+        assert!(!app.is_enabled("Next"));
         choose_kind(&mut app, "choose…", "acceleration");
         press(&mut app, "Take it");
         press(&mut app, "Next");
     }
     assert_eq!(crate::calibrate::page(&app), Some(5));
-    assert!(has(&app, "Boundary off by"));
+    assert!(app.shows("Boundary off by"));
 }
 
 /// A sweep over the membrane's band, and what a recorder hears of it at the end of a wire, in the second of two channels.
@@ -171,24 +162,24 @@ fn a_recording_is_asked_for_its_sweep_its_channel_and_its_sensor() {
     let mut app = TestApp::driving();
     open_measure(&mut app);
     drop_file(&mut app, "phone.wav", &wav);
-    assert!(has(&app, "A recording of the sweep:") && has(&app, "kHz, 2 channels"));
-    assert!(has(&app, "no description yet") && !is_enabled(&app, "Take it"));
+    assert!(app.shows("A recording of the sweep:") && app.shows("kHz, 2 channels"));
+    assert!(app.shows("no description yet") && !app.is_enabled("Take it"));
     choose_kind(&mut app, "choose…", "acceleration");
-    assert!(!is_enabled(&app, "Take it"));
+    assert!(!app.is_enabled("Take it"));
     *app.files.contents.borrow_mut() = vec![(PathBuf::from("sweep.toml"), Ok(sweep.to_toml()))];
     press(&mut app, "Open its sweep…");
-    assert!(!has(&app, "no description yet") && is_enabled(&app, "Take it"));
+    assert!(!app.shows("no description yet") && app.is_enabled("Take it"));
     // The first channel is silent: the refusal is in the form.
     press(&mut app, "Take it");
-    assert!(has(&app, "the recording is shorter than the sweep, or silent"));
+    assert!(app.shows("the recording is shorter than the sweep, or silent"));
     type_into(&mut app, "Channel", "3");
-    assert!(has(&app, "channel = 3: must be 1 to 2"));
+    assert!(app.shows("channel = 3: must be 1 to 2"));
     type_into(&mut app, "Channel", "2");
     press(&mut app, "Take it");
-    assert!(!has(&app, "A recording of the sweep:") && app.window.query_by_label("phone.wav").is_some());
+    assert!(!app.shows("A recording of the sweep:") && app.has("phone.wav"));
     // By default the next recording is of the same sweep.
     drop_file(&mut app, "again.wav", &wav);
-    assert!(!has(&app, "no description yet"));
+    assert!(!app.shows("no description yet"));
     press(&mut app, "Leave it");
-    assert!(!has(&app, "A recording of the sweep:"));
+    assert!(!app.shows("A recording of the sweep:"));
 }

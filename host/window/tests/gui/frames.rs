@@ -6,7 +6,6 @@ use crate::test_app::TestApp;
 use eframe::egui::epaint::Primitive;
 use eframe::egui::{Pos2, Rect, vec2};
 use egui_kittest::HarnessBuilder;
-use egui_kittest::kittest::Queryable as _;
 use slipline_window::settings::ThemeChoice;
 
 /// Most triangles of a picture of the first scene in a window of 1280 x 800 points.
@@ -50,10 +49,8 @@ fn dragged() -> TestApp {
     let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
     let mut app = TestApp::first_start(ThemeChoice::Light, builder);
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.wait(100);
-    app.window.hover_at(line - vec2(6.0, 0.0));
-    app.wait(100);
+    app.grab(line, 100);
+    app.hover(line - vec2(6.0, 0.0), 100);
     app
 }
 
@@ -67,17 +64,15 @@ fn a_picture_of_a_drag_draws_nearly_each_point_of_the_window_once() {
 #[test]
 fn a_drag_draws_the_modal_lines_and_its_end_the_sheet() {
     let mut app = dragged();
-    let shows = |app: &TestApp, source: &str| app.window.query_by_label_contains(source).is_some();
+    let shows = |app: &TestApp, source: &str| app.has_part(source);
     assert!(shows(&app, "modal lines, 1/") && !shows(&app, "2-D sheet, 1/"));
     let jobs = app.sheet_jobs.get();
     let at = line_rect(&app).center();
     for step in 1..=10 {
-        app.window.hover_at(at - vec2(4.0 * step as f32, 0.0));
-        app.wait(50);
+        app.hover(at - vec2(4.0 * step as f32, 0.0), 50);
     }
     assert_eq!(app.sheet_jobs.get(), jobs, "none while it is dragged");
-    app.window.drop_at(at - vec2(40.0, 0.0));
-    app.wait(200);
+    app.release(at - vec2(40.0, 0.0), 200);
     assert!(shows(&app, "2-D sheet, 1/") && app.sheet_jobs.get() > jobs);
 }
 
@@ -86,8 +81,7 @@ fn a_picture_of_a_drag_is_laid_out_once_and_has_few_triangles() {
     let mut app = dragged();
     let line = line_rect(&app).center();
     for step in 1..=10 {
-        app.window.hover_at(line - vec2(6.0 * step as f32, 0.0));
-        app.wait(50);
+        app.hover(line - vec2(6.0 * step as f32, 0.0), 50);
         let passes = app.window.output().platform_output.num_completed_passes;
         assert_eq!(passes, 1, "step {step}");
     }
@@ -111,11 +105,9 @@ fn drag(app: &mut TestApp, line: Pos2) {
     app.window.drag_at(line);
     for step in 1..=20_u8 {
         let away = 60.0 * (f32::from(step) * std::f32::consts::TAU / 20.0).sin();
-        app.window.hover_at(line + vec2(away, 0.0));
-        app.wait(100);
+        app.hover(line + vec2(away, 0.0), 100);
     }
-    app.window.drop_at(line);
-    app.wait(500);
+    app.release(line, 500);
 }
 
 #[test]
@@ -123,8 +115,7 @@ fn drag(app: &mut TestApp, line: Pos2) {
 fn the_memory_of_a_driven_window_is_flat_from_drag_to_drag() {
     let mut app = dragged();
     let line = line_rect(&app).center();
-    app.window.drop_at(line);
-    app.wait(500);
+    app.release(line, 500);
     let kept: Vec<i64> =
         (0..24).map(|_| allocation_counter::measure(|| drag(&mut app, line)).bytes_current).collect();
     assert!(kept[16..].iter().sum::<i64>() < 8 * MOST_KEPT, "{kept:?}");

@@ -41,8 +41,7 @@ fn in_no_phase_of_the_wave_the_plate_of_a_scene_looks_as_at_rest() {
             .renderer(painter.clone());
         let mut app = TestApp::driving_setup(scene.setup().unwrap(), theme, builder);
         // A period of the slowest tone takes 1.5 s; 4 times as fast, a frame of the harness is a 22nd of it.
-        app.window.get_by_label("Play").click();
-        app.wait(100);
+        app.click("Play", 100);
         crate::type_into(&mut app, "Speed", "4");
         let over = app.window.get_by_label("Plate from above").rect();
         let moving: Vec<ColorImage> = (0..PHASES)
@@ -51,8 +50,7 @@ fn in_no_phase_of_the_wave_the_plate_of_a_scene_looks_as_at_rest() {
                 plate(&app, &painter, over)
             })
             .collect();
-        app.window.key_press(Key::Space);
-        app.wait(600);
+        app.key(Key::Space, 600);
         assert!(!app.is_driving());
         let rest = plate(&app, &painter, over);
         for (phase, moving) in moving.iter().enumerate() {

@@ -4,7 +4,6 @@ use crate::background::open_plate;
 use crate::test_app::TestApp;
 use eframe::egui::epaint::text::{FallbackRequest, FontInsert};
 use eframe::egui::{FontData, FontDefinitions, FontFamily, MissingGlyphPolicy};
-use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;
 
 /// A window that shows boxes for what no font has, as the program's does; others of these tests would fail.
@@ -34,8 +33,7 @@ fn a_name_that_no_font_can_show_is_told_once_and_the_rest_goes_on() {
     assert!(is_told(&app, "U+677F, U+819C"));
     app.wait(500);
     assert_eq!(app.window.state().setup().plate.name(), "\u{819c}\u{677f} 12");
-    app.window.get_by_label("Dismiss").click();
-    app.wait(100);
+    app.click("Dismiss", 100);
     open_named(&mut app, "\u{819c}");
     assert!(!is_told(&app, ""), "they were reported");
 }

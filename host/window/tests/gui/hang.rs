@@ -3,7 +3,6 @@
 use crate::test_app::TestApp;
 use crate::type_into;
 use eframe::egui::{Key, Modifiers, ViewportInfo, vec2};
-use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::State;
 use slipline_link::{Request, Severity};
 use slipline_model::jobs::table;
@@ -25,25 +24,22 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
     app.hang(1100);
     assert_eq!(state(&app), State::Idle, "while it still hangs");
     app.wait(100);
-    assert!(app.window.query_by_label("State: idle").is_some());
-    assert!(app.window.query_by_label(MESSAGE).is_some(), "{:?}", app.window.state().notice());
+    assert!(app.has("State: idle"));
+    assert!(app.has(MESSAGE), "{:?}", app.window.state().notice());
     let is_logged = |line: &slipline_link::LogEntry| {
         line.severity == Severity::Error && line.text.contains("gave no sign of life for 1 s")
     };
     assert!(app.snapshot().log.iter().any(is_logged));
     assert!(app.snapshot().log.iter().any(|line| line.text == MESSAGE), "whole, with what to do");
     // It is not driven again until the user says so, whatever is changed on the screen.
-    app.window.key_press(Key::ArrowRight);
-    app.wait(3000);
+    app.key(Key::ArrowRight, 3000);
     assert_eq!(state(&app), State::Idle);
-    app.window.get_by_label("Arm").click();
-    app.wait(1000);
+    app.click("Arm", 1000);
     assert_eq!(state(&app), State::Armed);
-    assert!(app.window.query_by_label(MESSAGE).is_some(), "it stays until something is driven");
-    app.window.get_by_label("Drive").click();
-    app.wait(600);
+    assert!(app.has(MESSAGE), "it stays until something is driven");
+    app.click("Drive", 600);
     assert!(app.is_driving());
-    assert!(app.window.query_by_label(MESSAGE).is_none());
+    assert!(!app.has(MESSAGE));
 }
 
 #[test]
@@ -54,8 +50,7 @@ fn what_was_pressed_while_it_hung_does_not_drive() {
     let line = crate::line_rect(&app).center();
     app.window.drag_at(line);
     app.window.hover_at(line + vec2(40.0, 0.0));
-    app.window.drop_at(line + vec2(40.0, 0.0));
-    app.wait(1000);
+    app.release(line + vec2(40.0, 0.0), 1000);
     assert_eq!(state(&app), State::Idle);
 }
 
@@ -134,8 +129,7 @@ fn an_open_file_dialog_is_no_hang() {
     let mut app = TestApp::driving();
     app.files.stays_open.set(true);
     for key in [Key::O, Key::S] {
-        app.window.key_press_modifiers(Modifiers::COMMAND, key);
-        app.wait(3000);
+        app.keys(Modifiers::COMMAND, key, 3000);
         assert!(app.is_driving(), "{key:?}");
     }
     assert_eq!(app.snapshot().driver_stalls, 0);
@@ -159,9 +153,9 @@ fn a_job_that_takes_long_is_no_hang() {
     is_held.store(true, Ordering::Relaxed);
     crate::background::open_page(&mut app, "This plate");
     type_into(&mut app, "Wave speed", "13 m/s");
-    app.until("a job that runs", |app| app.window.query_by_label_contains("table 40 %").is_some());
+    app.until("a job that runs", |app| app.has_part("table 40 %"));
     app.wait(5000);
-    assert!(app.window.query_by_label_contains("table 40 %").is_some(), "it still runs");
+    assert!(app.has_part("table 40 %"), "it still runs");
     assert!(app.is_driving());
     assert_eq!(app.snapshot().driver_stalls, 0);
     is_held.store(false, Ordering::Relaxed);

@@ -18,10 +18,6 @@ pub(crate) fn sensed() -> (TestApp, Arc<AtomicU16>) {
     (TestApp::sensed(Box::new(sensor), Bench::default()), shows)
 }
 
-fn has(app: &TestApp, part: &str) -> bool {
-    app.window.query_all_by_label_contains(part).next().is_some()
-}
-
 fn press_switch(app: &mut TestApp) {
     let switch = app.window.get_by_role_and_label(Role::CheckBox, "Hold the level");
     switch.scroll_to_me();
@@ -37,7 +33,7 @@ fn is_on(app: &TestApp) -> bool {
 
 fn wait_for(app: &mut TestApp, part: &str) {
     for _ in 0..80 {
-        if has(app, part) {
+        if app.shows(part) {
             return;
         }
         app.wait(50);
@@ -47,30 +43,30 @@ fn wait_for(app: &mut TestApp, part: &str) {
 
 #[test]
 fn its_switch_is_offered_by_a_device_that_can_listen_and_what_is_held_is_shown() {
-    assert!(!has(&TestApp::driving(), "Hold the level"));
+    assert!(!TestApp::driving().shows("Hold the level"));
     let (mut app, shows) = sensed();
-    assert!(!is_on(&app) && !has(&app, "Listening") && !has(&app, "Holding"));
+    assert!(!is_on(&app) && !app.shows("Listening") && !app.shows("Holding"));
     type_into(&mut app, "Level", "0.2");
     press_switch(&mut app);
     wait_for(&mut app, "Listening for ");
-    assert!(has(&app, "leave the plate untouched") && is_on(&app));
+    assert!(app.shows("leave the plate untouched") && is_on(&app));
     wait_for(&mut app, "Holding: the plate may be touched.");
     type_into(&mut app, "Rise", "61 dB");
-    assert!(has(&app, "0 to 20 dB"));
+    assert!(app.shows("0 to 20 dB"));
     type_into(&mut app, "Rise", "3 dB");
     wait_for(&mut app, "Holding: the plate may be touched.");
     shows.store(Partial::TOUCHED, Ordering::Relaxed);
     wait_for(&mut app, "Holding, at a limit.");
-    assert!(has(&app, "Hz: +3.0 dB, at the largest rise that is allowed"));
+    assert!(app.shows("Hz: +3.0 dB, at the largest rise that is allowed"));
     // What the mirror does not know is not drawn, and not saved.
     assert!(words(app.window.output()).iter().any(|(text, _)| text == "not known while levels are held"));
     file_menu(&mut app, "Export drive (WAV)…");
     let notice = app.window.state().notice().map(|notice| notice.text.clone()).unwrap_or_default();
     assert!(notice.contains("its levels were held"), "{notice}");
     assert!(app.files.saved.borrow().is_empty());
-    assert!(has(&app, "those of the drive's own levels"));
+    assert!(app.shows("those of the drive's own levels"));
     press_switch(&mut app);
     app.wait(300);
-    assert!(!is_on(&app) && !has(&app, "Holding") && !has(&app, " dB, at the largest rise"));
+    assert!(!is_on(&app) && !app.shows("Holding") && !app.shows(" dB, at the largest rise"));
     assert!(app.is_driving());
 }

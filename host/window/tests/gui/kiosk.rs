@@ -35,16 +35,13 @@ fn visitors_have_the_stage_and_stop_and_neither_menus_nor_pages() {
     for size in [[1280.0, 800.0], [800.0, 480.0]] {
         let mut app = opened(size);
         for name in ["File", "Edit", "View", "Help", "Boundary position", "Log", "Play"] {
-            assert!(app.window.query_by_label(name).is_none(), "{name}");
+            assert!(!app.has(name), "{name}");
         }
-        assert!(app.window.query_by_label(SCENES[0].name).is_some() && app.is_driving());
+        assert!(app.has(SCENES[0].name) && app.is_driving());
         let (before, line) = (boundary_mm(&app), line_rect(&app).center());
-        app.window.drag_at(line);
-        app.window.step();
-        app.window.hover_at(line - vec2(40.0, 0.0));
-        app.wait(100);
-        app.window.drop_at(line - vec2(40.0, 0.0));
-        app.wait(100);
+        app.grab(line, 0);
+        app.hover(line - vec2(40.0, 0.0), 100);
+        app.release(line - vec2(40.0, 0.0), 100);
         assert!(boundary_mm(&app) < before, "the line is dragged");
         // Neither a key nor what else opens a page does so.
         for (modifiers, key) in [
@@ -53,15 +50,10 @@ fn visitors_have_the_stage_and_stop_and_neither_menus_nor_pages() {
             (Modifiers::COMMAND, Key::Num4),
             (Modifiers::COMMAND, Key::O),
         ] {
-            app.window.key_press_modifiers(modifiers, key);
-            app.wait(100);
-            assert!(
-                app.window.query_by_label("Tones").is_none()
-                    && app.window.query_by_label("Shortcuts").is_none()
-            );
+            app.keys(modifiers, key, 100);
+            assert!(!app.has("Tones") && !app.has("Shortcuts"));
         }
-        app.window.get_by_label("STOP").click();
-        app.wait(600);
+        app.click("STOP", 600);
         assert!(!app.is_driving());
     }
 }
@@ -72,8 +64,7 @@ fn the_next_scene_comes_when_nobody_has_touched_anything_and_drives_again_after_
     let first = plate_name(&app);
     pass(&mut app, 30.0);
     assert_eq!(plate_name(&app), first);
-    app.window.key_press(Key::Space);
-    app.wait(600);
+    app.key(Key::Space, 600);
     assert!(!app.is_driving());
     pass(&mut app, 30.0);
     assert_eq!(plate_name(&app), first, "counted from the latest input");

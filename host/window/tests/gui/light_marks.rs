@@ -16,8 +16,7 @@ pub(crate) fn open(app: &mut TestApp, preset: &str, boundary_m: f64) {
     setup.plate = slipline_plate::preset(preset).unwrap().into();
     setup.tones[0].position_m = boundary_m;
     app.open("setup.toml", Ok(slipline_model::setup::file::write(&setup)));
-    app.window.get_by_label("Dismiss").click();
-    app.wait(1500);
+    app.click("Dismiss", 1500);
 }
 
 /// The symbols: their names and where they can be pressed.
@@ -68,13 +67,9 @@ fn every_light_that_is_not_green_stands_on_the_stage_with_its_place_and_a_shape_
             assert_eq!(corners(&app, *rect), Some(sides), "{preset}: {name} {rect}");
         }
     }
-    assert!(app.window.query_by_label("Edge slope, amber, at 160.0 mm").is_some(), "{:?}", symbols(&app));
+    assert!(app.has("Edge slope, amber, at 160.0 mm"), "{:?}", symbols(&app));
     open(&mut app, "al-bending-displacement", 0.15);
-    assert!(
-        app.window.query_by_label("Drive match, red, at the driven end").is_some(),
-        "{:?}",
-        symbols(&app)
-    );
+    assert!(app.has("Drive match, red, at the driven end"), "{:?}", symbols(&app));
 }
 
 #[test]
@@ -82,7 +77,7 @@ fn the_first_picture_has_none() {
     for size in [[1280.0, 800.0], [640.0, 480.0]] {
         let builder = egui_kittest::HarnessBuilder::default().with_size(size);
         let app = TestApp::first_start(ThemeChoice::Light, builder);
-        assert!(app.window.query_by_label("Validity: all green").is_some());
+        assert!(app.has("Validity: all green"));
         assert!(symbols(&app).is_empty(), "{:?}", symbols(&app));
     }
 }
@@ -121,8 +116,7 @@ fn the_symbols_lie_over_neither_line_flag_strip_nor_each_other_at_any_size_and_p
 fn a_symbol_says_its_number_its_limit_and_what_to_do() {
     let mut app = TestApp::driving();
     let place = symbol(&app, "Sensitivity").rect().center();
-    app.window.hover_at(place);
-    app.wait(2500);
+    app.hover(place, 2500);
     let said: Vec<String> = words(app.window.output()).into_iter().map(|(words, _)| words).collect();
     let said = said.iter().find(|words| words.starts_with("Sensitivity: amber, at ")).unwrap();
     for part in [" dB; green up to 1 dB, amber up to 6.02 dB", "on your own plate", "Press for all lights."] {
@@ -137,9 +131,8 @@ fn pressing_a_symbol_opens_its_row_also_where_the_plots_are_in_front() {
     for size in [[1280.0, 800.0], [640.0, 480.0]] {
         let mut app = small(size);
         if size[0] < 700.0 {
-            app.window.get_by_label("Plots").click();
-            app.wait(200);
-            assert!(app.window.query_by_label("Tones").is_none());
+            app.click("Plots", 200);
+            assert!(!app.has("Tones"));
         }
         symbol(&app, "Sensitivity").click();
         app.wait(1500);
@@ -163,9 +156,8 @@ fn the_keys_reach_a_symbol_and_open_its_row() {
     let mut app = TestApp::driving();
     symbol(&app, "Edge width").focus();
     app.wait(50);
-    app.window.key_press_modifiers(Modifiers::NONE, Key::Enter);
-    app.wait(300);
-    assert!(app.window.query_by_label("edge width: amber").is_some());
+    app.keys(Modifiers::NONE, Key::Enter, 300);
+    assert!(app.has("edge width: amber"));
 }
 
 #[test]
@@ -173,17 +165,14 @@ fn the_symbols_stand_still_while_the_line_is_dragged_and_follow_when_it_is_let_g
     let mut app = TestApp::driving();
     let before = symbols(&app);
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.window.step();
+    app.grab(line, 0);
     for step in 1..=24 {
-        app.window.hover_at(line + vec2(-5.0 * step as f32, 0.0));
-        app.wait(50);
+        app.hover(line + vec2(-5.0 * step as f32, 0.0), 50);
         for ((name, rect), (name_before, at)) in symbols(&app).iter().zip(&before) {
             assert!(name == name_before && (rect.min - at.min).length() < 0.01, "{step}: {name} {rect} {at}");
         }
     }
-    app.window.drop_at(line + vec2(-120.0, 0.0));
-    app.wait(200);
+    app.release(line + vec2(-120.0, 0.0), 200);
     let after = symbols(&app);
     let edge = |of: &[(String, Rect)]| of.iter().find(|(name, _)| name.starts_with("Edge width")).unwrap().1;
     assert!(edge(&after).left() < edge(&before).left() - 40.0, "{before:?} {after:?}");

@@ -76,33 +76,27 @@ mod upkeep;
 
 use eframe::egui::{Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use fake_files::FakeFiles;
 use fixed_link::{FixedLink, real_device};
 use slipline_link::protocol::event::State;
 use slipline_link::{LinkState, Request, Sounding};
-use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
-use test_app::{TestApp, open_window};
+use test_app::{TestApp, click, opened};
 
 /// Types into the field with this name and presses Enter.
 fn type_into(app: &mut TestApp, name: &str, text: &str) {
     app.window.get_by_role_and_label(Role::TextInput, name).focus();
     app.window.step();
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    app.window.step();
+    app.keys(Modifiers::COMMAND, Key::A, 0);
     app.window.get_by_role_and_label(Role::TextInput, name).type_text(text);
     app.window.step();
-    app.window.key_press(Key::Enter);
-    app.window.step();
+    app.key(Key::Enter, 0);
     app.window.step();
 }
 
 /// Adds a tone on the page of tones, which stays open.
 fn add_tone(app: &mut TestApp) {
-    app.window.get_by_label("Tones").click();
-    app.wait(50);
-    app.window.get_by_label("Add tone").click();
-    app.wait(200);
+    app.click("Tones", 50);
+    app.click("Add tone", 200);
 }
 
 /// The rectangle of the boundary's handle.
@@ -116,8 +110,7 @@ fn boundary_mm(app: &TestApp) -> f64 {
 
 /// Moves the boundary by a millimetre.
 fn arrow_right(app: &mut TestApp) {
-    app.window.key_press(Key::ArrowRight);
-    app.window.step();
+    app.key(Key::ArrowRight, 0);
 }
 
 fn drives(requests: &[Request]) -> Vec<f64> {
@@ -131,8 +124,8 @@ fn drives(requests: &[Request]) -> Vec<f64> {
 #[test]
 fn the_first_start_shows_the_plate_already_moving() {
     let app = TestApp::driving();
-    assert!(app.window.query_by_label("State: driving").is_some());
-    assert!(app.window.query_by_label("STOP").is_some());
+    assert!(app.has("State: driving"));
+    assert!(app.has("STOP"));
     let snapshot = app.snapshot();
     assert_eq!(snapshot.upload_verified, Some(true));
     assert!(
@@ -149,16 +142,13 @@ fn dragging_the_line_sends_the_boundary_with_every_move_of_the_pointer() {
     assert!(line.width() >= 24.0, "the handle can be touched");
     let before = boundary_mm(&app);
     app.take_sent();
-    app.window.drag_at(line.center());
-    app.window.step();
+    app.grab(line.center(), 0);
     let mut sent = Vec::new();
     for step in 1..=8 {
-        app.window.hover_at(line.center() + vec2(5.0 * step as f32, 0.0));
-        app.window.step();
+        app.hover(line.center() + vec2(5.0 * step as f32, 0.0), 0);
         sent.extend(drives(&app.take_sent()));
     }
-    app.window.drop_at(line.center() + vec2(40.0, 0.0));
-    app.window.step();
+    app.release(line.center() + vec2(40.0, 0.0), 0);
     assert_eq!(sent.len(), 8, "one drive for each move: {sent:?}");
     assert!(sent.windows(2).all(|pair| pair[1] > pair[0]));
     // The line is at the pixel where the pointer released it.
@@ -179,12 +169,7 @@ fn the_line_can_be_grabbed_over_the_envelope_and_the_strip() {
         let line = line_rect(&app);
         let before = boundary_mm(&app);
         let grip = line.left_top() + vec2(0.5 * line.width(), share * line.height());
-        app.window.drag_at(grip);
-        app.window.step();
-        app.window.hover_at(grip - vec2(30.0, 0.0));
-        app.window.step();
-        app.window.drop_at(grip - vec2(30.0, 0.0));
-        app.window.step();
+        app.drag(grip, grip - vec2(30.0, 0.0));
         assert!(boundary_mm(&app) < before - 5.0, "at {share} of the height");
     }
 }
@@ -193,11 +178,9 @@ fn the_line_can_be_grabbed_over_the_envelope_and_the_strip() {
 fn arrow_keys_move_the_boundary_by_a_millimetre_and_with_shift_by_a_tenth() {
     let mut app = TestApp::driving();
     let before = boundary_mm(&app);
-    app.window.key_press(Key::ArrowRight);
-    app.window.step();
+    app.key(Key::ArrowRight, 0);
     assert!((boundary_mm(&app) - before - 1.0).abs() < 1e-9);
-    app.window.key_press_modifiers(Modifiers::SHIFT, Key::ArrowLeft);
-    app.window.step();
+    app.keys(Modifiers::SHIFT, Key::ArrowLeft, 0);
     assert!((boundary_mm(&app) - before - 0.9).abs() < 1e-9);
 }
 
@@ -217,7 +200,7 @@ fn a_typed_place_or_frequency_moves_the_boundary_and_nonsense_does_not() {
     ] {
         type_into(&mut app, "Boundary position", text);
         assert_eq!(boundary_mm(&app), there, "{text}");
-        assert!(app.window.query_by_label_contains(reason).is_some(), "{text}: {reason}");
+        assert!(app.has_part(reason), "{text}: {reason}");
     }
 }
 
@@ -227,34 +210,28 @@ fn escape_stops_while_typing_and_space_stops_elsewhere() {
     app.window.get_by_role_and_label(Role::TextInput, "Boundary position").focus();
     app.window.step();
     app.take_sent();
-    app.window.key_press(Key::Escape);
-    app.window.step();
+    app.key(Key::Escape, 0);
     assert!(matches!(app.take_sent()[..], [Request::Stop]));
     app.wait(200);
     assert!(!app.is_driving());
-    assert!(app.window.query_by_label("State: armed").is_some());
+    assert!(app.has("State: armed"));
     // Moving the boundary now must not start the drive again.
-    app.window.key_press(Key::ArrowRight);
-    app.wait(100);
+    app.key(Key::ArrowRight, 100);
     assert!(drives(&app.take_sent()).is_empty() && !app.is_driving());
-    app.window.get_by_role_and_label(Role::Button, "Drive").click();
-    app.wait(200);
+    app.click_button("Drive", 200);
     assert!(app.is_driving());
-    app.window.key_press(Key::Space);
-    app.wait(200);
+    app.key(Key::Space, 200);
     assert!(!app.is_driving());
 }
 
 #[test]
 fn escape_stops_and_closes_the_page_that_is_open() {
     let mut app = TestApp::driving();
-    app.window.key_press(Key::F1);
-    app.wait(50);
-    assert!(app.window.query_by_label("Shortcuts").is_some());
-    app.window.key_press(Key::Escape);
-    app.wait(400);
+    app.key(Key::F1, 50);
+    assert!(app.has("Shortcuts"));
+    app.key(Key::Escape, 400);
     assert!(!app.is_driving());
-    assert!(app.window.query_by_label("Shortcuts").is_none());
+    assert!(!app.has("Shortcuts"));
 }
 
 #[test]
@@ -262,22 +239,17 @@ fn undo_takes_back_a_whole_drag_and_redo_does_it_again() {
     let mut app = TestApp::driving();
     let first = boundary_mm(&app);
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.window.step();
+    app.grab(line, 0);
     for step in 1..=5 {
-        app.window.hover_at(line + vec2(6.0 * step as f32, 0.0));
-        app.window.step();
+        app.hover(line + vec2(6.0 * step as f32, 0.0), 0);
     }
-    app.window.drop_at(line + vec2(30.0, 0.0));
-    app.window.step();
+    app.release(line + vec2(30.0, 0.0), 0);
     let dragged = boundary_mm(&app);
     app.take_sent();
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.window.step();
+    app.keys(Modifiers::COMMAND, Key::Z, 0);
     assert_eq!(boundary_mm(&app), first);
     assert_eq!(drives(&app.take_sent()), [first], "the device follows");
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Y);
-    app.window.step();
+    app.keys(Modifiers::COMMAND, Key::Y, 0);
     assert_eq!(boundary_mm(&app), dragged);
 }
 
@@ -302,8 +274,7 @@ fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
         );
         // In the message and in the log.
         assert!(app.window.query_all_by_label_contains("nothing has changed").count() >= 2);
-        app.window.get_by_label("Dismiss").click();
-        app.wait(50);
+        app.click("Dismiss", 50);
         assert!(app.window.state().notice().is_none());
     }
     assert!(app.is_driving());
@@ -314,13 +285,11 @@ fn a_saved_setup_opens_again_with_its_tones() {
     let mut app = TestApp::driving();
     add_tone(&mut app);
     assert_eq!(app.window.state().setup().tones.len(), 2);
-    assert!(app.window.query_by_label("Peak of tone 2").is_some());
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    app.wait(50);
+    assert!(app.has("Peak of tone 2"));
+    app.keys(Modifiers::COMMAND, Key::S, 50);
     let (name, bytes) = app.files.saved.borrow()[0].clone();
     let saved = app.window.state().setup().clone();
-    app.window.get_by_label("Remove tone 2").click();
-    app.wait(50);
+    app.click("Remove tone 2", 50);
     assert_eq!(app.window.state().setup().tones.len(), 1);
     let text = String::from_utf8(bytes).unwrap();
     app.open(&name, Ok(text));
@@ -334,16 +303,15 @@ fn a_lost_link_is_shown_and_comes_back_by_itself() {
     app.plug(false);
     app.wait(1500);
     assert!(matches!(app.snapshot().link, LinkState::Reconnecting(_) | LinkState::Lost(_)));
-    assert!(app.window.query_by_label("State: reconnecting").is_some());
-    assert!(app.window.query_by_label("STOP").is_some());
+    assert!(app.has("State: reconnecting"));
+    assert!(app.has("STOP"));
     let setup = app.setup_text();
     app.plug(true);
     app.wait(2000);
     assert!(app.snapshot().is_connected());
     assert!(!app.is_driving(), "it comes back silent");
     assert_eq!(app.setup_text(), setup);
-    app.window.get_by_role_and_label(Role::Button, "Drive").click();
-    app.wait(300);
+    app.click_button("Drive", 300);
     assert!(app.is_driving());
 }
 
@@ -351,30 +319,27 @@ fn a_lost_link_is_shown_and_comes_back_by_itself() {
 fn a_port_that_is_missing_at_the_start_is_waited_for_and_connected_when_it_appears() {
     let mut app = TestApp::unplugged();
     app.wait(1500);
-    assert!(app.window.query_by_label("State: waiting for port").is_some());
+    assert!(app.has("State: waiting for port"));
     let told = app.window.state().notice().cloned().unwrap();
     assert!(told.is_error && told.text.contains("There is no port"), "{told:?}");
-    app.window.get_by_label("Device").click();
-    app.wait(50);
-    assert!(app.window.query_by_label_contains("Waiting for it.").is_some(), "the line under the state");
+    app.click("Device", 50);
+    assert!(app.has_part("Waiting for it."), "the line under the state");
     app.plug(true);
     app.wait(1500);
     assert!(app.snapshot().is_connected());
-    assert!(app.window.query_by_label_contains("There is no port").is_none(), "the message is obsolete");
+    assert!(!app.has_part("There is no port"), "the message is obsolete");
 }
 
 #[test]
 fn a_port_that_is_waited_for_can_be_given_up() {
     let mut app = TestApp::unplugged();
     app.wait(500);
-    app.window.get_by_label("Cancel").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("State: disconnected").is_some());
+    app.click("Cancel", 100);
+    assert!(app.has("State: disconnected"));
     app.plug(true);
     app.wait(1500);
     assert!(!app.snapshot().is_connected());
-    app.window.get_by_label("Connect").click();
-    app.wait(500);
+    app.click("Connect", 500);
     assert!(app.snapshot().is_connected());
 }
 
@@ -382,8 +347,7 @@ fn a_port_that_is_waited_for_can_be_given_up() {
 fn another_plate_gets_its_table_made_sent_and_verified() {
     let mut app = TestApp::driving();
     let before = app.snapshot().table.active.unwrap().crc;
-    app.window.get_by_label("Plate").click();
-    app.wait(50);
+    app.click("Plate", 50);
     type_into(&mut app, "Wave speed", "13 m/s");
     app.wait(1500);
     let snapshot = app.snapshot();
@@ -392,30 +356,24 @@ fn another_plate_gets_its_table_made_sent_and_verified() {
     assert_eq!(snapshot.status.unwrap().state, State::Driving);
     // A value that no plate can have stays in its field with the reason.
     type_into(&mut app, "Loss factor", "7");
-    assert!(app.window.query_by_label_contains("must be").is_some());
+    assert!(app.has_part("must be"));
     assert!(app.window.state().setup().plate.spec().loss_factor < 0.5);
 }
 
 #[test]
 fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself() {
     let link = real_device(State::Idle);
-    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
     let asked = |link: &FixedLink, want: fn(&Request) -> bool| link.sent.borrow().iter().any(want);
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
+    click(&mut window, "Arm…");
     assert!(!asked(&link, |request| matches!(request, Request::Arm | Request::ArmFor(_))));
-    window.get_by_label("Cancel").click();
-    window.run_steps(5);
+    click(&mut window, "Cancel");
     assert!(
         !asked(&link, |request| matches!(request, Request::Arm | Request::ArmFor(_))),
         "cancelled is not confirmed"
     );
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
-    window.get_by_label("Arm").click();
-    window.run_steps(5);
+    click(&mut window, "Arm…");
+    click(&mut window, "Arm");
     assert!(asked(&link, |request| matches!(request, Request::Arm | Request::ArmFor(_))));
     assert!(!asked(&link, |request| matches!(
         request,
@@ -428,12 +386,9 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
     let mut link = real_device(State::Idle);
     let snapshot = Arc::make_mut(&mut link.snapshot);
     snapshot.table.active.as_mut().unwrap().crc ^= 1;
-    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
     assert!(!link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
-    window.get_by_label("table differs: upload").click();
-    window.run_steps(5);
+    click(&mut window, "table differs: upload");
     assert!(link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
 }
 
@@ -441,8 +396,7 @@ fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
 fn every_control_has_an_accessible_name() {
     let mut app = TestApp::driving();
     for tab in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
-        app.window.get_by_role_and_label(Role::Button, tab).click();
-        app.wait(50);
+        app.click_button(tab, 50);
         for role in
             [Role::Button, Role::Slider, Role::TextInput, Role::ComboBox, Role::CheckBox, Role::RadioButton]
         {

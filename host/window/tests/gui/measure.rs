@@ -41,19 +41,13 @@ pub(crate) fn measured(truth: &Plate, place_m: f64, headroom_db: f64) -> Measure
 const NEAR_M: f64 = 0.032;
 
 pub(crate) fn open_measure(app: &mut TestApp) {
-    app.window.get_by_role_and_label(Role::Button, "Plate").click();
-    app.wait(100);
-    app.window.get_by_role_and_label(Role::Button, "Measure").click();
-    app.wait(200);
+    app.click_button("Plate", 100);
+    app.click_button("Measure", 200);
 }
 
 pub(crate) fn open(app: &mut TestApp, name: &str, measurement: &Measurement) {
     app.open(name, Ok(measurement.to_csv()));
     app.wait(200);
-}
-
-fn has(app: &TestApp, part: &str) -> bool {
-    app.window.query_all_by_label_contains(part).next().is_some()
 }
 
 /// The plot whose accessible name begins so.
@@ -67,22 +61,21 @@ fn plot(app: &TestApp, name: &str) -> Rect {
 fn a_measurement_of_another_plate_is_said_to_differ_and_one_of_this_plate_fits() {
     let mut app = TestApp::driving();
     open_measure(&mut app);
-    assert!(!has(&app, "Measured differs"));
+    assert!(!app.shows("Measured differs"));
     open(&mut app, "faster.csv", &measured(&membrane(1.04), NEAR_M, 12.0));
-    assert!(has(&app, "Measured differs: half of the answers are more than"), "four per cent faster");
-    assert!(has(&app, "The level is not compared"));
+    assert!(app.shows("Measured differs: half of the answers are more than"), "four per cent faster");
+    assert!(app.shows("The level is not compared"));
     open(&mut app, "same.csv", &measured(&membrane(1.0), NEAR_M, 12.0));
-    assert!(has(&app, "The plate's model fits: half of the answers are within 0.1 dB"));
-    app.window.get_by_role_and_label(Role::Button, "faster.csv").click();
-    app.wait(200);
-    assert!(has(&app, "Measured differs"), "the chosen one is described");
+    assert!(app.shows("The plate's model fits: half of the answers are within 0.1 dB"));
+    app.click_button("faster.csv", 200);
+    assert!(app.shows("Measured differs"), "the chosen one is described");
     // The plate on the screen counts: the faster one fits.
     crate::background::open_plate(&mut app, membrane(1.04).to_toml());
     open_measure(&mut app);
-    assert!(has(&app, "The plate's model fits"));
+    assert!(app.shows("The plate's model fits"));
     let beyond = measured(&membrane(1.0), 0.3, 12.0);
     open(&mut app, "beyond.csv", &Measurement { place_m: 0.5, ..beyond });
-    assert!(has(&app, "the sensor at 500.0 mm is beyond the plate's end at 320.0 mm"));
+    assert!(app.shows("the sensor at 500.0 mm is beyond the plate's end at 320.0 mm"));
 }
 
 #[test]
@@ -90,19 +83,18 @@ fn measurements_are_overlaid_hidden_removed_and_saved() {
     let mut app = TestApp::driving();
     let both = [measured(&membrane(1.0), NEAR_M, 12.0), measured(&membrane(1.02), 0.05, 12.0)];
     open(&mut app, "first.csv", &both[0]);
-    assert!(app.window.query_by_label("Measured response").is_some(), "its page opens");
+    assert!(app.has("Measured response"), "its page opens");
     open(&mut app, "second.csv", &both[1]);
-    assert!(has(&app, "Level, dB of 2 measurements"));
+    assert!(app.shows("Level, dB of 2 measurements"));
     app.window.get_by_role_and_label(Role::CheckBox, "Show first.csv").click();
     app.wait(200);
-    assert!(has(&app, "Level, dB of 1 measurements"));
+    assert!(app.shows("Level, dB of 1 measurements"));
     app.window.get_by_role_and_label(Role::CheckBox, "Show second.csv").click();
     app.wait(200);
-    assert!(!has(&app, "Level, dB of"), "nothing is drawn");
+    assert!(!app.shows("Level, dB of"), "nothing is drawn");
     // What is chosen is drawn.
-    app.window.get_by_role_and_label(Role::Button, "first.csv").click();
-    app.wait(200);
-    assert!(has(&app, "Level, dB of 1 measurements") && has(&app, "32.0 mm"));
+    app.click_button("first.csv", 200);
+    assert!(app.shows("Level, dB of 1 measurements") && app.shows("32.0 mm"));
     app.window.get_by_label("Export CSV…").click_accesskit();
     app.wait(200);
     let (name, bytes) = app.files.saved.borrow().last().cloned().unwrap();
@@ -110,10 +102,10 @@ fn measurements_are_overlaid_hidden_removed_and_saved() {
     assert_eq!(Measurement::from_csv(str::from_utf8(&bytes).unwrap()), Ok(both[0].clone()));
     app.window.get_by_label("Remove first.csv").click_accesskit();
     app.wait(200);
-    assert!(app.window.query_by_label("first.csv").is_none() && has(&app, "50.0 mm"));
+    assert!(!app.has("first.csv") && app.shows("50.0 mm"));
     app.window.get_by_label("Remove second.csv").click_accesskit();
     app.wait(200);
-    assert!(app.window.query_by_label("Export CSV…").is_none());
+    assert!(!app.has("Export CSV…"));
 }
 
 #[test]
@@ -123,7 +115,7 @@ fn the_headroom_light_is_red_below_6_db_and_green_to_40() {
         [(3.0, "red", "lower"), (12.0, "green", "dB left at"), (55.0, "amber", "raise")]
     {
         open(&mut app, "room.csv", &measured(&membrane(1.0), NEAR_M, headroom_db));
-        assert!(app.window.query_by_label(&format!("Headroom: {light}")).is_some(), "{headroom_db}");
+        assert!(app.has(&format!("Headroom: {light}")), "{headroom_db}");
         let is_shown = words_of(&app).into_iter().any(|text| text.contains(words));
         assert!(is_shown, "{headroom_db}: {words}");
     }
@@ -156,7 +148,7 @@ fn a_file_is_dropped_on_the_window_and_a_bad_one_changes_nothing() {
     *app.files.profiles.borrow_mut() = vec![(path.clone(), Ok(text.clone().into_bytes()))];
     app.window.input_mut().dropped_files.push(Arc::new(Dropped(path)));
     app.wait(200);
-    assert!(app.window.query_by_label("dropped.csv").is_some());
+    assert!(app.has("dropped.csv"));
     for (bad, reason) in [
         (text.replace("# sensor = acceleration\n", ""), "sensor is missing"),
         (text.replace("place_m = 0.032", "place_m = nan"), "place_m = NaN m"),
@@ -165,7 +157,7 @@ fn a_file_is_dropped_on_the_window_and_a_bad_one_changes_nothing() {
         app.open("bad.csv", Ok(bad));
         let notice = app.window.state().notice().cloned().unwrap();
         assert!(notice.is_error && notice.text.contains(reason), "{notice:?}");
-        assert!(app.window.query_by_label("bad.csv").is_none());
+        assert!(!app.has("bad.csv"));
     }
     assert!(app.is_driving());
 }
@@ -176,8 +168,7 @@ fn the_plots_tell_the_values_under_the_pointer_and_are_zoomed_together() {
     open(&mut app, "near.csv", &measured(&membrane(1.01), NEAR_M, 12.0));
     let check = |app: &mut TestApp, name: &str, wanted: [&str; 3]| {
         let at = plot(app, name).center();
-        app.window.hover_at(at);
-        app.wait(200);
+        app.hover(at, 200);
         let read_out = words_of(app).into_iter().find(|text| wanted.iter().all(|part| text.contains(part)));
         assert!(read_out.is_some(), "{name}: {wanted:?} in {:?}", words_of(app));
     };
@@ -194,20 +185,15 @@ fn the_plots_tell_the_values_under_the_pointer_and_are_zoomed_together() {
         under.map(|(text, _)| text).filter(|text| text.ends_with(" Hz")).collect()
     };
     let away: Pos2 = plot(&app, "Level").right_top() - vec2(-20.0, 40.0);
-    app.window.hover_at(away);
-    app.wait(200);
+    app.hover(away, 200);
     let whole = frequencies(&app);
     assert!(whole.len() >= 2, "{whole:?}");
     app.turn_wheel(plot(&app, "Level").center(), 200.0);
-    app.window.hover_at(away);
-    app.wait(200);
+    app.hover(away, 200);
     assert_ne!(frequencies(&app), whole, "the strip below follows");
-    app.window.get_by_label("More: Measured response").click();
-    app.wait(200);
-    app.window.get_by_label("Fit Measured response").click();
-    app.wait(200);
-    app.window.key_press(Key::Escape);
-    app.wait(200);
+    app.click("More: Measured response", 200);
+    app.click("Fit Measured response", 200);
+    app.key(Key::Escape, 200);
     assert_eq!(frequencies(&app), whole, "all again");
 }
 
@@ -216,12 +202,9 @@ fn the_boundary_that_is_out_of_sight_is_not_moved_by_the_arrow_keys() {
     let mut app = TestApp::driving();
     open(&mut app, "near.csv", &measured(&membrane(1.0), NEAR_M, 12.0));
     let before = crate::boundary_mm(&app);
-    app.window.key_press(Key::ArrowRight);
-    app.wait(200);
+    app.key(Key::ArrowRight, 200);
     assert_eq!(crate::boundary_mm(&app), before);
-    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
-    app.wait(200);
-    app.window.key_press(Key::ArrowRight);
-    app.wait(200);
+    app.click_button("Boundary", 200);
+    app.key(Key::ArrowRight, 200);
     assert!(crate::boundary_mm(&app) > before);
 }

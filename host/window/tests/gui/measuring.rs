@@ -9,15 +9,6 @@ use eframe::egui::{Key, accesskit::Role};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
 
-pub(crate) fn has(app: &TestApp, part: &str) -> bool {
-    app.window.query_all_by_label_contains(part).next().is_some()
-}
-
-pub(crate) fn press(app: &mut TestApp, name: &str) {
-    app.window.get_by_role_and_label(Role::Button, name).click();
-    app.wait(200);
-}
-
 /// How much is measured, in words.
 fn progress(app: &TestApp) -> Option<String> {
     let bars = app.window.query_all_by_role(Role::ProgressIndicator);
@@ -29,7 +20,7 @@ fn progress(app: &TestApp) -> Option<String> {
 pub(crate) fn wait_for_the_end(app: &mut TestApp) {
     for _ in 0..400 {
         app.wait(100);
-        if app.window.query_by_label("Cancel measuring").is_none() {
+        if !app.has("Cancel measuring") {
             return;
         }
     }
@@ -41,8 +32,7 @@ pub(crate) fn on_a_secret_plate() -> TestApp {
     let bench = Bench::default();
     let mut app = TestApp::sensed(bench.inputs(), bench);
     open_measure(&mut app);
-    app.window.get_by_label("A secret plate, a few per cent off").click();
-    app.wait(200);
+    app.click("A secret plate, a few per cent off", 200);
     app
 }
 
@@ -51,47 +41,47 @@ fn the_page_measures_cancels_shows_how_far_it_is_and_lists_the_run() {
     let mut app = TestApp::sensed(Box::new(Half(1)), Bench::default());
     open_measure(&mut app);
     type_into(&mut app, "Sensor at", "900 mm");
-    assert!(has(&app, "320 mm"));
+    assert!(app.shows("320 mm"));
     type_into(&mut app, "Sensor at", "30 mm");
     type_into(&mut app, "Level", "2");
-    assert!(has(&app, "level"));
+    assert!(app.shows("level"));
     let level = app.window.get_by_role_and_label(Role::TextInput, "Level").value();
     assert_eq!(level.as_deref(), Some("2"), "it stays to be corrected");
-    press(&mut app, "Measure now");
-    assert!(app.window.query_by_label("STOP").is_some());
+    app.click_button("Measure now", 200);
+    assert!(app.has("STOP"));
     app.wait(500);
-    press(&mut app, "Cancel measuring");
+    app.click_button("Cancel measuring", 200);
     app.wait(500);
-    assert!(app.window.query_by_label("Cancel measuring").is_none() && !has(&app, "run 1"));
-    press(&mut app, "Measure now");
+    assert!(!app.has("Cancel measuring") && !app.shows("run 1"));
+    app.click_button("Measure now", 200);
     app.wait(1500);
     let share = progress(&app).unwrap();
     assert!(share != "Measured: 0 %" && share != "Measured: 100 %", "{share}");
     wait_for_the_end(&mut app);
-    assert!(app.window.query_by_label("30.0 mm, run 2").is_some());
-    assert!(has(&app, "60 from ") && has(&app, "acceleration") && has(&app, "Measured differs"));
+    assert!(app.has("30.0 mm, run 2"));
+    assert!(app.shows("60 from ") && app.shows("acceleration") && app.shows("Measured differs"));
 }
 
 #[test]
 fn while_it_is_measured_nothing_moves_under_a_pointer_that_presses_twice() {
     let mut app = TestApp::sensed(Box::new(Half(2)), Bench::default());
     crate::calibrate::open_calibration(&mut app);
-    press(&mut app, "Next");
-    press(&mut app, "Next");
+    app.click_button("Next", 200);
+    app.click_button("Next", 200);
     let is_disabled = |app: &TestApp, name: &str| {
         app.window.get_by_role_and_label(Role::Button, name).accesskit_node().is_disabled()
     };
-    press(&mut app, "Measure now");
+    app.click_button("Measure now", 200);
     assert!(is_disabled(&app, "Next"));
     wait_for_the_end(&mut app);
     let place = app.window.get_by_role_and_label(Role::TextInput, "Sensor at").value().unwrap();
-    assert!(!is_disabled(&app, "Next") && has(&app, &format!("{place}, run 1 at {place}")));
-    press(&mut app, "Next");
+    assert!(!is_disabled(&app, "Next") && app.shows(&format!("{place}, run 1 at {place}")));
+    app.click_button("Next", 200);
     let at = |app: &TestApp, name: &str| app.window.get_by_role_and_label(Role::Button, name).rect();
     let before = ["Measure now", "Open file…", "Next", "Back", "Cancel"].map(|name| at(&app, name));
     let level = app.window.get_by_role_and_label(Role::TextInput, "Level");
     assert!(level.accesskit_node().is_disabled(), "it stays as it was at the first place");
-    press(&mut app, "Measure now");
+    app.click_button("Measure now", 200);
     assert_eq!(["Measure now", "Open file…", "Next", "Back", "Cancel"].map(|name| at(&app, name)), before);
     for name in ["Measure now", "Next"] {
         assert!(is_disabled(&app, name), "{name}");
@@ -103,10 +93,9 @@ fn while_it_is_measured_nothing_moves_under_a_pointer_that_presses_twice() {
 fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
     let bench = Bench::default();
     let mut app = TestApp::sensed(bench.inputs(), bench);
-    app.window.key_press(Key::Space);
-    app.wait(500);
+    app.key(Key::Space, 500);
     crate::calibrate::open_calibration(&mut app);
-    press(&mut app, "Next");
+    app.click_button("Next", 200);
     app.wait(2500);
     let level_db = |app: &TestApp| -> f64 {
         let node = app.window.query_all_by_label_contains("The sensor now:").next().unwrap();
@@ -114,9 +103,9 @@ fn a_tap_on_the_simulated_plate_is_seen_by_its_sensor() {
         let number = text.split(": ").nth(1).and_then(|rest| rest.split(' ').next());
         number.and_then(|number| number.replace('\u{2212}', "-").parse().ok()).unwrap_or(-99.0)
     };
-    assert!(has(&app, "dB of full scale. Tap on the plate"));
+    assert!(app.shows("dB of full scale. Tap on the plate"));
     let quiet = level_db(&app);
-    press(&mut app, "Tap on the simulated plate");
+    app.click_button("Tap on the simulated plate", 200);
     app.wait(200);
     let tapped = level_db(&app);
     assert!(tapped > quiet + 10.0, "{quiet} {tapped}");

@@ -48,8 +48,7 @@ fn drag(wanted: impl Fn(u16) -> bool) -> Vec<(u16, ColorImage)> {
     let line = line_rect(&app).center();
     let size = WINDOW.map(|points| (points * density).ceil() as usize);
     let mut pictures = Vec::new();
-    app.window.drag_at(line);
-    app.window.step();
+    app.grab(line, 0);
     for number in 0..PICTURES {
         let mut pointer = line;
         for frame in 1..=FRAMES {
@@ -66,8 +65,7 @@ fn drag(wanted: impl Fn(u16) -> bool) -> Vec<(u16, ColorImage)> {
             pictures.push((number, shown));
         }
     }
-    app.window.drop_at(line);
-    app.wait(50);
+    app.release(line, 50);
     pictures
 }
 

@@ -6,8 +6,7 @@ use egui_kittest::kittest::Queryable as _;
 use slipline_link::Severity;
 
 fn save(app: &mut TestApp) {
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    app.wait(100);
+    app.keys(Modifiers::COMMAND, Key::S, 100);
 }
 
 /// Runs the window for this many seconds, at 60 frames per second.
@@ -29,26 +28,25 @@ fn a_plain_message_goes_by_itself_and_an_error_stays() {
     let mut app = TestApp::driving();
     save(&mut app);
     watch(&mut app, 3);
-    assert!(app.window.query_by_label("Saved setup.toml").is_some());
+    assert!(app.has("Saved setup.toml"));
     // Another message is shown for its full time.
     let text = app.setup_text();
     app.open("x.toml", Ok(text));
     watch(&mut app, 3);
-    assert!(app.window.query_by_label("Opened x.toml").is_some());
+    assert!(app.has("Opened x.toml"));
     watch(&mut app, 3);
     assert!(app.window.state().notice().is_none());
     app.open("bad.toml", Ok("nonsense".to_owned()));
     watch(&mut app, 12);
     let notice = app.window.state().notice().cloned().unwrap();
     assert!(notice.text.contains("bad.toml was not opened"), "{notice:?}");
-    assert!(app.window.query_by_label("Dismiss").is_some());
+    assert!(app.has("Dismiss"));
 }
 
 #[test]
 fn a_message_goes_even_where_nothing_else_moves() {
     let mut app = TestApp::driving();
-    app.window.key_press(Key::Space);
-    app.wait(3000);
+    app.key(Key::Space, 3000);
     save(&mut app);
     watch(&mut app, 1);
     let delay = app.window.output().viewport_output.values().map(|view| view.repaint_delay).min().unwrap();
@@ -59,8 +57,7 @@ fn a_message_goes_even_where_nothing_else_moves() {
 fn a_click_on_a_message_dismisses_it() {
     let mut app = TestApp::driving();
     save(&mut app);
-    app.window.get_by_label("Saved setup.toml").click();
-    app.wait(100);
+    app.click("Saved setup.toml", 100);
     assert!(app.window.state().notice().is_none());
 }
 
@@ -80,8 +77,7 @@ fn a_message_covers_nothing_that_is_used_or_watched() {
         assert!(!message.intersects(chip), "{size:?}: validity");
         let lines = app.window.get_all_by_label_contains("simulated with firmware");
         assert!(lines.chain(app.window.get_all_by_label("Log")).all(|line| !message.intersects(line.rect())));
-        app.window.get_by_label("Dismiss").click();
-        app.wait(100);
+        app.click("Dismiss", 100);
     }
 }
 
@@ -139,8 +135,7 @@ fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
     // A message that is shown in full does not disappear with time.
     skip(&mut app, 60.0);
     assert!(app.window.state().notice().is_some());
-    app.window.get_by_label("Dismiss").click();
-    app.wait(100);
+    app.click("Dismiss", 100);
     assert!(app.window.state().notice().is_none());
 }
 
@@ -148,12 +143,10 @@ fn a_long_message_is_cut_and_shown_in_full_when_it_is_pressed() {
 fn several_messages_leave_the_panels_controls_in_sight() {
     for size in [[640.0, 480.0], [800.0, 480.0], [960.0, 620.0], [1280.0, 800.0]] {
         let mut app = TestApp::driving();
-        app.window.set_size(size.into());
-        app.wait(100);
+        app.resize(size.into(), 100);
         ask_too_much(&mut app);
         open_bad_file(&mut app);
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-        app.wait(200);
+        app.keys(Modifiers::COMMAND, Key::Num1, 200);
         let dismiss: Vec<Rect> = app.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
         assert_eq!(dismiss.len(), 2, "{size:?}");
         assert!(
@@ -192,23 +185,20 @@ fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
     let is_told = |app: &TestApp| app.window.query_all_by_label_contains("Refused: ").count() > 0;
     assert!(is_told(&app), "{:?}", app.window.state().notice());
     save(&mut app);
-    assert!(is_told(&app) && app.window.query_by_label("Saved setup.toml").is_some());
+    assert!(is_told(&app) && app.has("Saved setup.toml"));
     watch(&mut app, 7);
-    assert!(app.window.query_by_label("Saved setup.toml").is_none());
+    assert!(!app.has("Saved setup.toml"));
     assert!(app.window.state().notice().is_some_and(|notice| notice.text.starts_with("Refused: ")));
     // The message disappears when the device accepts something newer.
-    app.window.get_by_label("Make it fit").click();
-    app.wait(500);
+    app.click("Make it fit", 500);
     assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
 }
 
 #[test]
 fn a_port_that_does_not_answer_is_told_until_another_one_does() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("Device").click();
-    app.wait(100);
-    app.window.get_by_label("Disconnect").click();
-    app.wait(500);
+    app.click("Device", 100);
+    app.click("Disconnect", 500);
     app.plug(false);
     app.window.get_all_by_label("Connect").next().unwrap().click();
     app.wait(2000);
@@ -218,12 +208,12 @@ fn a_port_that_does_not_answer_is_told_until_another_one_does() {
         "{notice:?}"
     );
     save(&mut app);
-    assert!(app.window.query_by_label(&notice.text).is_some(), "it stays beside later messages");
+    assert!(app.has(&notice.text), "it stays beside later messages");
     // It is waited for, so nothing needs to be clicked.
     app.plug(true);
     app.wait(2000);
     assert!(app.snapshot().is_connected());
-    assert!(app.window.query_by_label(&notice.text).is_none());
+    assert!(!app.has(&notice.text));
 }
 
 #[test]
@@ -261,29 +251,25 @@ fn the_same_words_again_are_shown_their_whole_time() {
     watch(&mut app, 3);
     save(&mut app);
     watch(&mut app, 3);
-    assert!(app.window.query_by_label("Saved setup.toml").is_some());
+    assert!(app.has("Saved setup.toml"));
     watch(&mut app, 3);
-    assert!(app.window.query_by_label("Saved setup.toml").is_none());
+    assert!(!app.has("Saved setup.toml"));
 }
 
 #[test]
 fn a_message_moves_nothing_stands_in_one_line_at_the_bottom_and_is_in_the_log() {
     for size in [[1280.0, 800.0], [640.0, 480.0]] {
         let mut app = TestApp::driving();
-        app.window.set_size(size.into());
-        app.wait(100);
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
-        app.wait(200);
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
-        app.wait(200);
+        app.resize(size.into(), 100);
+        app.keys(Modifiers::COMMAND, Key::Num0, 200);
+        app.keys(Modifiers::COMMAND, Key::Num0, 200);
         ask_too_much(&mut app);
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
-        app.wait(200);
+        app.keys(Modifiers::COMMAND, Key::Num0, 200);
         let before = crate::line_rect(&app);
         open_bad_file(&mut app);
         save(&mut app);
         assert_eq!(crate::line_rect(&app), before, "{size:?}: the stage stays");
-        assert!(app.window.query_by_label("Tones").is_none(), "{size:?}: the hidden panel stays hidden");
+        assert!(!app.has("Tones"), "{size:?}: the hidden panel stays hidden");
         let dismiss: Vec<Rect> = app.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
         assert!(dismiss.iter().all(|rect| rect.bottom() > size[1] - 34.0), "{size:?}: {dismiss:?}");
         let log = app.snapshot().log;
@@ -293,12 +279,9 @@ fn a_message_moves_nothing_stands_in_one_line_at_the_bottom_and_is_in_the_log() 
     }
     // A refusal of the window itself is in the log with all its words.
     let mut app = TestApp::driving();
-    app.window.get_by_role_and_label(Role::Button, "Plate").click();
-    app.wait(100);
-    app.window.get_by_role_and_label(Role::Button, "Measure").click();
-    app.wait(200);
-    app.window.get_by_role_and_label(Role::Button, "Measure now").click();
-    app.wait(200);
+    app.click_button("Plate", 100);
+    app.click_button("Measure", 200);
+    app.click_button("Measure now", 200);
     let text = app.window.state().notice().cloned().unwrap().text;
     assert!(app.snapshot().log.iter().any(|entry| entry.text == text), "{text}");
 }

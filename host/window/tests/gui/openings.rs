@@ -89,8 +89,7 @@ fn look(app: &mut TestApp, name: &str, may_be_red: bool) -> Vec<String> {
 
 fn app() -> TestApp {
     let mut app = TestApp::driving();
-    app.window.set_size(vec2(1280.0, 1500.0));
-    app.wait(100);
+    app.resize(vec2(1280.0, 1500.0), 100);
     app
 }
 

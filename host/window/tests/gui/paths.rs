@@ -13,8 +13,7 @@ fn bare() -> TestApp {
 }
 
 fn press(app: &mut TestApp, key: Key) {
-    app.window.key_press_modifiers(Modifiers::COMMAND, key);
-    app.wait(200);
+    app.keys(Modifiers::COMMAND, key, 200);
 }
 
 fn is_asked(app: &TestApp) -> bool {
@@ -25,7 +24,7 @@ fn is_asked(app: &TestApp) -> bool {
 fn a_setup_is_saved_to_the_path_that_is_typed() {
     let mut app = bare();
     press(&mut app, Key::S);
-    assert!(app.window.query_by_label_contains("offers no dialog for files").is_some());
+    assert!(app.has_part("offers no dialog for files"));
     let field = app.window.get_by_role_and_label(Role::TextInput, "File path");
     assert!(field.accesskit_node().is_focused(), "it can be typed into at once");
     assert!(field.value().unwrap().ends_with("setup.toml"), "{:?}", field.value());
@@ -34,7 +33,7 @@ fn a_setup_is_saved_to_the_path_that_is_typed() {
     app.wait(200);
     assert!(!is_asked(&app));
     assert_eq!(app.files.saved.borrow().len(), 1);
-    assert!(app.window.query_by_label("Saved /tmp/mine.toml").is_some());
+    assert!(app.has("Saved /tmp/mine.toml"));
     assert!(app.is_driving());
 }
 
@@ -47,12 +46,10 @@ fn a_file_that_is_there_is_replaced_only_by_the_button_that_says_so() {
         app.wait(200);
     }
     assert_eq!(app.files.saved.borrow().len(), 1, "the second time it is there");
-    assert!(app.window.query_by_label_contains("There is a file of that name").is_some());
-    app.window.key_press(Key::Enter);
-    app.wait(200);
+    assert!(app.has_part("There is a file of that name"));
+    app.key(Key::Enter, 200);
     assert_eq!(app.files.saved.borrow().len(), 1, "Enter alone replaces nothing");
-    app.window.get_by_label("Replace").click();
-    app.wait(200);
+    app.click("Replace", 200);
     assert_eq!(app.files.saved.borrow().len(), 2);
     assert!(!is_asked(&app));
 }
@@ -79,8 +76,7 @@ fn a_file_is_opened_by_its_path_and_one_that_is_not_there_is_said_so() {
 fn a_question_that_is_given_up_does_nothing() {
     let mut app = bare();
     press(&mut app, Key::S);
-    app.window.get_by_label("Cancel").click();
-    app.wait(200);
+    app.click("Cancel", 200);
     assert!(!is_asked(&app) && app.files.saved.borrow().is_empty());
     assert!(app.window.state().notice().is_none());
 }

@@ -152,10 +152,6 @@ fn press(app: &mut TestApp, name: &str) {
 /// A page or dialog, and how to open it where it is not open.
 type Page = (&'static str, fn(&mut TestApp));
 
-fn has(app: &TestApp, name: &str) -> bool {
-    app.window.query_all_by_label_contains(name).next().is_some()
-}
-
 fn tab(app: &mut TestApp, key: Key) {
     let modifiers = Modifiers::COMMAND;
     let key = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
@@ -175,13 +171,13 @@ fn texture(app: &mut TestApp, kind: &str) {
 }
 
 fn open_menu(app: &mut TestApp, name: &str, entry: &str) {
-    if !has(app, entry) {
+    if !app.shows(entry) {
         press(app, name);
     }
 }
 
 fn dialog(app: &mut TestApp, (menu, entry): (&str, &str), title: &str) {
-    if app.window.query_by_label(title).is_none() {
+    if !app.has(title) {
         open_menu(app, menu, entry);
         let at = app.window.get_by_label_contains(entry).rect().center();
         press_at(app, at);
@@ -197,7 +193,7 @@ fn calibration(app: &mut TestApp, number: usize) {
         while crate::calibrate::page(app).is_some_and(|page| page < step.min(number)) {
             press(app, "Next");
         }
-        if crate::calibrate::page(app) == Some(step) && !has(app, name) {
+        if crate::calibrate::page(app) == Some(step) && !app.shows(name) {
             let answer = &answers(1.02)[step - 3];
             *app.files.contents.borrow_mut() = vec![(PathBuf::from(name), Ok(answer.to_csv()))];
             press(app, "Open file…");
@@ -215,7 +211,7 @@ const PAGES: [Page; 13] = [
     ("Boundary", |app| tab(app, Key::Num1)),
     ("Tones", |app| {
         tab(app, Key::Num2);
-        if !has(app, "Remove tone 2") {
+        if !app.shows("Remove tone 2") {
             press(app, "Add tone");
         }
     }),
@@ -227,7 +223,7 @@ const PAGES: [Page; 13] = [
     ("Validity", |app| plate_page(app, "Validity")),
     ("Designer", |app| {
         plate_page(app, "Designer");
-        if !has(app, "Rim") {
+        if !app.shows("Rim") {
             let more = app.window.get_by_label("More").rect().center();
             press_at(app, more);
             app.wait(500);
@@ -235,7 +231,7 @@ const PAGES: [Page; 13] = [
     }),
     ("Measure", |app| plate_page(app, "Measure")),
     ("Device", |app| {
-        if !has(app, "Reconnect by itself") {
+        if !app.shows("Reconnect by itself") {
             tab(app, Key::Num5);
         }
     }),
@@ -254,7 +250,7 @@ const DIALOGS: [Page; 12] = [
     ("Diagnostics", |app| dialog(app, ("File", "Copy diagnostics"), "Copy again")),
     ("Path", |app| {
         app.files.has_no_dialogs.set(true);
-        if !has(app, "File path") {
+        if !app.shows("File path") {
             dialog(app, ("File", "Save setup…"), "File path");
         }
     }),
@@ -359,8 +355,7 @@ fn a_press_in_a_dialog_or_menu_moves_no_other_control() {
 fn a_press_in_the_bars_or_on_the_stage_moves_no_other_control() {
     for size in [[1280.0, 800.0], [640.0, 480.0]] {
         let mut app = TestApp::driving();
-        app.window.set_size(size.into());
-        app.wait(200);
+        app.resize(size.into(), 200);
         let shell = on_every_page(&mut app);
         let mut wrong = Vec::new();
         for (name, rects) in &shell {

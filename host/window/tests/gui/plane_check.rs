@@ -11,8 +11,7 @@ use slipline_plate::{Equation, Finger, respond_touched};
 const BUTTON: &str = "Check in two dimensions";
 
 fn press(app: &mut TestApp) {
-    app.window.get_by_label(BUTTON).click();
-    app.wait(100);
+    app.click(BUTTON, 100);
 }
 
 /// The page says what the solvers say of the first tone with this finger.
@@ -41,25 +40,24 @@ fn the_button_takes_the_finger_with_it_until_that_moves() {
     press(&mut app);
     tells_the_difference(&app, Some(Finger::light(1e-3 * finger_mm)));
     let where_it_is = format!("At 180.0 mm, with the finger at {finger_mm:.1} mm: In two dimensions");
-    assert!(app.window.query_by_label_contains(&where_it_is).is_some(), "{where_it_is}");
+    assert!(app.has_part(&where_it_is), "{where_it_is}");
     crate::finger::drag_by(&mut app, &[-20.0]);
-    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none(), "it is obsolete");
+    assert!(!app.has_part("In two dimensions the peak"), "it is obsolete");
 }
 
 #[test]
 fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
     let mut app = TestApp::driving();
     open_page(&mut app, "Validity");
-    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none());
+    assert!(!app.has_part("In two dimensions the peak"));
     press(&mut app);
     tells_the_difference(&app, None);
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-    app.wait(100);
+    app.keys(Modifiers::COMMAND, Key::Num1, 100);
     type_into(&mut app, "Boundary position", "120 mm");
     open_page(&mut app, "Validity");
-    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_none(), "it is obsolete");
+    assert!(!app.has_part("In two dimensions the peak"), "it is obsolete");
     press(&mut app);
-    assert!(app.window.query_by_label_contains("At 120.0 mm: In two dimensions").is_some());
+    assert!(app.has_part("At 120.0 mm: In two dimensions"));
 }
 
 #[test]
@@ -70,12 +68,11 @@ fn what_is_refused_tells_the_reason_and_the_button_waits_for_another_boundary() 
     *app.plane_refusal.borrow_mut() = Some(PlaneError::TooFine { frequency_hz: 20e3, unknowns: 9, most: 8 });
     press(&mut app);
     let reason = "Not computed: unknowns of the two-dimensional field at 20000 Hz = 9: must be at most 8.";
-    assert!(app.window.query_by_label(reason).is_some());
+    assert!(app.has(reason));
     assert!(app.window.get_by_label(BUTTON).accesskit_node().is_disabled(), "it would be refused again");
     app.plane_refusal.take();
     app.window.get_by_role_and_label(Role::Slider, "Boundary").focus();
-    app.window.key_press(Key::ArrowRight);
-    app.wait(100);
+    app.key(Key::ArrowRight, 100);
     press(&mut app);
-    assert!(app.window.query_by_label_contains("In two dimensions the peak").is_some());
+    assert!(app.has_part("In two dimensions the peak"));
 }

@@ -2,7 +2,7 @@
 
 use crate::fake_files::FakeFiles;
 use crate::measure::{measured, membrane};
-use crate::measuring::{has, on_a_secret_plate, press, wait_for_the_end};
+use crate::measuring::{on_a_secret_plate, wait_for_the_end};
 use crate::test_app::open_window;
 use eframe::egui::{FullOutput, Key, Modifiers, Pos2, Shape, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
@@ -71,8 +71,7 @@ fn rings_off(output: &FullOutput) -> Option<f32> {
 fn a_secret_plate_has_rings_once_it_is_measured_and_they_miss_the_line() {
     let mut app = on_a_secret_plate();
     let stage = |app: &mut crate::test_app::TestApp| {
-        app.window.get_by_role_and_label(Role::Button, "Boundary").click();
-        app.wait(1500);
+        app.click_button("Boundary", 1500);
     };
     stage(&mut app);
     assert!(app.is_driving() && rings(app.window.output()).is_empty(), "nobody knows it");
@@ -81,10 +80,9 @@ fn a_secret_plate_has_rings_once_it_is_measured_and_they_miss_the_line() {
     };
     assert!(says(&app, "secret plate: not measured yet"));
     crate::measure::open_measure(&mut app);
-    press(&mut app, "Measure now");
+    app.click_button("Measure now", 200);
     wait_for_the_end(&mut app);
-    app.window.get_by_label("Drive").click();
-    app.wait(500);
+    app.click("Drive", 500);
     stage(&mut app);
     assert!(says(&app, "secret plate") && rings(app.window.output()).len() > 30);
     let secret = rings_off(app.window.output()).unwrap();
@@ -95,12 +93,11 @@ fn a_secret_plate_has_rings_once_it_is_measured_and_they_miss_the_line() {
     assert!((rings - curve).abs() < 2.0, "{rings} {curve}");
     // Without a secret the plate on the screen is the one that is there.
     crate::measure::open_measure(&mut app);
-    app.window.get_by_label("A secret plate, a few per cent off").click();
-    app.wait(200);
+    app.click("A secret plate, a few per cent off", 200);
     stage(&mut app);
     let known = rings_off(app.window.output()).unwrap();
     assert!(says(&app, "simulated plate") && known < 0.02, "{known}");
-    assert!(!has(&app, "secret"));
+    assert!(!app.shows("secret"));
 }
 
 #[test]

@@ -6,20 +6,18 @@ use eframe::egui::{Key, Modifiers, Rect, accesskit::Role, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 
 fn open_play(app: &mut TestApp) {
-    app.window.get_by_role_and_label(Role::Button, "Play").click();
-    app.wait(100);
+    app.click_button("Play", 100);
 }
 
 fn press(app: &mut TestApp, key: Key) {
-    app.window.key_press_modifiers(Modifiers::COMMAND, key);
-    app.wait(100);
+    app.keys(Modifiers::COMMAND, key, 100);
 }
 
 #[test]
 fn a_key_or_a_press_switches_between_two_setups_whose_names_are_shown() {
     let mut app = TestApp::driving();
     open_play(&mut app);
-    let has = |app: &TestApp, name: &str| app.window.query_by_label(name).is_some();
+    let has = |app: &TestApp, name: &str| app.has(name);
     assert!(
         has(&app, "Setup A: membrane, 1 tone, turning at 180.0 mm") && has(&app, "Setup B: begins as a copy")
     );
@@ -29,29 +27,23 @@ fn a_key_or_a_press_switches_between_two_setups_whose_names_are_shown() {
     assert!(has(&app, "Setup B: membrane, 1 tone, turning at 181.0 mm"));
     press(&mut app, Key::B);
     assert!((boundary_mm(&app) - 180.0).abs() < 1e-6);
-    app.window.get_by_label_contains("Setup B: ").click();
-    app.wait(100);
+    app.click_part("Setup B: ", 100);
     assert!((boundary_mm(&app) - 181.0).abs() < 1e-6);
 }
 
 /// Records a drag of the line by 60 points in 12 steps; returns where it was at each.
 fn record_drag(app: &mut TestApp) -> Vec<f64> {
     open_play(app);
-    app.window.get_by_label("Record").click();
-    app.wait(100);
+    app.click("Record", 100);
     let line = line_rect(app).center();
-    app.window.drag_at(line);
-    app.window.step();
+    app.grab(line, 0);
     let mut places = Vec::new();
     for step in 1..=12 {
-        app.window.hover_at(line + vec2(5.0 * step as f32, 0.0));
-        app.wait(100);
+        app.hover(line + vec2(5.0 * step as f32, 0.0), 100);
         places.push(boundary_mm(app));
     }
-    app.window.drop_at(line + vec2(60.0, 0.0));
-    app.wait(100);
-    app.window.get_by_label("End recording").click();
-    app.wait(100);
+    app.release(line + vec2(60.0, 0.0), 100);
+    app.click("End recording", 100);
     places
 }
 
@@ -60,17 +52,13 @@ fn a_drag_is_recorded_played_ended_by_a_hand_exported_and_opened() {
     let mut app = TestApp::driving();
     let recorded = record_drag(&mut app);
     assert_eq!(app.window.state().recorder().recording().moves().len(), recorded.len());
-    app.window.get_by_label("Loop").click();
-    app.wait(50);
-    app.window.get_by_label("Play the recording").click();
-    app.wait(500);
-    assert!(app.window.query_by_label("End replay").is_some());
-    app.window.drag_at(line_rect(&app).center());
-    app.wait(100);
-    assert!(app.window.query_by_label("End replay").is_none() && app.is_driving());
+    app.click("Loop", 50);
+    app.click("Play the recording", 500);
+    assert!(app.has("End replay"));
+    app.grab(line_rect(&app).center(), 100);
+    assert!(!app.has("End replay") && app.is_driving());
     app.window.drop_at(line_rect(&app).center());
-    app.window.get_by_label("Export…").click();
-    app.wait(100);
+    app.click("Export…", 100);
     let (name, bytes) = app.files.saved.borrow()[0].clone();
     let text = String::from_utf8(bytes).unwrap();
     assert_eq!(name, "drag.csv");
@@ -83,13 +71,13 @@ fn a_drag_is_recorded_played_ended_by_a_hand_exported_and_opened() {
 fn the_wave_is_slowed_and_shown_at_a_chosen_time() {
     let mut app = TestApp::driving_with_sheet();
     open_play(&mut app);
-    assert!(app.window.query_by_label("2-D sheet, 1/200 speed").is_some());
+    assert!(app.has("2-D sheet, 1/200 speed"));
     type_into(&mut app, "Speed", "0,5");
-    assert!(app.window.query_by_label("2-D sheet, 1/400 speed").is_some());
+    assert!(app.has("2-D sheet, 1/400 speed"));
     type_into(&mut app, "Speed", "9");
-    assert!(app.window.query_by_label_contains("Speed 9: must be 0.05 to 4").is_some());
+    assert!(app.has_part("Speed 9: must be 0.05 to 4"));
     type_into(&mut app, "Time", "3 ms");
-    assert!(app.window.query_by_label("modal lines, 1/400 speed, paused").is_some());
+    assert!(app.has("modal lines, 1/400 speed, paused"));
     let time = |app: &TestApp| {
         app.window.get_by_role_and_label(Role::TextInput, "Time").accesskit_node().value().unwrap()
     };
@@ -97,10 +85,9 @@ fn the_wave_is_slowed_and_shown_at_a_chosen_time() {
     app.wait(300);
     assert_eq!(time(&app), "3.00 ms", "it stands");
     type_into(&mut app, "Time", "3 s");
-    assert!(app.window.query_by_label_contains("Time 3 s: must be 0 to 14.46 ms").is_some());
-    app.window.key_press(Key::P);
-    app.wait(300);
-    assert!(app.window.query_by_label("2-D sheet, 1/400 speed").is_some());
+    assert!(app.has_part("Time 3 s: must be 0 to 14.46 ms"));
+    app.key(Key::P, 300);
+    assert!(app.has("2-D sheet, 1/400 speed"));
     assert_ne!(time(&app), "3.00 ms");
 }
 
@@ -127,51 +114,40 @@ fn a_recorded_drag_has_a_time_line_under_the_axis_on_which_a_time_is_chosen() {
     let moves = app.window.state().recorder().recording().moves().to_vec();
     let length_s = moves.last().unwrap().time_s;
     let at = |share: f32| pos2(line.left() + share * line.width(), line.center().y);
-    app.window.drag_at(at(0.5));
-    app.wait(100);
+    app.grab(at(0.5), 100);
     let due = moves.iter().rfind(|step| step.time_s <= 0.5 * length_s + 1e-6).unwrap().place_m * 1e3;
     assert!((boundary_mm(&app) - due).abs() < 1e-6 && recorded.contains(&boundary_mm(&app)), "{due}");
     assert!((head_s(&app) / length_s - 0.5).abs() < 0.01, "{}", head_s(&app));
-    app.window.hover_at(at(0.0));
-    app.wait(100);
+    app.hover(at(0.0), 100);
     assert!((boundary_mm(&app) - recorded[0]).abs() < 1e-6, "{} {recorded:?}", boundary_mm(&app));
-    app.window.drop_at(at(0.0));
-    app.wait(100);
+    app.release(at(0.0), 100);
     // The whole drag along it is one step.
     press(&mut app, Key::Z);
     assert!((boundary_mm(&app) - last).abs() < 1e-9);
     // A press on it ends no replay.
-    app.window.get_by_label("Play the recording").click();
-    app.wait(50);
-    app.window.drag_at(at(0.2));
-    app.wait(50);
-    app.window.drop_at(at(0.2));
-    app.wait(50);
-    assert!(app.window.query_by_label("End replay").is_some());
+    app.click("Play the recording", 50);
+    app.grab(at(0.2), 50);
+    app.release(at(0.2), 50);
+    assert!(app.has("End replay"));
     assert!(head_s(&app) < 0.6 * length_s, "{}", head_s(&app));
     // Another page has no time line.
-    app.window.get_by_role_and_label(Role::Button, "Tones").click();
-    app.wait(100);
+    app.click_button("Tones", 100);
     assert_eq!(time_line(&app), None);
 }
 
 #[test]
 fn the_time_line_fits_a_small_screen_and_goes_by_keys() {
     let mut app = TestApp::driving();
-    app.window.set_size(vec2(640.0, 480.0));
-    app.wait(100);
+    app.resize(vec2(640.0, 480.0), 100);
     open_play(&mut app);
     app.open("two.csv", Ok("time_s,tone,place_m\n0,1,0.1\n1,1,0.2\n2,1,0.25\n".to_owned()));
     let line = time_line(&app).unwrap();
     assert!(Rect::from_min_size(pos2(0.0, 0.0), vec2(640.0, 480.0)).contains_rect(line), "{line}");
-    app.window.drag_at(line.center() + vec2(2.0, 0.0));
-    app.wait(100);
-    app.window.drop_at(line.center() + vec2(2.0, 0.0));
-    app.wait(100);
+    app.grab(line.center() + vec2(2.0, 0.0), 100);
+    app.release(line.center() + vec2(2.0, 0.0), 100);
     assert!((boundary_mm(&app) - 200.0).abs() < 1e-6, "{}", boundary_mm(&app));
     let before_s = head_s(&app);
-    app.window.key_press(Key::ArrowLeft);
-    app.wait(100);
+    app.key(Key::ArrowLeft, 100);
     assert!((before_s - head_s(&app) - 0.04).abs() < 1e-6, "{before_s} {}", head_s(&app));
     assert!((boundary_mm(&app) - 100.0).abs() < 1e-6, "the line itself has no step: {}", boundary_mm(&app));
 }

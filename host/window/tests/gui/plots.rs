@@ -65,15 +65,13 @@ fn every_axis_has_two_labels_at_least_for_every_plate_and_in_every_window() {
         open_plate(&mut app, slipline_plate::preset(preset.name).unwrap().to_toml());
         app.wait(1500);
         for size in [[1280.0, 800.0], [960.0, 620.0], [640.0, 480.0]] {
-            app.window.set_size(size.into());
-            app.wait(100);
+            app.resize(size.into(), 100);
             if let Some(message) = app.window.query_by_label("Dismiss") {
                 message.click();
                 app.wait(100);
             }
-            if app.window.query_by_label(PLOTS[1]).is_none() {
-                app.window.get_by_label("Plots").click();
-                app.wait(100);
+            if !app.has(PLOTS[1]) {
+                app.click("Plots", 100);
             }
             for plot in PLOTS {
                 let (x, y) = labels(&app, plot);
@@ -90,25 +88,20 @@ fn the_axes_stay_while_the_boundary_is_dragged_and_while_the_plots_are_held() {
     let mut app = TestApp::driving();
     let before = PLOTS.map(|plot| labels(&app, plot));
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.window.step();
+    app.grab(line, 0);
     for step in [-60.0, 40.0, 90.0] {
-        app.window.hover_at(line + vec2(step, 0.0));
-        app.wait(200);
+        app.hover(line + vec2(step, 0.0), 200);
         assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "dragged by {step}");
     }
-    app.window.drop_at(line + vec2(90.0, 0.0));
-    app.wait(200);
-    app.window.key_press(Key::P);
-    app.wait(200);
+    app.release(line + vec2(90.0, 0.0), 200);
+    app.key(Key::P, 200);
     assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held");
     // Paused plots keep their axes, whatever changes in the setup.
     type_into(&mut app, "Boundary position", "90 mm");
     open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
     app.wait(1500);
     assert_eq!(PLOTS.map(|plot| labels(&app, plot)), before, "held, with another plate");
-    app.window.key_press(Key::P);
-    app.wait(300);
+    app.key(Key::P, 300);
     assert_ne!(PLOTS.map(|plot| labels(&app, plot)), before, "those of the other plate");
 }
 
@@ -137,22 +130,17 @@ fn the_wheel_zooms_about_the_pointer_within_the_axes_and_a_double_click_shows_al
         assert!(step(&zoomed) < step(&whole), "{plot}: {whole:?} {zoomed:?}");
         assert!(zoomed[0] > whole[0] && zoomed.last() < whole.last(), "{plot}: {whole:?} {zoomed:?}");
         // A drag far to the right ends at the start of the axis.
-        app.window.drag_at(at);
-        app.window.step();
-        app.window.hover_at(at + vec2(900.0, 0.0));
-        app.window.step();
-        app.window.drop_at(at + vec2(900.0, 0.0));
-        app.wait(100);
+        app.grab(at, 0);
+        app.hover(at + vec2(900.0, 0.0), 0);
+        app.release(at + vec2(900.0, 0.0), 100);
         assert_eq!(x_numbers(&app, plot)[0], whole[0], "{plot}");
         app.turn_wheel(at, -2000.0);
         assert_eq!(x_numbers(&app, plot), whole, "{plot}: no further than all");
         app.turn_wheel(at, 150.0);
         assert_ne!(x_numbers(&app, plot), whole);
         for _ in 0..2 {
-            app.window.drag_at(at);
-            app.window.step();
-            app.window.drop_at(at);
-            app.window.step();
+            app.grab(at, 0);
+            app.release(at, 0);
         }
         app.wait(100);
         assert_eq!(x_numbers(&app, plot), whole, "{plot}: after a double click");
@@ -166,10 +154,8 @@ fn read_outs(app: &TestApp, part: &str) -> Vec<String> {
 
 /// Presses an entry of a plot's menu.
 fn choose(app: &mut TestApp, plot: &str, entry: &str) {
-    app.window.get_by_label(&format!("More: {plot}")).click();
-    app.wait(200);
-    app.window.get_by_label(entry).click();
-    app.wait(300);
+    app.click(&format!("More: {plot}"), 200);
+    app.click(entry, 300);
 }
 
 #[test]
@@ -185,12 +171,10 @@ fn the_plots_tell_the_values_under_the_pointer_and_the_frequency_of_each_peak() 
     };
     assert_eq!(peaks(&app), ["138.3 Hz"], "one tone");
     let at = middle(&app, "Spectrum");
-    app.window.hover_at(at);
-    app.wait(200);
+    app.hover(at, 200);
     assert!(read_outs(&app, " dB").iter().any(|text| text.contains("Hz")), "{:?}", read_outs(&app, "dB"));
     let at = middle(&app, "Drive waveform");
-    app.window.hover_at(at);
-    app.wait(200);
+    app.hover(at, 200);
     assert_eq!(read_outs(&app, "of full scale").len(), 1);
     assert!(read_outs(&app, "of full scale")[0].contains(" ms"));
 }

@@ -11,11 +11,9 @@ const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../f
 fn the_rules_on_the_page_are_the_file_that_is_shipped() {
     assert!(SHIPPED.contains("ATTRS{idProduct}==\"df11\""), "a device is also flashed");
     let mut app = TestApp::driving();
-    app.window.get_by_label("Help").click();
-    app.wait(200);
-    app.window.get_by_label_contains("Ports and permissions").click();
-    app.wait(200);
-    assert!(app.window.query_by_label(SHIPPED).is_some());
+    app.click("Help", 200);
+    app.click_part("Ports and permissions", 200);
+    assert!(app.has(SHIPPED));
     app.window.get_by_label("Copy the rules").scroll_to_me();
     app.wait(300);
     app.window.get_by_label("Copy the rules").click();

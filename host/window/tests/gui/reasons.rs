@@ -45,21 +45,19 @@ fn a_bad_place_leaves_the_frequency_where_it_is() {
 #[test]
 fn a_bad_place_of_a_tone_leaves_its_row_and_the_plate_as_they_are() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("Tones").click();
-    app.wait(100);
+    app.click("Tones", 100);
     let remove = |app: &TestApp| rect(app, Role::Button, "Remove tone 1");
     let before = (remove(&app).x_range(), outside(&app));
     type_into(&mut app, "Position of tone 1", "abc");
     app.wait(100);
-    assert!(app.window.query_by_label_contains("does not begin").is_some());
+    assert!(app.has_part("does not begin"));
     assert_eq!((remove(&app).x_range(), outside(&app)), before);
 }
 
 #[test]
 fn a_bad_number_of_the_plate_leaves_the_panel_as_wide_as_it_is() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("Plate").click();
-    app.wait(100);
+    app.click("Plate", 100);
     let before = outside(&app);
     for name in ["Wave speed", "Loss factor"] {
         type_into(&mut app, name, "1e300");
@@ -77,18 +75,16 @@ fn a_refused_value_goes_when_undo_changes_what_it_was_typed_over() {
     type_into(&mut app, "Boundary position", "120 mm");
     type_into(&mut app, "Boundary position", "900 mm");
     assert_eq!(value(&app), "900 mm");
-    assert!(app.window.query_by_label_contains("outside 80").is_some());
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(100);
+    assert!(app.has_part("outside 80"));
+    app.keys(Modifiers::COMMAND, Key::Z, 100);
     assert_eq!(value(&app), "180.0 mm");
-    assert!(app.window.query_by_label_contains("outside 80").is_none());
+    assert!(!app.has_part("outside 80"));
 }
 
 #[test]
 fn a_bad_number_of_the_plate_is_told_in_the_words_of_the_panel() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("Plate").click();
-    app.wait(100);
+    app.click("Plate", 100);
     for (field, bad, reason) in [
         ("Length", "11 m", "Length 11000 mm: must be 5 to 10000 mm"),
         ("Span to", "1 m", "Span to 1000 mm: must be 80.32 to 320 mm"),
@@ -98,6 +94,6 @@ fn a_bad_number_of_the_plate_is_told_in_the_words_of_the_panel() {
     ] {
         type_into(&mut app, field, bad);
         app.wait(100);
-        assert!(app.window.query_by_label(reason).is_some(), "{field}: {reason}");
+        assert!(app.has(reason), "{field}: {reason}");
     }
 }

@@ -12,19 +12,15 @@ fn no_window_is_too_small_to_be_shown() {
     for size in zoomed.chain(tiny) {
         app.window.set_size(size);
         for tab in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6] {
-            app.window.key_press_modifiers(Modifiers::COMMAND, tab);
-            app.wait(100);
+            app.keys(Modifiers::COMMAND, tab, 100);
         }
     }
     for page in ["Validity", "Designer", "Measure"] {
         app.window.set_size(vec2(1280.0, 800.0));
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num4);
-        app.wait(100);
-        app.window.get_by_label(page).click();
-        app.wait(100);
+        app.keys(Modifiers::COMMAND, Key::Num4, 100);
+        app.click(page, 100);
         for size in tiny {
-            app.window.set_size(size);
-            app.wait(100);
+            app.resize(size, 100);
         }
     }
     assert!(app.is_driving());
@@ -60,8 +56,7 @@ fn the_zoom_ends_where_the_window_could_not_be_used() {
 fn what_is_in_the_top_bar_never_lies_over_its_neighbour() {
     let mut app = TestApp::driving();
     for width in (640..=1280).step_by(20) {
-        app.window.set_size(vec2(width as f32, 620.0));
-        app.wait(100);
+        app.resize(vec2(width as f32, 620.0), 100);
         let mut seen: Vec<(String, eframe::egui::Rect)> = Vec::new();
         for name in ["Slipline", "File", "Edit", "View", "Help", "Device: ", "State: ", "round trip", "STOP"]
         {
@@ -86,11 +81,9 @@ fn what_is_in_the_top_bar_never_lies_over_its_neighbour() {
 fn the_logs_controls_stay_in_the_window() {
     let mut app = TestApp::driving();
     for width in (640..=1280).step_by(40) {
-        app.window.set_size(vec2(width as f32, 620.0));
-        app.wait(100);
-        if app.window.query_by_label("Log").is_none() {
-            app.window.get_by_label("Plots").click();
-            app.wait(100);
+        app.resize(vec2(width as f32, 620.0), 100);
+        if !app.has("Log") {
+            app.click("Plots", 100);
         }
         let head = app.window.get_by_label("Log").rect();
         for name in ["Log level", "Copy"] {
@@ -100,7 +93,7 @@ fn the_logs_controls_stay_in_the_window() {
                 "{width}: {name} {rect} {head}"
             );
         }
-        let has_filter = app.window.query_by_label("Filter the log").is_some();
+        let has_filter = app.has("Filter the log");
         assert!(has_filter || width < 960, "{width}: there is room for the filter");
     }
 }

@@ -1,8 +1,7 @@
 //! Small screens: STOP, the boundary line and the controls stay usable, whatever page is open.
 
-use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, click, opened};
 use crate::{boundary_mm, line_rect, real_device, type_into};
 use eframe::egui::{Key, Modifiers, Rect, Vec2, accesskit::Role, pos2, vec2};
 use egui_kittest::HarnessBuilder;
@@ -33,44 +32,35 @@ pub(crate) fn small(size: [f32; 2]) -> TestApp {
 #[test]
 fn on_a_small_screen_the_panels_give_their_room_to_the_stage_and_stop_stays() {
     let mut app = TestApp::driving();
-    app.window.set_size(vec2(640.0, 480.0));
-    app.wait(100);
+    app.resize(vec2(640.0, 480.0), 100);
     // There is no room for both, so the plots have closed by themselves.
-    assert!(app.window.query_by_label("Tones").is_some() && app.window.query_by_label("Copy").is_none());
+    assert!(app.has("Tones") && !app.has("Copy"));
     let before = line_rect(&app);
     assert!(before.height() > 200.0, "{before}");
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num0);
-    app.wait(100);
+    app.keys(Modifiers::COMMAND, Key::Num0, 100);
     assert!(line_rect(&app).left() > before.left() + 150.0, "{before} {}", line_rect(&app));
-    assert!(app.window.query_by_label("Tones").is_none() && app.window.query_by_label("Copy").is_none());
+    assert!(!app.has("Tones") && !app.has("Copy"));
     let stop = app.window.get_by_label("STOP").rect();
     assert!(stop.right() <= 640.0 && stop.bottom() <= 480.0, "{stop}");
     // The line moves and the plate is driven as before.
-    app.window.key_press(Key::ArrowRight);
-    app.wait(100);
+    app.key(Key::ArrowRight, 100);
     assert!(app.is_driving());
     // A message opens nothing, and the key of a page opens the panel.
     app.open("bad.toml", Ok("nonsense".to_owned()));
-    assert!(app.window.query_by_label("Dismiss").is_some() && app.window.query_by_label("Tones").is_none());
-    app.window.get_by_label("Dismiss").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("Tones").is_none());
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num2);
-    app.wait(100);
-    assert!(app.window.query_by_label("Add tone").is_some());
-    app.window.get_by_label("View").click();
-    app.wait(200);
-    app.window.get_by_label("Plots, meters and log").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("Copy").is_some() && app.window.query_by_label("Tones").is_none());
+    assert!(app.has("Dismiss") && !app.has("Tones"));
+    app.click("Dismiss", 100);
+    assert!(!app.has("Tones"));
+    app.keys(Modifiers::COMMAND, Key::Num2, 100);
+    assert!(app.has("Add tone"));
+    app.click("View", 200);
+    app.click("Plots, meters and log", 100);
+    assert!(app.has("Copy") && !app.has("Tones"));
     // The buttons at the bottom open one in place of the other, and a larger window shows both.
-    app.window.get_by_label("Panel").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("Copy").is_none() && app.window.query_by_label("Tones").is_some());
-    app.window.set_size(vec2(1280.0, 800.0));
-    app.wait(100);
-    assert!(app.window.query_by_label("Copy").is_some() && app.window.query_by_label("Tones").is_some());
-    assert!(app.window.query_by_label("Panel").is_none());
+    app.click("Panel", 100);
+    assert!(!app.has("Copy") && app.has("Tones"));
+    app.resize(vec2(1280.0, 800.0), 100);
+    assert!(app.has("Copy") && app.has("Tones"));
+    assert!(!app.has("Panel"));
 }
 
 #[test]
@@ -96,9 +86,8 @@ fn the_hint_lies_over_nothing_and_the_names_are_read_on_a_small_screen() {
 fn the_flag_of_the_line_is_whole_at_every_size_and_place() {
     for size in SIZES.into_iter().chain([[640.0, 400.0], [960.0, 620.0], [1280.0, 800.0]]) {
         let mut app = small(size);
-        if app.window.query_by_label("Tones").is_none() {
-            app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-            app.wait(100);
+        if !app.has("Tones") {
+            app.keys(Modifiers::COMMAND, Key::Num1, 100);
         }
         for place in ["80 mm", "176.5 mm", "280 mm"] {
             type_into(&mut app, "Boundary position", place);
@@ -115,33 +104,27 @@ fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
     for size in SIZES {
         let mut app = small(size);
         for panel in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
-            app.window.get_by_role_and_label(Role::Button, panel).click();
-            app.wait(100);
+            app.click_button(panel, 100);
             stop_is_on_the_screen(&app, size, panel);
         }
         for page in ["Shortcuts", "Ports and permissions", "About Slipline", "Copy diagnostics"] {
             let menu = if page == "Copy diagnostics" { "File" } else { "Help" };
-            app.window.get_by_label(menu).click();
-            app.wait(200);
+            app.click(menu, 200);
             app.window.get_by_label_contains(page).scroll_to_me();
             app.wait(300);
-            app.window.get_by_label_contains(page).click();
-            app.wait(200);
+            app.click_part(page, 200);
             stop_is_on_the_screen(&app, size, page);
             // The page's own button is there, too, and STOP does not lie over it.
             let close = app.window.get_by_label("Close").rect();
             let stop = app.window.get_by_label("STOP").rect();
             assert!(screen(size).contains_rect(close), "{size:?} {page}: {close}");
             assert!(!stop.expand(2.0).intersects(close), "{size:?} {page}: {close}");
-            app.window.get_by_label("Close").click();
-            app.wait(200);
-            assert!(app.window.query_by_label("Close").is_none(), "{size:?} {page}");
+            app.click("Close", 200);
+            assert!(!app.has("Close"), "{size:?} {page}");
         }
         app.take_sent();
-        app.window.key_press(Key::F1);
-        app.wait(200);
-        app.window.get_by_label("STOP").click();
-        app.wait(300);
+        app.key(Key::F1, 200);
+        app.click("STOP", 300);
         assert!(app.take_sent().iter().any(|request| matches!(request, Request::Stop)), "{size:?}");
         assert!(!app.is_driving(), "{size:?}");
     }
@@ -151,11 +134,8 @@ fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
 fn what_waits_to_be_confirmed_or_typed_fits_a_small_screen() {
     for size in SIZES {
         let link = real_device(State::Idle);
-        let builder = HarnessBuilder::default().with_size(size);
-        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
-        window.get_by_label("Arm…").click();
-        window.run_steps(5);
+        let mut window = opened(link, size);
+        click(&mut window, "Arm…");
         let stop = window.get_by_label("STOP").rect();
         for name in ["Cancel", "Arm", "STOP"] {
             let rect = window.get_by_label(name).rect();
@@ -164,8 +144,7 @@ fn what_waits_to_be_confirmed_or_typed_fits_a_small_screen() {
         }
         let mut app = small(size);
         app.files.has_no_dialogs.set(true);
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
-        app.wait(200);
+        app.keys(Modifiers::COMMAND, Key::S, 200);
         for name in ["Cancel", "Save", "STOP"] {
             let rect = app.window.get_by_label(name).rect();
             assert!(screen(size).contains_rect(rect), "{size:?}: {name} {rect}");
@@ -180,12 +159,9 @@ fn the_line_can_be_dragged_on_a_small_screen() {
         let line = line_rect(&app);
         assert!(line.width() >= 24.0 && line.height() >= 150.0, "{size:?}: {line}");
         let before = boundary_mm(&app);
-        app.window.drag_at(line.center());
-        app.window.step();
-        app.window.hover_at(line.center() + vec2(20.0, 0.0));
-        app.window.step();
-        app.window.drop_at(line.center() + vec2(20.0, 0.0));
-        app.wait(100);
+        app.grab(line.center(), 0);
+        app.hover(line.center() + vec2(20.0, 0.0), 0);
+        app.release(line.center() + vec2(20.0, 0.0), 100);
         assert!(boundary_mm(&app) > before + 10.0, "{size:?}: {}", boundary_mm(&app));
         assert!(app.is_driving(), "{size:?}");
         // The side panel does not cover the plate, and its first field is visible.
@@ -219,8 +195,7 @@ fn stop_is_on_the_screen_at_every_zoom_and_pixel_density() {
 fn the_buttons_of_the_pages_stay_while_a_page_is_scrolled_and_each_page_keeps_its_place() {
     let mut app = small(SIZES[0]);
     let pages = ["Boundary", "Tones", "Texture", "Plate", "Device", "This plate", "Validity", "Designer"];
-    app.window.get_by_role_and_label(Role::Button, "Plate").click();
-    app.wait(100);
+    app.click_button("Plate", 100);
     let place = |app: &TestApp, name: &str| app.window.get_by_role_and_label(Role::Button, name).rect();
     let before = pages.map(|name| place(&app, name));
     let field = |app: &TestApp| app.window.get_by_role_and_label(Role::TextInput, "Length").rect().top();
@@ -229,10 +204,8 @@ fn the_buttons_of_the_pages_stay_while_a_page_is_scrolled_and_each_page_keeps_it
     assert!(field(&app) < top - 100.0, "{top} {}", field(&app));
     assert_eq!(pages.map(|name| place(&app, name)), before);
     let scrolled = field(&app);
-    app.window.get_by_role_and_label(Role::Button, "Device").click();
-    app.wait(100);
-    app.window.get_by_role_and_label(Role::Button, "Plate").click();
-    app.wait(100);
+    app.click_button("Device", 100);
+    app.click_button("Plate", 100);
     assert_eq!(field(&app), scrolled);
 }
 
@@ -252,8 +225,7 @@ fn bars(app: &TestApp) -> Vec<Rect> {
 fn no_scroll_bar_lies_over_letters() {
     let mut app = small(SIZES[0]);
     let clear = |app: &mut TestApp, at: eframe::egui::Pos2, what: &str| {
-        app.window.hover_at(at);
-        app.wait(600);
+        app.hover(at, 600);
         let bars = bars(app);
         assert!(!bars.is_empty(), "{what}: it scrolls");
         // A page in front is painted after what it lies over.
@@ -268,19 +240,15 @@ fn no_scroll_bar_lies_over_letters() {
         }
     };
     for page in ["Boundary", "Plate", "Device"] {
-        app.window.get_by_role_and_label(Role::Button, page).click();
-        app.wait(100);
+        app.click_button(page, 100);
         clear(&mut app, pos2(613.0, 300.0), page);
     }
-    app.window.get_by_label("Plots").click();
-    app.wait(100);
+    app.click("Plots", 100);
     // Only in a lower window the meters have no room.
-    app.window.set_size(vec2(640.0, 400.0));
-    app.wait(100);
+    app.resize(vec2(640.0, 400.0), 100);
     let level = app.window.get_all_by_role(Role::ProgressIndicator).next().unwrap().rect();
     clear(&mut app, level.right_center() + vec2(8.0, 0.0), "meters");
-    app.window.set_size(SIZES[0].into());
-    app.wait(100);
+    app.resize(SIZES[0].into(), 100);
     for name in ["Level", "Headroom"] {
         let words = crate::plots::words(app.window.output());
         let (_, row) = words.iter().find(|(words, _)| words == name).unwrap();
@@ -288,8 +256,7 @@ fn no_scroll_bar_lies_over_letters() {
         let (value, _) = words.iter().find(|(_, at)| beside(at)).unwrap();
         assert!(value.ends_with(" dB"), "{name}: {value}");
     }
-    app.window.key_press(Key::F1);
-    app.wait(300);
+    app.key(Key::F1, 300);
     let close = app.window.get_by_label("Close").rect();
     clear(&mut app, pos2(640.0 - close.left() - 4.0, 200.0), "Shortcuts");
 }
@@ -308,9 +275,7 @@ fn a_long_name_of_a_port_moves_nothing_out_of_the_smallest_window() {
     };
     for snapshot in [driven, missing] {
         let link = FixedLink::of(snapshot);
-        let builder = HarnessBuilder::default().with_size(SIZES[0]);
-        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
+        let mut window = opened(link, SIZES[0]);
         window.get_by_role_and_label(Role::Button, "Device").click();
         window.run_steps(5);
         let named: Vec<Rect> =

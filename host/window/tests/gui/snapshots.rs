@@ -115,8 +115,7 @@ fn the_smallest_window_looks_as_it_was_approved_with_a_long_name() {
         let text = slipline_plate::preset("membrane").unwrap().to_toml();
         let name = "name = \"a plate whose name is as long as a name may be made by whoever has the time\"";
         open_plate(app, text.replace("name = \"membrane\"", name));
-        app.window.get_by_label("Dismiss").click();
-        app.wait(1500);
+        app.click("Dismiss", 1500);
     };
     compare("smallest", &picture(ThemeChoice::Light, SMALLEST, long_name));
 }
@@ -124,10 +123,8 @@ fn the_smallest_window_looks_as_it_was_approved_with_a_long_name() {
 #[test]
 fn the_scenes_look_as_they_were_approved() {
     let open = |app: &mut TestApp| {
-        app.window.get_by_label("File").click();
-        app.wait(200);
-        app.window.get_by_label_contains("Scenes…").click();
-        app.wait(200);
+        app.click("File", 200);
+        app.click_part("Scenes…", 200);
     };
     compare("scenes", &picture(ThemeChoice::Dark, USUAL, open));
 }
@@ -143,8 +140,7 @@ fn the_lights_on_the_stage_look_as_they_were_approved() {
     let pointed_at = |app: &mut TestApp| {
         crate::light_marks::open(app, "al-sh", 0.16);
         let symbol = crate::light_marks::symbol(app, "Edge slope").rect();
-        app.window.hover_at(symbol.center());
-        app.wait(2500);
+        app.hover(symbol.center(), 2500);
     };
     compare("lights-light", &picture(ThemeChoice::Light, USUAL, pointed_at));
     let few = |app: &mut TestApp| crate::light_marks::open(app, "al-sh", 0.16);
@@ -164,11 +160,9 @@ fn the_texture_page_looks_as_it_was_approved() {
     let rising = |app: &mut TestApp| {
         open_textures(app);
         open_profile(app, "bump.csv", Ok(b"0,0.3\n0.1,0.3\n0.16,1\n0.22,0.2\n0.32,0\n".to_vec()));
-        app.window.get_by_label("Dismiss").click();
-        app.wait(1450);
+        app.click("Dismiss", 1450);
         // Away from the bar of the page, which grows under the pointer.
-        app.window.hover_at(eframe::egui::pos2(600.0, 30.0));
-        app.wait(50);
+        app.hover(eframe::egui::pos2(600.0, 30.0), 50);
     };
     compare("texture-light", &picture(ThemeChoice::Light, USUAL, rising));
     let solid = |app: &mut TestApp| {
@@ -190,8 +184,7 @@ fn a_drawing_looks_as_it_was_approved() {
         with_brush(app);
         stroke(app, &[(0.06, 0.1), (0.3, 0.1), (0.55, 0.3), (0.8, 0.02)]);
         app.wait(600);
-        app.window.hover_at(eframe::egui::pos2(600.0, 30.0));
-        app.wait(50);
+        app.hover(eframe::egui::pos2(600.0, 30.0), 50);
     };
     compare("brush-light", &picture(ThemeChoice::Light, USUAL, drawn));
     compare("brush-small", &picture(ThemeChoice::Dark, SMALL_SCREEN, drawn));
@@ -211,16 +204,12 @@ fn a_time_line_looks_as_it_was_approved() {
             .map(|(s, tone, m)| format!("{s},{tone},{m}\n"))
             .collect();
         app.open("drag.csv", Ok(format!("time_s,tone,place_m\n{moves}")));
-        app.window.get_by_label("Dismiss").click();
-        app.wait(300);
+        app.click("Dismiss", 300);
         let line = app.window.get_by_role_and_label(Role::Slider, "Time of the recording").rect();
         let at = line.left_center() + eframe::egui::vec2(0.35 * line.width(), 0.0);
-        app.window.drag_at(at);
-        app.wait(50);
-        app.window.drop_at(at);
-        app.wait(600);
-        app.window.hover_at(eframe::egui::pos2(600.0, 30.0));
-        app.wait(50);
+        app.grab(at, 50);
+        app.release(at, 600);
+        app.hover(eframe::egui::pos2(600.0, 30.0), 50);
     };
     compare("time-line", &picture(ThemeChoice::Light, SMALLEST, chosen));
 }
@@ -232,10 +221,8 @@ fn the_page_of_measurements_looks_as_it_was_approved() {
     let two = |app: &mut TestApp| {
         open(app, "before.csv", &measured(&membrane(1.0), 0.032, 12.0));
         open(app, "after the holidays.csv", &measured(&membrane(1.04), 0.032, 4.0));
-        app.window.get_by_label("Dismiss").click();
-        app.wait(200);
-        app.window.hover_at(eframe::egui::pos2(300.0, 240.0));
-        app.wait(100);
+        app.click("Dismiss", 200);
+        app.hover(eframe::egui::pos2(300.0, 240.0), 100);
     };
     compare("measure-light", &picture(ThemeChoice::Light, USUAL, two));
     compare("measure-dark", &picture(ThemeChoice::Dark, USUAL, two));
@@ -249,8 +236,7 @@ fn the_calibration_looks_as_it_was_approved() {
     compare("calibrate-light", &picture(ThemeChoice::Light, USUAL, result));
     let place = |app: &mut TestApp| {
         open_calibration(app);
-        app.window.get_by_label("Next").click();
-        app.wait(200);
+        app.click("Next", 200);
     };
     compare("calibrate-dark", &picture(ThemeChoice::Dark, USUAL, place));
     compare("calibrate-small", &picture(ThemeChoice::Light, SMALL_SCREEN, result));
@@ -289,8 +275,7 @@ fn the_air_of_a_plate_looks_as_it_was_approved() {
 fn what_is_felt_is_faint_while_nothing_is_driven() {
     for theme in [ThemeChoice::Light, ThemeChoice::Dark] {
         let stop = |app: &mut TestApp| {
-            app.window.key_press(eframe::egui::Key::Space);
-            app.wait(300);
+            app.key(eframe::egui::Key::Space, 300);
         };
         // A place on the strip with a strong feeling, and one beside the plate.
         let contrast = |seen: &ColorImage| -> u32 {
@@ -312,8 +297,7 @@ fn a_small_screen_looks_as_it_was_approved() {
     compare("small-light", &first_picture(ThemeChoice::Light, SMALL_SCREEN));
     compare("small-dark", &first_picture(ThemeChoice::Dark, SMALL_SCREEN));
     let open_plots = |app: &mut TestApp| {
-        app.window.get_by_label("Plots").click();
-        app.wait(300);
+        app.click("Plots", 300);
     };
     compare("small-plots", &picture(ThemeChoice::Light, SMALL_SCREEN, open_plots));
 }
@@ -327,8 +311,7 @@ fn a_dense_screen_looks_as_it_was_approved() {
 #[test]
 fn the_relief_looks_as_it_was_approved() {
     let show = |app: &mut TestApp| {
-        app.window.get_by_label("Relief").click();
-        app.wait(200);
+        app.click("Relief", 200);
     };
     compare("relief", &picture(ThemeChoice::Dark, SMALLEST, show));
 }

@@ -1,14 +1,12 @@
 //! What is heard: the finger on the simulated plate, the drive when it is asked for, and nothing of a real device unasked.
 
 use crate::background::open_plate;
-use crate::fake_files::FakeFiles;
 use crate::finger::{choose, drag_by};
 use crate::real_device;
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, opened};
 use eframe::egui::{self, Key, accesskit::Role};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::State;
-use slipline_window::settings::ThemeChoice;
 use slipline_window::sound::SpeakerState;
 
 #[test]
@@ -27,8 +25,7 @@ fn the_finger_is_heard_where_the_plate_moves_and_not_beyond() {
     drag_by(&mut app, &[-400.0]);
     app.wait(100);
     assert!(app.speaker.loudness() > 0.5 * at_peak);
-    app.window.key_press(Key::Escape);
-    app.wait(400);
+    app.key(Key::Escape, 400);
     assert!(app.speaker.played.borrow().0.is_silent(), "after the stop");
 }
 
@@ -56,8 +53,7 @@ fn a_wave_that_is_paused_and_a_choice_of_off_are_silent_and_the_choice_is_kept()
     choose(&mut app, "Sound: Finger");
     app.wait(50);
     assert!(app.speaker.loudness() > 0.05 && app.window.state().settings().hear_finger);
-    app.window.get_by_label("Pause: Finger trace").click();
-    app.wait(100);
+    app.click("Pause: Finger trace", 100);
     assert!(app.speaker.played.borrow().0.is_silent(), "paused");
 }
 
@@ -72,8 +68,7 @@ fn the_drive_is_played_when_it_is_asked_for_and_ends_with_the_stop() {
     let wanted_hz = plate.frequency_for_boundary_hz(crate::boundary_mm(&app) * 1e-3);
     assert!((partial.frequency_hz / wanted_hz - 1.0).abs() < 1e-4, "{partial:?} {wanted_hz}");
     assert!(partial.amplitude > 0.01);
-    app.window.get_by_label("STOP").click();
-    app.wait(400);
+    app.click("STOP", 400);
     assert!(app.speaker.played.borrow().0.is_silent());
     assert!(app.window.state().settings().hear_finger, "the drive is never played at the next start");
 }
@@ -86,7 +81,7 @@ fn ultrasound_is_no_drive_for_a_sound_card_and_that_is_told() {
     choose(&mut app, "Sound: Drive");
     app.wait(100);
     assert!(app.is_driving() && app.speaker.played.borrow().0.is_silent());
-    assert!(app.window.query_by_label_contains("is left out").is_some());
+    assert!(app.has_part("is left out"));
 }
 
 #[test]
@@ -96,19 +91,17 @@ fn a_sound_card_that_fails_says_why_and_can_be_tried_again() {
     let reason = "neither PulseAudio nor PipeWire is running here";
     *app.speaker.state.borrow_mut() = SpeakerState::Failed(reason.to_owned());
     app.wait(50);
-    assert!(app.window.query_by_label_contains(&format!("No sound: {reason}.")).is_some());
+    assert!(app.has_part(&format!("No sound: {reason}.")));
     app.window.get_by_role_and_label(Role::Button, "Try again").click_accesskit();
     app.wait(100);
     assert_eq!(app.speaker.retries.get(), 1);
-    assert!(app.window.query_by_label_contains("No sound").is_none());
+    assert!(!app.has_part("No sound"));
 }
 
 #[test]
 fn nothing_of_a_real_device_is_heard_unasked() {
     let link = real_device(State::Driving);
-    let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let window = opened(link, [1280.0, 800.0]);
     let off = window.get_by_role_and_label(Role::RadioButton, "Sound: Off");
     assert_eq!(
         egui_kittest::kittest::NodeT::accesskit_node(&off).toggled(),

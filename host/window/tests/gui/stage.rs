@@ -16,28 +16,22 @@ fn painted(app: &TestApp, word: &str) -> Option<Rect> {
 fn a_drag_against_the_end_of_the_span_says_so() {
     let mut app = TestApp::driving();
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.window.step();
-    app.window.hover_at(line + vec2(40.0, 0.0));
-    app.wait(50);
+    app.grab(line, 0);
+    app.hover(line + vec2(40.0, 0.0), 50);
     assert!(painted(&app, "the span ends here").is_none());
-    app.window.hover_at(line + vec2(600.0, 0.0));
-    app.wait(50);
+    app.hover(line + vec2(600.0, 0.0), 50);
     assert_eq!(boundary_mm(&app), 280.0);
     assert!(painted(&app, "the span ends here").is_some());
-    app.window.hover_at(line - vec2(600.0, 0.0));
-    app.wait(50);
+    app.hover(line - vec2(600.0, 0.0), 50);
     assert!(painted(&app, "the span begins here").is_some());
-    app.window.drop_at(line - vec2(600.0, 0.0));
-    app.wait(50);
+    app.release(line - vec2(600.0, 0.0), 50);
 }
 
 #[test]
 fn the_words_about_what_is_felt_lie_below_the_strip() {
     for size in [[1280.0, 800.0], [900.0, 600.0]] {
         let mut app = TestApp::driving();
-        app.window.set_size(size.into());
-        app.wait(100);
+        app.resize(size.into(), 100);
         let (line, words) = (line_rect(&app), painted(&app, "vibration, illustrative").unwrap());
         assert!(words.top() >= line.bottom(), "{size:?}: {words} {line}");
         let number = painted(&app, "300").unwrap();
@@ -57,8 +51,7 @@ fn a_tones_number_is_seen_beside_the_boundarys_flag() {
     let text = slipline_model::setup::file::write(&setup);
     app.open("two.toml", Ok(text));
     app.wait(300);
-    app.window.get_by_label("Select tone 1").click();
-    app.wait(100);
+    app.click("Select tone 1", 100);
     let flag = painted(&app, "   edge ").unwrap().expand2(vec2(10.0, 3.0));
     let number = app.window.get_by_label("Peak of tone 2").rect().center().x;
     let words = words(app.window.output());
@@ -72,8 +65,7 @@ fn the_plates_name_and_the_filters_hint_are_whole_in_a_small_window() {
     let mut app = TestApp::driving();
     crate::background::open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
     app.wait(1500);
-    app.window.set_size(vec2(960.0, 620.0));
-    app.wait(100);
+    app.resize(vec2(960.0, 620.0), 100);
     assert!(painted(&app, "al-bending").is_some_and(|name| name.top() > 40.0));
     let filter = app.window.get_by_label("Filter the log").rect();
     let words = words(app.window.output());
@@ -86,8 +78,7 @@ fn the_pointer_reads_place_displacement_and_how_far_it_is_over_felt() {
     let mut app = TestApp::driving();
     let line = line_rect(&app);
     let read = |app: &mut TestApp, dx: f32| {
-        app.window.hover_at(line.center() + vec2(dx, 0.05 * line.height()));
-        app.wait(50);
+        app.hover(line.center() + vec2(dx, 0.05 * line.height()), 50);
         painted_words(app, "felt").into_iter().find(|words| words.contains(" mm   "))
     };
     let before = read(&mut app, -30.0).unwrap();
@@ -96,8 +87,7 @@ fn the_pointer_reads_place_displacement_and_how_far_it_is_over_felt() {
     assert!(mm < boundary_mm(&app) - 5.0 && mm > boundary_mm(&app) - 30.0, "{before}");
     let beyond = read(&mut app, 340.0).unwrap();
     assert!(beyond.ends_with(" dB below felt"), "{beyond}");
-    app.window.hover_at(eframe::egui::pos2(1100.0, 300.0));
-    app.wait(50);
+    app.hover(eframe::egui::pos2(1100.0, 300.0), 50);
     assert!(painted_words(&app, " dB over felt").is_empty());
 }
 
@@ -111,18 +101,14 @@ fn the_points_of_the_drive_before_stay_while_the_line_is_dragged() {
     assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate"]);
     app.hold_time_domain(true);
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.window.step();
+    app.grab(line, 0);
     for step in 1..=4 {
-        app.window.hover_at(line + vec2(10.0 * step as f32, 0.0));
-        app.wait(50);
+        app.hover(line + vec2(10.0 * step as f32, 0.0), 50);
     }
     assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate, before"]);
     app.hold_time_domain(false);
-    app.window.hover_at(line + vec2(44.0, 0.0));
-    app.wait(200);
-    app.window.drop_at(line + vec2(44.0, 0.0));
-    app.wait(400);
+    app.hover(line + vec2(44.0, 0.0), 200);
+    app.release(line + vec2(44.0, 0.0), 400);
     assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate"]);
 }
 
@@ -130,18 +116,15 @@ fn the_points_of_the_drive_before_stay_while_the_line_is_dragged() {
 fn the_plate_in_time_is_not_begun_anew_for_every_move_of_a_drag_and_follows_its_end() {
     let mut app = TestApp::driving();
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.wait(50);
+    app.grab(line, 50);
     let before = app.time_domain_jobs.get();
     for step in 1..=24 {
-        app.window.hover_at(line + vec2(2.0 * step as f32, 0.0));
-        app.wait(50);
+        app.hover(line + vec2(2.0 * step as f32, 0.0), 50);
     }
     let in_the_drag = app.time_domain_jobs.get() - before;
     // The harness counts a 60th of a second a frame: 0.4 s.
     assert!((1..=2).contains(&in_the_drag), "{in_the_drag} of 24");
-    app.window.drop_at(line + vec2(48.0, 0.0));
-    app.wait(400);
+    app.release(line + vec2(48.0, 0.0), 400);
     assert_eq!(painted_words(&app, "simulated plate"), ["simulated plate"]);
 }
 
@@ -149,23 +132,20 @@ fn the_plate_in_time_is_not_begun_anew_for_every_move_of_a_drag_and_follows_its_
 fn new_is_undone_by_its_name() {
     let mut app = TestApp::driving();
     let press = |app: &mut TestApp, name: &str| {
-        app.window.get_by_label(name).click();
-        app.wait(200);
+        app.click(name, 200);
     };
     crate::type_into(&mut app, "Boundary position", "120 mm");
     press(&mut app, "File");
-    app.window.get_by_label_contains("New").click();
-    app.wait(200);
+    app.click_part("New", 200);
     press(&mut app, "Edit");
-    assert!(app.window.query_by_label_contains("Undo new setup").is_some());
+    assert!(app.has_part("Undo new setup"));
 }
 
 #[test]
 fn the_values_of_the_sliders_end_in_one_line() {
     let mut app = TestApp::driving();
     add_tone(&mut app);
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Num1);
-    app.wait(100);
+    app.keys(Modifiers::COMMAND, Key::Num1, 100);
     let boxes: Vec<Rect> = ["Level", "Master", "Glide"]
         .map(|name| app.window.get_by_role_and_label(Role::TextInput, name).rect())
         .to_vec();
@@ -197,10 +177,8 @@ fn the_outputs_counters_stay_in_the_window_below_a_heading_level_with_the_others
 fn the_logs_lines_begin_in_one_column() {
     let mut app = TestApp::driving();
     app.pass(12_000);
-    app.window.get_by_label("Device").click();
-    app.wait(100);
-    app.window.get_by_label("Disconnect").click();
-    app.wait(500);
+    app.click("Device", 100);
+    app.click("Disconnect", 500);
     let left =
         |app: &TestApp, text: &str| app.window.get_all_by_label_contains(text).next().unwrap().rect().left();
     let (first, last) = (left(&app, "Connecting to sim."), left(&app, "Disconnected"));
@@ -211,12 +189,10 @@ fn the_logs_lines_begin_in_one_column() {
 fn the_choice_of_colours_is_one_of_the_settings_that_are_kept() {
     let mut app = TestApp::driving_with_sheet();
     assert!(!app.window.state().settings().show_amplitude);
-    app.window.get_by_label("Amplitude").click();
-    app.wait(100);
+    app.click("Amplitude", 100);
     assert!(app.window.state().settings().show_amplitude);
-    assert!(app.window.query_by_label("2-D sheet, largest").is_some());
-    app.window.get_by_label("Wave").click();
-    app.wait(100);
+    assert!(app.has("2-D sheet, largest"));
+    app.click("Wave", 100);
     assert!(!app.window.state().settings().show_amplitude);
 }
 
@@ -232,23 +208,19 @@ fn heights(app: &TestApp) -> Vec<f32> {
 #[test]
 fn the_relief_lifts_the_plate_where_it_moves_and_is_flat_at_rest() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("Amplitude").click();
-    app.wait(100);
+    app.click("Amplitude", 100);
     assert!(heights(&app).is_empty(), "off, it is not made");
-    app.window.get_by_label("Relief").click();
-    app.wait(100);
+    app.click("Relief", 100);
     assert!(app.window.state().settings().show_relief);
     let driven = heights(&app);
-    app.window.key_press(Key::Space);
-    app.wait(500);
+    app.key(Key::Space, 500);
     let rest = heights(&app);
     assert!(driven.len() > 1000 && rest.len() == driven.len());
     let lifts: Vec<f32> = rest.iter().zip(&driven).map(|(rest, driven)| rest - driven).collect();
     assert!(lifts.iter().all(|lift| *lift >= -0.01), "an amplitude lifts");
     let highest = lifts.iter().copied().fold(0.0, f32::max);
     assert!(highest > 30.0, "{highest}");
-    app.window.get_by_label("Relief").click();
-    app.wait(100);
+    app.click("Relief", 100);
     assert!(heights(&app).is_empty());
 }
 
@@ -268,13 +240,10 @@ fn a_weak_drive_is_magnified_by_a_written_factor_that_stays_while_something_is_d
     assert!(painted(&app, "µm").is_some() || painted(&app, "nm").is_some(), "{first}");
     // While the pointer holds the line nothing is scaled anew, unless it would be cut.
     let line = line_rect(&app).center();
-    app.window.drag_at(line);
-    app.wait(50);
-    app.window.hover_at(line + vec2(60.0, 0.0));
-    app.wait(100);
+    app.grab(line, 50);
+    app.hover(line + vec2(60.0, 0.0), 100);
     assert_eq!(factor(&app).as_deref(), Some("×20"));
-    app.window.drop_at(line + vec2(60.0, 0.0));
-    app.wait(200);
+    app.release(line + vec2(60.0, 0.0), 200);
     crate::type_into(&mut app, "Level", "0.8");
     app.wait(600);
     assert_eq!(factor(&app), None);
@@ -298,15 +267,13 @@ fn a_line_says_what_stands_at_its_place() {
     assert!(painted(&app, "turning point 180.0 mm").is_some());
     crate::type_into(&mut app, "Level", "0.0001");
     app.wait(300);
-    app.window.get_by_label("Felt edge").click();
-    app.wait(300);
+    app.click("Felt edge", 300);
     assert!(painted(&app, "turning point ").is_some() && painted(&app, "not felt: too weak").is_some());
     crate::type_into(&mut app, "Level", "0.8");
     app.wait(300);
     assert!(painted(&app, "felt edge ").is_some());
-    app.window.get_by_label("Tones").click();
-    app.wait(100);
-    assert!(app.window.query_by_label("felt edge").is_some(), "in the list, too");
+    app.click("Tones", 100);
+    assert!(app.has("felt edge"), "in the list, too");
 }
 
 #[test]
@@ -317,8 +284,7 @@ fn the_switches_of_the_view_keep_their_places_whichever_is_pressed() {
     };
     let before = places(&app);
     for name in ["Amplitude", "Relief", "Wave"] {
-        app.window.get_by_label(name).click();
-        app.wait(300);
+        app.click(name, 300);
         assert_eq!(places(&app), before, "{name}");
     }
     // A switch of its own beside a choice of two.
@@ -327,10 +293,8 @@ fn the_switches_of_the_view_keep_their_places_whichever_is_pressed() {
 }
 
 fn click(app: &mut TestApp, at: eframe::egui::Pos2) {
-    app.window.drag_at(at);
-    app.window.step();
-    app.window.drop_at(at);
-    app.window.step();
+    app.grab(at, 0);
+    app.release(at, 0);
 }
 
 /// A place this far from the line, at this share of the height from the plate to the strip.
@@ -349,8 +313,7 @@ fn a_click_on_the_plate_brings_the_line_and_a_double_click_moves_none() {
     app.wait(1200);
     let moved = boundary_mm(&app);
     assert!((line_rect(&app).center().x - at.x).abs() < 1.0 && moved < before - 10.0, "{before} {moved}");
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(300);
+    app.keys(Modifiers::COMMAND, Key::Z, 300);
     assert_eq!(boundary_mm(&app), before, "one step");
     app.window.run_steps(60);
     click(&mut app, at);
@@ -376,8 +339,7 @@ fn nothing_is_sent_before_a_click_is_known_to_be_no_double_click() {
     assert_eq!(line_rect(&app), line, "the line has not moved");
     let sent = crate::drives(&app.take_sent());
     assert!(sent.iter().all(|place_mm| (place_mm - before).abs() < 1e-9), "{sent:?}");
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(300);
+    app.keys(Modifiers::COMMAND, Key::Z, 300);
     assert_eq!(app.window.state().setup().tones.len(), 1, "one step");
 }
 
@@ -388,27 +350,19 @@ fn a_press_that_is_held_or_moves_takes_the_line_at_once_in_one_step_of_undo() {
         let mut app = TestApp::driving();
         let before = boundary_mm(&app);
         let at = beside_line(&app, -60.0, share);
-        app.window.drag_at(at);
-        app.wait(1000);
+        app.grab(at, 1000);
         assert!((line_rect(&app).center().x - at.x).abs() < 1.0, "held: {share}");
-        app.window.hover_at(at + vec2(-30.0, 0.0));
-        app.wait(100);
-        app.window.hover_at(at + vec2(-40.0, 0.0));
-        app.wait(100);
+        app.hover(at + vec2(-30.0, 0.0), 100);
+        app.hover(at + vec2(-40.0, 0.0), 100);
         assert!((line_rect(&app).center().x - at.x + 40.0).abs() < 1.0, "it follows: {share}");
-        app.window.drop_at(at + vec2(-40.0, 0.0));
-        app.wait(1200);
+        app.release(at + vec2(-40.0, 0.0), 1200);
         assert!((line_rect(&app).center().x - at.x + 40.0).abs() < 1.0, "it stays: {share}");
-        app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-        app.wait(300);
+        app.keys(Modifiers::COMMAND, Key::Z, 300);
         assert_eq!(boundary_mm(&app), before, "one step: {share}");
-        app.window.drag_at(at);
-        app.window.step();
-        app.window.hover_at(at + vec2(20.0, 0.0));
-        app.wait(100);
+        app.grab(at, 0);
+        app.hover(at + vec2(20.0, 0.0), 100);
         assert!((line_rect(&app).center().x - at.x - 20.0).abs() < 1.0, "moved: {share}");
-        app.window.drop_at(at + vec2(20.0, 0.0));
-        app.wait(100);
+        app.release(at + vec2(20.0, 0.0), 100);
     }
 }
 
@@ -419,8 +373,7 @@ fn a_press_brings_the_selected_tones_line_and_none_where_a_handle_takes_it() {
     let places = |app: &TestApp| -> Vec<f64> {
         app.window.state().setup().tones.iter().map(|tone| tone.position_m).collect()
     };
-    app.window.get_by_label("Select tone 2").click();
-    app.wait(100);
+    app.click("Select tone 2", 100);
     let (before, at) = (places(&app), beside_line(&app, 90.0, 0.7));
     click(&mut app, at);
     app.wait(1200);
@@ -431,8 +384,7 @@ fn a_press_brings_the_selected_tones_line_and_none_where_a_handle_takes_it() {
     app.wait(1200);
     assert_eq!(places(&app), before);
     // On the finger.
-    app.window.get_by_role_and_label(Role::Button, "Boundary").click();
-    app.wait(100);
+    app.click_button("Boundary", 100);
     crate::finger::choose(&mut app, "Light");
     let finger = app.window.get_by_role_and_label(Role::Slider, "Finger").rect().center();
     click(&mut app, finger);
@@ -446,7 +398,5 @@ fn the_row_below_gives_its_room_to_the_plots_while_no_error_was_counted() {
     let left = |name: &str| app.window.get_by_label(name).rect().left();
     let plots = left("Output") - left("Drive waveform");
     assert!(plots > 0.64 * 1252.0, "{plots}");
-    assert!(
-        app.window.query_by_label("Errors").is_some() && app.window.query_by_label("CRC errors").is_none()
-    );
+    assert!(app.has("Errors") && !app.has("CRC errors"));
 }

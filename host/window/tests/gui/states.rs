@@ -1,18 +1,16 @@
 //! Every state of link and device offers a next step, and Drive names its obstacle.
 
-use crate::fake_files::FakeFiles;
 use crate::fixed_link::{FixedLink, driving};
-use crate::test_app::{TestApp, open_window};
-use eframe::egui::{Key, Modifiers, Rect, accesskit::Role, vec2};
+use crate::test_app::{TestApp, opened};
+use eframe::egui::{Key, Modifiers, Rect, vec2};
+use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::{
     LinkError, LinkState, Outcome, Port, Request, Snapshot, Sounding, Ticket, UploadProgress,
 };
 use slipline_window::app::App;
-use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
 /// A device in this state.
@@ -40,9 +38,7 @@ fn no_device(link: LinkState) -> Snapshot {
 
 pub(crate) fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink) {
     let link = FixedLink::of(snapshot);
-    let builder = HarnessBuilder::default().with_size(size);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let window = opened(link.clone(), size);
     link.sent.borrow_mut().clear();
     (window, link)
 }
@@ -290,13 +286,11 @@ fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
 #[test]
 fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
     let mut app = TestApp::driving();
-    app.window.get_by_label("STOP").click();
-    app.wait(300);
+    app.click("STOP", 300);
     app.disarm();
     app.wait(600);
-    assert!(app.window.query_by_label("State: idle").is_some());
-    app.window.get_by_label("Drive").click();
-    app.wait(600);
+    assert!(app.has("State: idle"));
+    app.click("Drive", 600);
     assert!(app.is_driving(), "{:?}", app.snapshot().log);
 }
 
@@ -339,8 +333,7 @@ fn a_fault_that_stands_after_it_was_cleared_is_told() {
 #[test]
 fn a_served_device_is_reached_by_its_port_which_is_in_the_lists_then() {
     let mut app = TestApp::driving();
-    app.window.get_by_role_and_label(Role::Button, "Device").click();
-    app.wait(200);
+    app.click_button("Device", 200);
     crate::type_into(&mut app, "Another port", "unix:");
     app.wait(100);
     assert!(app.window.query_all_by_label_contains("is not a port").next().is_some());

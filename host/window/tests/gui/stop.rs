@@ -1,9 +1,8 @@
 //! STOP is visible and can be pressed in every state of the window, at every size.
 
-use crate::fake_files::FakeFiles;
 use crate::painter::Painter;
 use crate::real_device;
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, click, opened};
 use eframe::egui::{Color32, Key, Rect, Theme, Vec2, pos2, vec2};
 use egui_kittest::HarnessBuilder;
 use egui_kittest::kittest::Queryable as _;
@@ -13,8 +12,7 @@ use slipline_window::settings::ThemeChoice;
 
 fn press_stop(app: &mut TestApp, while_what: &str) {
     app.take_sent();
-    app.window.get_by_label("STOP").click();
-    app.wait(200);
+    app.click("STOP", 200);
     assert!(app.take_sent().iter().any(|request| matches!(request, Request::Stop)), "{while_what}");
     assert!(!app.is_driving(), "{while_what}");
 }
@@ -23,17 +21,14 @@ fn press_stop(app: &mut TestApp, while_what: &str) {
 fn one_click_on_stop_stops_whatever_page_or_menu_is_open() {
     for entry in ["Shortcuts", "Ports and permissions", "About Slipline"] {
         let mut app = TestApp::driving();
-        app.window.get_by_label("Help").click();
-        app.wait(200);
-        app.window.get_by_label_contains(entry).click();
-        app.wait(200);
-        assert!(app.window.query_by_label("Close").is_some(), "{entry} is open");
+        app.click("Help", 200);
+        app.click_part(entry, 200);
+        assert!(app.has("Close"), "{entry} is open");
         press_stop(&mut app, entry);
     }
     for menu in ["File", "Edit", "View", "Help"] {
         let mut app = TestApp::driving();
-        app.window.get_by_label(menu).click();
-        app.wait(200);
+        app.click(menu, 200);
         press_stop(&mut app, menu);
     }
 }
@@ -41,14 +36,10 @@ fn one_click_on_stop_stops_whatever_page_or_menu_is_open() {
 #[test]
 fn one_click_on_stop_stops_while_something_waits_to_be_confirmed() {
     let link = real_device(State::Idle);
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
+    click(&mut window, "Arm…");
     assert!(window.query_by_label("Cancel").is_some());
-    window.get_by_label("STOP").click();
-    window.run_steps(5);
+    click(&mut window, "STOP");
     let sent = link.sent.borrow();
     assert!(sent.iter().any(|request| matches!(request, Request::Stop)), "{sent:?}");
     assert!(!sent.iter().any(|request| matches!(request, Request::Arm | Request::ArmFor(_))), "{sent:?}");
@@ -69,8 +60,7 @@ fn stop_is_as_bright_behind_a_page_as_without_one() {
         (at(stop.x, stop.y), at(1100.0, 400.0))
     };
     let before = look(&mut app);
-    app.window.key_press(Key::F1);
-    app.wait(300);
+    app.key(Key::F1, 300);
     let behind = look(&mut app);
     assert_eq!(behind.0, before.0, "STOP");
     assert_ne!(behind.1, before.1, "the window behind the page is dimmed");
@@ -80,8 +70,7 @@ fn stop_is_as_bright_behind_a_page_as_without_one() {
 fn stop_stays_in_a_window_that_is_too_small_for_the_rest() {
     let mut app = TestApp::driving();
     for size in [[960.0, 620.0], [640.0, 400.0], [500.0, 350.0], [256.0, 160.0]] {
-        app.window.set_size(Vec2::from(size));
-        app.wait(100);
+        app.resize(Vec2::from(size), 100);
         let stop = app.window.get_by_label("STOP").rect();
         assert!(
             Rect::from_min_size(pos2(0.0, 0.0), Vec2::from(size)).contains_rect(stop),

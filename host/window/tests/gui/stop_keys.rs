@@ -1,16 +1,14 @@
 //! Esc, Space and STOP: one press stops and disarms a real device, two within a second are an emergency stop.
 
-use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::real_device;
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, click, opened};
 use eframe::egui::{Event, Key, Modifiers, accesskit::Role};
+use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::protocol::event::{Fault, State};
 use slipline_link::{LinkError, LinkState, Request, UploadProgress};
 use slipline_window::app::App;
-use slipline_window::settings::ThemeChoice;
 use std::sync::Arc;
 
 /// More frames than a second has, and fewer: a frame takes 1/60 s.
@@ -18,9 +16,7 @@ const OVER_A_SECOND: usize = 66;
 const UNDER_A_SECOND: usize = 54;
 
 fn show(link: &FixedLink) -> Harness<'static, App> {
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let window = opened(link.clone(), [1280.0, 800.0]);
     link.sent.borrow_mut().clear();
     window
 }
@@ -168,8 +164,7 @@ fn a_page_in_front_keeps_no_press_from_the_device_and_none_arms_it() {
     for key in [Key::Escape, Key::Space] {
         let link = real_device(State::Idle);
         let mut window = show(&link);
-        window.get_by_label("Arm…").click();
-        window.run_steps(5);
+        click(&mut window, "Arm…");
         // With the focus on the button that confirms.
         window.get_by_label("Arm").focus();
         window.run_steps(2);
@@ -184,18 +179,15 @@ fn a_page_in_front_keeps_no_press_from_the_device_and_none_arms_it() {
 #[test]
 fn the_simulated_device_stays_armed_after_one_press_and_latches_its_fault_after_two() {
     let mut app = TestApp::driving();
-    app.window.key_press(Key::Space);
-    app.wait(400);
+    app.key(Key::Space, 400);
     assert!(matches!(app.take_sent().last(), Some(Request::Stop)));
-    assert!(app.window.query_by_label("State: armed").is_some());
-    app.window.key_press(Key::Escape);
-    app.wait(400);
-    assert!(app.window.query_by_label("State: fault: emergency stop").is_some());
+    assert!(app.has("State: armed"));
+    app.key(Key::Escape, 400);
+    assert!(app.has("State: fault: emergency stop"));
     let status = app.snapshot().status.unwrap();
     assert_eq!(status.first_fault, Some(Fault::EmergencyStop));
-    app.window.get_by_label("Clear fault").click();
-    app.wait(500);
-    assert!(app.window.query_by_label("State: armed").is_some());
+    app.click("Clear fault", 500);
+    assert!(app.has("State: armed"));
     assert!(!app.is_driving(), "it is driven by a press of Drive only");
 }
 
@@ -205,32 +197,27 @@ fn stop_says_on_itself_and_in_the_help_what_two_presses_do() {
     app.window.get_by_label("STOP").hover();
     app.wait(2000);
     let help = "Twice within a second: emergency stop";
-    assert!(app.window.query_by_label_contains(help).is_some());
-    app.window.key_press(Key::F1);
-    app.wait(300);
+    assert!(app.has_part(help));
+    app.key(Key::F1, 300);
     for line in ["a real device is disarmed", "emergency stop, a fault to be cleared"] {
-        assert!(app.window.query_by_label_contains(line).is_some(), "{line}");
+        assert!(app.has_part(line), "{line}");
     }
 }
 
 #[test]
 fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
     let mut app = TestApp::driving();
-    app.window.key_press(Key::F1);
-    app.wait(200);
-    assert!(app.window.query_by_label("Esc closes it, too, and always stops the drive").is_some());
-    app.window.key_press(Key::Escape);
-    app.wait(400);
+    app.key(Key::F1, 200);
+    assert!(app.has("Esc closes it, too, and always stops the drive"));
+    app.key(Key::Escape, 400);
     assert!(!app.is_driving());
     let message = "Esc closed the page and stopped the drive. Press Drive to go on.";
-    assert!(app.window.query_by_label(message).is_some());
+    assert!(app.has(message));
     // Later, and with nothing to stop, by the same key.
     app.wait(1200);
-    app.window.key_press(Key::F1);
-    app.wait(200);
-    app.window.key_press(Key::Escape);
-    app.wait(200);
-    assert!(app.window.query_by_label("Esc closed the page. Nothing was driven.").is_some());
+    app.key(Key::F1, 200);
+    app.key(Key::Escape, 200);
+    assert!(app.has("Esc closed the page. Nothing was driven."));
     for (state, message) in [
         (State::Driving, "Esc closed the page, stopped the drive and disarmed the device."),
         (State::Armed, "Esc closed the page and disarmed the device."),
@@ -251,8 +238,7 @@ fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
 fn there_is_one_control_for_the_emergency_stop_on_every_page() {
     let mut app = TestApp::driving();
     for page in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
-        app.window.get_by_role_and_label(Role::Button, page).click();
-        app.wait(100);
+        app.click_button(page, 100);
         let controls = app.window.query_all_by_role(Role::Button);
         let name = |label: String| label.to_lowercase();
         let stops: Vec<String> = controls
@@ -266,27 +252,24 @@ fn there_is_one_control_for_the_emergency_stop_on_every_page() {
 #[test]
 fn two_keys_on_a_silent_simulated_device_latch_no_fault_and_two_presses_of_the_button_do() {
     let mut app = TestApp::driving();
-    app.window.key_press(Key::Space);
-    app.wait(2000);
-    assert!(app.window.query_by_label("State: armed").is_some());
+    app.key(Key::Space, 2000);
+    assert!(app.has("State: armed"));
     // The window counts a 60th of a second a frame.
     app.window.run_steps(OVER_A_SECOND);
     app.take_sent();
     for key in [Key::Escape, Key::Escape, Key::Space, Key::Escape] {
-        app.window.key_press(key);
-        app.wait(100);
+        app.key(key, 100);
     }
     let sent = app.take_sent();
     assert!(!sent.iter().any(|request| matches!(request, Request::EmergencyStop)), "{sent:?}");
     assert_eq!(sent.iter().filter(|request| matches!(request, Request::Stop)).count(), 4, "each is a stop");
-    assert!(app.window.query_by_label("State: armed").is_some());
+    assert!(app.has("State: armed"));
     for _ in 0..2 {
-        app.window.get_by_label("STOP").click();
-        app.wait(100);
+        app.click("STOP", 100);
     }
     app.wait(300);
-    assert!(app.window.query_by_label("State: fault: emergency stop").is_some());
-    assert!(app.window.query_by_label("Clear fault").is_some());
+    assert!(app.has("State: fault: emergency stop"));
+    assert!(app.has("Clear fault"));
 }
 
 #[test]

@@ -56,8 +56,7 @@ fn walk(app: &mut TestApp, page: &str) {
     let mut first = None;
     let mut before: Option<(String, String, Rect)> = None;
     for _ in 0..2 * all.len() {
-        app.window.key_press(Key::Tab);
-        app.window.step();
+        app.key(Key::Tab, 0);
         app.window.step();
         let Some((focused, _)) = controls(app).into_iter().find(|(_, has)| *has == 1) else { continue };
         // Within a row the Tab key follows the reading order.
@@ -90,27 +89,22 @@ fn walk(app: &mut TestApp, page: &str) {
 fn tab_reaches_every_control_once() {
     let mut app = TestApp::driving();
     for tab in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
-        app.window.get_by_role_and_label(Role::Button, tab).click();
-        app.wait(100);
+        app.click_button(tab, 100);
         walk(&mut app, tab);
     }
     for page in ["Validity", "Measure", "Designer"] {
-        app.window.get_by_role_and_label(Role::Button, "Plate").click();
-        app.wait(100);
-        app.window.get_by_role_and_label(Role::Button, page).click();
-        app.wait(100);
+        app.click_button("Plate", 100);
+        app.click_button(page, 100);
         walk(&mut app, page);
     }
-    app.window.get_by_label("More").click();
-    app.wait(300);
+    app.click("More", 300);
     walk(&mut app, "More");
 }
 
 #[test]
 fn the_first_press_of_tab_reaches_the_line() {
     let mut app = TestApp::driving();
-    app.window.key_press(Key::Tab);
-    app.window.step();
+    app.key(Key::Tab, 0);
     app.window.step();
     let focused = app.window.get_by(|node| node.is_focused());
     assert_eq!(focused.accesskit_node().label().as_deref(), Some("Boundary"));

@@ -7,6 +7,7 @@ use crate::known_tables::tables;
 use crate::pluggable_port::{SteppedLink, SteppedWorker};
 use eframe::egui;
 use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_instrument::bench::Bench;
 use slipline_link::simulator::SimulatedInputs;
 use slipline_link::{PortInfo, Request, Snapshot};
@@ -73,17 +74,12 @@ impl TestApp {
     /// The app on a membrane, connected and driving. Its sheet does not run.
     pub(crate) fn driving() -> Self {
         let device = Device { picture: Picture::WithoutSheet, ..Device::plugged(None) };
-        let builder =
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), device).once_driving()
+        Self::starting_with(membrane(), ThemeChoice::Light, usual(), tables(), device).once_driving()
     }
 
     /// As [`Self::driving`], with its sheet.
     pub(crate) fn driving_with_sheet() -> Self {
-        Self::driving_with(
-            ThemeChoice::Light,
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light),
-        )
+        Self::driving_with(ThemeChoice::Light, usual())
     }
 
     /// As [`Self::driving_with_sheet`], with another theme and window.
@@ -107,13 +103,11 @@ impl TestApp {
 
     /// The app on a membrane, driving a device with these inputs.
     pub(crate) fn sensed(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
-        let builder =
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         let tables = tables();
         Self::starting_with(
             membrane(),
             ThemeChoice::Light,
-            builder,
+            usual(),
             tables,
             Device::plugged(Some((inputs, bench))),
         )
@@ -122,18 +116,14 @@ impl TestApp {
 
     /// As [`Self::sensed`], without what is computed for the picture of a drive alone.
     pub(crate) fn unseen(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
-        let builder =
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         let device = Device { picture: Picture::Nothing, ..Device::plugged(Some((inputs, bench))) };
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), device).once_driving()
+        Self::starting_with(membrane(), ThemeChoice::Light, usual(), tables(), device).once_driving()
     }
 
     /// As [`Self::sensed`], before any time has passed.
     pub(crate) fn sensed_from_the_start(inputs: Box<dyn SimulatedInputs>, bench: Bench) -> Self {
-        let builder =
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         let inputs = Some((inputs, bench));
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables(), Device::plugged(inputs))
+        Self::starting_with(membrane(), ThemeChoice::Light, usual(), tables(), Device::plugged(inputs))
     }
 
     fn once_driving(mut self) -> Self {
@@ -150,19 +140,15 @@ impl TestApp {
 
     /// The app at its first start, with a job queue for tables that the test supplies.
     pub(crate) fn with_tables(tables: JobQueue<TableJob, TableState>) -> Self {
-        let builder =
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
-        Self::starting_with(membrane(), ThemeChoice::Light, builder, tables, Device::plugged(None))
+        Self::starting_with(membrane(), ThemeChoice::Light, usual(), tables, Device::plugged(None))
     }
 
     /// The app at its first start, with the device's cable pulled.
     pub(crate) fn unplugged() -> Self {
-        let builder =
-            egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light);
         Self::starting_with(
             membrane(),
             ThemeChoice::Light,
-            builder,
+            usual(),
             tables(),
             Device { is_plugged: false, ..Device::plugged(None) },
         )
@@ -235,6 +221,93 @@ impl TestApp {
             std::thread::sleep(Duration::from_millis(5));
         }
         panic!("never {what}");
+    }
+
+    /// Lets this many milliseconds pass; with 0, a frame of the window without time of the device.
+    fn then(&mut self, ms: u64) {
+        if ms == 0 { self.window.step() } else { self.wait(ms) }
+    }
+
+    /// Whether something has this name; at most one may.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.window.query_by_label(name).is_some()
+    }
+
+    /// Whether the name of something contains this; that of one at most may.
+    pub(crate) fn has_part(&self, part: &str) -> bool {
+        self.window.query_by_label_contains(part).is_some()
+    }
+
+    /// Whether the name of anything contains this.
+    pub(crate) fn shows(&self, part: &str) -> bool {
+        self.window.query_all_by_label_contains(part).next().is_some()
+    }
+
+    /// Whether the button with this name can be pressed.
+    pub(crate) fn is_enabled(&self, name: &str) -> bool {
+        let button = self.window.get_by_role_and_label(egui::accesskit::Role::Button, name);
+        !button.accesskit_node().is_disabled()
+    }
+
+    /// Clicks the control with this name, and waits.
+    pub(crate) fn click(&mut self, name: &str, ms: u64) {
+        self.window.get_by_label(name).click();
+        self.then(ms);
+    }
+
+    /// Clicks the control whose name contains this, and waits.
+    pub(crate) fn click_part(&mut self, part: &str, ms: u64) {
+        self.window.get_by_label_contains(part).click();
+        self.then(ms);
+    }
+
+    /// Clicks the button with this name, and waits.
+    pub(crate) fn click_button(&mut self, name: &str, ms: u64) {
+        self.window.get_by_role_and_label(egui::accesskit::Role::Button, name).click();
+        self.then(ms);
+    }
+
+    /// Presses a key, and waits.
+    pub(crate) fn key(&mut self, key: egui::Key, ms: u64) {
+        self.window.key_press(key);
+        self.then(ms);
+    }
+
+    /// Presses a key with others held, and waits.
+    pub(crate) fn keys(&mut self, held: egui::Modifiers, key: egui::Key, ms: u64) {
+        self.window.key_press_modifiers(held, key);
+        self.then(ms);
+    }
+
+    /// Presses the pointer's button here, and waits.
+    pub(crate) fn grab(&mut self, at: egui::Pos2, ms: u64) {
+        self.window.drag_at(at);
+        self.then(ms);
+    }
+
+    /// Moves the pointer here, and waits.
+    pub(crate) fn hover(&mut self, at: egui::Pos2, ms: u64) {
+        self.window.hover_at(at);
+        self.then(ms);
+    }
+
+    /// Releases the pointer's button here, and waits.
+    pub(crate) fn release(&mut self, at: egui::Pos2, ms: u64) {
+        self.window.drop_at(at);
+        self.then(ms);
+    }
+
+    /// Drags from one place to another, in three frames.
+    pub(crate) fn drag(&mut self, from: egui::Pos2, to: egui::Pos2) {
+        self.grab(from, 0);
+        self.hover(to, 0);
+        self.release(to, 0);
+    }
+
+    /// Gives the window another size, and waits.
+    pub(crate) fn resize(&mut self, size: egui::Vec2, ms: u64) {
+        self.window.set_size(size);
+        self.then(ms);
     }
 
     /// Turns the wheel by this many points with the pointer here; positive moves content down.
@@ -323,6 +396,25 @@ impl TestApp {
     pub(crate) fn setup_text(&self) -> String {
         setup_file::write(self.window.state().setup())
     }
+}
+
+/// The size of most windows, in a light theme.
+fn usual() -> egui_kittest::HarnessBuilder<App> {
+    egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]).with_theme(egui::Theme::Light)
+}
+
+/// The app's window of this size over a link, after its first frames.
+pub(crate) fn opened(link: impl Link + 'static, size: [f32; 2]) -> Harness<'static, App> {
+    let builder = egui_kittest::HarnessBuilder::default().with_size(size);
+    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
+    window.run_steps(5);
+    window
+}
+
+/// Clicks the control with this name in a window without a device, and shows what follows.
+pub(crate) fn click(window: &mut Harness<'static, App>, name: &str) {
+    window.get_by_label(name).click();
+    window.run_steps(5);
 }
 
 /// The app's window over a link.

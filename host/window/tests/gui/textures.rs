@@ -9,24 +9,21 @@ use std::path::PathBuf;
 
 /// The texture page, with its first draft made.
 pub(crate) fn open_textures(app: &mut TestApp) {
-    app.window.get_by_role_and_label(Role::Button, "Texture").click();
-    app.wait(300);
+    app.click_button("Texture", 300);
 }
 
 pub(crate) fn choose(app: &mut TestApp, kind: &str) {
-    app.window.get_by_role_and_label(Role::Button, kind).click();
-    app.wait(300);
+    app.click_button(kind, 300);
 }
 
 /// Opens a profile with the page's button.
 pub(crate) fn open_profile(app: &mut TestApp, name: &str, bytes: Result<Vec<u8>, String>) {
     *app.files.profiles.borrow_mut() = vec![(PathBuf::from(name), bytes)];
-    app.window.get_by_label("Open profile…").click();
-    app.wait(300);
+    app.click("Open profile…", 300);
 }
 
 fn has(app: &TestApp, part: &str) -> bool {
-    app.window.query_by_label_contains(part).is_some()
+    app.has_part(part)
 }
 
 /// Place in mm of each breakpoint.
@@ -44,12 +41,9 @@ fn breakpoint_at(app: &TestApp, number: usize) -> Pos2 {
 }
 
 fn drag(app: &mut TestApp, from: Pos2, to: Pos2) {
-    app.window.drag_at(from);
-    app.wait(50);
-    app.window.hover_at(to);
-    app.wait(50);
-    app.window.drop_at(to);
-    app.wait(300);
+    app.grab(from, 50);
+    app.hover(to, 50);
+    app.release(to, 300);
 }
 
 #[test]
@@ -69,28 +63,23 @@ fn a_profile_is_drawn_played_undone_and_saved() {
     let dragged = breakpoints_mm(&app);
     assert!((dragged[3] - dragged[2] - 1.0).abs() < 1e-6, "{dragged:?}");
     app.window.key_press(Key::ArrowRight);
-    app.window.key_press(Key::ArrowDown);
-    app.wait(300);
+    app.key(Key::ArrowDown, 300);
     assert!((breakpoints_mm(&app)[3] - dragged[3] - 1.0).abs() < 1e-6, "{:?}", breakpoints_mm(&app));
-    app.window.key_press(Key::Delete);
-    app.wait(300);
+    app.key(Key::Delete, 300);
     assert_eq!(breakpoints_mm(&app).len(), 4);
 
     let before = app.window.state().setup().clone();
-    app.window.get_by_label("Play this").click();
-    app.wait(600);
+    app.click("Play this", 600);
     let played = app.window.state().setup().clone();
     assert!(played.tones.len() > 1 && app.is_driving(), "{:?}", played.tones);
     assert!(app.window.state().notice().is_none(), "{:?}", app.window.state().notice());
-    app.window.get_by_label("Save setup…").click();
-    app.wait(100);
+    app.click("Save setup…", 100);
     let (name, bytes) = app.files.saved.borrow()[0].clone();
     let Ok(Opened::Setup(saved)) = setup_file::read(&String::from_utf8(bytes).unwrap()) else {
         panic!("{name} is no setup")
     };
     assert_eq!(*saved, played);
-    app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.wait(300);
+    app.keys(Modifiers::COMMAND, Key::Z, 300);
     assert_eq!(app.window.state().setup(), &before);
 }
 
@@ -145,8 +134,7 @@ fn an_area_stripes_and_a_beat_are_typed_and_what_is_out_of_range_is_told() {
     type_into(&mut app, "Place", "150 mm");
     type_into(&mut app, "Beat", "30 Hz");
     app.wait(300);
-    app.window.get_by_label("Play this").click();
-    app.wait(300);
+    app.click("Play this", 300);
     let setup = app.window.state().setup();
     let hertz = |i: usize| setup.plate.frequency_for_boundary_hz(setup.tones[i].position_m);
     assert!(setup.tones.len() == 2 && ((hertz(0) - hertz(1)).abs() - 30.0).abs() < 0.5);

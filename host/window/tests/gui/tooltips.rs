@@ -1,14 +1,13 @@
 //! Every control and every view says in a sentence what it is for.
 
 use crate::background::open_page;
-use crate::test_app::{TestApp, open_window};
-use crate::{add_tone, fake_files::FakeFiles, real_device};
+use crate::test_app::{TestApp, click, opened};
+use crate::{add_tone, real_device};
 use eframe::egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use slipline_link::protocol::event::State;
 use slipline_window::app::App;
-use slipline_window::settings::ThemeChoice;
 use std::collections::BTreeMap;
 
 /// The roles of all controls and displays: each needs a description.
@@ -89,8 +88,7 @@ fn every_control_and_view_says_what_it_is_for() {
     crate::finger::choose(&mut app, "Light");
     add_tone(&mut app);
     for page in ["Boundary", "Tones", "Texture", "Plate", "Device", "Play"] {
-        app.window.get_by_role_and_label(Role::Button, page).click();
-        app.wait(150);
+        app.click_button(page, 150);
         look(&app.window, &mut descriptions);
     }
     for kind in ["Solid", "Profile", "Stripes", "Beat"] {
@@ -141,24 +139,19 @@ fn every_control_and_view_says_what_it_is_for() {
     look(&crate::holding::sensed().0.window, &mut descriptions);
     app.open("bad.toml", Ok("nonsense".to_owned()));
     look(&app.window, &mut descriptions);
-    app.window.set_size([640.0, 480.0].into());
-    app.wait(200);
+    app.resize([640.0, 480.0].into(), 200);
     look(&app.window, &mut descriptions);
     app.plug(false);
     app.wait(3000);
     look(&app.window, &mut descriptions);
     for state in [State::Idle, State::Armed, State::Fault] {
-        let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
-        let link = Box::new(real_device(state));
-        let mut window = open_window(link, &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
+        let mut window = opened(real_device(state), [1280.0, 800.0]);
         look(&window, &mut descriptions);
         window.get_by_role_and_label(Role::Button, "Device").click();
         window.run_steps(5);
         look(&window, &mut descriptions);
         if state == State::Idle {
-            window.get_by_label("Arm…").click();
-            window.run_steps(5);
+            click(&mut window, "Arm…");
             look(&window, &mut descriptions);
         }
     }
@@ -184,8 +177,7 @@ fn the_strip_and_the_line_say_it_at_the_pointer() {
             // Beside the line, where the strip is alone.
             at.x += 100.0;
         }
-        app.window.hover_at(at);
-        app.wait(2500);
+        app.hover(at, 2500);
         let words = crate::plots::words(app.window.output());
         assert!(words.iter().any(|(words, _)| words.contains(wanted)), "{name}");
     }
@@ -223,21 +215,15 @@ fn the_line_explains_itself_at_its_knob_alone_and_not_after_a_press() {
         edge.center(),
         eframe::egui::pos2(line.center().x, edge.center().y),
     ] {
-        app.window.hover_at(at - eframe::egui::vec2(30.0, 3.0));
-        app.wait(100);
-        app.window.hover_at(at);
-        app.wait(2500);
+        app.hover(at - eframe::egui::vec2(30.0, 3.0), 100);
+        app.hover(at, 2500);
         let shown = at_pointer(&app);
         assert_eq!(shown.len(), 1, "{at}: {shown:?}");
         assert_eq!(shown[0].starts_with("Drag it"), at == knob, "{at}: {shown:?}");
     }
-    app.window.hover_at(knob);
-    app.wait(100);
-    app.window.drag_at(knob);
-    app.wait(100);
-    app.window.drop_at(knob);
-    app.wait(100);
-    app.window.hover_at(knob + eframe::egui::vec2(2.0, 1.0));
-    app.wait(3000);
+    app.hover(knob, 100);
+    app.grab(knob, 100);
+    app.release(knob, 100);
+    app.hover(knob + eframe::egui::vec2(2.0, 1.0), 3000);
     assert!(!at_pointer(&app).iter().any(|words| words.starts_with("Drag it")), "after a press");
 }

@@ -34,7 +34,7 @@ fn the_first_scene_begins_with_a_finger_that_takes_nothing_and_makes_no_sound() 
     let mut app = first_start();
     assert!(has_finger(&app) && finger_mm(&app) < line_mm(&app));
     assert!(says(&app, "simulated plate") && says(&app, "predicted"), "the plate moves as without it");
-    assert!(app.window.query_by_label_contains("2-D sheet").is_some());
+    assert!(app.has_part("2-D sheet"));
     app.wait(500);
     assert!(app.speaker.played.borrow().0.is_silent());
     // Another plate begins without one.
@@ -50,24 +50,19 @@ fn line_mm(app: &TestApp) -> f64 {
 fn a_press_on_the_strip_brings_the_finger_which_follows_and_is_heard() {
     let mut app = first_start();
     let (line, at) = (line_mm(&app), on_track(&app, 0.3));
-    app.window.drag_at(at);
-    app.wait(100);
+    app.grab(at, 100);
     assert!((finger_mm(&app) / line - 0.3).abs() < 0.01, "{} {line}", finger_mm(&app));
     let to = on_track(&app, 0.6);
-    app.window.hover_at(to);
-    app.wait(100);
+    app.hover(to, 100);
     assert!((finger_mm(&app) / line - 0.6).abs() < 0.01);
     assert!(app.speaker.loudness() > 0.0, "the user has moved it");
-    app.window.drop_at(to);
-    app.wait(100);
+    app.release(to, 100);
     assert_eq!(line_mm(&app), line, "the line stays");
     // Where there is no finger, one comes.
     choose(&mut app, "None");
     assert!(!has_finger(&app));
-    app.window.drag_at(at);
-    app.wait(50);
-    app.window.drop_at(at);
-    app.wait(100);
+    app.grab(at, 50);
+    app.release(at, 100);
     assert!(has_finger(&app) && (finger_mm(&app) / line - 0.3).abs() < 0.01);
 }
 
@@ -77,12 +72,9 @@ fn the_fingers_print_is_dragged_along_its_track_also_where_it_lies_on_the_line()
     let line = line_mm(&app);
     for share in [0.5, 1.0] {
         let at = on_track(&app, share);
-        app.window.drag_at(at);
-        app.wait(50);
-        app.window.hover_at(at - vec2(60.0, 0.0));
-        app.wait(100);
-        app.window.drop_at(at - vec2(60.0, 0.0));
-        app.wait(100);
+        app.grab(at, 50);
+        app.hover(at - vec2(60.0, 0.0), 100);
+        app.release(at - vec2(60.0, 0.0), 100);
         // On the line the line is taken, but not under the print.
         if share == 1.0 {
             assert!(line_mm(&app) < line, "{line}");
@@ -98,13 +90,10 @@ fn the_sound_is_switched_beside_the_track_and_the_choice_is_kept() {
     let strip = |app: &TestApp| -> Rect { app.window.get_by_label("Plate from above").rect() };
     let switch = app.window.get_by_role_and_label(Role::CheckBox, "Sound of the finger").rect();
     assert!(switch.left() >= strip(&app).right() && switch.width() >= 24.0 && switch.height() >= 24.0);
-    app.window.drag_at(on_track(&app, 0.5));
-    app.wait(100);
+    app.grab(on_track(&app, 0.5), 100);
     let at = on_track(&app, 0.55);
-    app.window.hover_at(at);
-    app.wait(100);
-    app.window.drop_at(at);
-    app.wait(100);
+    app.hover(at, 100);
+    app.release(at, 100);
     assert!(app.speaker.loudness() > 0.0);
     let press = |app: &mut TestApp| {
         app.window.get_by_role_and_label(Role::CheckBox, "Sound of the finger").click();
@@ -120,12 +109,9 @@ fn the_sound_is_switched_beside_the_track_and_the_choice_is_kept() {
 fn the_first_scene_lays_the_finger_down_again_and_the_others_do_not() {
     let mut app = TestApp::driving();
     let open = |app: &mut TestApp, name: &str| {
-        app.window.get_by_label("File").click();
-        app.wait(200);
-        app.window.get_by_label_contains("Scenes…").click();
-        app.wait(200);
-        app.window.get_by_label_contains(name).click();
-        app.wait(1500);
+        app.click("File", 200);
+        app.click_part("Scenes…", 200);
+        app.click_part(name, 1500);
     };
     open(&mut app, SCENES[3].name);
     assert!(!has_finger(&app));
@@ -160,8 +146,7 @@ fn the_demonstration_moves_line_and_finger_for_ten_seconds_in_silence_and_leaves
     assert_eq!(app.setup_text(), text, "everything is where it was");
     app.wait(1000);
     assert_eq!((boundary_mm(&app), finger_mm(&app)), latest, "it is over");
-    app.window.get_by_label("Edit").click();
-    app.wait(200);
+    app.click("Edit", 200);
     assert!(
         app.window.query_by_label_contains("Undo ").is_none_or(|undo| undo.accesskit_node().is_disabled())
     );
@@ -173,8 +158,7 @@ fn any_input_ends_the_demonstration_at_once_and_counts() {
         |app| app.window.key_press_modifiers(Modifiers::NONE, Key::P),
         |app| app.window.drag_at(pos2(300.0, 36.0)),
         |app| {
-            app.window.hover_at(pos2(300.0, 300.0));
-            app.window.step();
+            app.hover(pos2(300.0, 300.0), 0);
             app.window.hover_at(pos2(340.0, 300.0));
         },
     ];

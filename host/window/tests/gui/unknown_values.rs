@@ -1,20 +1,15 @@
 //! An unknown value is shown as a dash, never as a number.
 
-use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::plots::words;
-use crate::test_app::{TestApp, open_window};
-use egui_kittest::HarnessBuilder;
+use crate::test_app::{TestApp, click, opened};
 use egui_kittest::kittest::Queryable as _;
 use slipline_link::{Port, Request, Snapshot};
-use slipline_window::settings::ThemeChoice;
 
 #[test]
 fn without_a_device_meters_and_heights_are_dashes_and_connect_is_one_press_away() {
     let link = FixedLink::of(Snapshot::default());
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
     for meter in ["Level", "Headroom", "Thermal load"] {
         assert!(window.query_by_label(&format!("{meter}: –")).is_some(), "{meter}");
     }
@@ -26,8 +21,7 @@ fn without_a_device_meters_and_heights_are_dashes_and_connect_is_one_press_away(
     assert_eq!(painted.iter().filter(|(word, _)| word == "–").count(), 10, "{painted:?}");
     assert!(has("180.0 mm"), "where the boundary is needs no table: {painted:?}");
     link.sent.borrow_mut().clear();
-    window.get_by_label("Connect").click();
-    window.run_steps(5);
+    click(&mut window, "Connect");
     assert!(matches!(link.sent.borrow()[..], [Request::Connect(Port::Simulated)]), "{:?}", link.sent);
 }
 

@@ -3,7 +3,7 @@
 use crate::fake_files::FakeFiles;
 use crate::fixed_link::FixedLink;
 use crate::real_device;
-use crate::test_app::{TestApp, open_window};
+use crate::test_app::{TestApp, click, open_window, opened};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, HarnessBuilder};
 use slipline_link::Request;
@@ -31,30 +31,22 @@ fn arms(link: &FixedLink) -> usize {
 #[test]
 fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
     let link = telling(State::Idle, Some(UNGUARDED));
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
+    click(&mut window, "Arm…");
     assert!(window.query_by_label_contains("brown-out level of this board is not set").is_some());
     assert!(window.query_by_label("Arm").is_none(), "the button says what it does");
-    window.get_by_label("Cancel").click();
-    window.run_steps(5);
+    click(&mut window, "Cancel");
     assert_eq!((arms(&link), window.state().settings().unguarded_boards.len()), (0, 0));
 
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
-    window.get_by_label("Arm anyway").click();
-    window.run_steps(5);
+    click(&mut window, "Arm…");
+    click(&mut window, "Arm anyway");
     assert_eq!(arms(&link), 1);
     assert_eq!(window.state().settings().unguarded_boards, [link.snapshot.unit().unwrap()]);
 
     // From then on it is armed as any other board.
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
+    click(&mut window, "Arm…");
     assert!(window.query_by_label_contains("brown-out level of this board is not set").is_none());
-    window.get_by_label("Arm").click();
-    window.run_steps(5);
+    click(&mut window, "Arm");
     assert_eq!(arms(&link), 2);
 }
 
@@ -62,15 +54,10 @@ fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
 fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more() {
     for maintenance in [None, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })] {
         let link = telling(State::Idle, maintenance);
-        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-        let mut window =
-            open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
-        window.get_by_label("Arm…").click();
-        window.run_steps(5);
+        let mut window = opened(link.clone(), [1280.0, 800.0]);
+        click(&mut window, "Arm…");
         assert!(window.query_by_label_contains("brown-out level").is_none());
-        window.get_by_label("Arm").click();
-        window.run_steps(5);
+        click(&mut window, "Arm");
         assert_eq!((arms(&link), window.state().settings().unguarded_boards.len()), (1, 0));
     }
 }
@@ -79,23 +66,17 @@ fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more(
 fn a_board_without_a_profile_of_its_actuator_asks_once_before_it_is_armed() {
     let mut link = telling(State::Idle, None);
     Arc::make_mut(&mut link.snapshot).profile = Some(Arc::default());
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link.clone()), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
+    let mut window = opened(link.clone(), [1280.0, 800.0]);
     let asks = |window: &Harness<'static, App>| {
         window.query_by_label_contains("keeps no profile of its actuator").is_some()
     };
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
+    click(&mut window, "Arm…");
     assert!(asks(&window) && window.query_by_label("Arm").is_none());
-    window.get_by_label("Arm anyway").click();
-    window.run_steps(5);
+    click(&mut window, "Arm anyway");
     assert_eq!(window.state().settings().boards_without_profile, [link.snapshot.unit().unwrap()]);
-    window.get_by_label("Arm…").click();
-    window.run_steps(5);
+    click(&mut window, "Arm…");
     assert!(!asks(&window));
-    window.get_by_label("Arm").click();
-    window.run_steps(5);
+    click(&mut window, "Arm");
     assert_eq!(arms(&link), 2);
 }
 
@@ -104,11 +85,8 @@ fn the_device_panel_says_that_a_board_without_its_mute_resistor_stays_muted() {
     let mut link = telling(State::Idle, None);
     let missing = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
     Arc::make_mut(&mut link.snapshot).board = Some(missing);
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
-    window.get_by_label("Device").click();
-    window.run_steps(5);
+    let mut window = opened(link, [1280.0, 800.0]);
+    click(&mut window, "Device");
     assert!(window.query_by_label_contains("Muted: no resistor at the mute pin.").is_some());
 }
 
@@ -122,8 +100,7 @@ fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
     let builder = HarnessBuilder::default().with_size([1280.0, 1400.0]);
     let mut window = open_window(Box::new(link.clone()), &files, ThemeChoice::Light, builder);
     window.run_steps(5);
-    window.get_by_label("Device").click();
-    window.run_steps(5);
+    click(&mut window, "Device");
     let written = |link: &FixedLink| {
         let sent = link.sent.borrow();
         sent.iter()
@@ -138,8 +115,7 @@ fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
         window.run_steps(8);
         assert!(window.query_by_label_contains("max_sum = 0.8").is_some());
         assert!(window.query_by_label_contains("Press the user button on the board").is_some());
-        window.get_by_label(press).click();
-        window.run_steps(5);
+        click(&mut window, press);
         assert_eq!(written(&link).len(), count);
     }
     assert_eq!((written(&link)[0].name.as_str(), written(&link)[0].max_sum_per_mille), ("coil", 800));
@@ -161,11 +137,8 @@ fn the_device_panel_warns_of_a_block_that_takes_nine_tenths_of_its_time_or_more(
         snapshot.status.as_mut().unwrap().counters.max_cycles = max_cycles;
         // Blocks of 128 codes at 400 kS/s, or 53 760 cycles of this clock.
         snapshot.board = Some(BoardReport { core_hz: 168_000_000, ..BoardReport::default() });
-        let builder = HarnessBuilder::default().with_size([1280.0, 1400.0]);
-        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
-        window.get_by_label("Device").click();
-        window.run_steps(5);
+        let mut window = opened(link, [1280.0, 1400.0]);
+        click(&mut window, "Device");
         let warns = window.query_by_label_contains("took 93 % of a block's time").is_some();
         assert_eq!(warns, wanted.is_some(), "{max_cycles}");
         assert!(wanted.is_none_or(|text| window.query_by_label(text).is_some()), "{max_cycles}");
@@ -176,11 +149,8 @@ fn the_device_panel_warns_of_a_block_that_takes_nine_tenths_of_its_time_or_more(
 fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
     let worn = Maintenance { erasures: 20_001, ..UNGUARDED };
     let link = telling(State::Idle, Some(worn));
-    let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-    let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-    window.run_steps(5);
-    window.get_by_label("Device").click();
-    window.run_steps(5);
+    let mut window = opened(link, [1280.0, 800.0]);
+    click(&mut window, "Device");
     for text in ["20001 of 20000 times", "not set"] {
         assert!(window.query_by_label(text).is_some(), "{text}");
     }
@@ -201,11 +171,8 @@ fn the_device_panel_tells_whether_the_actuators_travel_is_limited() {
         let snapshot = Arc::make_mut(&mut link.snapshot);
         Arc::make_mut(snapshot.identity.as_mut().unwrap()).version.minor = minor;
         snapshot.travel_limit = limit;
-        let builder = HarnessBuilder::default().with_size([1280.0, 800.0]);
-        let mut window = open_window(Box::new(link), &FakeFiles::default(), ThemeChoice::Light, builder);
-        window.run_steps(5);
-        window.get_by_label("Device").click();
-        window.run_steps(5);
+        let mut window = opened(link, [1280.0, 800.0]);
+        click(&mut window, "Device");
         assert!(window.query_by_label(wanted).is_some(), "{wanted}");
     }
 }
@@ -216,16 +183,12 @@ fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
     let builder =
         HarnessBuilder::default().with_size([1280.0, 1400.0]).with_theme(eframe::egui::Theme::Light);
     let mut app = TestApp::driving_with(ThemeChoice::Light, builder);
-    app.window.key_press(eframe::egui::Key::Space);
-    app.wait(500);
-    app.window.get_by_label("Device").click();
-    app.wait(100);
+    app.key(eframe::egui::Key::Space, 500);
+    app.click("Device", 100);
     for written in [true, false] {
         app.take_sent();
-        app.window.get_by_label("Keep table…").click();
-        app.wait(300);
-        app.window.get_by_label("Overwrite").click();
-        app.wait(500);
+        app.click("Keep table…", 300);
+        app.click("Overwrite", 500);
         let sent = app.take_sent();
         let is_asked = |want: fn(&Request) -> bool| sent.iter().any(want);
         assert!(is_asked(|request| matches!(request, Request::Store)), "{sent:?}");
