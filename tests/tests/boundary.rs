@@ -209,22 +209,16 @@ fn any_plate() -> impl Strategy<Value = Plate> {
             };
             let mut spec = PlateSpec {
                 name: "random".to_owned(),
-                description: String::new(),
                 taper,
                 length_m,
                 model,
                 loss_factor,
                 turning_width: TurningWidth::Arc,
-                wave_speed_tolerance: 0.0,
-                loss_tolerance: None,
-                thickness: None,
-                air: None,
-                calibration: None,
                 drive_end: DriveEnd::Displacement,
-                actuator: None,
                 full_scale_m: 1e-5,
                 span_start_m: start * length_m,
                 span_end_m: stop * length_m,
+                ..preset("membrane").unwrap().spec().clone()
             };
             let middle_hz = Plate::new(spec.clone()).ok()?.frequency_for_boundary_hz(0.5 * length_m);
             if ratio > 0.0 {

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use slipline_plate::{
-    Bending, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, TurningWidth, plane, respond,
+    Bending, DriveEnd, Equation, Model, Plate, PlateSpec, Taper, TurningWidth, plane, preset, respond,
 };
 use std::f64::consts::{PI, TAU};
 
@@ -134,22 +134,16 @@ fn the_clamped_taper_at_40_khz_peaks_where_the_one_mode_theory_says() {
     };
     let plate = Plate::new(PlateSpec {
         name: "clamped".to_owned(),
-        description: String::new(),
         taper: Taper::Exponential { half_width_m: HALF_WIDTH_M, rate_per_m: RATE_PER_M },
         length_m: LENGTH_M,
         model: Model::BendingClamped(bending.clone()),
         loss_factor: 0.0,
         turning_width: TurningWidth::Plain,
-        wave_speed_tolerance: 0.0,
-        loss_tolerance: None,
-        thickness: None,
-        air: None,
-        calibration: None,
         drive_end: DriveEnd::Displacement,
-        actuator: None,
         full_scale_m: 1e-6,
         span_start_m: 0.05,
         span_end_m: 0.2,
+        ..preset("membrane").expect("a preset").spec().clone()
     })
     .expect("a valid plate");
     let kb2 = bending.wavenumber_squared(TAU * 40e3);

@@ -24,22 +24,16 @@ fn aluminium_sh() -> Model {
 fn plate(model: Model, half_width_m: f64, length_m: f64, span: (f64, f64)) -> Plate {
     Plate::new(PlateSpec {
         name: "test".to_owned(),
-        description: String::new(),
         taper: Taper::Exponential { half_width_m, rate_per_m: RATE },
         length_m,
         model,
         loss_factor: 0.002,
         turning_width: TurningWidth::Plain,
-        wave_speed_tolerance: 0.0,
-        loss_tolerance: None,
-        thickness: None,
-        air: None,
-        calibration: None,
         drive_end: DriveEnd::Displacement,
-        actuator: None,
         full_scale_m: 1e-6,
         span_start_m: span.0,
         span_end_m: span.1,
+        ..preset("membrane").expect("a preset").spec().clone()
     })
     .expect("a valid plate")
 }

@@ -291,22 +291,16 @@ fn any_plate() -> impl Strategy<Value = Plate> {
             };
             let mut spec = PlateSpec {
                 name: "random".to_owned(),
-                description: String::new(),
                 taper,
                 length_m: length,
                 model,
                 loss_factor: loss,
                 turning_width: TurningWidth::Arc,
-                wave_speed_tolerance: 0.0,
-                loss_tolerance: None,
-                thickness: None,
-                air: None,
-                calibration: None,
                 drive_end: DriveEnd::Displacement,
-                actuator: None,
                 full_scale_m: 1e-5,
                 span_start_m: start * length,
                 span_end_m: stop * length,
+                ..preset("membrane").expect("a preset").spec().clone()
             };
             let at_frequency_hz = Plate::new(spec.clone()).ok()?.band_hz().1 * 0.8;
             spec.drive_end = match end {

@@ -14,22 +14,16 @@ const RATE: f64 = 100_000.0;
 fn membrane(half_width_m: f64, rate_per_m: f64, length_m: f64, loss: f64, end: DriveEnd) -> Plate {
     Plate::new(PlateSpec {
         name: "test".to_owned(),
-        description: String::new(),
         taper: Taper::Exponential { half_width_m, rate_per_m },
         length_m,
         model: Model::Membrane { wave_speed_m_per_s: 12.0, tension_n_per_m: None, film: None },
         loss_factor: loss,
         turning_width: TurningWidth::Arc,
-        wave_speed_tolerance: 0.0,
-        loss_tolerance: None,
-        thickness: None,
-        air: None,
-        calibration: None,
         drive_end: end,
-        actuator: None,
         full_scale_m: 1e-3,
         span_start_m: 0.3 * length_m,
         span_end_m: 0.85 * length_m,
+        ..preset("membrane").unwrap().spec().clone()
     })
     .unwrap()
 }
