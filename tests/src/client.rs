@@ -4,6 +4,17 @@ use slipline_protocol::event::{Event, Status};
 use slipline_protocol::units::SampleIndex;
 use slipline_protocol::{Command, Refusal};
 
+/// Sends a command and returns what the answer of this kind carries; any other answer is a panic.
+#[macro_export]
+macro_rules! answer {
+    ($client:expr, $command:expr, $kind:ident) => {
+        match $client.send(&$command) {
+            ::slipline_protocol::event::Event::$kind(carried) => carried,
+            other => panic!("{other:?}"),
+        }
+    };
+}
+
 /// A client of the protocol with a device that answers.
 pub trait Client {
     /// Sends a command and returns the answer.

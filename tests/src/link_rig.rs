@@ -96,6 +96,23 @@ impl LinkRig {
         Self::of(FaultyPorts { device, ..FaultyPorts::default() }).connect().arm()
     }
 
+    /// Asks for something, and lets time pass.
+    pub fn ask_and_pass(&mut self, request: Request, milliseconds: u64) -> Ticket {
+        let ticket = self.ask(request);
+        self.pass_ms(milliseconds);
+        ticket
+    }
+
+    /// Asks for something that must be done within this time.
+    ///
+    /// # Panics
+    /// If it is not.
+    pub fn done(&mut self, request: Request, milliseconds: u64) {
+        let ticket = self.ask_and_pass(request, milliseconds);
+        let outcome = self.outcome(ticket);
+        assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
+    }
+
     /// Connects to the port A.
     ///
     /// # Panics

@@ -107,8 +107,7 @@ pub fn play(
     tables: &[Table; 3],
     block_waits: bool,
 ) -> Result<Vec<u16>, TestCaseError> {
-    let mut rig = Rig::new(Options { block_waits, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { block_waits, ..Options::default() });
     let mut mirror = Mirror::new(RATE_HZ, 0);
     rig.stage(&tables[0]);
     let mut table = &tables[0];

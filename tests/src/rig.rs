@@ -257,6 +257,42 @@ impl Rig {
         rig
     }
 
+    /// An armed device that drives these tones, with this glide, for so long.
+    #[must_use]
+    pub fn driving(tones: &[(u8, f64, f64)], glide: u32, milliseconds: u32) -> Self {
+        let mut rig = Self::armed();
+        rig.play(tones, glide, milliseconds);
+        rig
+    }
+
+    /// A device just started that has answered a hello.
+    #[must_use]
+    pub fn greeted() -> Self {
+        Self::greeted_with(Options::default())
+    }
+
+    /// The same with a device of these options.
+    #[must_use]
+    pub fn greeted_with(options: Options) -> Self {
+        let mut rig = Self::new(options);
+        rig.hello();
+        rig
+    }
+
+    /// Says hello, uploads the usual table and arms.
+    pub fn make_ready(&mut self) {
+        self.hello();
+        self.upload(&Table::usual());
+        self.arm();
+    }
+
+    /// Drives these tones, and lets time pass; returns the index of the reply.
+    pub fn play(&mut self, tones: &[(u8, f64, f64)], glide: u32, milliseconds: u32) -> SampleIndex {
+        let at = self.accepted(&Command::Drive(drive(tones, glide)));
+        self.live_ms(milliseconds);
+        at
+    }
+
     /// Arms, keeps alive, and lets the amplifier unmute.
     pub fn arm(&mut self) {
         self.accepted(&Command::Arm);

@@ -4,22 +4,19 @@ use slipline_protocol::event::Event;
 use slipline_protocol::limits::BOOTLOADER_TOKEN_MS;
 use slipline_protocol::version::Version;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::commands::every_command;
 use slipline_tests::rig::{Rig, drive};
 
 fn token(rig: &mut Rig) -> u32 {
-    match rig.send(&Command::BootloaderToken) {
-        Event::BootloaderToken(token) => token,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::BootloaderToken, BootloaderToken)
 }
 
 #[test]
 fn the_right_token_shown_in_time_leads_into_the_bootloader_after_the_reply() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     let token = token(&mut rig);
     rig.live_ms(100);
     rig.accepted(&Command::BootloaderEnter(token));
@@ -31,8 +28,7 @@ fn the_right_token_shown_in_time_leads_into_the_bootloader_after_the_reply() {
 #[test]
 fn a_wrong_an_old_or_a_used_token_does_not() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     assert_eq!(rig.refused(&Command::BootloaderEnter(0)), Refusal::BadToken);
     let first = token(&mut rig);
     assert_eq!(rig.refused(&Command::BootloaderEnter(first ^ 1)), Refusal::BadToken);
@@ -51,15 +47,13 @@ fn a_wrong_an_old_or_a_used_token_does_not() {
 #[test]
 fn an_armed_device_gives_no_token_and_takes_none() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     let early = token(&mut rig);
     rig.upload(&slipline_tests::rig::Table::usual());
     rig.arm();
     assert_eq!(rig.refused(&Command::BootloaderToken), Refusal::Armed);
     assert_eq!(rig.refused(&Command::BootloaderEnter(early)), Refusal::Armed);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.5, 0.5)], 2000, 10);
     assert_eq!(rig.refused(&Command::BootloaderToken), Refusal::Armed);
     rig.accepted(&Command::Disarm);
     assert_eq!(rig.refused(&Command::BootloaderToken), Refusal::Armed, "while it still ramps");
@@ -71,8 +65,7 @@ fn an_armed_device_gives_no_token_and_takes_none() {
 #[test]
 fn no_other_command_leads_there() {
     // the matrix.
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     for command in every_command() {
         if matches!(command, Command::Hello(_)) {
             continue;

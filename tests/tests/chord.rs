@@ -124,17 +124,14 @@ fn what_claims_to_be_a_chord_and_is_none_is_refused_and_makes_no_sound() {
     assert!(matches!(refused, Refusal::Travel { travel_per_mille: 1001.., .. }), "{refused:?}");
     rig.accepted(&Command::Disarm);
     assert_eq!(rig.refused(&Command::Chord(loud())), Refusal::NotArmed);
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     rig.arm();
     assert_eq!(rig.refused(&Command::Chord(loud())), Refusal::NoTable);
 }
 
 #[test]
 fn a_chord_waits_for_silence_and_fades_whatever_its_sum() {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.5)], 2000)));
-    rig.live_ms(10);
+    let mut rig = Rig::driving(&[(0, 0.1, 0.5)], 2000, 10);
     assert_eq!(rig.refused(&Command::Chord(loud())), Refusal::Busy(Busy::DriveActive));
     // What fades is waited for.
     let fade = rig.accepted(&Command::Drive(drive(&[], 20_000)));
@@ -149,15 +146,13 @@ fn a_chord_waits_for_silence_and_fades_whatever_its_sum() {
     assert!(matches!(refused, Refusal::Headroom { sum_per_mille: 2000.. }), "{refused:?}");
     rig.stage(&Table::line(65, 59_000.0, 21_000.0, |_| 1.0));
     assert!(matches!(rig.refused(&Command::TableCommit), Refusal::Headroom { .. }));
-    let fade = rig.accepted(&Command::Drive(drive(&[], 2000)));
-    rig.live_ms(10);
+    let fade = rig.play(&[], 2000, 10);
     assert_eq!(rig.recording.from(fade + 2048).iter().find(|&&code| code != MID), None);
     assert_eq!((rig.status().state, rig.status().counters.clips), (State::Armed, 0));
     // A chord within the sum is like any tones: a drive takes them on.
     rig.accepted(&Command::Chord(with_levels(&loud(), 0.05)));
     rig.live_ms(10);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.2)], 4000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 0.1, 0.2)], 4000, 20);
     assert_eq!(rig.status().counters.clips, 0);
 }
 

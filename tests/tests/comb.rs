@@ -98,8 +98,7 @@ fn what_does_not_fit_is_refused_and_nothing_sounds() {
     rig.accepted(&Command::Disarm);
     assert_eq!(rig.refused(&Command::Comb(example())), Refusal::NotArmed);
 
-    let mut bare = Rig::default();
-    bare.hello();
+    let mut bare = Rig::greeted();
     bare.arm();
     assert_eq!(bare.refused(&Command::Comb(example())), Refusal::NoTable);
     let mut older = Rig::armed();

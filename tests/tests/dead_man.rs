@@ -12,10 +12,7 @@ use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
 
 /// Sounds one tone of 20 kHz at full scale.
 fn driving() -> Rig {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-    rig.live_ms(10);
-    rig
+    Rig::driving(&[(0, 1.0, 1.0)], 2000, 10)
 }
 
 proptest! {
@@ -137,12 +134,10 @@ fn a_host_that_wakes_after_an_hour_connects_cleanly() {
     // R-25, at 8 kS/s, so that the hour is few blocks; `reconnecting.rs` has it with the host's own link.
     let rate = 8000;
     let table = Table::usual().at_rate(rate);
-    let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { sample_rate_hz: rate, ..Options::default() });
     rig.upload(&table);
     rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 200)));
-    rig.live_ms(100);
+    rig.play(&[(0, 1.0, 1.0)], 200, 100);
     assert_eq!(rig.status().state, State::Driving);
     let end = rig.device.now() + rig.samples(DEAD_MAN_MS + DEAD_MAN_RAMP_MS) + 2 * BLOCK;
     let muted_from = end + 8 * BLOCK;
@@ -156,8 +151,7 @@ fn a_host_that_wakes_after_an_hour_connects_cleanly() {
     rig.accepted(&Command::ClearFaults);
     rig.upload(&table);
     rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 200)));
-    rig.live_ms(100);
+    rig.play(&[(0, 0.5, 0.5)], 200, 100);
     assert_eq!(rig.status().state, State::Driving);
 }
 

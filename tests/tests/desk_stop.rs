@@ -3,25 +3,20 @@
 use slipline_link::simulator::Options;
 use slipline_link::{Change, Request};
 use slipline_protocol::board::{BoardReport, MuteResistor, UserButton};
-use slipline_protocol::event::{Event, Fault, Faults, State};
+use slipline_protocol::event::{Fault, Faults, State};
 use slipline_protocol::limits::{DESK_STOP_MS, EMERGENCY_RAMP_MS};
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::link_rig::{self, LinkRig};
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive};
 
 fn driving() -> Rig {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
-    rig
+    Rig::driving(&[(0, 0.5, 0.5)], 2000, 10)
 }
 
 fn board(rig: &mut Rig) -> BoardReport {
-    match rig.send(&Command::Board) {
-        Event::Board(report) => report,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::Board, Board)
 }
 
 #[test]
@@ -63,8 +58,7 @@ fn one_sample_is_no_press() {
 #[test]
 fn while_it_is_held_the_device_cannot_be_armed_and_disarmed_it_does_nothing() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     rig.upload(&Table::usual());
     assert_eq!(board(&mut rig).user_button, UserButton::Released);
     rig.device.press_button(true);
@@ -127,8 +121,7 @@ fn a_host_of_1_2_gets_an_emergency_stop() {
 #[test]
 fn without_its_mute_resistor_a_device_does_everything_but_unmute() {
     //
-    let mut rig = Rig::new(Options { mute_resistor_missing: true, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { mute_resistor_missing: true, ..Options::default() });
     rig.upload(&Table::usual());
     assert_eq!(board(&mut rig).mute_resistor, MuteResistor::Missing);
     rig.arm();
@@ -163,8 +156,7 @@ fn the_link_reads_what_the_board_is_and_ends_the_drive_in_its_journal() {
             .count()
     };
     assert_eq!((rig.view().board.unwrap().mute_resistor, missing(&rig)), (MuteResistor::Missing, 1));
-    rig.ask(link_rig::drive(0.05));
-    rig.pass_ms(300);
+    rig.ask_and_pass(link_rig::drive(0.05), 300);
     rig.ports().device.press_button(true);
     rig.pass_ms(500);
     assert_eq!(rig.state(), State::Fault);
@@ -173,7 +165,6 @@ fn the_link_reads_what_the_board_is_and_ends_the_drive_in_its_journal() {
     assert!(rig.view().log.iter().any(|line| line.text.contains(Fault::DeskStop.text())));
     rig.ports().device.press_button(false);
     rig.pass_ms(u64::from(DESK_STOP_MS) + 300);
-    rig.ask(Request::ClearFaults);
-    rig.pass_ms(300);
+    rig.ask_and_pass(Request::ClearFaults, 300);
     assert_eq!(rig.state(), State::Idle);
 }

@@ -19,8 +19,7 @@ use std::time::Duration;
 /// Driving one tone, under watch.
 fn driving() -> LinkRig {
     let mut rig = LinkRig::armed().watched();
-    rig.ask(drive(0.05));
-    rig.pass_ms(300);
+    rig.ask_and_pass(drive(0.05), 300);
     assert_eq!(rig.state(), State::Driving);
     rig
 }
@@ -80,8 +79,7 @@ fn a_program_that_comes_back_can_arm_and_drive_again() {
     rig.pass_ms(3000);
     rig.is_driver_alive = true;
     rig.ask(Request::Arm);
-    rig.ask(drive(0.06));
-    rig.pass_ms(5000);
+    rig.ask_and_pass(drive(0.06), 5000);
     assert_eq!((rig.state(), stalls(&rig)), (State::Driving, 1));
     rig.is_driver_alive = false;
     rig.pass_ms(1200);
@@ -91,15 +89,13 @@ fn a_program_that_comes_back_can_arm_and_drive_again() {
 #[test]
 fn a_device_that_is_not_armed_needs_no_sign() {
     let mut rig = LinkRig::connected().watched();
-    rig.ask(Request::Disarm);
-    rig.pass_ms(300);
+    rig.ask_and_pass(Request::Disarm, 300);
     let asked = rig.signs_wanted;
     rig.is_driver_alive = false;
     rig.pass_ms(30_000);
     assert_eq!((rig.signs_wanted, stalls(&rig)), (asked, 0));
     // The second counts from the arming.
-    rig.ask(Request::Arm);
-    rig.pass_ms(900);
+    rig.ask_and_pass(Request::Arm, 900);
     assert_eq!((rig.state(), stalls(&rig)), (State::Armed, 0));
     rig.pass_ms(300);
     assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1));
@@ -111,15 +107,12 @@ fn a_window_that_takes_seconds_to_open_is_waited_for_by_the_simulated_device_onl
         let mut rig = LinkRig::new().watched();
         rig.is_driver_alive = false;
         rig.ports().rewrite = if is_real { as_real } else { |event| event };
-        rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-        rig.pass_ms(300);
-        rig.ask(Request::Arm);
-        rig.pass_ms(4000);
+        rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 300);
+        rig.ask_and_pass(Request::Arm, 4000);
         assert_eq!((rig.state(), stalls(&rig)), (state, u32::from(is_real)));
         // From the first sign on it is watched like any other.
         rig.is_driver_alive = true;
-        rig.ask(Request::Arm);
-        rig.pass_ms(1000);
+        rig.ask_and_pass(Request::Arm, 1000);
         assert_eq!(rig.state(), State::Armed);
         rig.is_driver_alive = false;
         rig.pass_ms(1400);
@@ -180,8 +173,7 @@ fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
 #[test]
 fn what_has_not_reached_the_device_by_then_never_does() {
     let mut rig = driving();
-    rig.ask(Request::Stop);
-    rig.pass_ms(250);
+    rig.ask_and_pass(Request::Stop, 250);
     rig.is_driver_alive = false;
     rig.pass_ms(900);
     let words = rig.ports().commands.len();

@@ -39,8 +39,7 @@ fn follow(rig: &mut Rig, mirror: &mut Mirror, before: &mut Option<Status>, block
 
 #[test]
 fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
-    let mut rig = Rig::new(Options { heat: Heat::AssumedHot, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { heat: Heat::AssumedHot, ..Options::default() });
     let table = Table::usual();
     let mut mirror = Mirror::new(RATE_HZ, 0);
     let at = rig.upload(&table);
@@ -127,8 +126,7 @@ fn is_exact(rig: &LinkRig, replay: &mut Replay) -> bool {
 fn replayed() -> (LinkRig, Replay) {
     let mut rig = LinkRig::armed_as(Options { heat: Heat::AssumedHot, ..Options::default() });
     rig.record();
-    rig.ask(link_rig::drive(0.05));
-    rig.pass_ms(1000);
+    rig.ask_and_pass(link_rig::drive(0.05), 1000);
     let mut replay = Replay::new(RATE_HZ as usize);
     assert!(is_exact(&rig, &mut replay));
     (rig, replay)

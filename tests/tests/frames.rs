@@ -12,9 +12,7 @@ use slipline_tests::rig::{Rig, drive};
 
 /// A device that sounds two tones.
 fn driving() -> Rig {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.3, 0.4), (1, 0.7, 0.5)], 2000)));
-    rig.live_ms(10);
+    let mut rig = Rig::driving(&[(0, 0.3, 0.4), (1, 0.7, 0.5)], 2000, 10);
     rig.record();
     rig
 }
@@ -161,8 +159,7 @@ fn every_id_that_is_no_command_is_refused_by_name_and_does_nothing() {
     //
     let known: Vec<u8> = Command::TABLE.iter().map(|row| row.id).collect();
     let mut sequence = 0;
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     for id in 0..=255u8 {
         if known.contains(&id) {
             continue;

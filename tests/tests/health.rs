@@ -13,9 +13,7 @@ use slipline_tests::rig::{BLOCK, RATE_HZ, Rig, Table, drive};
 #[test]
 fn the_watchdog_starves_when_the_link_hangs_and_not_before() {
     // the renderer goes on without the link and takes the drive to silence by itself.
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(5000);
+    let mut rig = Rig::driving(&[(0, 0.5, 0.5)], 2000, 5000);
     assert!(!rig.device.is_watchdog_starved());
     rig.device.freeze_link(true);
     rig.record();
@@ -160,9 +158,7 @@ fn neither_stopping_nor_reconnecting_nor_resetting_gets_more_out_of_a_hot_coil()
             _ => {
                 rig.device.restart(ResetCause::Pin);
                 rig.record();
-                rig.hello();
-                rig.upload(&Table::usual());
-                rig.arm();
+                rig.make_ready();
             }
         }
         rig.accepted(&full);
@@ -178,8 +174,7 @@ fn neither_stopping_nor_reconnecting_nor_resetting_gets_more_out_of_a_hot_coil()
 #[test]
 fn a_reset_is_taken_as_hot_and_a_rest_of_some_seconds_lifts_it() {
     //
-    let mut rig = Rig::new(Options { heat: Heat::AssumedHot, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { heat: Heat::AssumedHot, ..Options::default() });
     rig.silent_ms(10);
     assert!((500..510).contains(&rig.status().foldback_per_mille));
     rig.silent_ms(10_000);
@@ -189,8 +184,7 @@ fn a_reset_is_taken_as_hot_and_a_rest_of_some_seconds_lifts_it() {
 /// One tone, at 8 kS/s, so that ten minutes are few blocks.
 fn driving_at_8_khz() -> Rig {
     let rate = 8000;
-    let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { sample_rate_hz: rate, ..Options::default() });
     rig.upload(&Table::usual().at_rate(rate));
     rig.arm();
     rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 100)));
@@ -227,9 +221,7 @@ fn a_device_that_stays_armed_and_silent_is_not_taken_for_one_that_drives() {
 #[test]
 fn an_emergency_stop_behind_a_thousand_frames_is_done_within_a_block() {
     //
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-    rig.live_ms(20);
+    let mut rig = Rig::driving(&[(0, 1.0, 1.0)], 2000, 20);
     let mut bytes = Vec::new();
     for step in 0..1000u32 {
         bytes.extend(rig.frame(&Command::Drive(drive(&[(0, f64::from(step) / 1000.0, 1.0)], 2000))));
@@ -257,11 +249,7 @@ fn both_stops_work_in_every_state() {
     type Scene = fn() -> Rig;
     let scenes: [Scene; 8] = [
         Rig::default,
-        || {
-            let mut rig = Rig::default();
-            rig.hello();
-            rig
-        },
+        || Rig::greeted(),
         Rig::armed,
         || {
             let mut rig = Rig::armed();
@@ -269,17 +257,13 @@ fn both_stops_work_in_every_state() {
             rig
         },
         || {
-            let mut rig = Rig::armed();
-            rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.9)], 2000)));
-            rig.live_ms(10);
+            let mut rig = Rig::driving(&[(0, 0.5, 0.9)], 2000, 10);
             rig.accepted(&Command::Stop);
             rig.live_ms(5);
             rig
         },
         || {
-            let mut rig = Rig::armed();
-            rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.9)], 2000)));
-            rig.live_ms(10);
+            let mut rig = Rig::driving(&[(0, 0.5, 0.9)], 2000, 10);
             rig.accepted(&Command::TableBegin(Table::usual().header));
             rig
         },
@@ -391,9 +375,7 @@ fn in_a_fault_the_device_answers_and_clears_but_does_not_drive() {
 #[test]
 fn the_first_of_several_faults_stays_the_first_with_its_time() {
     //
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.9)], 2000)));
-    rig.live_ms(10);
+    let mut rig = Rig::driving(&[(0, 0.5, 0.9)], 2000, 10);
     rig.device.inject_underrun();
     let dry = rig.device.now();
     rig.live_ms(1);

@@ -14,6 +14,7 @@ use slipline_protocol::listen::{ListenPart, ListenWindow, Progress, WindowShape}
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, units::SampleIndex};
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, chord, comb, drive};
 
@@ -91,10 +92,7 @@ fn hold(tones: &[(u8, f64)]) -> Command {
 }
 
 fn held(rig: &mut Rig) -> Held {
-    match rig.send(&Command::HoldRead) {
-        Event::Held(held) => held,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::HoldRead, Held)
 }
 
 /// An armed device with a table of gain 1, and the finger on its plate.
@@ -422,10 +420,10 @@ fn the_lock_ins_are_its_own_meanwhile() {
         assert_eq!(rig.refused(&command), Refusal::Busy(Busy::Holding));
     }
     let part = Command::ListenRead(ListenPart { input: 0, first_slot: 0 });
-    let Event::Listened(reading) = rig.send(&part) else { panic!() };
+    let reading = answer!(rig, part, Listened);
     assert_eq!((reading.progress, reading.begin), (Progress::Running, begin));
     rig.accepted(&OFF);
-    let Event::Listened(reading) = rig.send(&part) else { panic!() };
+    let reading = answer!(rig, part, Listened);
     assert_eq!(reading.progress, Progress::Idle);
     rig.accepted(&Command::ListenStop);
     rig.accepted(&OFF);
@@ -477,8 +475,7 @@ fn a_slow_actuator_is_not_corrected_faster_than_it_can_follow() {
     let (mut rig, _) = touched(Options::default());
     let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 1000, static_ppm: 1_000_000 };
     rig.send(&Command::SetTravelLimit(TravelSetting { limit: Some(limit) }));
-    rig.accepted(&Command::Drive(drive(&[(2, 0.2, 0.1)], 16_000)));
-    rig.live_ms(50);
+    rig.play(&[(2, 0.2, 0.1)], 16_000, 50);
     // Two periods of 50 Hz are 16 000 samples.
     let refusal = rig.refused(&hold(&[(2, codes(0.1))]));
     assert_eq!(refusal, Refusal::OutOfRange { field: Field::WindowBlocks, min: 238, max: 62_488, got: 40 });

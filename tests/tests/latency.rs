@@ -9,8 +9,7 @@ fn a_drive_shows_within_two_blocks_of_its_last_byte_and_exactly_where_the_reply_
     let mut rig = Rig::armed();
     rig.record();
     let sent_at = rig.device.now();
-    let at = rig.accepted(&Command::Drive(drive(&[(0, 0.5, 1.0)], 2000)));
-    rig.live_ms(10);
+    let at = rig.play(&[(0, 0.5, 1.0)], 2000, 10);
     assert!(at - sent_at <= 2 * BLOCK, "{} samples", at - sent_at);
     // From silence the level rises with a raised cosine: the first sample above half a code comes some samples later
     // than `at`, never before.
@@ -23,8 +22,7 @@ fn a_drag_changes_the_samples_from_the_index_in_the_reply_on_and_not_before() {
     let mut moved = Rig::armed();
     let mut left = Rig::armed();
     for rig in [&mut moved, &mut left] {
-        rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.9)], 2000)));
-        rig.live_ms(40);
+        rig.play(&[(0, 0.5, 0.9)], 2000, 40);
         rig.record();
     }
     let sent_at = moved.device.now();

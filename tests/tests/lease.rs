@@ -1,7 +1,7 @@
 //! Arming is a lease: a device whose host only keeps alive disarms by itself, without a fault.
 
 use slipline_link::simulator::Options;
-use slipline_link::{Change, Outcome, Request};
+use slipline_link::{Change, Request};
 use slipline_protocol::command::{Apply, ArmLease, Drive};
 use slipline_protocol::event::{Event, Fault, State};
 use slipline_protocol::limits::{LEASE_MS, MAX_DRIVE_MS, STOP_RAMP_MS};
@@ -106,8 +106,7 @@ fn chords_combs_and_rises_of_the_trigger_input_begin_it_anew() {
         Command::Chord(slipline_tests::rig::chord(12, &[(300, 0.5, 0.0)])),
         Command::Comb(slipline_tests::rig::comb(32, &tone)),
     ] {
-        let mut rig = Rig::default();
-        rig.hello();
+        let mut rig = Rig::greeted();
         rig.upload(&Table::usual());
         rig.accepted(&arm_for(1000));
         rig.live_ms(800);
@@ -229,14 +228,10 @@ fn a_lease_out_of_range_is_refused_and_arms_nothing() {
 fn the_link_says_that_a_lease_is_over_and_no_more_of_it() {
     //
     let mut rig = LinkRig::armed_at(RATE_HZ);
-    rig.ask(Request::Disarm);
-    rig.pass_ms(500);
+    rig.ask_and_pass(Request::Disarm, 500);
     let lease = Duration::from_secs(2);
-    let arm = rig.ask(Request::ArmFor(lease));
-    rig.pass_ms(300);
-    assert!(matches!(rig.outcome(arm), Some(Outcome::Done { .. })));
-    rig.ask(link_rig::drive(0.05));
-    rig.pass_ms(1800);
+    rig.done(Request::ArmFor(lease), 300);
+    rig.ask_and_pass(link_rig::drive(0.05), 1800);
     assert_eq!((rig.state(), rig.view().leases_over), (State::Driving, 0));
     rig.pass_ms(800);
     assert_eq!((rig.state(), rig.view().leases_over), (State::Idle, 1));
@@ -248,12 +243,9 @@ fn the_link_says_that_a_lease_is_over_and_no_more_of_it() {
     rig.pass_ms(5000);
     assert_eq!(rig.view().leases_over, 1);
     // A stop leaves it armed, and a disarm by the user is no end of a lease.
-    rig.ask(Request::ArmFor(lease));
-    rig.pass_ms(100);
-    rig.ask(Request::Stop);
-    rig.pass_ms(500);
+    rig.ask_and_pass(Request::ArmFor(lease), 100);
+    rig.ask_and_pass(Request::Stop, 500);
     assert_eq!((rig.state(), rig.view().leases_over), (State::Armed, 1));
-    rig.ask(Request::Disarm);
-    rig.pass_ms(5000);
+    rig.ask_and_pass(Request::Disarm, 5000);
     assert_eq!((rig.state(), rig.view().leases_over), (State::Idle, 1));
 }

@@ -148,12 +148,10 @@ fn a_fading_tone_counts_while_another_glides_over_a_position_of_high_gain() {
     // the tone that moves passes the gain of 1 while the other has hardly begun to fade.
     let bump = Table::line(11, 3000.0, 9000.0, |u| if (u - 0.1).abs() < 0.01 { 1.0 } else { 0.2 });
     let mut rig = Rig::armed_with(&bump);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.7), (1, 0.0, 0.9)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 0.1, 0.7), (1, 0.0, 0.9)], 2000, 20);
     let alone = Command::Drive(drive(&[(1, 1.0, 0.9)], 2000));
     assert_eq!(rig.refused(&alone), Refusal::Headroom { sum_per_mille: 1600 });
-    rig.accepted(&Command::Drive(drive(&[(1, 0.0, 0.9)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(1, 0.0, 0.9)], 2000, 20);
     rig.accepted(&alone);
     rig.live_ms(20);
     assert_eq!(rig.status().counters.clips, 0);
@@ -164,8 +162,7 @@ fn the_old_tables_gain_counts_while_a_swap_blends() {
     // gains on their way from 1 to 0.5 while levels rise from 0.5 to 1 would reach 1.125 of full scale.
     let table = |gain: f64| Table::line(9, 3000.0, 9000.0, move |_| gain);
     let mut rig = Rig::armed_with(&table(1.0));
-    rig.accepted(&Command::Drive(drive(&[(0, 0.3, 0.499), (1, 0.7, 0.499)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 0.3, 0.499), (1, 0.7, 0.499)], 2000, 20);
     rig.upload(&table(0.5));
     let louder = Command::Drive(drive(&[(0, 0.3, 0.998), (1, 0.7, 0.998)], 2000));
     assert!(matches!(rig.refused(&louder), Refusal::Headroom { .. }));
@@ -180,18 +177,14 @@ fn one_tone_may_fade_while_another_rises_at_full_level() {
     // the bound follows the levels' common ramp, so a change of slot is no overload.
     let flat = Table::line(9, 3000.0, 9000.0, |_| 1.0);
     let mut rig = Rig::armed_with(&flat);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.3, 1.0)], 2000)));
-    rig.live_ms(20);
-    rig.accepted(&Command::Drive(drive(&[(1, 0.7, 1.0)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 0.3, 1.0)], 2000, 20);
+    rig.play(&[(1, 0.7, 1.0)], 2000, 20);
     assert_eq!(rig.status().counters.clips, 0);
 }
 
 #[test]
 fn a_digest_is_that_of_the_codes_in_its_window() {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.4, 0.9)], 2000)));
-    rig.live_ms(20);
+    let mut rig = Rig::driving(&[(0, 0.4, 0.9)], 2000, 20);
     assert_eq!(rig.refused(&Command::DigestRead), Refusal::NoDigest);
     for count in [0, MAX_DIGEST_SAMPLES + 1] {
         let window = DigestWindow { from: rig.status().now, count };

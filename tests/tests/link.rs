@@ -62,8 +62,7 @@ fn at_rest_the_link_wakes_only_for_its_keep_alives() {
 #[test]
 fn a_status_that_is_requested_after_a_sleep_is_none_of_before() {
     let mut rig = LinkRig::armed();
-    rig.ask(drive(0.05));
-    rig.pass_ms(100);
+    rig.ask_and_pass(drive(0.05), 100);
     // The device answers a keep-alive, and the host sleeps before it reads the answer.
     rig.ports().commands.clear();
     let is_sent = (0..=KEEP_ALIVE_PERIOD_MS).any(|_| {
@@ -94,10 +93,8 @@ fn the_newest_drive_wins_and_a_stop_overtakes_all_of_them() {
 #[test]
 fn a_disconnect_stops_and_disarms_first() {
     let mut rig = LinkRig::armed();
-    rig.ask(drive(0.05));
-    rig.pass_ms(100);
-    rig.ask(Request::Disconnect);
-    rig.pass_ms(100);
+    rig.ask_and_pass(drive(0.05), 100);
+    rig.ask_and_pass(Request::Disconnect, 100);
     assert_eq!(rig.view().link, LinkState::Disconnected);
     let ports = rig.ports();
     let last: Vec<&Command> = ports.commands.iter().rev().take(2).map(|(_, command)| command).collect();
@@ -156,8 +153,7 @@ fn frames_are_cloned_only_for_who_asked_for_them() {
     assert_eq!(rig.view().frames.len(), 0);
     let mut rig = LinkRig::new();
     rig.connection.keep_frames();
-    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-    rig.pass_ms(1000);
+    rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 1000);
     let frames: Vec<String> = rig.view().frames.iter().map(ToString::to_string).collect();
     assert!(frames[0].contains(" to device ") && frames[0].contains("Hello"), "{frames:?}");
     assert!(frames[1].contains(" to host ") && frames[1].contains("Hello"), "{frames:?}");
@@ -178,8 +174,7 @@ fn a_step_in_which_nothing_happens_changes_nothing() {
 fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
     // the samples cannot be known from the journal until the next silence.
     let mut rig = LinkRig::armed();
-    rig.ask(drive(0.05));
-    rig.pass_ms(300);
+    rig.ask_and_pass(drive(0.05), 300);
     rig.ports().device.inject_underrun();
     rig.pass_ms(300);
     let status = rig.view().status.unwrap();
@@ -192,12 +187,10 @@ fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
 
     // Those of the user are, whatever the status says first.
     for request in [Request::ClearFaults, Request::Arm, drive(0.05)] {
-        rig.ask(request);
-        rig.pass_ms(100);
+        rig.ask_and_pass(request, 100);
     }
     rig.ports().drop_replies = 1;
-    rig.ask(Request::EmergencyStop);
-    rig.pass_ms(1000);
+    rig.ask_and_pass(Request::EmergencyStop, 1000);
     assert_eq!(rig.view().status.unwrap().state, State::Fault);
     assert_eq!(rig.view().journal.iter().filter(|entry| !entry.is_exact).count(), 1, "that of before");
 }

@@ -5,13 +5,14 @@ use std::sync::{Arc, Mutex};
 
 use slipline_link::simulator::{Options, SimulatedDevice, SimulatedInputs};
 use slipline_protocol::command::Comb;
-use slipline_protocol::event::{Event, ResetCause};
+use slipline_protocol::event::ResetCause;
 use slipline_protocol::listen::{
     CapturePart, CaptureWindow, Captured, InputsReport, ListenPart, ListenWindow, Listened, Progress,
     WindowShape,
 };
 use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::{Command, units::SampleIndex};
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, MID, Rig, Table, comb, drive};
 use slipline_tests::wire::Wire;
@@ -43,11 +44,8 @@ fn the_inputs_sample_what_is_at_the_pin_whenever_a_block_is_played() {
         let notes = Notes::default();
         let options = Options { block_waits, ..Options::default() };
         let mut rig = Rig::of(SimulatedDevice::with_inputs(options, Box::new(notes.clone())));
-        rig.hello();
-        rig.upload(&Table::usual());
-        rig.arm();
-        rig.accepted(&Command::Drive(drive(&[(0, 0.3, 0.7)], 2000)));
-        rig.live_ms(30);
+        rig.make_ready();
+        rig.play(&[(0, 0.3, 0.7)], 2000, 30);
         rig.device.inject_underrun();
         rig.live_ms(30);
         let noted = std::mem::take(&mut *notes.0.lock().unwrap());
@@ -73,24 +71,15 @@ fn wired(options: Options) -> Rig {
 }
 
 fn listened(rig: &mut Rig, input: u8, first_slot: u8) -> Listened {
-    match rig.send(&Command::ListenRead(ListenPart { input, first_slot })) {
-        Event::Listened(listened) => listened,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::ListenRead(ListenPart { input, first_slot }), Listened)
 }
 
 fn captured(rig: &mut Rig, first: u16) -> Captured {
-    match rig.send(&Command::CaptureRead(CapturePart { first })) {
-        Event::Captured(captured) => captured,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::CaptureRead(CapturePart { first }), Captured)
 }
 
 fn inputs(rig: &mut Rig) -> InputsReport {
-    match rig.send(&Command::Inputs) {
-        Event::Inputs(report) => report,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::Inputs, Inputs)
 }
 
 /// Sixteen tones over a period of 40 blocks, from 234 Hz to 179 kHz, each of 0.05 of full scale.
@@ -324,8 +313,7 @@ fn a_stop_or_a_session_drops_what_is_measured_and_a_new_order_takes_its_place() 
 #[test]
 fn a_tone_that_is_stopped_within_the_window_is_not_followed() {
     let mut rig = wired(Options::default());
-    rig.accepted(&Command::Drive(drive(&[(0, 0.4, 0.4), (5, 0.6, 0.4)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.4, 0.4), (5, 0.6, 0.4)], 2000, 10);
     rig.accepted(&Command::Listen(window(None, 400)));
     rig.live_blocks(10);
     rig.accepted(&Command::Drive(drive(&[(5, 0.6, 0.4)], 2000)));

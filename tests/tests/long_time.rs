@@ -5,18 +5,14 @@ use slipline_protocol::event::{Fault, State};
 use slipline_protocol::limits::DEAD_MAN_MS;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
-use slipline_tests::rig::{BLOCK, Rig, Table, drive};
+use slipline_tests::rig::{BLOCK, Rig, drive};
 
 /// A short session that begins at a sample index: table, arm, drives across the first 40 000 samples, a host that dies.
 fn session(first_index: u64) -> Rig {
     let mut rig = Rig::new(Options { first_index, ..Options::default() });
-    rig.hello();
-    rig.upload(&Table::usual());
-    rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.5), (1, 0.9, 0.4)], 2000)));
-    rig.live_ms(30);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.7, 0.5), (1, 0.1, 0.4)], 8000)));
-    rig.live_ms(60);
+    rig.make_ready();
+    rig.play(&[(0, 0.2, 0.5), (1, 0.9, 0.4)], 2000, 30);
+    rig.play(&[(0, 0.7, 0.5), (1, 0.1, 0.4)], 8000, 60);
     rig.keep_alive();
     let last = rig.device.now();
     rig.silent_ms(DEAD_MAN_MS + 100);
@@ -48,11 +44,8 @@ fn near_the_last_sample_index_the_device_drives_and_refuses_without_a_panic() {
     // 2^64 samples are 1.4 million years, so only this is tested: it drives, refuses and does not panic.
     let first_index = u64::MAX - 2000 * BLOCK;
     let mut rig = Rig::new(Options { first_index, ..Options::default() });
-    rig.hello();
-    rig.upload(&Table::usual());
-    rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.5)], 2000)));
-    rig.live_ms(20);
+    rig.make_ready();
+    rig.play(&[(0, 0.2, 0.5)], 2000, 20);
     assert_eq!(rig.status().state, State::Driving);
     let command = Command::Drive(slipline_protocol::command::Drive {
         apply: slipline_protocol::command::Apply::At(0),

@@ -27,8 +27,7 @@ fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
     for (rewrite, want) in foreign {
         let mut rig = LinkRig::new();
         rig.ports().rewrite = rewrite;
-        rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-        rig.pass_ms(2000);
+        rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 2000);
         assert_eq!(rig.view().link, LinkState::Connected);
         assert_eq!(rig.view().compatibility, Some(want));
         assert!(rig.view().identity.is_some(), "identified");
@@ -36,9 +35,7 @@ fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
             let ticket = rig.ask(request);
             assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(Refusal::Incompatible(want))));
         }
-        let stop = rig.ask(Request::Stop);
-        rig.pass_ms(50);
-        assert!(matches!(rig.outcome(stop), Some(Outcome::Done { .. })));
+        rig.done(Request::Stop, 50);
         assert!(rig.ports().commands.iter().all(|(_, c)| matches!(c, Command::Hello(_) | Command::Stop)));
     }
 }

@@ -28,9 +28,7 @@ fn driven(rewrite: Rewrite) -> LinkRig {
     rig.ports().rewrite = rewrite;
     let mut rig = rig.connect().arm();
     for request in [drive(0.05), Request::Refresh, Request::Stop, Request::Disarm] {
-        let ticket = rig.ask(request);
-        rig.pass_ms(300);
-        assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })));
+        rig.done(request, 300);
     }
     rig
 }

@@ -13,9 +13,7 @@ use slipline_tests::faulty_link::{FaultyLink, LinkFaults, Random};
 use slipline_tests::rig::{BLOCK, Rig, drive};
 
 fn driving() -> Rig {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.3, 0.9)], 2000)));
-    rig.live_ms(10);
+    let mut rig = Rig::driving(&[(0, 0.3, 0.9)], 2000, 10);
     rig.keep_alive();
     rig.record();
     rig

@@ -9,6 +9,7 @@ use slipline_protocol::profile::{ActuatorProfile, CoilHeat, TravelLimit};
 use slipline_protocol::refusal::Field;
 use slipline_protocol::units::CentiDecibel;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::measure::peak;
 use slipline_tests::rig::{BLOCK, Rig, Table, chord, comb, drive};
@@ -38,10 +39,7 @@ fn writes(profile: Option<ActuatorProfile>) -> Command {
 }
 
 fn report(rig: &mut Rig) -> ProfileReport {
-    match rig.send(&Command::Profile) {
-        Event::Profile(report) => report,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::Profile, Profile)
 }
 
 /// Presses the button, and holds it.
@@ -62,8 +60,7 @@ fn write(rig: &mut Rig, profile: Option<ActuatorProfile>) {
 
 /// A flash with this profile.
 pub(crate) fn flash_with(profile: ActuatorProfile) -> MemoryFlash {
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     write(&mut rig, Some(profile));
     rig.device.flash()
 }
@@ -80,8 +77,7 @@ pub(crate) fn armed(profile: ActuatorProfile, minor: u8) -> Rig {
 #[test]
 fn a_profile_is_not_written_without_the_button_nor_while_it_is_armed() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     rig.live_ms(10);
     assert_eq!(report(&mut rig), ProfileReport::default());
     for profile in [Some(plain()), None] {
@@ -128,8 +124,7 @@ fn values_out_of_range_are_named() {
             1,
         ),
     ];
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     rig.device.press_button(true);
     rig.live_ms(10);
     for (profile, named, value) in cases {
@@ -145,8 +140,7 @@ fn values_out_of_range_are_named() {
 #[test]
 fn a_profile_is_written_within_30_s_of_a_press_that_this_run_has_seen() {
     // not by a button that is stuck, or that is held since before the start.
-    let mut rig = Rig::new(Options { sample_rate_hz: 8000, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { sample_rate_hz: 8000, ..Options::default() });
     rig.live_ms(100);
     press(&mut rig);
     rig.live_ms(HAND_MS - 50);
@@ -202,10 +196,7 @@ fn where_a_profile_is_kept_the_bootloader_wants_the_button() {
     for minor in 0..=3 {
         let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });
         rig.hello_of_minor(minor);
-        let token = |rig: &mut Rig| match rig.send(&Command::BootloaderToken) {
-            Event::BootloaderToken(token) => token,
-            other => panic!("{other:?}"),
-        };
+        let token = |rig: &mut Rig| answer!(rig, Command::BootloaderToken, BootloaderToken);
         let shown = token(&mut rig);
         let refusal = if minor < 3 { Refusal::NotSupported } else { Refusal::HoldButton };
         assert_eq!(rig.refused(&Command::BootloaderEnter(shown)), refusal);
@@ -223,8 +214,7 @@ fn its_amplitude_holds_for_drives_chords_and_combs_of_hosts_of_every_minor() {
         let mut rig = armed(quiet(), minor);
         let loud = rig.refused(&Command::Drive(drive(&[(0, 1.0, 0.41)], 2000)));
         assert!(matches!(loud, Refusal::Headroom { sum_per_mille: 410..=411 }), "{loud:?}");
-        rig.accepted(&Command::Drive(drive(&[(0, 1.0, 0.2), (1, 1.0, 0.19)], 2000)));
-        rig.live_ms(10);
+        rig.play(&[(0, 1.0, 0.2), (1, 1.0, 0.19)], 2000, 10);
         // Together they would be, on the way, too.
         let more = [(0, 1.0, 0.2), (1, 1.0, 0.2), (2, 1.0, 0.2)];
         assert!(matches!(rig.refused(&Command::Drive(drive(&more, 2000))), Refusal::Headroom { .. }));
@@ -261,8 +251,7 @@ fn its_travel_holds_beside_a_sessions_and_longer_than_it() {
     rig.send(&Command::SetTravelLimit(TravelSetting { limit: None }));
     rig.accepted(&quiet);
     // A table that was there before the profile is judged by it, too.
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     rig.upload(&Table::usual());
     rig.live_ms(20);
     write(&mut rig, Some(ActuatorProfile { travel: Some(limit(1_000_000)), ..plain() }));
@@ -286,8 +275,7 @@ fn its_time_and_heat_are_the_devices() {
         rig.hello_of_minor(0);
         rig.upload(&Table::usual().at_rate(8000));
         rig.arm();
-        rig.accepted(&Command::Drive(drive(&[(0, 1.0, 0.9)], 100)));
-        rig.live_ms(4000);
+        rig.play(&[(0, 1.0, 0.9)], 100, 4000);
         if fault == Fault::DriveTime {
             assert_eq!(rig.status().state, State::Driving);
         }
@@ -307,8 +295,7 @@ fn a_drive_that_begins_later_does_not_lengthen_the_one_that_sounds() {
     let profile = ActuatorProfile { max_drive_ms: 1000, ..plain() };
     for sounds in [true, false] {
         let flash = flash_with(profile.clone());
-        let mut rig = Rig::new(Options { sample_rate_hz: 8000, flash, ..Options::default() });
-        rig.hello();
+        let mut rig = Rig::greeted_with(Options { sample_rate_hz: 8000, flash, ..Options::default() });
         rig.upload(&Table::usual().at_rate(8000));
         rig.arm();
         rig.record();
@@ -357,8 +344,7 @@ fn a_plain_profile_changes_no_code() {
 fn the_stop_input_mutes_and_keeps_the_device_from_being_armed() {
     //
     let mut rig = armed(ActuatorProfile { has_stop_input: true, ..plain() }, 3);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.5, 0.5)], 2000, 10);
     rig.device.open_stop_input(true);
     assert!(rig.device.is_muted(), "at once");
     rig.live_ms(5);
@@ -389,8 +375,7 @@ fn the_stop_input_mutes_and_keeps_the_device_from_being_armed() {
 fn a_spike_on_the_stop_wire_is_a_stop_and_no_underrun() {
     // it is over before the next block.
     let mut rig = armed(ActuatorProfile { has_stop_input: true, ..plain() }, 3);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.5, 0.5)], 2000, 10);
     rig.device.open_stop_input(true);
     rig.device.open_stop_input(false);
     assert!(rig.device.is_muted());
@@ -408,8 +393,7 @@ fn a_spike_on_the_stop_wire_is_a_stop_and_no_underrun() {
 
 #[test]
 fn a_table_that_is_forgotten_or_of_an_older_image_leaves_the_profile_and_the_reverse() {
-    let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { flash: flash_with(quiet()), ..Options::default() });
     rig.upload(&Table::usual());
     rig.live_ms(20);
     rig.accepted(&Command::Store);
@@ -420,8 +404,7 @@ fn a_table_that_is_forgotten_or_of_an_older_image_leaves_the_profile_and_the_rev
     rig.device.restart(ResetCause::Pin);
     rig.hello();
     assert_eq!((report(&mut rig).profile, rig.status().table_crc), (Some(plain()), 0));
-    let mut rig = Rig::new(Options { flash: both, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { flash: both, ..Options::default() });
     assert_eq!(rig.status().table_crc, Table::usual().header.crc);
     write(&mut rig, None);
     rig.device.restart(ResetCause::Pin);
@@ -433,8 +416,7 @@ fn a_table_that_is_forgotten_or_of_an_older_image_leaves_the_profile_and_the_rev
 fn kept() -> MemoryFlash {
     static KEPT: OnceLock<MemoryFlash> = OnceLock::new();
     let make = || {
-        let mut rig = Rig::new(Options { flash: flash_with(quiet()), ..Options::default() });
-        rig.hello();
+        let mut rig = Rig::greeted_with(Options { flash: flash_with(quiet()), ..Options::default() });
         write(&mut rig, Some(plain()));
         rig.device.flash()
     };
@@ -456,8 +438,7 @@ proptest! {
             flash.slots[slot][at] ^= bits;
         }
         prop_assume!(flash != before);
-        let mut rig = Rig::new(Options { flash, ..Options::default() });
-        rig.hello();
+        let mut rig = Rig::greeted_with(Options { flash, ..Options::default() });
         let found = report(&mut rig);
         match (&found.profile, found.stored) {
             (Some(profile), StoredConfig::FellBack) => {

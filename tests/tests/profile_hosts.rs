@@ -532,8 +532,7 @@ proptest! {
         rig.hello();
         rig.upload(&Table::line(65, 60_000.0, 20_000.0, |_| 1.0));
         rig.arm();
-        rig.accepted(&Command::Drive(drive(&[(0, 0.4, level)], GLIDE)));
-        rig.live_ms(10);
+        rig.play(&[(0, 0.4, level)], GLIDE, 10);
         let blocks = 40;
         let hold = Command::Hold(HoldSetting {
             input: 0,
@@ -574,8 +573,7 @@ fn no_way_to_silence_passes_the_amplitude() {
     rig.accepted(&Command::Stop);
     rig.live_ms(60);
     rig.upload(&Table::line(33, 60_000.0, 20_000.0, |u| if u < 0.1 { 0.1 } else { 1.0 }));
-    rig.accepted(&Command::Drive(drive(&[(0, 0.0, 0.9)], GLIDE)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.0, 0.9)], GLIDE, 10);
     rig.record();
     let fades = Command::Drive(drive(&[(0, 1.0, 0.0)], 20_000));
     let answer = rig.send(&fades);

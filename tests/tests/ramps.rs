@@ -12,9 +12,7 @@ use slipline_tests::rig::{BLOCK, MID, Rig, Table, drive, tone};
 
 /// Sounds 20 kHz at full scale.
 fn driving() -> Rig {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-    rig.live_ms(20);
+    let mut rig = Rig::driving(&[(0, 1.0, 1.0)], 2000, 20);
     rig.record();
     rig
 }
@@ -68,8 +66,7 @@ fn a_glide_that_takes_longer_than_asked_says_until_when() {
         rig.hello_of_minor(minor);
         rig.upload(&table);
         rig.arm();
-        rig.accepted(&Command::Drive(drive(&[(0, 0.1, 0.3), (1, 0.5, 0.3)], 2000)));
-        rig.live_ms(20);
+        rig.play(&[(0, 0.1, 0.3), (1, 0.5, 0.3)], 2000, 20);
         match (rig.send(&Command::Drive(drive(&[(0, 0.9, 0.3), (1, 0.5, 0.3)], asked))), takes) {
             (Event::AcceptedUntil(AcceptedUntil { at, until }), Some(takes)) => {
                 assert!(((until - at) as f64 - takes).abs() < 3.0, "{} of {takes}", until - at);
@@ -110,8 +107,7 @@ fn a_stop_drops_the_drive_that_was_to_begin_later() {
     for sounding in [false, true] {
         let mut rig = Rig::armed();
         if sounding {
-            rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-            rig.live_ms(20);
+            rig.play(&[(0, 1.0, 1.0)], 2000, 20);
         }
         let at = rig.device.now() + rig.samples(200);
         let later = Drive { apply: Apply::At(at), ..drive(&[(1, 0.5, 1.0)], 2000) };
@@ -159,8 +155,7 @@ fn after_every_kind_of_reset_the_amplifier_is_muted_over_mid_scale_until_armed()
 #[test]
 fn the_amplifier_is_unmuted_only_over_mid_scale_and_before_the_first_sound() {
     // as the pin and the codes were recorded, block by block. The drive comes with the arming, in one breath.
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     rig.upload(&slipline_tests::rig::Table::usual());
     rig.silent_ms(5);
     let armed_at = rig.status().now;
@@ -200,10 +195,8 @@ fn dragging_at_a_thousand_drives_a_second_is_taken_without_a_refusal() {
 fn begun_at(phase: f64, is_used: bool) -> Vec<u16> {
     let mut rig = Rig::armed();
     if is_used {
-        rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.7)], 2000)));
-        rig.live_ms(20);
-        rig.accepted(&Command::Drive(drive(&[], 2000)));
-        rig.live_ms(20);
+        rig.play(&[(0, 0.2, 0.7)], 2000, 20);
+        rig.play(&[], 2000, 20);
     }
     rig.record();
     let mut tone = tone(0, 1.0, 0.8);

@@ -14,8 +14,7 @@ use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig, drive};
 fn a_device_that_comes_back_under_another_name_is_found_and_stays_disarmed() {
     //
     let mut rig = LinkRig::armed();
-    rig.ask(drive(0.05));
-    rig.pass_ms(300);
+    rig.ask_and_pass(drive(0.05), 300);
     assert_eq!(rig.state(), State::Driving);
     rig.states = vec![LinkState::Connected];
     rig.ports().unplug();
@@ -86,8 +85,7 @@ fn a_missing_port_is_waited_for_until_the_user_gives_it_up() {
     // Another port.
     let (mut rig, _) = waiting();
     rig.ports().listed = vec![board("B")];
-    rig.ask(Request::Connect(Port::Serial("B".to_owned())));
-    rig.pass_ms(100);
+    rig.ask_and_pass(Request::Connect(Port::Serial("B".to_owned())), 100);
     assert_eq!(rig.view().link, LinkState::Connected);
     assert_eq!(rig.view().port, Some(Port::Serial("B".to_owned())));
 }
@@ -159,14 +157,12 @@ fn an_opening_that_fails_later_tells_why_and_one_that_never_ends_can_be_given_up
     assert_eq!(rig.ports().opened.len(), 1, "it is not taken from another program");
     // Given up, for good and for another port.
     rig.ports().error = None;
-    rig.ask(Request::Connect(port.clone()));
-    rig.pass_ms(300);
+    rig.ask_and_pass(Request::Connect(port.clone()), 300);
     let leave = rig.ask(Request::Disconnect);
     rig.pass_ms(10);
     assert_eq!(rig.outcome(leave), Some(Outcome::Done { at: 0 }));
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    rig.ask(Request::Connect(port.clone()));
-    rig.pass_ms(300);
+    rig.ask_and_pass(Request::Connect(port.clone()), 300);
     rig.ask(Request::Connect(port));
     rig.ports().is_opening = false;
     rig.pass_ms(100);
@@ -197,8 +193,7 @@ fn a_simulated_device_that_stalled_while_it_drove_is_armed_again() {
         let mut rig = LinkRig::armed();
         // It calls itself simulated.
         rig.ports().rewrite = |event| event;
-        rig.ask(drive(0.05));
-        rig.pass_ms(300);
+        rig.ask_and_pass(drive(0.05), 300);
         assert_eq!(rig.state(), State::Driving);
         rig.ports().stall(true);
         rig.pass_ms(4000 + phase_ms);
@@ -224,8 +219,7 @@ fn a_lost_device_is_not_looked_for_when_that_is_switched_off() {
     rig.pass_ms(5000);
     assert_eq!(rig.view().link, LinkState::Lost(LinkError::Gone));
     assert_eq!(rig.ports().opened.len(), 1);
-    rig.ask(Request::AutoReconnect(true));
-    rig.pass_ms(300);
+    rig.ask_and_pass(Request::AutoReconnect(true), 300);
     assert_eq!(rig.view().link, LinkState::Connected);
 }
 
@@ -244,8 +238,7 @@ fn a_device_that_another_program_keeps_taking_is_left_to_it() {
     assert!((2..=4).contains(&hellos), "{hellos}");
     // Asked for again, it is tried again.
     rig.ports().rewrite = as_real;
-    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-    rig.pass_ms(100);
+    rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 100);
     assert_eq!(rig.view().link, LinkState::Connected);
 }
 
@@ -267,8 +260,7 @@ fn a_port_with_another_board_is_passed_over_for_the_next_one() {
     let nameless = |name| PortInfo { usb_serial: None, ..board(name) };
     let mut rig = LinkRig::new();
     rig.ports().listed = vec![nameless("A")];
-    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-    rig.pass_ms(100);
+    rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 100);
     rig.ports().unplug();
     // Another board answers at the first port of its kind...
     rig.ports().listed = vec![nameless("B"), nameless("C")];
@@ -292,8 +284,7 @@ fn a_port_with_another_board_is_passed_over_for_the_next_one() {
 fn a_host_that_sleeps_for_an_hour_finds_the_device_silent_and_starts_it_again() {
     // R-25, at 8 kS/s, so that the hour is few blocks.
     let mut rig = LinkRig::armed_at(8000);
-    rig.ask(drive(0.05));
-    rig.pass_ms(500);
+    rig.ask_and_pass(drive(0.05), 500);
     assert_eq!(rig.state(), State::Driving);
     rig.ports().commands.clear();
     assert!(!rig.sleep(Duration::from_secs(3600)), "muted and silent");

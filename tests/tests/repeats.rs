@@ -11,8 +11,7 @@ use slipline_tests::rig::{Rig, Table, drive};
 
 /// A session from hello to stop, each frame sent through `link`.
 fn play(mut link: FaultyLink) -> Rig {
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     let table = Table::usual();
     let mut commands = vec![Command::TableBegin(table.header)];
     commands.extend(table.chunks().map(Command::TableChunk));
@@ -111,8 +110,7 @@ proptest! {
         //
         let faults = LinkFaults { drop: 0.1, duplicate: 0.2, reorder: 0.3, delay: 0.1, split: 0.1, truncate: 0.05, insert: 0.05, ..LinkFaults::default() };
         let (mut there, mut back) = (FaultyLink::new(seed, faults), FaultyLink::new(!seed, faults));
-        let mut rig = Rig::default();
-        rig.hello();
+        let mut rig = Rig::greeted();
         let table = Table::line(150, 50_000.0, 20_000.0, |_| 0.8);
         insist(&mut rig, &mut there, &mut back, &Command::TableBegin(table.header));
         for chunk in table.chunks() {
@@ -135,8 +133,7 @@ proptest! {
 #[test]
 fn chunks_out_of_order_are_refused_and_the_upload_goes_on() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     let table = Table::usual();
     let chunks: Vec<TableChunk> = table.chunks().collect();
     rig.accepted(&Command::TableBegin(table.header));
@@ -161,9 +158,7 @@ fn chunks_out_of_order_are_refused_and_the_upload_goes_on() {
 #[test]
 fn a_second_host_ends_the_first_ones_session_and_its_sound() {
     //
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    let mut rig = Rig::driving(&[(0, 0.5, 0.5)], 2000, 10);
     let (old_session, old_number) = (rig.session(), rig.sequence());
     rig.hello();
     assert_ne!(rig.session(), old_session);
@@ -182,8 +177,7 @@ fn a_hello_that_comes_twice_is_one_session_and_a_stop_from_an_old_one_still_stop
     //
     let mut rig = Rig::armed();
     let session = rig.session();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.5, 0.5)], 2000, 10);
     rig.hello_as(slipline_protocol::version::Version::OURS);
     assert_eq!(rig.session(), session, "the same nonce is the same session");
     assert_eq!(rig.status().state, State::Driving);

@@ -24,8 +24,7 @@ fn armed() -> (Rig, Mirror) {
 }
 
 fn armed_with(block_waits: bool) -> (Rig, Mirror) {
-    let mut rig = Rig::new(Options { block_waits, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { block_waits, ..Options::default() });
     let table = Table::usual();
     let at = rig.upload(&table);
     let mut mirror = Mirror::new(RATE_HZ, 0);

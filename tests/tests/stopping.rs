@@ -16,8 +16,7 @@ const AGAIN_MS: u64 = 2 * REPLY_TIMEOUT_MS as u64;
 /// Armed, with one tone that sounds.
 fn driving() -> LinkRig {
     let mut rig = LinkRig::armed();
-    rig.ask(drive(0.05));
-    rig.pass_ms(300);
+    rig.ask_and_pass(drive(0.05), 300);
     assert_eq!(rig.state(), State::Driving);
     rig
 }
@@ -32,13 +31,9 @@ fn a_drive_that_was_lost_before_a_stop_does_not_come_back_after_it() {
     let mut rig = LinkRig::armed();
     rig.ports().drop_commands = 1;
     rig.ask(drive(0.05));
-    let stop = rig.ask(Request::Stop);
-    rig.pass_ms(2000);
-    assert!(matches!(rig.outcome(stop), Some(Outcome::Done { .. })));
+    rig.done(Request::Stop, 2000);
     assert_eq!(rig.state(), State::Armed, "silent, and in step with the device");
-    let again = rig.ask(drive(0.06));
-    rig.pass_ms(300);
-    assert!(matches!(rig.outcome(again), Some(Outcome::Done { .. })));
+    rig.done(drive(0.06), 300);
     assert_eq!(rig.state(), State::Driving);
 }
 
@@ -81,10 +76,8 @@ fn a_drive_with_a_wrong_number_is_not_sent_again_after_a_stop() {
 fn a_drive_told_only_after_the_stop_that_ended_it_does_not_count_as_sounding() {
     let mut rig = LinkRig::armed();
     rig.ports().drop_replies = 1;
-    rig.ask(drive(0.05));
-    rig.pass_ms(20);
-    rig.ask(Request::Stop);
-    rig.pass_ms(AGAIN_MS);
+    rig.ask_and_pass(drive(0.05), 20);
+    rig.ask_and_pass(Request::Stop, AGAIN_MS);
     assert_eq!(rig.state(), State::Armed, "silent");
     let journal = &rig.view().journal;
     assert!(
@@ -98,11 +91,8 @@ fn a_drive_told_only_after_the_stop_that_ended_it_does_not_count_as_sounding() {
 fn the_repeat_of_a_stop_does_not_end_the_drive_that_was_asked_for_after_it() {
     let mut rig = driving();
     rig.ports().drop_replies = 1;
-    rig.ask(Request::Stop);
-    rig.pass_ms(50);
-    let newer = rig.ask(drive(0.06));
-    rig.pass_ms(1000);
-    assert!(matches!(rig.outcome(newer), Some(Outcome::Done { .. })));
+    rig.ask_and_pass(Request::Stop, 50);
+    rig.done(drive(0.06), 1000);
     assert_eq!(rig.state(), State::Driving);
 }
 
@@ -111,8 +101,7 @@ fn the_repeat_of_an_emergency_stop_does_not_undo_what_was_asked_for_after_it() {
     //
     let mut rig = driving();
     rig.ports().drop_replies = 1;
-    rig.ask(Request::EmergencyStop);
-    rig.pass_ms(50);
+    rig.ask_and_pass(Request::EmergencyStop, 50);
     let due = rig.connection.deadline(rig.now);
     let newer = [Request::ClearFaults, Request::Arm, drive(0.06)].map(|request| rig.ask(request));
     assert_eq!(rig.connection.deadline(rig.now), due, "what waits for the answer is no reason to spin");
@@ -128,8 +117,7 @@ fn a_lost_emergency_stop_is_sent_again_though_a_stop_came_after_it() {
     rig.ports().drop_stops = 1;
     let emergency = rig.ask(Request::EmergencyStop);
     rig.pass_ms(20);
-    rig.ask(Request::Stop);
-    rig.pass_ms(AGAIN_MS);
+    rig.ask_and_pass(Request::Stop, AGAIN_MS);
     assert!(matches!(rig.outcome(emergency), Some(Outcome::Done { .. })));
     assert!(rig.view().status.unwrap().faults.contains(Fault::EmergencyStop));
 }
@@ -140,11 +128,9 @@ fn a_lost_emergency_stop_is_sent_again_when_the_link_closes() {
     let mut rig = driving();
     rig.ports().drop_stops = 1;
     rig.ask(Request::EmergencyStop);
-    rig.ask(Request::Disconnect);
-    rig.pass_ms(1000);
+    rig.ask_and_pass(Request::Disconnect, 1000);
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-    rig.pass_ms(100);
+    rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 100);
     assert!(rig.view().status.unwrap().faults.contains(Fault::EmergencyStop));
 }
 
@@ -179,11 +165,10 @@ fn a_disarm_does_not_wait_for_a_drive_that_is_busy() {
     let mut rig = LinkRig::armed();
     let in_20_s = rig.ports().device.now() + 20 * 400_000;
     let tones = vec![ToneRequest { slot: 0, boundary_m: 0.05, level: 0.5, phase_turns: 0.0 }];
-    rig.ask(Request::Play(Sounding::Drive(DriveRequest {
-        apply: Apply::At(in_20_s),
-        ..DriveRequest::of(tones)
-    })));
-    rig.pass_ms(5);
+    rig.ask_and_pass(
+        Request::Play(Sounding::Drive(DriveRequest { apply: Apply::At(in_20_s), ..DriveRequest::of(tones) })),
+        5,
+    );
     let busy = rig.ask(drive(0.06));
     let disarm = rig.ask(Request::Disarm);
     rig.pass_ms(5);
@@ -210,8 +195,6 @@ fn a_stop_and_a_disarm_take_effect_between_two_chunks_of_an_upload() {
     rig.pass_ms(1000);
     assert_eq!(rig.state(), State::Idle);
     // The second press: an emergency stop is taken by a device that is disarmed, too.
-    let emergency = rig.ask(Request::EmergencyStop);
-    rig.pass_ms(300);
-    assert!(matches!(rig.outcome(emergency), Some(Outcome::Done { .. })));
+    rig.done(Request::EmergencyStop, 300);
     assert_eq!(rig.state(), State::Fault);
 }

@@ -6,6 +6,7 @@ use slipline_link::simulator::{MemoryFlash, Options};
 use slipline_protocol::event::{Event, Fault, Maintenance, ResetCause, State, StoredConfig, Wear};
 use slipline_protocol::refusal::Busy;
 use slipline_protocol::{Command, Refusal};
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::rig::{MID, Rig, Table, drive};
 
@@ -42,17 +43,11 @@ fn other(first_hz: f64) -> Table {
 }
 
 fn wear(rig: &mut Rig) -> Wear {
-    match rig.send(&Command::Wear) {
-        Event::Wear(wear) => wear,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::Wear, Wear)
 }
 
 fn maintenance(rig: &mut Rig) -> Maintenance {
-    match rig.send(&Command::Maintenance) {
-        Event::Maintenance(wear) => wear,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::Maintenance, Maintenance)
 }
 
 #[test]
@@ -115,8 +110,7 @@ fn what_the_flash_holds_already_is_not_written_again_and_the_reply_tells_it() {
 #[test]
 fn two_tables_stored_in_turn_wear_the_flash_by_16_erasures_and_one_a_minute() {
     // a host that stores without a pause, at 8 kS/s, so that a minute is few blocks.
-    let mut rig = Rig::new(Options { sample_rate_hz: 8000, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { sample_rate_hz: 8000, ..Options::default() });
     let tables = [60_001.0, 60_002.0].map(|first_hz| other(first_hz).at_rate(8000));
     let mut turn = 0;
     let mut try_often = |rig: &mut Rig| {
@@ -168,8 +162,7 @@ fn a_host_of_1_0_hears_of_a_refused_or_needless_store_in_the_words_of_1_0() {
 fn the_wear_is_counted_across_starts_and_told_with_what_the_data_sheet_promises() {
     let mut flash = MemoryFlash::default();
     for start in 0..5 {
-        let mut rig = Rig::new(Options { flash, ..Options::default() });
-        rig.hello();
+        let mut rig = Rig::greeted_with(Options { flash, ..Options::default() });
         assert_eq!(maintenance(&mut rig).erasures, 2 * start);
         for which in 0..2 {
             rig.upload(&other(50_000.0 + f64::from(2 * start + which)));
@@ -185,8 +178,7 @@ fn the_wear_is_counted_across_starts_and_told_with_what_the_data_sheet_promises(
 #[test]
 fn a_device_tells_whether_its_brown_out_level_is_set() {
     for brown_out_guarded in [false, true] {
-        let mut rig = Rig::new(Options { brown_out_guarded, ..Options::default() });
-        rig.hello();
+        let mut rig = Rig::greeted_with(Options { brown_out_guarded, ..Options::default() });
         assert_eq!(maintenance(&mut rig).brown_out_guarded, brown_out_guarded);
     }
 }
@@ -274,8 +266,7 @@ fn what_was_stored_is_there_after_a_reset_and_what_was_forgotten_is_not() {
     let report = rig.send(&Command::TableDigest);
     assert!(matches!(report, Event::Table(table) if table.active == Some(Table::usual().header)));
     rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.5)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.5, 0.5)], 2000, 10);
     assert_eq!(rig.status().state, State::Driving);
 
     rig.accepted(&Command::Stop);

@@ -53,9 +53,7 @@ fn in_force(rig: &mut Rig) -> Option<TravelLimit> {
 fn driving(table: &Arc<DeviceTable>) -> LinkRig {
     let mut rig = LinkRig::connected();
     for request in [Request::Upload(Arc::clone(table)), Request::Arm] {
-        let ticket = rig.ask(request);
-        rig.pass_ms(200);
-        assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })));
+        rig.done(request, 200);
     }
     rig
 }
@@ -75,8 +73,7 @@ fn a_drive_beyond_the_peak_travel_is_refused_with_the_levels_that_are_allowed_an
         "the tones would move the actuator by 1601.7 % of its peak travel; lower their levels to 6.2 % of what they are, \
          or less"
     );
-    rig.accepted(&Command::Drive(drive(&[(0, 0.4, 0.062)], SHORTEST)));
-    rig.live_ms(200);
+    rig.play(&[(0, 0.4, 0.062)], SHORTEST, 200);
     assert_eq!(rig.status().state, State::Driving);
     // Two such tones would be too much together.
     let both = rig.refused(&Command::Drive(drive(&[(0, 0.4, 0.062), (1, 0.41, 0.062)], SHORTEST)));
@@ -116,8 +113,7 @@ fn a_limit_is_changed_only_while_nothing_sounds_and_a_bad_one_changes_nothing() 
         Refusal::OutOfRange { field: Field::Quality, min: 100, max: 1_000_000, got: 0 }
     );
     assert_eq!(in_force(&mut rig), Some(COIL));
-    rig.accepted(&Command::Drive(drive(&[(0, 0.9, 0.01)], SHORTEST)));
-    rig.live_ms(10);
+    rig.play(&[(0, 0.9, 0.01)], SHORTEST, 10);
     assert_eq!(rig.refused(&set(None)), Refusal::Busy(Busy::DriveActive));
     assert_eq!(in_force(&mut rig), Some(COIL));
     rig.accepted(&Command::Stop);
@@ -128,8 +124,7 @@ fn a_limit_is_changed_only_while_nothing_sounds_and_a_bad_one_changes_nothing() 
 #[test]
 fn a_table_that_comes_after_the_limit_is_judged_by_it_and_so_is_one_that_came_before() {
     for limit_first in [true, false] {
-        let mut rig = Rig::default();
-        rig.hello();
+        let mut rig = Rig::greeted();
         if limit_first {
             rig.send(&set(Some(COIL)));
         }
@@ -141,8 +136,7 @@ fn a_table_that_comes_after_the_limit_is_judged_by_it_and_so_is_one_that_came_be
         rig.live_blocks(2);
         rig.arm();
         // A glide across the resonance, from one harmless place to another.
-        rig.accepted(&Command::Drive(drive(&[(0, 1.0, 0.5)], SHORTEST)));
-        rig.live_ms(100);
+        rig.play(&[(0, 1.0, 0.5)], SHORTEST, 100);
         let across = rig.refused(&Command::Drive(drive(&[(0, 0.0, 0.2)], 10 * SHORTEST)));
         assert!(matches!(across, Refusal::Travel { allowed_per_mille: 0, .. }), "{limit_first}: {across:?}");
         rig.accepted(&Command::Drive(drive(&[(0, 0.9, 0.5)], SHORTEST)));
@@ -154,8 +148,7 @@ fn a_table_that_would_take_a_sounding_tone_to_the_resonance_is_refused_and_the_o
     let harmless = Table::line(101, 500.0, 600.0, |_| 1.0);
     let mut rig = Rig::armed_with(&harmless);
     rig.send(&set(Some(COIL)));
-    rig.accepted(&Command::Drive(drive(&[(0, 0.0, 0.5)], SHORTEST)));
-    rig.live_ms(100);
+    rig.play(&[(0, 0.0, 0.5)], SHORTEST, 100);
     rig.stage(&on_the_wire());
     let refused = rig.refused(&Command::TableCommit);
     assert!(matches!(refused, Refusal::Travel { .. }), "{refused:?}");
@@ -167,10 +160,8 @@ fn a_table_that_would_take_a_sounding_tone_to_the_resonance_is_refused_and_the_o
 #[test]
 fn a_table_is_judged_by_its_own_knots_and_gains_whatever_was_in_its_place_before() {
     let glides = |rig: &mut Rig| {
-        rig.accepted(&Command::Drive(drive(&[(0, 1.0, 0.5)], SHORTEST)));
-        rig.live_ms(100);
-        rig.accepted(&Command::Drive(drive(&[(0, 0.0, 0.5)], SHORTEST)));
-        rig.live_ms(100);
+        rig.play(&[(0, 1.0, 0.5)], SHORTEST, 100);
+        rig.play(&[(0, 0.0, 0.5)], SHORTEST, 100);
     };
     let mut rig = Rig::armed_with(&on_the_wire());
     rig.send(&set(Some(COIL)));
@@ -225,8 +216,7 @@ fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
     // 20 ms are asked for.
     let began = rig.ask(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.09, 0.3)]))));
     rig.pass_ms(300);
-    rig.ask(Request::Refresh);
-    rig.pass_ms(10);
+    rig.ask_and_pass(Request::Refresh, 10);
     let Some(Outcome::Done { at }) = rig.outcome(began) else { panic!("{:?}", rig.outcome(began)) };
     let glides: Vec<u32> = rig
         .ports()
@@ -254,14 +244,10 @@ fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
 #[test]
 fn a_plate_without_a_limit_lifts_that_of_the_plate_before() {
     let mut rig = driving(&limited());
-    let free = rig.ask(Request::Upload(Arc::new(table())));
-    rig.pass_ms(200);
-    assert!(matches!(rig.outcome(free), Some(Outcome::Done { .. })));
+    rig.done(Request::Upload(Arc::new(table())), 200);
     assert_eq!(rig.view().travel_limit, None);
     // The knots are the same: they were not sent again, nor was the limit that was there.
-    let again = rig.ask(Request::Upload(Arc::new(table())));
-    rig.pass_ms(200);
-    assert!(matches!(rig.outcome(again), Some(Outcome::Done { .. })));
+    rig.done(Request::Upload(Arc::new(table())), 200);
     let count = |which: fn(&Command) -> bool| {
         rig.ports().commands.iter().filter(|(_, command)| which(command)).count()
     };
@@ -272,8 +258,7 @@ fn a_plate_without_a_limit_lifts_that_of_the_plate_before() {
 fn after_a_reset_the_limit_is_set_anew_although_the_device_has_kept_the_table() {
     let mut rig = driving(&limited());
     for request in [Request::Disarm, Request::Store] {
-        rig.ask(request);
-        rig.pass_ms(300);
+        rig.ask_and_pass(request, 300);
     }
     rig.ports().device.restart(ResetCause::Watchdog);
     rig.pass_ms(5000);
@@ -282,9 +267,7 @@ fn after_a_reset_the_limit_is_set_anew_although_the_device_has_kept_the_table() 
     let table = limited();
     assert!(!rig.view().limits_travel_for(&table));
     rig.ports().commands.clear();
-    let held = rig.ask(Request::Upload(Arc::clone(&table)));
-    rig.pass_ms(300);
-    assert!(matches!(rig.outcome(held), Some(Outcome::Done { .. })));
+    rig.done(Request::Upload(Arc::clone(&table)), 300);
     assert!(rig.view().limits_travel_for(&table));
     assert!(rig.view().confirmed_table.is_some());
     let is_sent = |(_, command): &(u16, Command)| matches!(command, Command::TableBegin(_));
@@ -302,9 +285,7 @@ fn a_device_of_1_0_is_told_to_the_user_and_driven_without_a_limit() {
         event => event,
     };
     let mut rig = rig.connect();
-    let upload = rig.ask(Request::Upload(limited()));
-    rig.pass_ms(200);
-    assert!(matches!(rig.outcome(upload), Some(Outcome::Done { .. })));
+    rig.done(Request::Upload(limited()), 200);
     assert!(!rig.view().can_limit_travel());
     assert_eq!(rig.view().travel_limit, None);
     let warns = |text: &str| {

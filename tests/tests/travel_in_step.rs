@@ -65,8 +65,7 @@ impl Worst {
     fn rig(&self) -> Rig {
         let heat = CoilHeat { full_sine_per_mille: 10, ..plain().heat };
         let profile = ActuatorProfile { travel: Some(self.limit()), heat, ..plain() };
-        let mut rig = Rig::new(Options { flash: flash_with(profile), ..Options::default() });
-        rig.hello();
+        let mut rig = Rig::greeted_with(Options { flash: flash_with(profile), ..Options::default() });
         let hz = self.resonance_hz * self.ratio;
         rig.upload(&Table::line(2, hz, hz * 1.001, |_| 1.0));
         rig.arm();

@@ -6,10 +6,11 @@ use slipline_link::simulator::loopback::Loopback;
 use slipline_link::{Change, DeviceTable, DriveRequest, Played, Request, Sounding};
 use slipline_protocol::Command;
 use slipline_protocol::command::{Apply, Drive};
-use slipline_protocol::event::{Event, Fault, State, TriggerReport};
+use slipline_protocol::event::{Fault, State, TriggerReport};
 use slipline_protocol::limits::MAX_DRIVE_MS;
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
+use slipline_tests::answer;
 use slipline_tests::client::Client;
 use slipline_tests::rig::{BLOCK, Rig, Table, drive};
 use std::sync::Arc;
@@ -21,10 +22,7 @@ fn waiting(position: f64) -> Command {
 
 /// The device's report of the drive that waits.
 fn report(rig: &mut Rig) -> TriggerReport {
-    match rig.send(&Command::Trigger) {
-        Event::Trigger(report) => report,
-        other => panic!("{other:?}"),
-    }
+    answer!(rig, Command::Trigger, Trigger)
 }
 
 /// Lets blocks pass, fed, and returns where programs began.
@@ -152,8 +150,7 @@ fn the_dead_man_and_a_fault_drop_it() {
 fn the_drive_time_counts_from_the_rise() {
     // At 8 kS/s, so that ten minutes are few blocks.
     let rate = 8000;
-    let mut rig = Rig::new(Options { sample_rate_hz: rate, ..Options::default() });
-    rig.hello();
+    let mut rig = Rig::greeted_with(Options { sample_rate_hz: rate, ..Options::default() });
     rig.upload(&Table::usual().at_rate(rate));
     rig.arm();
     rig.accepted(&waiting(0.1));

@@ -10,9 +10,7 @@ use slipline_tests::rig::{BLOCK, MID, RATE_HZ, Rig, Table, drive};
 
 /// Sounds one tone of 20 kHz at full scale, recorded.
 fn driving() -> Rig {
-    let mut rig = Rig::armed();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-    rig.live_ms(20);
+    let mut rig = Rig::driving(&[(0, 1.0, 1.0)], 2000, 20);
     rig.record();
     rig.live_blocks(1);
     rig
@@ -44,8 +42,7 @@ fn a_late_block_is_not_played_and_one_line_ends_the_sound() {
     assert!(matches!(rig.refused(&Command::Arm), Refusal::Faulted { .. }));
     rig.accepted(&Command::ClearFaults);
     rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-    rig.live_ms(10);
+    rig.play(&[(0, 1.0, 1.0)], 2000, 10);
     assert_eq!(rig.status().state, State::Driving);
 }
 
@@ -66,13 +63,11 @@ fn late_blocks_one_after_the_other_are_all_counted_and_the_line_still_ends() {
 #[test]
 fn after_a_late_block_the_device_plays_what_the_mirror_plays_at_the_same_indices() {
     // the late block took up its time.
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     let table = Table::usual();
     rig.upload(&table);
     rig.arm();
-    rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0), (3, 0.2, 0.0)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 1.0, 1.0), (3, 0.2, 0.0)], 2000, 20);
     rig.device.inject_underrun();
     rig.live_ms(20);
     let mut mirror = Mirror::new(RATE_HZ, rig.device.now());
@@ -114,8 +109,7 @@ fn an_amplifier_that_has_muted_itself_stays_muted_until_the_device_is_armed_agai
         rig.arm();
         rig.live_ms(10);
         assert!(!rig.device.is_muted());
-        rig.accepted(&Command::Drive(drive(&[(0, 1.0, 1.0)], 2000)));
-        rig.live_ms(10);
+        rig.play(&[(0, 1.0, 1.0)], 2000, 10);
         assert_eq!(rig.status().state, State::Driving);
     }
 }

@@ -9,7 +9,7 @@ use slipline_protocol::table::Knot;
 use slipline_protocol::units::Gain;
 use slipline_protocol::{Command, Refusal};
 use slipline_tests::client::Client;
-use slipline_tests::rig::{Rig, Table, drive};
+use slipline_tests::rig::{Rig, Table};
 
 /// One thing that is wrong with an upload.
 #[derive(Clone, Debug)]
@@ -66,8 +66,7 @@ proptest! {
         let mut rig = Rig::armed();
         let mut left = Rig::armed();
         for rig in [&mut rig, &mut left] {
-            rig.accepted(&Command::Drive(drive(&[(0, 0.5, 0.9)], 2000)));
-            rig.live_ms(10);
+            rig.play(&[(0, 0.5, 0.9)], 2000, 10);
             rig.record();
         }
         let good = Table::line(knots, first_hz, last_hz, |_| 0.5);
@@ -120,8 +119,7 @@ proptest! {
 #[test]
 fn the_first_knot_at_fault_is_named() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     let cases = [
         (Knot { step: MAX_KNOT_STEP + 1, gain: Gain(5) }, Field::KnotStep),
         (Knot { step: 0, gain: Gain(5) }, Field::KnotStep),
@@ -148,8 +146,7 @@ fn the_first_knot_at_fault_is_named() {
 #[test]
 fn a_span_is_refused_with_a_range_that_has_room() {
     //
-    let mut rig = Rig::default();
-    rig.hello();
+    let mut rig = Rig::greeted();
     for (start, end) in [(7, 7), (u32::MAX - 1, 5), (u32::MAX, 5), (u32::MAX, u32::MAX)] {
         let header = TableHeader { span_start_um: start, span_end_um: end, ..Table::usual().header };
         let refusal = rig.refused(&Command::TableBegin(header));
@@ -186,8 +183,7 @@ fn a_table_swapped_in_while_tones_sound_glides_and_the_old_slot_is_free_a_block_
     let slow = Table::line(65, 40.0, 200.0, |u| 1.0 - 0.5 * u);
     let slower = Table::line(9, 150.0, 20.0, |u| 0.4 + 0.5 * u);
     let mut rig = Rig::armed_with(&slow);
-    rig.accepted(&Command::Drive(drive(&[(0, 0.2, 0.4), (1, 0.8, 0.4)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 0.2, 0.4), (1, 0.8, 0.4)], 2000, 20);
     rig.record();
     rig.stage(&slower);
     rig.live_ms(5);
@@ -207,8 +203,7 @@ fn a_table_swapped_in_while_tones_sound_glides_and_the_old_slot_is_free_a_block_
 fn a_table_by_which_the_sounding_tones_would_be_too_loud_is_refused() {
     //
     let mut rig = Rig::armed_with(&Table::line(9, 1000.0, 2000.0, |_| 0.4));
-    rig.accepted(&Command::Drive(drive(&[(0, 0.2, 1.0), (1, 0.8, 1.0)], 2000)));
-    rig.live_ms(20);
+    rig.play(&[(0, 0.2, 1.0), (1, 0.8, 1.0)], 2000, 20);
     rig.stage(&Table::line(9, 1000.0, 2000.0, |_| 0.6));
     assert!(matches!(rig.refused(&Command::TableCommit), Refusal::Headroom { sum_per_mille: 1200..=1201 }));
     assert_eq!(rig.status().state, State::Driving);

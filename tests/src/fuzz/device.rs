@@ -1,5 +1,6 @@
 //! Targets on the device's side of the link: what it receives, and what it reads back from its flash.
 
+use crate::answer;
 use crate::client::Client;
 use crate::commands::body_of;
 use crate::random_actions::{Action, play};
@@ -235,7 +236,7 @@ pub fn stored(data: &[u8]) {
     let mut rig = Rig::new(Options { flash, ..Options::default() });
     let reply = rig.hello();
     let Event::Hello(identity) = reply.event else { panic!("{reply:?}") };
-    let Event::Table(report) = rig.send(&Command::TableDigest) else { panic!("no report") };
+    let report = answer!(rig, Command::TableDigest, Table);
     let is_loaded = matches!(identity.stored, StoredConfig::Loaded | StoredConfig::FellBack);
     assert_eq!(is_loaded, report.active.is_some());
     // Its digest is that of the knots in force, so it is one of the two that were kept, whole.
@@ -273,8 +274,7 @@ fn kept_table(knots: u16) -> Table {
 fn kept() -> MemoryFlash {
     static KEPT: std::sync::OnceLock<MemoryFlash> = std::sync::OnceLock::new();
     let make = || {
-        let mut rig = Rig::default();
-        rig.hello();
+        let mut rig = Rig::greeted();
         for knots in KEPT_KNOTS {
             rig.upload(&kept_table(knots));
             rig.live_ms(10);

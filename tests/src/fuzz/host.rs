@@ -62,11 +62,9 @@ pub fn connection(data: &[u8]) {
             return;
         }
     }
-    rig.ask(Request::Disconnect);
-    rig.pass_ms(RECOVERY_MS);
+    rig.ask_and_pass(Request::Disconnect, RECOVERY_MS);
     assert_eq!(rig.view().link, LinkState::Disconnected);
-    rig.ask(Request::Connect(Port::Serial("A".to_owned())));
-    rig.pass_ms(RECOVERY_MS);
+    rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), RECOVERY_MS);
     assert_eq!(rig.view().link, LinkState::Connected);
     let stop = rig.ask(Request::Stop);
     rig.pass_ms(500);

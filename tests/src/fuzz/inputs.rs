@@ -12,8 +12,9 @@ use slipline_protocol::listen::{
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::{CentiDecibel, SampleIndex};
 
+use crate::answer;
 use crate::client::Client;
-use crate::rig::{BLOCK, MID, Rig, Table, comb, drive};
+use crate::rig::{BLOCK, MID, Rig, comb, drive};
 
 /// What the first input has sampled since the start; the second is stuck.
 #[derive(Clone, Default)]
@@ -62,9 +63,7 @@ pub fn inputs(data: &[u8]) {
     let mut rig = Rig::of(SimulatedDevice::with_inputs(options.clone(), Box::new(heard.clone())));
     let mut deaf = Rig::new(options);
     for rig in [&mut rig, &mut deaf] {
-        rig.hello();
-        rig.upload(&Table::usual());
-        rig.arm();
+        rig.make_ready();
     }
     let mut ordered = Ordered::default();
     for _ in 0..60 {
@@ -152,7 +151,7 @@ pub fn inputs(data: &[u8]) {
     if !ordered.has_held {
         assert!(rig.recording.codes == deaf.recording.codes, "to measure changes nothing that sounds");
     }
-    let Event::Inputs(report) = rig.send(&Command::Inputs) else { panic!("no report of the inputs") };
+    let report = answer!(rig, Command::Inputs, Inputs);
     assert_eq!(report.lost_blocks, ordered.lost);
     rig.hello();
     let Event::Listened(listened) = rig.send(&Command::ListenRead(ListenPart { input: 0, first_slot: 0 }))
@@ -180,7 +179,7 @@ fn both(rig: &mut Rig, deaf: &mut Rig, command: &Command, ordered: &Ordered) {
 }
 
 fn is_holding(rig: &mut Rig) -> bool {
-    let Event::Held(held) = rig.send(&Command::HoldRead) else { panic!("no report of the hold") };
+    let held = answer!(rig, Command::HoldRead, Held);
     held.progress == HoldProgress::On
 }
 
@@ -225,9 +224,7 @@ fn check(rig: &mut Rig, ordered: &Ordered, heard: &[u16]) {
             Progress::Idle | Progress::Running => assert!(reading.answers.is_empty()),
         }
     }
-    let Event::Captured(capture) = rig.send(&Command::CaptureRead(CapturePart { first: 0 })) else {
-        panic!("no report of the capture")
-    };
+    let capture = answer!(rig, Command::CaptureRead(CapturePart { first: 0 }), Captured);
     let Some((from, window)) = ordered.capture.filter(|_| capture.progress != Progress::Idle) else { return };
     assert_eq!(capture.from, from);
     assert!(capture.captured <= window.values);

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use slipline_app::Timing;
 use slipline_protocol::command::Command;
-use slipline_protocol::event::Event;
 use slipline_protocol::limits::{MAX_CAPTURE_LOG2, MAX_CAPTURE_VALUES};
 use slipline_protocol::listen::{
     CapturePart, CaptureWindow, Captured, InputsReport, ListenPart, ListenWindow, Listened, Progress,
@@ -13,6 +12,7 @@ use slipline_protocol::listen::{
 use slipline_protocol::units::SampleIndex;
 
 use super::Soak;
+use crate::answer;
 use crate::client::Client;
 use crate::rig::BLOCK;
 use crate::wire::Wire;
@@ -207,23 +207,14 @@ impl Soak {
     }
 
     fn listened(&mut self, input: u8) -> Listened {
-        match self.send(&Command::ListenRead(ListenPart { input, first_slot: 0 })) {
-            Event::Listened(listened) => listened,
-            other => panic!("a measurement should be reported, not {other:?}"),
-        }
+        answer!(self, Command::ListenRead(ListenPart { input, first_slot: 0 }), Listened)
     }
 
     fn captured(&mut self, first: u16) -> Captured {
-        match self.send(&Command::CaptureRead(CapturePart { first })) {
-            Event::Captured(captured) => captured,
-            other => panic!("a capture should be reported, not {other:?}"),
-        }
+        answer!(self, Command::CaptureRead(CapturePart { first }), Captured)
     }
 
     fn inputs(&mut self) -> InputsReport {
-        match self.send(&Command::Inputs) {
-            Event::Inputs(report) => report,
-            other => panic!("the inputs should be reported, not {other:?}"),
-        }
+        answer!(self, Command::Inputs, Inputs)
     }
 }
