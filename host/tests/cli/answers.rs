@@ -1,6 +1,6 @@
 //! The output of the subcommands, as JSON and in files.
 
-use super::{file, json, number, slipline};
+use super::{file, json, number, said, says, words};
 use serde_json::Value;
 
 #[test]
@@ -78,8 +78,7 @@ fn respond_in_two_dimensions_tells_where_the_one_mode_equation_differs() {
     assert_eq!((number(differs, "nodes"), number(differs, "one_mode_nodes")), (3.0, 3.0));
     assert!(number(differs, "reflection") < 0.01);
 
-    let output = slipline(&["respond", "--plate", "al-bending", "--freq", "28kHz", "--2d"]);
-    let text = String::from_utf8(output.stdout).unwrap();
+    let text = said(&["respond", "--plate", "al-bending", "--freq", "28kHz", "--2d"]);
     assert!(text.contains(" mm and ") && text.contains(" dB from that of the one-mode equation"), "{text}");
     // Its damped lead-in.
     assert!(text.contains("0.04 at the driven end (one mode: 0.04"), "{text}");
@@ -167,9 +166,10 @@ fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
         let (found, wanted) = (number(differs, field), number(expected, field));
         assert!((found - wanted).abs() <= tolerance, "{field}: {found}, not {wanted}");
     }
-    let text = slipline(&[&arguments[..], &["--sheet", "--seconds", "300ms"]].concat()).stdout;
-    let text = String::from_utf8(text).unwrap();
-    assert!(text.contains("On the sheet, the peak for 160.0 mm: -0."), "{text}");
+    says(
+        &said(&[&arguments[..], &["--sheet", "--seconds", "300ms"]].concat()),
+        &["On the sheet, the peak for 160.0 mm: -0."],
+    );
 }
 
 #[test]
@@ -263,17 +263,9 @@ fn a_finger_on_the_sheet_takes_what_it_takes_in_two_dimensions_in_the_frequency_
 
 #[test]
 fn simulate_lists_several_tones_and_runs_on_another_plate() {
-    let run = json(&[
-        "simulate",
-        "--plate",
-        "membrane",
-        "--turning-point",
-        "100mm:0,3",
-        "--turning-point",
-        "220mm:0.3",
-        "--turning-point",
-        "160mm:0.2",
-    ]);
+    let run = json(&words(
+        "simulate --plate membrane --turning-point 100mm:0,3 --turning-point 220mm:0.3 --turning-point 160mm:0.2",
+    ));
     let tones = run["tones"].as_array().unwrap();
     assert_eq!(tones.len(), 3);
     assert_eq!(tones[0]["frequency_hz"], run["frequency_hz"]);
@@ -306,17 +298,7 @@ fn no_table_leaves_the_gains_out() {
 
 #[test]
 fn drive_and_verify_work_on_the_simulated_device() {
-    let driven = json(&[
-        "drive",
-        "--port",
-        "sim",
-        "--plate",
-        "membrane",
-        "--turning-point",
-        "126Hz",
-        "--for",
-        "200ms",
-    ]);
+    let driven = json(&words("drive --port sim --plate membrane --turning-point 126Hz --for 200ms"));
     assert!((number(&driven["tones"][0], "frequency_hz") - 126.0).abs() < 0.1);
     assert!(number(&driven, "stopped_at_samples") > number(&driven, "at_samples"));
     let verified = json(&["verify", "--port", "sim", "--window", "30ms"]);
@@ -348,11 +330,10 @@ fn simulate_says_which_tones_beat_more_slowly_than_was_measured() {
     let long = [&tones[..], &["--seconds", "0.4s"]].concat();
     let beat_hz = number(&json(&long), "slow_beat_hz");
     assert!((0.1..0.2).contains(&beat_hz), "{beat_hz}");
-    let text = String::from_utf8(slipline(&long).stdout).unwrap();
-    assert!(text.contains("Two tones beat once in 6.") && text.contains("the RMS is that of"), "{text}");
+    says(&said(&long), &["Two tones beat once in 6.", "the RMS is that of"]);
     let apart =
         ["simulate", "--plate", "membrane", "--turning-point", "120mm:0.3", "--turning-point", "200mm:0.3"];
     assert!(json(&apart)["slow_beat_hz"].is_null());
-    let help = String::from_utf8(slipline(&["simulate", "--help"]).stdout).unwrap();
+    let help = said(&["simulate", "--help"]);
     assert!(help.contains("where its wave turns") && !help.contains("where it peaks"), "{help}");
 }

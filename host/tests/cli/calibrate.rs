@@ -1,6 +1,6 @@
 //! `slipline calibrate` from files of measurements and from felt edges.
 
-use super::{failure, file, json, number, slipline};
+use super::{failure, file, json, number, refused, said, says, slipline};
 use serde_json::Value;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, band_hz};
 use slipline_plate::feeling::{Feeling, FeltTone};
@@ -80,26 +80,23 @@ fn two_places_correct_a_plate_file_that_every_other_command_takes() {
 
     // The lights use how well it is known; at the levels that were measured.
     let check = ["check", "--plate", out.to_str().unwrap(), "--turning-point", "160mm"];
-    let checked = String::from_utf8(slipline(&[&check[..], &["--json"]].concat()).stdout).unwrap();
+    let checked = said(&[&check[..], &["--json"]].concat());
     let checked: Value = serde_json::from_str(&checked).unwrap();
     let known_m = number(&checked, "turning_point_tolerance_m");
     assert!(known_m > 0.0 && known_m <= 1.5 * number(&value, "turning_point_tolerance_m"), "{checked}");
     assert!((number(&checked, "level_tolerance_db") - number(&value, "level_tolerance_db")).abs() < 1e-9);
     let width = checked["lights"].as_array().unwrap().iter().find(|it| it["name"] == "width").unwrap();
     assert!(number(width, "low") < number(width, "value") && number(width, "value") < number(width, "high"));
-    let text = String::from_utf8(slipline(&check).stdout).unwrap();
+    let text = said(&check);
     assert!(text.starts_with("By its calibration the turning point is known to ±"), "{text}");
     assert!(text.contains("It holds over the calibrated interval"), "{text}");
 
-    let message = failure(&arguments, 2);
-    assert!(message.contains("fitted.toml") && message.contains("--force"), "{message}");
-    let text = slipline(&[&arguments[..], &["--force"]].concat());
-    let text = String::from_utf8(text.stdout).unwrap();
-    for wanted in
-        ["model.wave_speed_m_per_s", "Before", "After", "mm off over the span", "Written to", caution]
-    {
-        assert!(text.contains(wanted), "{wanted}: {text}");
-    }
+    refused(&arguments, 2, &["fitted.toml", "--force"]);
+    let text = said(&[&arguments[..], &["--force"]].concat());
+    says(
+        &text,
+        &["model.wave_speed_m_per_s", "Before", "After", "mm off over the span", "Written to", caution],
+    );
 }
 
 #[test]
@@ -125,17 +122,17 @@ fn a_plan_proposes_two_places_and_says_what_others_would_reach() {
     let off_centre = planned(&["--off-centre"]);
     assert_eq!(off_centre["nearest_by"], "width mode 2");
 
-    let text =
-        slipline(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm", "--sensor", "176mm"]);
-    let text = String::from_utf8(text.stdout).unwrap();
-    for wanted in ["Sensor at", "Would reach", "Nearest place", "Requested places", "Warning", "Second place"]
-    {
-        assert!(text.contains(wanted), "{wanted}: {text}");
-    }
-    let message = failure(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm"], 2);
-    assert!(message.contains("1 --sensor with --plan"), "{message}");
-    let message = failure(&["calibrate", "--plan", "--plate", "membrane", "--kind", "strain"], 2);
-    assert!(message.contains("strain"), "{message}");
+    let text = said(&["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm", "--sensor", "176mm"]);
+    says(
+        &text,
+        &["Sensor at", "Would reach", "Nearest place", "Requested places", "Warning", "Second place"],
+    );
+    refused(
+        &["calibrate", "--plan", "--plate", "membrane", "--sensor", "32mm"],
+        2,
+        &["1 --sensor with --plan"],
+    );
+    refused(&["calibrate", "--plan", "--plate", "membrane", "--kind", "strain"], 2, &["strain"]);
 }
 
 #[test]
@@ -186,14 +183,13 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
         ([&frd_near, &frd_far], &["--kind", "speed"], "displacement, velocity, acceleration, strain"),
         ([&frd_near, &frd_far], &["--snr", "200"], "0 to 140 dB"),
     ] {
-        let message = failure(&calibrate(&files.map(|it| it.as_path()), more), 2);
-        assert!(message.contains(expected), "{more:?}: {message}");
+        refused(&calibrate(&files.map(|it| it.as_path()), more), 2, &[expected]);
     }
     std::fs::write(&frd_near, "100 20\n200 30\n").unwrap();
-    let message = failure(&calibrate(&[&frd_near, &frd_far], &displacement), 2);
-    assert!(
-        message.contains("near.frd: line 1: the line above the first row: must be frequency_hz,level_db"),
-        "{message}"
+    refused(
+        &calibrate(&[&frd_near, &frd_far], &displacement),
+        2,
+        &["near.frd: line 1: the line above the first row: must be frequency_hz,level_db"],
     );
 }
 
@@ -214,11 +210,9 @@ fn calipers_tell_the_widths_beforehand() {
     };
     let fine = [&calipers[..], &["--calipers-tolerance", "5um"]].concat();
     assert!(width(&fine) < 0.5 * width(&[]), "calipers narrow the interval");
-    let message = failure(&calibrate(&[&near, &far], &calipers[..2]), 2);
-    assert!(message.contains("--end-half-width") && message.contains("--length"), "{message}");
+    refused(&calibrate(&[&near, &far], &calipers[..2]), 2, &["--end-half-width", "--length"]);
     let wide = ["--half-width", "30mm", "--end-half-width", "40mm", "--length", length];
-    let message = failure(&calibrate(&[&near, &far], &wide), 2);
-    assert!(message.contains("by calipers: end_half_width_m = 0.04: must be"), "{message}");
+    refused(&calibrate(&[&near, &far], &wide), 2, &["by calipers: end_half_width_m = 0.04: must be"]);
 }
 
 /// Where a finger feels the edge of a tone with this peak, metres.
@@ -264,16 +258,13 @@ fn two_touches_give_places_and_no_levels() {
     assert!((0.8..1.25).contains(&number(finger, "value")), "{value}");
     assert!(value["before"]["level_error_db"].is_null() && value["caution"].is_null());
     assert!(Plate::from_toml(&std::fs::read_to_string(&out).unwrap()).is_ok());
-    let text = slipline(&[&arguments[..], &["--force"]].concat());
-    let text = String::from_utf8(text.stdout).unwrap();
-    assert!(text.contains("Levels") && text.contains("of a known drive"), "{text}");
+    says(&said(&[&arguments[..], &["--force"]].concat()), &["Levels", "of a known drive"]);
     // With an unknown drive the same touches leave wider intervals.
     let unknown = [&arguments[..5], &arguments[7..13]].concat();
     let open = json(&unknown);
     let edge_m = |value: &Value| number(value, "felt_edge_tolerance_m");
     assert!(edge_m(&open) > 3.0 * edge_m(&value) && edge_m(&value) < 2e-3, "{open} {value}");
-    let text = String::from_utf8(slipline(&unknown).stdout).unwrap();
-    assert!(text.contains("of an unknown drive") && text.contains("Felt edge"), "{text}");
+    says(&said(&unknown), &["of an unknown drive", "Felt edge"]);
 }
 
 #[test]
@@ -299,8 +290,7 @@ fn what_the_data_do_not_carry_ends_with_1_and_the_reason() {
         ([&near, &near], "both measurements are of the place 32.0 mm"),
     ] {
         let arguments = calibrate(&files.map(|it| it.as_path()), &["--out", out.to_str().unwrap()]);
-        let message = failure(&arguments, 1);
-        assert!(message.contains(reason), "{message}");
+        refused(&arguments, 1, &[reason]);
         let output = slipline(&[&arguments[..], &["--json"]].concat());
         assert_eq!(output.status.code(), Some(1));
         let value: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -333,10 +323,11 @@ fn bad_files_and_options_are_named_with_what_is_allowed() {
         (&["--touch", "120mm:118mm", "--data", path], "--data"),
         (&["--data", path, "--data", path, "--half-width", "0"], "10 µm to 10 m"),
     ] {
-        let message = failure(&[&["calibrate", "--plate", "membrane"], more].concat(), 2);
-        assert!(message.contains(expected), "{more:?}: {message}");
+        refused(&[&["calibrate", "--plate", "membrane"], more].concat(), 2, &[expected]);
     }
-    let message =
-        failure(&["calibrate", "--plate", "membrane", "--touch", "110Hz:218mm", "--touch", "112Hz:222mm"], 1);
-    assert!(message.contains("felt edges up to"), "{message}");
+    refused(
+        &["calibrate", "--plate", "membrane", "--touch", "110Hz:218mm", "--touch", "112Hz:222mm"],
+        1,
+        &["felt edges up to"],
+    );
 }

@@ -1,6 +1,6 @@
 //! Tones by their felt edges, turning points and frequencies: `drive`, `simulate` and `record`.
 
-use super::{failure, file, json, number, slipline};
+use super::{failure, file, json, number, refused, said};
 use serde_json::Value;
 use slipline_link::protocol::frame::CRC;
 use slipline_model::field::edge_reach::turning_point_of;
@@ -113,8 +113,11 @@ fn an_edge_that_no_tone_has_is_refused_before_a_device_is_asked() {
         let wanted = format!("invalid value '{text}' for '--felt-edge': must be ");
         assert!(message.contains(&wanted) && message.contains(turns), "{message}");
     }
-    let message = failure(&[&drive[..], &["5kHz"]].concat(), 2);
-    assert!(message.contains("'5kHz' for '--felt-edge': must be 87.57 to 219 Hz, on the plate"), "{message}");
+    refused(
+        &[&drive[..], &["5kHz"]].concat(),
+        2,
+        &["'5kHz' for '--felt-edge': must be 87.57 to 219 Hz, on the plate"],
+    );
     let no_table = ["simulate", "--plate", "membrane", "--felt-edge", "250mm", "--no-table"];
     assert!(failure(&no_table, 2).contains("with --no-table name a --turning-point"));
     let both = [&drive[..], &["250mm", "--turning-point", "120mm"]].concat();
@@ -150,13 +153,11 @@ fn the_feeling_is_that_of_the_file_and_named() {
     // 12 dB of threshold.
     assert!((10e-3..40e-3).contains(&(felt_m(&usual) - felt_m(&dull))), "{usual} {dull}");
     assert_eq!((&dull["feeling"]["from"], &dull["feeling"]["threshold"]), (&name.into(), &4.0.into()));
-    let text = |arguments: &[&str]| String::from_utf8(slipline(arguments).stdout).unwrap();
-    assert!(text(&at).contains("Felt edges are those of a usual finger (illustrative)."));
-    let named = text(&[&at[..], &["--feeling", name]].concat());
+    assert!(said(&at).contains("Felt edges are those of a usual finger (illustrative)."));
+    let named = said(&[&at[..], &["--feeling", name]].concat());
     assert!(named.contains("finger.toml\" (illustrative).") && named.contains(" mm by person;"), "{named}");
     std::fs::write(&path, "[feeling]\nthreshold = 0.0\n").unwrap();
-    let message = failure(&[&at[..], &["--feeling", name]].concat(), 2);
-    assert!(message.contains("finger.toml: feeling.threshold"), "{message}");
+    refused(&[&at[..], &["--feeling", name]].concat(), 2, &["finger.toml: feeling.threshold"]);
     let setup = ["drive", "--port", "sim", "--setup", "x.toml", "--feeling", name];
     assert!(failure(&setup, 2).contains("cannot be used with"));
 }

@@ -1,6 +1,6 @@
 //! Existing files, and a signal while a file is being written.
 
-use super::{design, failure, file, slipline};
+use super::{design, failure, file, refused, slipline};
 #[cfg(unix)]
 use std::os::unix::process::ExitStatusExt as _;
 #[cfg(unix)]
@@ -25,8 +25,7 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
     ];
     for (arguments, name) in &commands {
         std::fs::write(folder.join(name), "mine").unwrap();
-        let message = failure(arguments, 2);
-        assert!(message.contains(name) && message.contains("--force"), "{message}");
+        refused(arguments, 2, &[name, "--force"]);
         assert_eq!(std::fs::read(folder.join(name)).unwrap(), b"mine", "{name}");
         let output = slipline(&[&arguments[..], &["--force"]].concat());
         assert_eq!(output.status.code(), Some(0), "{name}");

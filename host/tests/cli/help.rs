@@ -1,6 +1,6 @@
 //! Help, version and completions.
 
-use super::{failure, json, slipline};
+use super::{failure, json, said, says};
 use slipline::cli::EXAMPLES;
 use std::process::Command;
 
@@ -65,7 +65,7 @@ fn help_fits_the_terminal_and_groups_the_options() {
 
 #[test]
 fn the_version_names_the_commit_of_the_tree() {
-    let version = String::from_utf8(slipline(&["--version"]).stdout).unwrap();
+    let version = said(&["--version"]);
     let mut git = Command::new("git");
     git.args(["rev-parse", "--short=10", "HEAD"]).current_dir(env!("CARGO_MANIFEST_DIR"));
     let commit = git.output().ok().filter(|output| output.status.success());
@@ -79,10 +79,8 @@ fn shells_get_a_script_that_completes_commands_and_options() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let value = json(&["completions", shell]);
         let script = value["script"].as_str().unwrap();
-        for word in ["calibrate", "felt-edge", "turning-point"] {
-            assert!(script.contains(word), "{shell}: {word}");
-        }
-        assert_eq!(String::from_utf8(slipline(&["completions", shell]).stdout).unwrap(), script);
+        says(&script, &["calibrate", "felt-edge", "turning-point"]);
+        assert_eq!(said(&["completions", shell]), script);
     }
     assert!(failure(&["completions", "dos"], 2).contains("bash, elvish, fish, powershell, zsh"));
 }

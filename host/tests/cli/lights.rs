@@ -1,6 +1,6 @@
 //! Red lights and the exit code: `check` fails with them, `design` only reports them.
 
-use super::{failure, json, slipline};
+use super::{failure, json, said, says, slipline, words};
 
 #[test]
 fn red_lights_end_a_check_with_3_and_are_counted() {
@@ -21,7 +21,7 @@ fn red_lights_end_a_check_with_3_and_are_counted() {
         let red = if arguments.contains(&"--json") { "\"colour\":\"red\"" } else { "red    " };
         assert_eq!(text.matches(red).count(), if code == 3 { 3 } else { 0 }, "{text}");
     }
-    let lines = String::from_utf8(slipline(&["check", "--plate", "membrane"]).stdout).unwrap();
+    let lines = said(&["check", "--plate", "membrane"]);
     assert!(lines.starts_with("green      edge slope "), "{lines}");
     assert!(lines.contains("\nunchecked  actuator band "), "{lines}");
     assert!(lines.contains("\nunchecked  excursion "), "{lines}");
@@ -31,27 +31,16 @@ fn red_lights_end_a_check_with_3_and_are_counted() {
         (&"actuator band".into(), &"unchecked".into())
     );
     assert!(failure(&["check", "--plate", "nope"], 2).contains("nope"));
-    let help = String::from_utf8(slipline(&["--help"]).stdout).unwrap();
-    assert!(help.contains("Exit code: 0 done; 1 could not be done; 2 bad usage"), "{help}");
+    says(&said(&["--help"]), &["Exit code: 0 done; 1 could not be done; 2 bad usage"]);
 }
 
 #[test]
 fn a_design_ends_with_0_though_lights_are_red_and_its_help_says_so() {
-    let designed = json(&[
-        "design",
-        "--material",
-        "acrylic",
-        "--thickness",
-        "2mm",
-        "--band",
-        "2kHz..8kHz",
-        "--length",
-        "1m",
-    ]);
+    let designed = json(&words("design --material acrylic --thickness 2mm --band 2kHz..8kHz --length 1m"));
     let lights = designed["check"]["lights"].as_array().unwrap();
     assert!(lights.iter().any(|light| light["colour"] == "red"), "{lights:?}");
     assert!(designed["mounting"].as_str().unwrap().contains("Cut the frame twice"));
-    let help = String::from_utf8(slipline(&["design", "--help"]).stdout).unwrap();
+    let help = said(&["design", "--help"]);
     assert!(
         help.split_whitespace()
             .collect::<Vec<_>>()

@@ -102,6 +102,33 @@ fn failure(arguments: &[&str], code: i32) -> String {
     message
 }
 
+/// Refuses these arguments with this code, and a message with these words.
+fn refused(arguments: &[&str], code: i32, wanted: &[&str]) {
+    let message = failure(arguments, code);
+    for words in wanted {
+        assert!(message.contains(words), "{arguments:?} does not say {words:?}: {message}");
+    }
+}
+
+/// What a command prints that is done; it ends with 0, or with 3 where a light is red.
+fn said(arguments: &[&str]) -> String {
+    let output = slipline(arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(matches!(output.status.code(), Some(0 | 3)), "{arguments:?}: {error}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+fn says(text: &str, wanted: &[&str]) {
+    for words in wanted {
+        assert!(text.contains(words), "{words:?} is not in: {text}");
+    }
+}
+
+/// The arguments of a line in which no argument has a space.
+fn words(line: &str) -> Vec<&str> {
+    line.split(' ').collect()
+}
+
 fn number(value: &Value, field: &str) -> f64 {
     value[field].as_f64().unwrap_or_else(|| panic!("{field} is {:?}", value[field]))
 }

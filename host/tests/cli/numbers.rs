@@ -1,6 +1,6 @@
 //! Numbers on the command line: a dimension has its unit, a comma is no doubt, a level is a factor, a share or decibels.
 
-use super::{design, failure, file, json, number, slipline};
+use super::{design, failure, file, json, number, refused, said};
 
 #[test]
 fn a_number_without_its_unit_is_refused_with_the_unit_that_was_probably_meant() {
@@ -37,8 +37,7 @@ fn a_number_without_its_unit_is_refused_with_the_unit_that_was_probably_meant() 
             "did you mean 220nF?",
         ),
     ] {
-        let message = failure(&arguments, 2);
-        assert!(message.contains(wanted), "{arguments:?} does not say {wanted:?}: {message}");
+        refused(&arguments, 2, &[wanted]);
     }
     for (more, wanted) in [
         (["--rim", "20"], "did you mean 20mm? (must be 10 to 500 mm)"),
@@ -62,8 +61,7 @@ fn a_level_is_a_factor_a_share_or_decibels() {
     for (tone, level) in value["tones"].as_array().unwrap().iter().zip([0.5, 0.1, 0.01]) {
         assert!((number(tone, "level") - level).abs() < 1e-9, "{value}");
     }
-    let message = failure(&[&record[..], &["--turning-point", "120mm:3dB"]].concat(), 2);
-    assert!(message.contains("its level: must be 0 to 1"), "{message}");
+    refused(&[&record[..], &["--turning-point", "120mm:3dB"]].concat(), 2, &["its level: must be 0 to 1"]);
 }
 
 #[test]
@@ -73,7 +71,6 @@ fn a_zero_has_no_sign() {
     let wav = file("zero.wav");
     let record = ["record", "--json", "--plate", "membrane", "--turning-point", "120mm", "--seconds", "1ms"];
     let files = ["--wav", wav.to_str().unwrap(), "--feeling", feeling.to_str().unwrap()];
-    let output = slipline(&[&record[..], &files].concat());
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(text.contains("\"friction_residual\":0.0,"), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    let text = said(&[&record[..], &files].concat());
+    assert!(text.contains("\"friction_residual\":0.0,"), "{text}");
 }

@@ -1,7 +1,7 @@
 //! `slipline page`: a browser gets the page's files, and nothing else.
 
 use super::serving::Serving;
-use super::{failure, file};
+use super::{failure, file, refused};
 use serde_json::Value;
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -152,8 +152,11 @@ fn an_address_that_other_computers_reach_is_refused() {
 fn a_folder_without_a_page_and_an_address_that_is_taken_are_refused() {
     let outside = built("page-refused");
     let folder = outside.join("target");
-    let message = failure(&["page", "--folder", folder.to_str().unwrap()], 2);
-    assert!(message.contains("'--folder <FOLDER>': must be a folder with a built page"), "{message}");
+    refused(
+        &["page", "--folder", folder.to_str().unwrap()],
+        2,
+        &["'--folder <FOLDER>': must be a folder with a built page"],
+    );
     if cfg!(not(feature = "page")) {
         let output =
             Command::new(env!("CARGO_BIN_EXE_slipline")).arg("page").current_dir(&folder).output().unwrap();

@@ -1,7 +1,7 @@
 //! The profile of a board's actuator: shown, written with the button only, and refused with its field.
 
 use super::served::Served;
-use super::{failure, file, json, slipline};
+use super::{failure, file, json, refused, slipline, words};
 use slipline_link::simulator::Options;
 
 #[test]
@@ -34,18 +34,8 @@ fn a_profile_is_written_while_the_button_is_held_and_shown_as_it_was_written() {
     assert_eq!(json(&write), written);
 
     // The link has tried to arm the simulated device while its button was held.
-    let drive = [
-        "drive",
-        "--clear-faults",
-        "--port",
-        &served.port,
-        "--plate",
-        "membrane",
-        "--turning-point",
-        "120mm",
-        "--for",
-        "50ms",
-    ];
+    let drive = words("drive --clear-faults --plate membrane --turning-point 120mm --for 50ms --port");
+    let drive = [&drive[..], &[&served.port]].concat();
     served.device.lock().unwrap().press_button(false);
     let mut message = failure(&drive, 1);
     let limit = std::time::Instant::now() + std::time::Duration::from_secs(60);
@@ -62,7 +52,10 @@ fn a_profile_is_written_while_the_button_is_held_and_shown_as_it_was_written() {
 fn a_profile_out_of_range_is_refused_with_its_field() {
     let path = file("loud.toml");
     std::fs::write(&path, "name = \"coil\"\nmax_sum = 1.4\n").unwrap();
-    let message = failure(&["profile", "write", &path.display().to_string(), "--port", "sim"], 2);
-    assert!(message.contains("loud.toml: max_sum = 1.4: must be 0.001 to 1"), "{message}");
+    refused(
+        &["profile", "write", &path.display().to_string(), "--port", "sim"],
+        2,
+        &["loud.toml: max_sum = 1.4: must be 0.001 to 1"],
+    );
     assert!(json(&["profile"])["profile"].is_null(), "the default port is the simulated device");
 }

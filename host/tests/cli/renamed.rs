@@ -1,6 +1,6 @@
 //! One name for a duration and an output; the old names are taken for a release.
 
-use super::{failure, file, slipline};
+use super::{failure, file, said, slipline};
 
 /// Runs a command that must succeed; returns its error stream.
 fn noted(arguments: &str) -> String {
@@ -56,7 +56,7 @@ fn help_has_the_new_names_only_and_endings_are_checked() {
         ("sweep", &["--time"]),
         ("trim", &["--watch"]),
     ] {
-        let help = String::from_utf8(slipline(&[command, "--help"]).stdout).unwrap();
+        let help = said(&[command, "--help"]);
         assert!(
             help.contains("--out <") && (command == "respond" || help.contains("--for <TIME>")),
             "{help}"

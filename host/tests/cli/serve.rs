@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use crate::serving::Serving;
-use crate::{failure, file, json};
+use crate::{failure, file, json, refused};
 use slipline_link::native::Worker;
 use slipline_link::protocol::event::State;
 use slipline_link::{Outcome, Port, Request};
@@ -43,8 +43,7 @@ fn a_device_at_a_socket_serves_one_program_after_the_other_and_ends_with_its_fil
     assert_eq!(serving.1["path"].as_str(), path.to_str());
     assert_eq!(talk(serving.port()), None);
     assert_eq!(talk(serving.port()), None);
-    let message = failure(&["serve", "--socket", path.to_str().unwrap()], 1);
-    assert!(message.contains("another program already serves"), "{message}");
+    refused(&["serve", "--socket", path.to_str().unwrap()], 1, &["another program already serves"]);
     assert_eq!(serving.end("-TERM").code(), Some(0));
     assert!(!path.exists());
 }
@@ -82,8 +81,7 @@ fn a_device_at_a_pseudo_terminal_holds_the_plates_table() {
 fn a_file_that_is_not_a_socket_is_not_replaced() {
     let path = file("serve.txt");
     std::fs::write(&path, "mine").unwrap();
-    let message = failure(&["serve", "--socket", path.to_str().unwrap()], 1);
-    assert!(message.contains("not a socket"), "{message}");
+    refused(&["serve", "--socket", path.to_str().unwrap()], 1, &["not a socket"]);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
 }
 

@@ -1,6 +1,6 @@
 //! Setup files of the window: `simulate` and `record` play what `drive --setup` plays.
 
-use super::{failure, file, json, number, slipline};
+use super::{failure, file, json, number, said, says};
 use serde_json::Value;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::{Request, Sounding};
@@ -134,9 +134,6 @@ fn a_plate_near_the_files_is_simulated() {
 #[test]
 fn the_text_of_a_setups_simulation_names_its_tones_and_feeling() {
     let (_, path) = two_tones("two-text.toml");
-    let output = slipline(&["simulate", "--setup", path.to_str().unwrap(), "--for", "50ms"]);
-    let text = String::from_utf8(output.stdout).unwrap();
-    for wanted in ["Tone 4: ", "Tone 2: ", "two-text.toml\" (illustrative)", "level 0.251"] {
-        assert!(text.contains(wanted), "{wanted}: {text}");
-    }
+    let text = said(&["simulate", "--setup", path.to_str().unwrap(), "--for", "50ms"]);
+    says(&text, &["Tone 4: ", "Tone 2: ", "two-text.toml\" (illustrative)", "level 0.251"]);
 }

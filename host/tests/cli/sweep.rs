@@ -1,7 +1,7 @@
 //! `slipline sweep`, and the refusals of its recordings by `slipline calibrate`. `tests/tests/recorded.rs` calibrates a plate by
 //! recordings.
 
-use super::{failure, file, json, number};
+use super::{failure, file, json, number, refused};
 use std::path::{Path, PathBuf};
 
 const PLAYED: [&str; 7] = ["sweep", "--port", "sim", "--plate", "al-bending", "--time", "150ms"];
@@ -35,12 +35,11 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
     assert!((number(&value, "sweep_s") - 0.15).abs() < 1e-4, "{value}");
     assert!(number(&value, "apart_s") > 1.0 && number(&value, "played_s") < 4.0, "{value}");
     assert!(std::fs::read_to_string(&out).unwrap().contains("slipline_sweep = 1"));
-    let message = failure(&[&PLAYED[..], &["--out", text(&out)]].concat(), 2);
-    assert!(message.contains("--force"), "{message}");
+    refused(&[&PLAYED[..], &["--out", text(&out)]].concat(), 2, &["--force"]);
 
     let (near, far) = (silence("near.wav", 5), silence("far.wav", 1));
     let data = ["calibrate", "--plate", "al-bending", "--data", text(&near), "--data", text(&far)];
-    let refused = |more: &[&str]| failure(&[&data[..], more].concat(), 2);
+    let read = |more: &[&str]| failure(&[&data[..], more].concat(), 2);
     let places = ["--sensor", "34mm", "--sensor", "187mm"];
     let played = ["--played", text(&out)];
     let all = [&places[..], &played, &["--kind", "velocity"]].concat();
@@ -63,16 +62,18 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
         ),
         (&[&places[..], &["--played", text(&near), "--kind", "velocity"]].concat(), "near.wav: "),
     ] {
-        let message = refused(more);
+        let message = read(more);
         assert!(message.contains(expected), "{expected}\n{message}");
     }
     let csv = file("no-recording.csv");
     std::fs::write(&csv, "100 -20\n").unwrap();
-    let message =
-        failure(&["calibrate", "--plate", "al-bending", "--data", text(&csv), "--played", text(&out)], 2);
-    assert!(message.contains("no file of --data is a WAV file"), "{message}");
+    refused(
+        &["calibrate", "--plate", "al-bending", "--data", text(&csv), "--played", text(&out)],
+        2,
+        &["no file of --data is a WAV file"],
+    );
     std::fs::write(&near, b"RIFF\x04\0\0\0WAVE").unwrap();
-    assert!(refused(&all).contains("near.wav: the WAV file cannot be read: "), "{}", refused(&all));
+    assert!(read(&all).contains("near.wav: the WAV file cannot be read: "), "{}", read(&all));
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `--trace FILE` and `RUST_LOG`.
 
-use crate::{failure, file, slipline};
+use crate::{file, refused, slipline};
 use std::process::Command;
 
 const DRIVE: [&str; 8] =
@@ -50,8 +50,11 @@ fn rust_log_writes_to_standard_error_and_a_bad_one_is_refused() {
 
 #[test]
 fn a_trace_that_cannot_be_written_is_refused_by_name() {
-    let message = failure(&["presets", "--trace", "/no/such/folder/trace.txt"], 1);
-    assert!(message.contains("the trace /no/such/folder/trace.txt cannot be written"), "{message}");
+    refused(
+        &["presets", "--trace", "/no/such/folder/trace.txt"],
+        1,
+        &["the trace /no/such/folder/trace.txt cannot be written"],
+    );
 }
 
 #[test]
@@ -61,11 +64,13 @@ fn a_trace_replaces_no_file_unless_it_may() {
     let text = slipline_plate::preset("membrane").unwrap().to_toml();
     std::fs::write(&plate, &text).unwrap();
     let name = plate.to_str().unwrap();
-    let message = failure(&["table", "--plate", name, "--knots", "5", "--trace", name], 2);
-    assert!(message.contains("traced-plate.toml exists: write --force"), "{message}");
+    refused(
+        &["table", "--plate", name, "--knots", "5", "--trace", name],
+        2,
+        &["traced-plate.toml exists: write --force"],
+    );
     assert_eq!(std::fs::read_to_string(&plate).unwrap(), text);
-    let message = failure(&["presets", "--trace", name], 2);
-    assert!(message.contains("traced-plate.toml exists"), "{message}");
+    refused(&["presets", "--trace", name], 2, &["traced-plate.toml exists"]);
     assert_eq!(slipline(&["info", "--port", "sim", "--force", "--trace", name]).status.code(), Some(0));
     assert!(std::fs::read_to_string(&plate).unwrap().contains("Hello("));
 }

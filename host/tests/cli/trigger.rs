@@ -1,8 +1,8 @@
 //! `slipline drive --at trigger`.
 
-use super::json;
 use super::served::Served;
 use super::signals::Socket;
+use super::{json, words};
 use slipline_link::protocol::{Command as Message, Event};
 use slipline_link::simulator::Options;
 use std::process::{Command, Stdio};
@@ -35,17 +35,8 @@ fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
     let value: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(value["at_samples"].as_u64(), raised_at, "the block that was rendered next");
     assert!(value["stopped_at_samples"].as_u64() > raised_at);
-    let again = json(&[
-        "drive",
-        "--port",
-        &served.port,
-        "--plate",
-        "membrane",
-        "--turning-point",
-        "120mm",
-        "--for",
-        "1ms",
-    ]);
+    let drive = words("drive --plate membrane --turning-point 120mm --for 1ms --port");
+    let again = json(&[&drive[..], &[&served.port]].concat());
     assert!(again["at_samples"].as_u64() > raised_at, "and without the option it waits for nothing");
 }
 

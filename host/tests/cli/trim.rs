@@ -1,6 +1,6 @@
 //! `slipline trim`: the simulated device stands on a calibrated plate whose wave speed has changed.
 
-use super::{failure, file, json, number, slipline};
+use super::{file, json, number, refused, said, says};
 use slipline_plate::{Calibration, Plate, PlateSpec, preset};
 use std::path::PathBuf;
 
@@ -43,18 +43,15 @@ fn a_change_of_the_speed_is_told_watched_and_written() {
     // Half of d dV/V per cent of speed in bending.
     assert!((1e-3..4e-3).contains(&number(&value, "turning_point_error_m")), "{value}");
     assert!(value["caution"].as_str().unwrap().contains("from its mark"));
-    let again =
-        slipline(&["trim", "--port", "sim", "--plate", out, "--actual-plate", actual, "--sensor", "34mm"]);
-    let text = String::from_utf8(again.stdout).unwrap();
-    for wanted in ["Wave speed", "times the file's", "34.0 mm", "Note"] {
-        assert!(text.contains(wanted), "{wanted}: {text}");
-    }
+    let text = said(&["trim", "--port", "sim", "--plate", out, "--actual-plate", actual, "--sensor", "34mm"]);
+    says(&text, &["Wave speed", "times the file's", "34.0 mm", "Note"]);
     assert!(text.contains("times their noise from this speed") && !text.contains("chi"), "{text}");
-    let message =
-        failure(&["trim", "--port", "sim", "--plate", "al-bending", "--sensor", "34mm", "--points", "16"], 1);
-    assert!(message.contains("holds no calibration"), "{message}");
-    let message = failure(&["trim", "--port", "sim", "--plate", plate, "--sensor", "1m"], 2);
-    assert!(message.contains("--sensor"), "{message}");
+    refused(
+        &["trim", "--port", "sim", "--plate", "al-bending", "--sensor", "34mm", "--points", "16"],
+        1,
+        &["holds no calibration"],
+    );
+    refused(&["trim", "--port", "sim", "--plate", plate, "--sensor", "1m"], 2, &["--sensor"]);
 }
 
 #[test]

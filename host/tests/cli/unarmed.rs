@@ -2,7 +2,7 @@
 
 use super::signals::Socket;
 use super::trim::{calibrated, written};
-use super::{file, slipline};
+use super::{file, refused};
 use slipline_link::protocol::{Command as Message, Event};
 use slipline_plate::preset;
 use std::path::PathBuf;
@@ -38,80 +38,73 @@ fn prepared() -> [String; 5] {
 #[test]
 #[cfg(target_os = "linux")]
 fn what_can_be_refused_is_refused_before_the_device_is_armed() {
-    let [weightless, kept, finger, calibrated, plate] = prepared();
+    let paths = prepared();
+    let names = ["{weightless}", "{kept}", "{finger}", "{calibrated}", "{plate}", "{CLOSED}"];
     let cases = [
         // Outputs that cannot be written, or are there.
-        (format!("measure --plate al-bending --sensor 34mm --out {CLOSED}/m.csv"), 1, "/proc/m.csv"),
-        (format!("sweep --plate al-bending --out {CLOSED}/s.toml"), 1, "/proc/s.toml"),
+        ("measure --plate al-bending --sensor 34mm --out {CLOSED}/m.csv", 1, "/proc/m.csv"),
+        ("sweep --plate al-bending --out {CLOSED}/s.toml", 1, "/proc/s.toml"),
         (
-            format!("calibrate --plate al-bending --sensor 34mm --sensor 187mm --out {CLOSED}/c.toml"),
+            "calibrate --plate al-bending --sensor 34mm --sensor 187mm --out {CLOSED}/c.toml",
             1,
             "/proc/c.toml",
         ),
-        (format!("trim --plate {calibrated} --sensor 34mm --out {CLOSED}/t.toml"), 1, "/proc/t.toml"),
-        (
-            "measure --plate al-bending --sensor 34mm --out no/such/m.csv".to_owned(),
-            1,
-            "there is no folder no/such",
-        ),
-        (format!("measure --plate al-bending --sensor 34mm --out {kept}"), 2, "--force"),
-        (format!("drive --plate membrane --turning-point 120mm --trace {kept}"), 2, "--force"),
-        (format!("info --trace {kept}"), 2, "--force"),
-        ("measure --plate al-bending --sensor 34mm --out m.doc".to_owned(), 2, ".csv, .uff, .unv or .frd"),
+        ("trim --plate {calibrated} --sensor 34mm --out {CLOSED}/t.toml", 1, "/proc/t.toml"),
+        ("measure --plate al-bending --sensor 34mm --out no/such/m.csv", 1, "there is no folder no/such"),
+        ("measure --plate al-bending --sensor 34mm --out {kept}", 2, "--force"),
+        ("drive --plate membrane --turning-point 120mm --trace {kept}", 2, "--force"),
+        ("info --trace {kept}", 2, "--force"),
+        ("measure --plate al-bending --sensor 34mm --out m.doc", 2, ".csv, .uff, .unv or .frd"),
         // Plates that nothing measured could calibrate or trim, and places that are one.
-        ("trim --plate al-bending --sensor 34mm".to_owned(), 1, "holds no calibration"),
-        (format!("calibrate --plate {weightless} --sensor 34mm"), 1, "a fit of the source"),
-        (format!("calibrate --plate {weightless} --current coil"), 1, "a fit of the source"),
+        ("trim --plate al-bending --sensor 34mm", 1, "holds no calibration"),
+        ("calibrate --plate {weightless} --sensor 34mm", 1, "a fit of the source"),
+        ("calibrate --plate {weightless} --current coil", 1, "a fit of the source"),
         (
-            "calibrate --plate al-bending --sensor 34mm --sensor 34.1mm".to_owned(),
+            "calibrate --plate al-bending --sensor 34mm --sensor 34.1mm",
             1,
             "both measurements are of the place",
         ),
-        ("calibrate --plate al-bending --sensor 34mm --sensor 9m".to_owned(), 2, "'9m' for '--sensor'"),
+        ("calibrate --plate al-bending --sensor 34mm --sensor 9m", 2, "'9m' for '--sensor'"),
         // What is to sound.
-        ("drive --plate membrane --felt-edge 120mm".to_owned(), 2, "the felt edges of tones"),
-        ("drive --plate membrane --turning-point 9m".to_owned(), 2, "80 to 280 mm"),
-        ("drive --plate membrane --boundary 120mm".to_owned(), 2, "--turning-point 120mm"),
+        ("drive --plate membrane --felt-edge 120mm", 2, "the felt edges of tones"),
+        ("drive --plate membrane --turning-point 9m", 2, "80 to 280 mm"),
+        ("drive --plate membrane --boundary 120mm", 2, "--turning-point 120mm"),
         (
-            "drive --despite-no-profile --plate membrane --turning-point 120mm:0.9 --turning-point 200mm:0.9"
-                .to_owned(),
+            "drive --despite-no-profile --plate membrane --turning-point 120mm:0.9 --turning-point 200mm:0.9",
             2,
             "lower their levels",
         ),
-        (format!("drive --plate membrane --felt-edge 250mm --feeling {finger}"), 2, "feeling.threshold"),
-        ("drive --plate membrane --felt-edge 250mm --feeling no-such.toml".to_owned(), 2, "no-such.toml"),
-        (format!("drive --setup {plate}"), 2, "a plate alone"),
-        ("drive --setup no-such.toml".to_owned(), 2, "no-such.toml"),
-        ("drive --plate membrane --turning-point 120mm --glide 1h".to_owned(), 2, "5 ms to 10 s"),
+        ("drive --plate membrane --felt-edge 250mm --feeling {finger}", 2, "feeling.threshold"),
+        ("drive --plate membrane --felt-edge 250mm --feeling no-such.toml", 2, "no-such.toml"),
+        ("drive --setup {plate}", 2, "a plate alone"),
+        ("drive --setup no-such.toml", 2, "no-such.toml"),
+        ("drive --plate membrane --turning-point 120mm --glide 1h", 2, "5 ms to 10 s"),
         (
-            "drive --despite-no-profile --plate al-bending --turning-point 240mm --level 0.00002 --hold"
-                .to_owned(),
+            "drive --despite-no-profile --plate al-bending --turning-point 240mm --level 0.00002 --hold",
             1,
             "slipline: ",
         ),
         // A board that does not limit what drives it.
-        ("drive --plate membrane --turning-point 120mm".to_owned(), 1, "--despite-no-profile"),
+        ("drive --plate membrane --turning-point 120mm", 1, "--despite-no-profile"),
         (
-            "measure --despite-no-profile --plate al-bending --sensor 34mm --from 1Hz --to 300kHz".to_owned(),
+            "measure --despite-no-profile --plate al-bending --sensor 34mm --from 1Hz --to 300kHz",
             2,
             "must be",
         ),
-        (
-            "sweep --despite-no-profile --plate al-bending --time 10ms --out s.toml".to_owned(),
-            2,
-            "time = 10 ms",
-        ),
-        ("verify --despite-no-profile --window 9s".to_owned(), 2, "10 ms to 2.621 s"),
-        ("verify --despite-no-profile --plate no-such".to_owned(), 2, "no-such"),
+        ("sweep --despite-no-profile --plate al-bending --time 10ms --out s.toml", 2, "time = 10 ms"),
+        ("verify --despite-no-profile --window 9s", 2, "10 ms to 2.621 s"),
+        ("verify --despite-no-profile --plate no-such", 2, "no-such"),
     ];
     for (number, (arguments, code, words)) in cases.iter().enumerate() {
         let socket = Socket::serve_altered(&format!("unarmed-{number}"), real);
         let port = format!("unix:{}", socket.path.display());
-        let arguments: Vec<&str> = arguments.split(' ').chain(["--port", &port]).collect();
-        let output = slipline(&arguments);
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {message}");
-        assert!(message.contains(words) && !message.contains("panicked"), "{arguments:?}: {message}");
+        let given = paths.iter().map(String::as_str).chain([CLOSED]);
+        let filled = names
+            .iter()
+            .zip(given)
+            .fold((*arguments).to_owned(), |line, (name, path)| line.replace(name, path));
+        let arguments: Vec<&str> = filled.split(' ').chain(["--port", &port]).collect();
+        refused(&arguments, *code, &[words]);
         let sent = socket.sent();
         assert!(
             !sent.iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_))),
@@ -119,5 +112,5 @@ fn what_can_be_refused_is_refused_before_the_device_is_armed() {
         );
         std::fs::remove_file(&socket.path).unwrap();
     }
-    assert_eq!(std::fs::read(&kept).unwrap(), b"mine");
+    assert_eq!(std::fs::read(&paths[1]).unwrap(), b"mine");
 }

@@ -1,6 +1,6 @@
 //! Words of help, JSON and pages: a number is a felt edge or a turning point, never a boundary alone.
 
-use super::{design, json, slipline};
+use super::{design, json, said};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ const PHENOMENON: [&str; 3] = [
 ];
 
 fn help(arguments: &[&str]) -> String {
-    String::from_utf8(slipline(arguments).stdout).unwrap()
+    said(arguments)
 }
 
 #[test]
