@@ -207,7 +207,9 @@ fn sensed(report: &Report) {
         let Ok(sensed) = SensedPlate::new(&plate, None, rate) else { continue };
         let place_m = 0.1 * plate.length_m();
         let make = || sensed.sensor(SensorKind::Displacement, place_m, 0.0);
-        let (Ok(sensor), Ok(drive_point)) = (make(), sensed.drive_point()) else { continue };
+        let (Ok(sensor), Ok(drive_point)) = (make(), sensed.with_drive_point(|_, velocity| velocity)) else {
+            continue;
+        };
         let (mut resonators, mut signals) = (sensed.at_rest(), [codes.clone(), codes.clone()]);
         let time = report.fastest(|| {
             let [sensor_signal, current] = &mut signals;

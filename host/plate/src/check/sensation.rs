@@ -5,8 +5,6 @@
 //! film of air can make the plate slippery. The model that uses both is [`crate::feeling`]. Source and spread of every
 //! number are in PHYSICS.md, section 5.
 
-use crate::quantity::decibels;
-
 /// Lowest frequency, Hz, of a tone that can make the plate slippery; tones below are felt as vibration. No source: the
 /// upper limit of hearing, a round value.
 pub const SLIPPERY_FROM_HZ: f64 = 20e3;
@@ -58,17 +56,10 @@ pub fn threshold_m(frequency_hz: f64) -> f64 {
     }
 }
 
-/// Upper bound of the sound level, dB SPL: a plane wave of the same displacement amplitude, with rho c = 413 Pa s/m.
-/// See also [`crate::check::plane_wave_level_db`].
-pub fn sound_level_db(frequency_hz: f64, amplitude_m: f64) -> f64 {
-    let velocity = std::f64::consts::TAU * frequency_hz * amplitude_m.abs();
-    let pressure_rms = 413.0 * velocity / std::f64::consts::SQRT_2;
-    decibels(pressure_rms.max(1e-12) / 20e-6)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::quantity::decibels;
 
     #[test]
     fn friction_falls_from_one_to_its_residual() {
@@ -84,10 +75,5 @@ mod tests {
         let octave = decibels(threshold_m(100.0) / threshold_m(200.0));
         assert!((octave - 12.04).abs() < 0.01, "{octave}");
         assert!(threshold_m(250.0) < threshold_m(150.0) && threshold_m(250.0) < threshold_m(400.0));
-    }
-
-    #[test]
-    fn one_micrometre_at_5_khz_may_reach_113_db() {
-        assert!((sound_level_db(5e3, 1e-6) - 113.0).abs() < 1.0);
     }
 }

@@ -96,10 +96,4 @@ impl Resonator {
             Some(at_ends)
         }
     }
-
-    /// Largest amplitude of a steady tone within the peak travel, as a fraction of DAC full scale (0 to 1). `None` if
-    /// the plate file does not limit the travel.
-    pub fn largest_amplitude(&self, frequency_hz: f64) -> Option<f64> {
-        Some(self.travel_share(frequency_hz)?.recip().min(1.0))
-    }
 }

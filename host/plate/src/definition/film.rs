@@ -36,20 +36,6 @@ impl Film {
         self.youngs_modulus_pa * self.thickness_m.powi(3) / (12.0 * (1.0 - self.poisson_ratio.powi(2)))
     }
 
-    /// s = sqrt(D/T), metres, under the tension T in N per metre of width: how far from an edge the film bends.
-    ///
-    /// ```
-    /// use slipline_plate::Film;
-    ///
-    /// // Polyester of 50 um under 10 N/m.
-    /// let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
-    /// assert!((film.edge_length_m(10.0) - 2.34e-3).abs() < 1e-5);
-    /// ```
-    #[must_use]
-    pub fn edge_length_m(&self, tension_n_per_m: f64) -> f64 {
-        (self.stiffness_n_m() / tension_n_per_m).sqrt()
-    }
-
     /// Refuses a film that is too stiff at the farthest boundary, where its plate has this half-width; `field` is the name of its
     /// thickness and `edge_m` its s.
     pub(crate) fn check(&self, field: &str, edge_m: f64, half_width_m: f64) -> Result<(), PlateError> {

@@ -50,9 +50,7 @@ mod tests {
         assert!((share(50.0) / (2.0 * 5.0) - 1.0).abs() < 1e-12, "{}", share(50.0));
         let far: f64 = 5000.0;
         assert!((share(far) / (2.0 * (50.0 / far).powi(2)) - 1.0).abs() < 2e-4, "{}", share(far));
-        assert!((coil.largest_amplitude(50.0).expect("limited") - 0.1).abs() < 1e-12);
-        assert_eq!(coil.largest_amplitude(far), Some(1.0), "never more than full scale");
-        assert_eq!(Resonator { travel: None, ..coil }.largest_amplitude(50.0), None);
+        assert_eq!(Resonator { travel: None, ..coil }.travel_share(50.0), None);
     }
 
     /// Largest travel over the static one of a mass on a spring, driven by a cosine up to the steady state, by

@@ -8,7 +8,6 @@
 
 use super::air_wave::Stations;
 use crate::definition::plate::Plate;
-use std::ops::RangeInclusive;
 
 /// Decay, in nepers, between the last turning point and the end of the grid: a wave reflected there returns with
 /// e^-12.
@@ -88,7 +87,8 @@ impl EmbeddedBoundary {
     }
 
     /// Stations of `row` inside the plate, the driven column included.
-    pub(super) fn stations(&self, row: usize) -> RangeInclusive<usize> {
+    #[cfg(test)]
+    pub(super) fn stations(&self, row: usize) -> std::ops::RangeInclusive<usize> {
         0..=self.reach[row]
     }
 }

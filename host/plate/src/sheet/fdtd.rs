@@ -136,6 +136,7 @@ impl FdtdGrid {
     }
 
     /// The field one step before [`FdtdGrid::row`].
+    #[cfg(test)]
     pub(super) fn row_before(&self, row: usize) -> Row<'_> {
         self.band_of(row).row(&self.plan, row, !self.clock.flipped)
     }

@@ -18,7 +18,6 @@ mod cost;
 mod distant_air;
 mod drive;
 mod embedded_boundary;
-mod energy;
 mod fdtd;
 mod grid;
 mod halo;
@@ -261,16 +260,6 @@ impl Sheet {
     pub fn reset_envelope(&mut self) {
         self.recorded_since = self.fdtd.steps();
         self.fdtd.reset_envelope();
-    }
-
-    /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 (|grad v|^2 - a v^2) over the plate, and that of
-    /// the mass of a finger on it; without air v is the displacement and a is 0.
-    ///
-    /// Without loss and with a held or free driven end it is constant except for rounding.
-    pub fn energy_j_per_kg_m2(&self) -> f64 {
-        let (mirrored, step_s, wave) = (self.mirrored, self.step_s, &self.wave);
-        let unit = energy::energy(&self.fdtd, &self.edge, mirrored, step_s, wave, self.contact.as_ref());
-        unit * self.full_scale_m.powi(2)
     }
 
     /// Steps per second of plate time.

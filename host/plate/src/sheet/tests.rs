@@ -2,6 +2,7 @@
 //! to the modal solution.
 
 mod air;
+mod energy;
 mod finger;
 
 use super::vector::Width;

@@ -60,7 +60,7 @@ const TOP_TO_RATE: f64 = 0.4;
 ///
 /// let plate = SensedPlate::new(&preset("membrane").unwrap(), None, 400e3).unwrap();
 /// let sensor = plate.sensor(SensorKind::Displacement, 0.03, 0.0).unwrap();
-/// let velocity = plate.drive_point().unwrap();
+/// let velocity = plate.with_drive_point(|_, velocity| velocity).unwrap();
 /// let mut resonators = plate.at_rest();
 /// let mut largest_m: f64 = 0.0;
 /// for n in 0..40_000 {
@@ -135,14 +135,6 @@ impl SensedPlate {
         self.output(delay_s, |hz, field| {
             per_deflection(hz) * self.fields.seen(field, place_m, sensor) * self.code_to_drive(hz)
         })
-    }
-
-    /// The velocity of the drive point per code of 1, m/s.
-    ///
-    /// # Errors
-    /// [`SenseError::Unfit`].
-    pub fn drive_point(&self) -> Result<Output, SenseError> {
-        self.with_drive_point(|_, velocity| velocity)
     }
 
     /// A signal that depends on the drive point: `signal` gets a frequency in Hz and the drive point's velocity per

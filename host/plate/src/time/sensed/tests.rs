@@ -109,7 +109,7 @@ fn codes_of_sixteen_tones_give_the_amplitudes_of_the_frequency_domain() {
         let place_m = 0.3 * plate.length_m();
         let delay_s = 1.1e-6;
         let sensor = sensed.sensor(SensorKind::Velocity, place_m, delay_s).expect("on the plate");
-        let drive_point = sensed.drive_point().expect("a drive point");
+        let drive_point = sensed.with_drive_point(|_, velocity| velocity).expect("a drive point");
         let (low_hz, high_hz) = plate.band_hz();
         // Whole periods in the window, which begins when what the first code has set off has died out.
         let window = 200_000;

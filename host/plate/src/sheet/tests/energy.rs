@@ -4,16 +4,29 @@
 //! links: multiply M (v+ - 2 v + v-)/dt^2 = -K v by (v+ - v-) and sum, K being symmetric. It is positive as long as
 //! dt^2 K/M < 4, which is the stability limit.
 
-use super::air_wave::AirWave;
-use super::contact::Contact;
-use super::embedded_boundary::EmbeddedBoundary;
-use super::fdtd::FdtdGrid;
-use super::row::Row;
+use crate::sheet::Sheet;
+use crate::sheet::air_wave::AirWave;
+use crate::sheet::contact::Contact;
+use crate::sheet::embedded_boundary::EmbeddedBoundary;
+use crate::sheet::fdtd::FdtdGrid;
+use crate::sheet::row::Row;
 use std::cmp::Ordering;
+
+impl Sheet {
+    /// Energy per surface density, J/(kg/m^2): 1/2 integral of v_t^2 + c^2 (|grad v|^2 - a v^2) over the plate, and that of
+    /// the mass of a finger on it; without air v is the displacement and a is 0.
+    ///
+    /// Without loss and with a held or free driven end it is constant except for rounding.
+    pub(super) fn energy_j_per_kg_m2(&self) -> f64 {
+        let (mirrored, step_s, wave) = (self.mirrored, self.step_s, &self.wave);
+        let unit = energy(&self.fdtd, &self.edge, mirrored, step_s, wave, self.contact.as_ref());
+        unit * self.full_scale_m.powi(2)
+    }
+}
 
 /// Energy per surface density with v of the grid in its own unit: 1/2 integral of v_t^2 + c^2 (v_x^2 + v_z^2 - a v^2) over the
 /// whole plate, m^2/s^2 times the unit squared; the mass of a finger moves with the plate.
-pub(super) fn energy(
+fn energy(
     fdtd: &FdtdGrid,
     edge: &EmbeddedBoundary,
     mirrored: bool,
