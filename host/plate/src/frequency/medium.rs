@@ -15,8 +15,6 @@ pub(super) type Lanes = [f64; LANES];
 pub(crate) trait Medium {
     /// Real and imaginary part of 1 + h^2 Q/12 at a grid point for each frequency.
     fn factor(&self, point: usize) -> (Lanes, Lanes);
-    /// Number of grid points.
-    fn points(&self) -> usize;
 }
 
 /// Q = a K^2 (1 + j eta) - barrier: the loss does not depend on x, and the barrier not on the frequency.
@@ -38,10 +36,6 @@ impl Medium for Separable<'_> {
         }
         (re, self.axial_im)
     }
-
-    fn points(&self) -> usize {
-        self.barrier.len()
-    }
 }
 
 /// Q = a K^2 (1 + j eta) h0/h - barrier: the thickness changes along the plate.
@@ -59,10 +53,6 @@ impl Medium for Graded<'_> {
     fn factor(&self, point: usize) -> (Lanes, Lanes) {
         let (barrier, local) = (self.barrier[point], self.local[point]);
         (self.axial_re.map(|re| 1.0 + local * re - barrier), self.axial_im.map(|im| local * im))
-    }
-
-    fn points(&self) -> usize {
-        self.barrier.len()
     }
 }
 
@@ -90,10 +80,6 @@ impl Medium for Strip<'_> {
         }
         (re, im)
     }
-
-    fn points(&self) -> usize {
-        self.rest.len()
-    }
 }
 
 /// Q = K(x)^2 (1 + j eta/Omega) - (q/s)^2 - barrier on a membrane in air.
@@ -118,9 +104,5 @@ impl Medium for InAir<'_> {
             im[lane] = self.scale * here.wavenumber_squared * self.loss * here.loss_share;
         }
         (re, im)
-    }
-
-    fn points(&self) -> usize {
-        self.rest.len()
     }
 }

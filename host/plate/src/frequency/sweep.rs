@@ -36,7 +36,7 @@ impl<M: Medium> WithSimd for Sweep<'_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) -> Ends {
-        let last = self.medium.points() - 1;
+        let last = self.g_re.len() - 1;
         let (mut y_re, mut y_im) = ([0.0; LANES], [0.0; LANES]);
         let (mut next_re, mut next_im) = ([0.0; LANES], [0.0; LANES]);
         let mut side_re = [[0.0; LANES]; 3];
