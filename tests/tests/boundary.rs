@@ -32,7 +32,7 @@ fn run(plate: &Plate, actual: &Plate, table: &DriveTable, boundary_m: f64, has_g
         solver,
         finger: None,
     };
-    run.run(table, &mut Progress::new(&mut |_| true)).unwrap()
+    run.run(table, &mut Progress::unwatched()).unwrap()
 }
 
 /// A place of the span by its share.

@@ -58,7 +58,7 @@ fn compare(name: &str, level: f64) {
             solver: Solver::Line,
             finger: None,
         };
-        let simulated = simulation.run(&table, &mut Progress::new(&mut |_| true)).unwrap();
+        let simulated = simulation.run(&table, &mut Progress::unwatched()).unwrap();
         let felt = simulated.felt(&plate, &setup.feeling).unwrap();
         let felt_m = felt.edge.place_m().unwrap_or(f64::NAN);
         assert!((felt_m - drawn_m).abs() < 1e-3, "{name}: drawn at {drawn_m}, felt to {felt_m}");

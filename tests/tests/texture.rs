@@ -38,7 +38,7 @@ fn what_is_said_to_be_in_reach_is_reached_on_the_plate() {
         let target = Target::profile(&palette, points).unwrap();
         let texture = Texture::fit(&palette, &target, 16).unwrap();
         let tones: Vec<(f64, f64)> = texture.tones.iter().map(|tone| (tone.position_m, tone.level)).collect();
-        let simulated = simulation(&plate, &tones).run(&table, &mut Progress::new(&mut |_| true)).unwrap();
+        let simulated = simulation(&plate, &tones).run(&table, &mut Progress::unwatched()).unwrap();
         let (mut square, mut count, mut largest_m) = (0.0, 0, 0.0_f64);
         for ((&x, &wanted_m), &weight) in texture.places_m.iter().zip(&texture.wanted_m).zip(target.weight())
         {
@@ -64,7 +64,7 @@ fn a_solid_area_is_on_the_plate_as_it_was_fitted() {
         let target = Target::solid(&palette, turning_point_m).unwrap();
         let texture = Texture::fit(&palette, &target, 8).unwrap();
         let tones: Vec<(f64, f64)> = texture.tones.iter().map(|tone| (tone.position_m, tone.level)).collect();
-        let simulated = simulation(&plate, &tones).run(&table, &mut Progress::new(&mut |_| true)).unwrap();
+        let simulated = simulation(&plate, &tones).run(&table, &mut Progress::unwatched()).unwrap();
         assert_eq!(simulated.clipped_samples, 0);
         let largest_m = texture.rms_m.iter().copied().fold(0.0, f64::max);
         for (&x, &fitted_m) in texture.places_m.iter().zip(&texture.rms_m) {

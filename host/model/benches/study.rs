@@ -34,7 +34,7 @@ fn main() {
              \"taper.rate_per_m\" = {{ uniform = 0.02 }}\n\"taper.half_width_m\" = {{ normal = 0.002 }}"
         );
         let spec = Draft::parse(&text).expect("valid").finish(Some(nominal)).expect("valid");
-        let study = Study::new(spec, &mut Progress::new(&mut |_| true)).expect("a table");
+        let study = Study::new(spec, &mut Progress::unwatched()).expect("a table");
         let plates: Vec<Plate> = (0..PLATES).filter_map(|plate| study.plate(plate).ok()).collect();
         let rate_hz = f64::from(SAMPLE_RATE_HZ);
         let alone = || {

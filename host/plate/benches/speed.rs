@@ -125,7 +125,8 @@ fn lights(report: &Report) {
         let Some(plate) = preset.plate() else { continue };
         let mut check = 0.0;
         let time = report.fastest(|| {
-            let span = Checker::new(&plate, Conditions::default()).and_then(|checker| checker.over_span());
+            let span = Checker::new(&plate, Conditions::default())
+                .and_then(|checker| checker.over_span(&mut Progress::unwatched()));
             check = span.map_or(f64::NAN, |span| span.lights.iter().filter_map(|light| light.value).sum());
         });
         report.row(

@@ -9,8 +9,8 @@ pub struct Stopped;
 
 /// Progress of a long computation, reported to the caller that waits for it.
 pub struct Progress<'a> {
-    /// Takes the fraction done, 0 to 1; false ends the computation.
-    report: &'a mut dyn FnMut(f64) -> bool,
+    /// Takes the fraction done, 0 to 1; false ends the computation. `None` where nobody watches.
+    report: Option<&'a mut dyn FnMut(f64) -> bool>,
     from: f64,
     to: f64,
 }
@@ -18,13 +18,20 @@ pub struct Progress<'a> {
 impl<'a> Progress<'a> {
     /// `report` takes the fraction done (0 to 1, never falling) a few hundred times and returns whether to continue.
     pub fn new(report: &'a mut dyn FnMut(f64) -> bool) -> Self {
-        Self { report, from: 0.0, to: 1.0 }
+        Self { report: Some(report), from: 0.0, to: 1.0 }
+    }
+
+    /// That of a computation that nobody watches and nobody stops.
+    #[must_use]
+    pub const fn unwatched() -> Self {
+        Self { report: None, from: 0.0, to: 1.0 }
     }
 
     /// The part of this computation between two fractions of it, as a computation of its own.
     pub fn part(&mut self, from: f64, to: f64) -> Progress<'_> {
         let whole = self.to - self.from;
-        Progress { from: self.from + from * whole, to: self.from + to * whole, report: &mut *self.report }
+        let report = self.report.as_mut().map(|report| &mut **report as &mut dyn FnMut(f64) -> bool);
+        Progress { from: self.from + from * whole, to: self.from + to * whole, report }
     }
 
     /// Reports that the fraction `share` (0 to 1) of this part is done.
@@ -33,7 +40,8 @@ impl<'a> Progress<'a> {
     /// [`Stopped`] when the caller no longer needs the result.
     pub fn at(&mut self, share: f64) -> Result<(), Stopped> {
         let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
-        if (self.report)(self.from + share * (self.to - self.from)) { Ok(()) } else { Err(Stopped) }
+        let Some(report) = &mut self.report else { return Ok(()) };
+        if report(self.from + share * (self.to - self.from)) { Ok(()) } else { Err(Stopped) }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions};
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
 use slipline_plate::{
-    Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Sheet,
+    Air, AirMounting, DriveTable, Equation, Faces, Gas, LineError, Model, Plate, PlateSpec, Progress, Sheet,
     SheetError, SheetGrid, TimeDomainLine, preset, presets, reflection, respond, respond_range,
 };
 use std::f64::consts::TAU;
@@ -304,14 +304,16 @@ fn a_design_writes_its_air_and_puts_the_band_where_the_plate_in_air_has_it() {
     let film = Material::named("polyester-film").expect("known");
     let wave = Wave::Membrane { wave_speed_m_per_s: 20.0 };
     let request = Request::new("film", film, 1e-4, wave, (80.0, 200.0), 0.3);
-    let plate = design(&request).expect("a design").plate;
+    let plate = design(&request, &mut Progress::unwatched()).expect("a design").plate;
     assert_eq!(plate.spec().air, Some(Air::ROOM));
     assert_eq!(Plate::from_toml(&plate.to_toml()).expect("its own text"), plate);
     let (low, high) = plate.band_hz();
     assert!((low / 80.0 - 1.0).abs() < 1e-6 && (high / 200.0 - 1.0).abs() < 1e-6, "{low} {high}");
     // The same taper without air has its band elsewhere.
     assert!(plate.in_vacuum().band_hz().0 > 1.1 * low);
-    let still = design(&Request { air: None, ..request.clone() }).expect("a design").plate;
+    let still = design(&Request { air: None, ..request.clone() }, &mut Progress::unwatched())
+        .expect("a design")
+        .plate;
     assert!(still.spec().air.is_none() && still.half_width_m(0.0) > 1.1 * plate.half_width_m(0.0));
     let shear = Request { wave: Wave::ShearHorizontal, band_hz: (5e3, 20e3), ..request };
     assert!(Request::new("sh", shear.material, 1e-3, shear.wave, shear.band_hz, 0.5).air.is_none());

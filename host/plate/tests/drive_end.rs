@@ -128,7 +128,7 @@ fn the_table_undoes_the_hold_and_the_actuator() {
 /// The table with 1025 knots, and its sensitivity.
 fn finest(plate: &Plate) -> (DriveTable, Sensitivity) {
     let table = DriveTable::build(plate, 400e3, 1025).expect("a table");
-    let sensitivity = sensitivity_per_percent(&table, plate, &mut Progress::new(&mut |_| true));
+    let sensitivity = sensitivity_per_percent(&table, plate, &mut Progress::unwatched());
     (table, sensitivity.expect("answers"))
 }
 
@@ -251,7 +251,7 @@ fn the_sensitivity_is_the_same_from_a_table_with_fewer_knots() {
     let plate = preset("al-bending").expect("a preset");
     let fresh = finest(&plate).1;
     let table = DriveTable::build(&plate, 400e3, 33).expect("a table");
-    assert_eq!(sensitivity_per_percent(&table, &plate, &mut Progress::new(&mut |_| true)), Ok(fresh));
+    assert_eq!(sensitivity_per_percent(&table, &plate, &mut Progress::unwatched()), Ok(fresh));
 }
 
 #[test]

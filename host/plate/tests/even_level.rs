@@ -2,7 +2,7 @@
 //! plate itself, and on one with a wave speed 1 % off.
 
 use slipline_plate::design::{Edge, Material, Request, Wave, design};
-use slipline_plate::{DriveTable, Knot, Plate, plane, preset, quantity::decibels};
+use slipline_plate::{DriveTable, Knot, Plate, Progress, plane, preset, quantity::decibels};
 
 const KNOTS: usize = 33;
 
@@ -28,7 +28,7 @@ fn designed(edge: Edge, thick_plate: bool, thickness_m: f64, band_hz: (f64, f64)
     // Without air: its sound radiation lowers the peak in two dimensions by 0.5 dB more than in the one-mode
     // equation.
     let request = Request::new("even", material, thickness_m, wave, band_hz, length_m);
-    design(&Request { air: None, ..request }).expect("possible").plate
+    design(&Request { air: None, ..request }, &mut Progress::unwatched()).expect("possible").plate
 }
 
 #[test]

@@ -3,10 +3,10 @@
 
 use crate::time_line::assert_answers_a_tone;
 use slipline_plate::check::{Checker, Colour, Conditions, Light};
-use slipline_plate::design::{Material, Request, Wave, design};
+use slipline_plate::design::{DesignError, Material, Request, Wave, design};
 use slipline_plate::{
     Air, AirMounting, Complex64, DriveEnd, DriveTable, Equation, Faces, Film, Gas, Impedance, Model, Plate,
-    PlateSpec, Sheet, SheetError, SheetGrid, Source, TurningWidth, plane, preset, respond,
+    PlateSpec, Progress, Sheet, SheetError, SheetGrid, Source, TurningWidth, plane, preset, respond,
 };
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -395,18 +395,20 @@ fn a_design_counts_its_film_and_says_which_film_would_be_better() {
         let wave = Wave::Membrane { wave_speed_m_per_s: 12.0 };
         Request::new("film", film, thickness_m, wave, (80.0, 200.0), 0.3)
     };
-    let plate = design(&request(25e-6)).expect("a design").plate;
+    let plate = design(&request(25e-6), &mut Progress::unwatched()).expect("a design").plate;
     assert_eq!(plate.spec().model.film(), Some(&polyester(25e-6)));
     assert_eq!(Plate::from_toml(&plate.to_toml()).expect("its own text"), plate);
     let (low, high) = plate.band_hz();
     assert!((low / 80.0 - 1.0).abs() < 1e-6 && (high / 200.0 - 1.0).abs() < 1e-6, "{low} {high}");
     // The membrane's half-widths alone would put the band too high by 8 % and more.
     assert!(plate.without_film().band_hz().1 < 0.9 * high);
-    let stiff = design(&request(50e-6)).expect("a design").plate;
+    let stiff = design(&request(50e-6), &mut Progress::unwatched()).expect("a design").plate;
     let warned = thin_plate(&stiff, stiff.span_m().1);
     assert_eq!(warned.colour, Colour::Amber);
     assert!(warned.sentence.contains("a film of up to"), "{}", warned.sentence);
-    let error = design(&request(150e-6)).expect_err("too stiff");
+    let Err(DesignError::Plate(error)) = design(&request(150e-6), &mut Progress::unwatched()) else {
+        panic!("too stiff")
+    };
     assert_eq!(error.field(), "thickness_m");
     assert!(error.to_string().contains("at this wave speed"), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Long computations report their progress and end when the caller stops them.
 
 use slipline_plate::check::{CheckError, Checker, Conditions};
-use slipline_plate::design::{DesignError, Edge, Material, Request, Wave, design, design_watched};
+use slipline_plate::design::{DesignError, Edge, Material, Request, Wave, design};
 use slipline_plate::{DriveTable, KNOTS_MAX, Progress, Stopped, TableError, preset, sensitivity_per_percent};
 
 /// The fractions that a computation reports until `limit` of it is done.
@@ -24,7 +24,7 @@ fn a_whole_computation_tells_shares_that_rise_from_none_to_nearly_all() {
         &|progress| drop(Checker::watched(&plate, Conditions::default(), progress).expect("checks")),
         &|progress| {
             let checker = Checker::new(&plate, Conditions::default()).expect("checks");
-            drop(checker.over_span_watched(progress).expect("on the span"));
+            drop(checker.over_span(progress).expect("on the span"));
         },
     ];
     for (number, compute) in computations.into_iter().enumerate() {
@@ -61,12 +61,15 @@ fn a_design_can_be_stopped_at_every_step_of_it() {
     let wave = Wave::Bending { edge: Edge::Supported, thick_plate: true };
     let request = Request::new("stopped", material, 2e-3, wave, (20e3, 40e3), 0.3);
     let shares = reported(2.0, |progress| {
-        assert_eq!(design_watched(&request, progress), Ok(design(&request).expect("possible")));
+        assert_eq!(
+            design(&request, progress),
+            Ok(design(&request, &mut Progress::unwatched()).expect("possible"))
+        );
     });
     assert!(shares.len() >= 5 && shares.is_sorted() && shares[shares.len() - 1] == 1.0, "{shares:?}");
     for limit in &shares {
         let until = reported(*limit, |progress| {
-            assert_eq!(design_watched(&request, progress), Err(DesignError::Stopped(Stopped)));
+            assert_eq!(design(&request, progress), Err(DesignError::Stopped(Stopped)));
         });
         assert_eq!(until.last(), Some(limit));
     }

@@ -107,7 +107,7 @@ fn a_solid_area_ends_where_the_finger_feels_it_end() {
     let palette = Palette::new(&plate, &table);
     let feeling = Feeling::default();
     let solid_to = |felt_edge_m: f64, most: usize, feeling: &Feeling| {
-        Texture::solid_to(&palette, felt_edge_m, most, feeling, &mut Progress::new(&mut |_| true))
+        Texture::solid_to(&palette, felt_edge_m, most, feeling, &mut Progress::unwatched())
     };
     for (felt_edge_m, most) in [(0.25, 16), (0.27, 16), (0.3, 16), (0.25, 3), (0.28, 4), (0.3, 5)] {
         let (texture, _) = solid_to(felt_edge_m, most, &feeling).expect("in range");

@@ -31,7 +31,7 @@ fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_is_that_of_the_librar
     assert_eq!(outs[0].0, outs[1].0);
     assert_eq!(outs[0].1["turning_points"], outs[1].1["turning_points"]);
     let study = Draft::parse(&text).unwrap().finish(preset("membrane")).unwrap();
-    let study = Study::new(study, &mut Progress::new(&mut |_| true)).unwrap();
+    let study = Study::new(study, &mut Progress::unwatched()).unwrap();
     let whole = study.run_range(0..200);
     assert_eq!(outs[0].0, csv::head(&study) + &csv::rows(&study, &whole));
 

@@ -50,7 +50,8 @@ impl Form for Panel {
 mod tests {
     use super::*;
     use slipline_plate::Notation as _;
-    use slipline_plate::design::{Request, design};
+    use slipline_plate::Progress;
+    use slipline_plate::design::{DesignError, Request, design};
     use slipline_plate::{Plate, PlateSpec, Taper};
 
     fn fault(preset: &str, change: impl FnOnce(&mut PlateSpec)) -> String {
@@ -142,7 +143,10 @@ mod tests {
         );
         let mut request = slipline_model::jobs::design::Draft::default().request().unwrap();
         (request.length_m, request.air) = (0.01, None);
-        let designer = |request: &Request| design(request).unwrap_err().worded(&Panel::Designer);
+        let designer = |request: &Request| match design(request, &mut Progress::unwatched()) {
+            Err(DesignError::Plate(error)) => error.worded(&Panel::Designer),
+            designed => panic!("{designed:?}"),
+        };
         assert_eq!(
             designer(&request),
             "Length 10 mm: must be longer: the peak of 20 kHz and the tail of 40 kHz alone take 25.4 mm of it; or raise \

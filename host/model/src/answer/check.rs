@@ -17,7 +17,7 @@ pub fn check(
     let checker = Checker::watched(plate, conditions, &mut progress.part(0.0, 0.2))?;
     match turning_point_m {
         Some(turning_point_m) => checker.at(turning_point_m),
-        None => checker.over_span_watched(&mut progress.part(0.2, 1.0)),
+        None => checker.over_span(&mut progress.part(0.2, 1.0)),
     }
 }
 

@@ -4,7 +4,7 @@ use super::check::{self, CheckAnswer};
 use serde::Serialize;
 use slipline_plate::Progress;
 use slipline_plate::check::{CheckError, Conditions, Report};
-use slipline_plate::design::{BandEnd, Damper, Design, DesignError, Request, design_watched};
+use slipline_plate::design::{self, BandEnd, Damper, Design, DesignError, Request};
 
 /// Designs a plate, and checks it over its span.
 ///
@@ -16,7 +16,7 @@ pub fn design(
     request: &Request,
     progress: &mut Progress<'_>,
 ) -> Result<(Design, Result<Report, CheckError>), DesignError> {
-    let designed = design_watched(request, &mut progress.part(0.0, 0.5))?;
+    let designed = design::design(request, &mut progress.part(0.0, 0.5))?;
     match check::check(&designed.plate, None, Conditions::default(), &mut progress.part(0.5, 1.0)) {
         Err(CheckError::Stopped(stopped)) => Err(stopped.into()),
         lights => Ok((designed, lights)),

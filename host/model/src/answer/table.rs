@@ -3,7 +3,7 @@
 use crate::field::simulation;
 use serde::Serialize;
 use slipline_link::table::{DeviceTable, DeviceTableError};
-use slipline_plate::{DriveTable, Plate, Progress, Sensitivity, TableError, sensitivity_per_percent};
+use slipline_plate::{DriveTable, Knot, Plate, Progress, Sensitivity, TableError, sensitivity_per_percent};
 
 /// A table, in physical and in device units, and what it loses on a plate that differs.
 #[derive(Clone, Debug)]

@@ -152,7 +152,7 @@ pub fn table_for(
     plate: &Plate,
     sample_rate_hz: u32,
 ) -> Result<(DriveTable, Arc<DeviceTable>), SimulationError> {
-    table_for_watched(plate, sample_rate_hz, &mut Progress::new(&mut |_| true))
+    table_for_watched(plate, sample_rate_hz, &mut Progress::unwatched())
 }
 
 /// [`table_for`] with progress reports and cancellation.

@@ -2,7 +2,7 @@
 //! `slipline design`.
 
 use crate::jobs::Task;
-use slipline_plate::design::{Design, DesignError, Edge, Material, Request, Wave, design_watched};
+use slipline_plate::design::{Design, DesignError, Edge, Material, Request, Wave, design};
 use slipline_plate::{PlateError, Progress};
 use std::sync::Arc;
 
@@ -148,7 +148,7 @@ pub fn work(draft: Draft, task: &Task) -> Option<Designed> {
 }
 
 fn designed(draft: Draft, progress: &mut Progress<'_>) -> Option<Designed> {
-    let result = match draft.request().map(|request| design_watched(&request, progress)) {
+    let result = match draft.request().map(|request| design(&request, progress)) {
         Ok(Ok(design)) => Ok(Arc::new(design)),
         Err(error) | Ok(Err(DesignError::Plate(error))) => Err(error),
         Ok(Err(DesignError::Stopped(_))) => return None,

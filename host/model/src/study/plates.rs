@@ -41,7 +41,7 @@ pub enum StudyError {
 ///
 /// let text = "plate = \"membrane\"\nseed = 7\ncount = 100\nturning_point_m = [0.16]\n[vary]\nloss_factor = { log_normal = 0.3 }";
 /// let spec = Draft::parse(text).unwrap().finish(preset("membrane")).unwrap();
-/// let study = Study::new(spec, &mut Progress::new(&mut |_| true)).unwrap();
+/// let study = Study::new(spec, &mut Progress::unwatched()).unwrap();
 /// assert_eq!(study.run_range(40..50), study.run_range(40..50));
 /// ```
 #[derive(Debug)]

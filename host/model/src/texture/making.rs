@@ -280,7 +280,7 @@ mod tests {
     fn made(wish: &Wish, most: usize) -> Made {
         let (plate, table) = membrane();
         let (palette, feeling) = (Palette::new(&plate, &table), Feeling::default());
-        make(&palette, wish, most, &feeling, &mut Progress::new(&mut |_| true)).unwrap()
+        make(&palette, wish, most, &feeling, &mut Progress::unwatched()).unwrap()
     }
 
     #[test]
@@ -305,7 +305,7 @@ mod tests {
         let (palette, feeling) = (Palette::new(&plate, &table), Feeling::default());
         let rest = |wish| {
             let made = made(&wish, 8);
-            let made = made.finished(&palette, &feeling, &mut Progress::new(&mut |_| true)).unwrap();
+            let made = made.finished(&palette, &feeling, &mut Progress::unwatched()).unwrap();
             made.fitted.and_then(|fitted| fitted.rest).unwrap()
         };
         let area = rest(Wish::Solid(0.25));

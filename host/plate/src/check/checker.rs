@@ -30,7 +30,7 @@ impl Checker {
     /// [`CheckError::Level`] or [`CheckError::Boundary`] if a condition is out of range, [`CheckError::Table`] if the
     /// sample rate cannot carry the plate's band or the plate has no amplitude somewhere on its span.
     pub fn new(plate: &Plate, conditions: Conditions) -> Result<Self, CheckError> {
-        Self::watched(plate, conditions, &mut Progress::new(&mut |_| true))
+        Self::watched(plate, conditions, &mut Progress::unwatched())
     }
 
     /// As [`Checker::new`], with reports of its progress; it can be stopped. A plate of many wavelengths takes many
@@ -95,18 +95,10 @@ impl Checker {
     /// boundary.
     ///
     /// # Errors
-    /// As [`Checker::at`].
-    pub fn over_span(&self) -> Result<Report, CheckError> {
-        self.over_span_watched(&mut Progress::new(&mut |_| true))
-    }
-
-    /// As [`Checker::over_span`], with reports of its progress; it can be stopped.
-    ///
-    /// # Errors
     /// As [`Checker::at`], and [`CheckError::Stopped`].
-    pub fn over_span_watched(&self, progress: &mut Progress<'_>) -> Result<Report, CheckError> {
+    pub fn over_span(&self, progress: &mut Progress<'_>) -> Result<Report, CheckError> {
         let mut worst: Vec<Finding> = Vec::new();
-        let boundaries_m: Vec<f64> = places(self.plate(), SPAN_PLACES).collect();
+        let boundaries_m: Vec<f64> = self.plate().over_span_m(SPAN_PLACES).collect();
         let mut done = 0;
         for group in boundaries_m.chunks(AT_ONCE) {
             progress.at(done as f64 / SPAN_PLACES as f64)?;

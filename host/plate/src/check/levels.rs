@@ -204,5 +204,5 @@ impl Variants {
 }
 
 fn at(plate: &DriveToPeak, frequencies_hz: &[f64]) -> Result<Vec<Level>, TableError> {
-    plate.levels(frequencies_hz, &mut Progress::new(&mut |_| true))
+    plate.levels(frequencies_hz, &mut Progress::unwatched())
 }

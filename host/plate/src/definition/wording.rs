@@ -138,6 +138,7 @@ fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
 
 #[cfg(test)]
 mod tests {
+    use crate::Progress;
     use crate::design::{Edge, Material, Request, Wave, design};
     use crate::{DriveEnd, Plate, PlateSpec, Taper, TurningWidth, preset};
 
@@ -218,14 +219,14 @@ mod tests {
         // The air of the room does next to nothing to such a plate.
         for request in [Request { air: None, ..request.clone() }, request.clone()] {
             assert_eq!(
-                design(&request).expect_err("too short").to_string(),
+                design(&request, &mut Progress::unwatched()).expect_err("too short").to_string(),
                 "length_m = 0.01: must be longer: the peak of 20000 Hz and the tail of 40000 Hz alone take 0.0254 m of it; \
                  or raise the band, or set smaller margins"
             );
         }
         let request = Request { length_m: 0.3, band_hz: (20e3, 20.5e3), ..request };
         assert_eq!(
-            design(&request).expect_err("too narrow").to_string(),
+            design(&request, &mut Progress::unwatched()).expect_err("too narrow").to_string(),
             "band high = 20500: must be 21000 to 1e7 Hz, at least 5 % above band low = 20000"
         );
     }

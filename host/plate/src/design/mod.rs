@@ -88,15 +88,6 @@ pub struct Design {
     pub mounting: Mounting,
 }
 
-/// Designs the plate: finds the taper that puts the two ends of the band at the margins, and the matching damper.
-///
-/// # Errors
-/// [`PlateError`] names the field of the request that is out of range, or the length if the margins do not leave a
-/// tenth of it for the span.
-pub fn design(request: &Request) -> Result<Design, PlateError> {
-    design_in_steps(request, |_| Ok(()))
-}
-
 /// Why a design was not finished.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum DesignError {
@@ -108,20 +99,13 @@ pub enum DesignError {
     Stopped(#[from] Stopped),
 }
 
-/// As [`design`], with reports of its progress; it can be stopped.
+/// Designs the plate: finds the taper that puts the two ends of the band at the margins, and the matching damper.
 ///
 /// # Errors
-/// As [`design`], and [`DesignError::Stopped`].
-pub fn design_watched(request: &Request, progress: &mut Progress<'_>) -> Result<Design, DesignError> {
-    design_in_steps(request, |share| Ok(progress.at(share)?))
-}
-
-/// `step` gets the share done before each part of the work, and its error ends the design.
-fn design_in_steps<E: From<PlateError>>(
-    request: &Request,
-    mut step: impl FnMut(f64) -> Result<(), E>,
-) -> Result<Design, E> {
-    step(0.0)?;
+/// [`DesignError::Plate`] names the field of the request that is out of range, or the length if the margins do not
+/// leave a tenth of it for the span; [`DesignError::Stopped`].
+pub fn design(request: &Request, progress: &mut Progress<'_>) -> Result<Design, DesignError> {
+    progress.at(0.0)?;
     request.material.validate()?;
     limits::THICKNESS.check("thickness_m", request.thickness_m)?;
     limits::LENGTH.check("length_m", request.length_m)?;
@@ -137,7 +121,7 @@ fn design_in_steps<E: From<PlateError>>(
     }
     check_film(request, &model)?;
     let taper = taper_for(request, &model)?;
-    step(0.1)?;
+    progress.at(0.1)?;
     let mut spec = PlateSpec {
         name: request.name.clone(),
         description: request.describe(),
@@ -158,21 +142,21 @@ fn design_in_steps<E: From<PlateError>>(
         calibration: None,
     };
     let undamped = Plate::new(spec.clone())?;
-    step(0.2)?;
+    progress.at(0.2)?;
     let (drive_end, damper) = damper::matched(&undamped, request.band_hz);
     spec.drive_end = drive_end;
     let plate = Plate::new(spec)?;
-    step(0.5)?;
+    progress.at(0.5)?;
     let surface_density = request.material.density_kg_per_m3 * request.thickness_m;
 
     let (low, high) = (band_end(&plate, request.band_hz.0), band_end(&plate, request.band_hz.1));
-    step(0.8)?;
+    progress.at(0.8)?;
     let alone_to = |mode: u32| {
         let enters_at_hz = plate.width_mode(mode).cut_off_hz(0.0);
         plate.turning_point_m(enters_at_hz).unwrap_or(0.0).min(taper.far_m)
     };
     let loss_factor_limit = loss_factor_limit(&plate)?;
-    step(1.0)?;
+    progress.at(1.0)?;
     Ok(Design {
         rate_per_m: taper.rate_per_m,
         low,

@@ -22,7 +22,7 @@ fn the_turning_points_of_the_band_ends_are_where_the_margins_say_after_a_round_t
         request.wave = Wave::Bending { edge, thick_plate };
         request.start_margin_m = Some(0.06);
         request.end_margin_m = Some(0.035);
-        let designed = design(&request).expect("possible");
+        let designed = design(&request, &mut Progress::unwatched()).expect("possible");
         let read = Plate::from_toml(&designed.plate.to_toml()).expect("a valid plate file");
         assert_eq!(read, designed.plate);
         let near = read.turning_point_m(20e3).expect("enters");
@@ -40,7 +40,7 @@ fn a_thin_supported_plate_has_the_taper_worked_out_by_hand() {
     request.wave = Wave::Bending { edge: Edge::Supported, thick_plate: false };
     request.start_margin_m = Some(0.06);
     request.end_margin_m = Some(0.04);
-    let designed = design(&request).expect("possible");
+    let designed = design(&request, &mut Progress::unwatched()).expect("possible");
     // An octave of bending: half the arcs at the turning points are 7.82 and 5.53 mm, and the widths fall by a little
     // more than the root of 2.
     let rate = designed.rate_per_m;
@@ -62,7 +62,7 @@ fn a_thin_supported_plate_has_the_taper_worked_out_by_hand() {
 #[test]
 fn margins_left_open_give_the_first_peak_and_the_last_tail_their_room() {
     for request in [aluminium(), membrane()] {
-        let designed = design(&request).expect("possible");
+        let designed = design(&request, &mut Progress::unwatched()).expect("possible");
         let plate = &designed.plate;
         let near = plate.kappa_per_m(request.band_hz.0).expect("enters") * designed.low.boundary_m;
         assert!((near - 2.338).abs() < 0.01, "{near}");
@@ -83,7 +83,7 @@ fn the_damper_is_the_membranes_wave_impedance_and_is_off_by_the_same_factor_at_b
 }
 
 fn the_damper_matches(request: &Request) {
-    let designed = design(request).expect("possible");
+    let designed = design(request, &mut Progress::unwatched()).expect("possible");
     let damper = designed.damper;
     // T k0/omega with T = rho h c^2 W0, also in air and of a film: the damper feels the membrane alone. W0 is less by what the
     // film bends at its edges, D = E h^3/(12 (1 - nu^2)).
@@ -121,7 +121,7 @@ fn a_bending_plate_gets_the_shortest_lead_in_that_matches_its_whole_band() {
     for (edge, thick_plate) in [(Edge::Supported, false), (Edge::Supported, true), (Edge::Clamped, true)] {
         let mut request = aluminium();
         request.wave = Wave::Bending { edge, thick_plate };
-        let designed = design(&request).expect("possible");
+        let designed = design(&request, &mut Progress::unwatched()).expect("possible");
         let damper = designed.damper;
         let lead_in = damper.lead_in.expect("a lead-in");
         assert_eq!(lead_in.end_resistance_n_s_per_m, damper.resistance_n_s_per_m);
@@ -139,7 +139,7 @@ fn a_bending_plate_gets_the_shortest_lead_in_that_matches_its_whole_band() {
 fn the_wave_impedance_of_a_thin_supported_plate_is_twice_its_flux_over_its_wavenumber() {
     let mut request = aluminium();
     request.wave = Wave::Bending { edge: Edge::Supported, thick_plate: false };
-    let designed = design(&request).expect("possible");
+    let designed = design(&request, &mut Progress::unwatched()).expect("possible");
     // omega = s (k^2 + (q/W)^2): v_g = 2 s k0 with s = sqrt(D/rho h) = 3.114 m^2/s.
     let wide = designed.plate.half_width_m(0.0);
     let k0 = (TAU * 28e3 / 3.114 - (std::f64::consts::FRAC_PI_2 / wide).powi(2)).sqrt();
@@ -150,7 +150,7 @@ fn the_wave_impedance_of_a_thin_supported_plate_is_twice_its_flux_over_its_waven
 
 #[test]
 fn loss_limits_and_mode_free_travel_are_the_closed_forms() {
-    let designed = design(&membrane()).expect("possible");
+    let designed = design(&membrane(), &mut Progress::unwatched()).expect("possible");
     // The third width mode enters when the arc at the boundary is a third of the one at the driven end: a little more
     // than ln 3/d from it, or less in a film. The second enters at half of it.
     let d = designed.rate_per_m;
@@ -188,7 +188,7 @@ fn requests_that_cannot_be_met_name_the_field_and_what_is_allowed() {
     let refused = |change: &dyn Fn(&mut Request)| {
         let mut request = aluminium();
         change(&mut request);
-        design(&request).expect_err("impossible").to_string()
+        design(&request, &mut Progress::unwatched()).expect_err("impossible").to_string()
     };
     for (field, error) in [
         ("thickness_m = 0:", refused(&|r| r.thickness_m = 0.0)),
@@ -217,7 +217,7 @@ fn requests_that_cannot_be_met_name_the_field_and_what_is_allowed() {
 #[test]
 fn the_svg_is_well_formed_and_as_large_as_the_part_in_millimetres() {
     for request in [aluminium(), membrane()] {
-        let designed = design(&request).expect("possible");
+        let designed = design(&request, &mut Progress::unwatched()).expect("possible");
         let (wide, length) = (designed.plate.half_width_m(0.0) * 1e3, request.length_m * 1e3);
         let start = -designed.damper.lead_in.map_or(0.0, |lead_in| lead_in.length_m * 1e3);
         let frame = designed.frame_drawing();
@@ -238,7 +238,7 @@ fn the_svg_is_well_formed_and_as_large_as_the_part_in_millimetres() {
 #[test]
 fn the_dxf_is_release_12_and_as_large_as_the_part_in_millimetres() {
     for request in [aluminium(), membrane()] {
-        let designed = design(&request).expect("possible");
+        let designed = design(&request, &mut Progress::unwatched()).expect("possible");
         for drawing in [designed.plate_drawing(), designed.frame_drawing()] {
             close(&dxf_cut_extents(&drawing.to_dxf()), &drawing.cut_extents_mm());
         }
@@ -247,7 +247,7 @@ fn the_dxf_is_release_12_and_as_large_as_the_part_in_millimetres() {
 
 #[test]
 fn the_cut_edge_stays_within_a_hundredth_of_a_millimetre_of_the_taper() {
-    let designed = design(&membrane()).expect("possible");
+    let designed = design(&membrane(), &mut Progress::unwatched()).expect("possible");
     let frame = designed.frame_drawing();
     let window = outlines(&frame)[1];
     let upper: Vec<[f64; 2]> = window.iter().copied().filter(|p| p[1] > 0.0 && p[0] >= 0.0).collect();
@@ -261,7 +261,7 @@ fn the_cut_edge_stays_within_a_hundredth_of_a_millimetre_of_the_taper() {
 
 #[test]
 fn bolts_stand_in_the_rim_and_never_in_the_window() {
-    let designed = design(&membrane()).expect("possible");
+    let designed = design(&membrane(), &mut Progress::unwatched()).expect("possible");
     let (wide, length) = (designed.plate.half_width_m(0.0) * 1e3, 400.0);
     let mut holes = 0;
     for shape in designed.frame_drawing().shapes {
@@ -278,7 +278,7 @@ fn bolts_stand_in_the_rim_and_never_in_the_window() {
 fn a_plate_that_may_turn_lies_on_the_frame_all_around_the_window_and_clear_of_the_bolts() {
     let mut request = aluminium();
     request.rim_m = limits::RIM.low;
-    let designed = design(&request).expect("possible");
+    let designed = design(&request, &mut Progress::unwatched()).expect("possible");
     let (plate, frame) = (designed.plate_drawing(), designed.frame_drawing());
     let (sheet, window) = (outlines(&plate)[0], outlines(&frame)[1]);
     let half_at = |outline: &[[f64; 2]], x: f64| {
@@ -312,7 +312,7 @@ fn the_cut_files_say_how_the_parts_are_put_together() {
     for (request, word) in
         [(aluminium(), "must turn"), (clamped, "cannot turn"), (membrane(), "once it is stretched")]
     {
-        let designed = design(&request).expect("possible");
+        let designed = design(&request, &mut Progress::unwatched()).expect("possible");
         for drawing in [designed.plate_drawing(), designed.frame_drawing()] {
             let notes: Vec<&str> = drawing
                 .shapes
@@ -336,7 +336,9 @@ fn the_cut_files_say_how_the_parts_are_put_together() {
 
 #[test]
 fn the_description_rounds_its_numbers_and_writes_kilohertz() {
-    let described = |request: &Request| design(request).expect("possible").plate.spec().description.clone();
+    let described = |request: &Request| {
+        design(request, &mut Progress::unwatched()).expect("possible").plate.spec().description.clone()
+    };
     assert_eq!(
         described(&aluminium()),
         "Designed: aluminium 2 mm, bending, supported edges, turning points from 20 kHz to 40 kHz"
@@ -353,7 +355,7 @@ fn the_description_rounds_its_numbers_and_writes_kilohertz() {
 fn names_with_markup_do_not_break_the_files() {
     let mut request = membrane();
     request.name = "a<b>&\"c\" \u{e9}".to_owned();
-    let designed = design(&request).expect("possible");
+    let designed = design(&request, &mut Progress::unwatched()).expect("possible");
     svg_cut_extents(&designed.frame_drawing().to_svg());
     dxf_cut_extents(&designed.frame_drawing().to_dxf());
     assert!(Plate::from_toml(&designed.plate.to_toml()).is_ok());
@@ -397,7 +399,7 @@ proptest! {
         let mut request = Request::new("any", material, thickness_m, wave, band_hz, length_m);
         (request.start_margin_m, request.end_margin_m) = margins;
         request.rim_m = rim_m;
-        match design(&request) {
+        match design(&request, &mut Progress::unwatched()) {
             Err(error) => {
                 let text = error.to_string();
                 prop_assert!(text.contains("must be") || text.contains("at most"), "{}", text);

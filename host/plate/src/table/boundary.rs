@@ -61,7 +61,7 @@ pub fn boundaries(
     let solved: Vec<f64> =
         turning.iter().zip(frequencies_hz).filter(|(at, _)| at.is_ok()).map(|(_, hz)| *hz).collect();
     let drive_to_peak = DriveToPeak::unchecked(plate, sample_rate_hz);
-    let levels = drive_to_peak.each_level(&solved, &mut Progress::new(&mut |_| true));
+    let levels = drive_to_peak.each_level(&solved, &mut Progress::unwatched());
     let mut levels = levels.unwrap_or_default().into_iter();
     turning
         .into_iter()

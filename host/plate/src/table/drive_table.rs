@@ -78,7 +78,7 @@ impl DriveTable {
     /// range, [`TableError::Flat`] if a device cannot distinguish the frequencies of two knots,
     /// [`TableError::Silent`] if the plate has no finite amplitude above zero at a position of its span.
     pub fn build(plate: &Plate, sample_rate_hz: f64, knots: usize) -> Result<Self, TableError> {
-        Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::new(&mut |_| true))
+        Self::build_watched(plate, sample_rate_hz, knots, &mut Progress::unwatched())
     }
 
     /// As [`DriveTable::build`], with reports of its progress; it can be stopped. A plate of many wavelengths whose

@@ -32,7 +32,7 @@ pub fn table_sensitivity(
     table_plate: &Plate,
     actual_plate: &Plate,
 ) -> Result<Sensitivity, TableError> {
-    watched(table, table_plate, actual_plate, &mut Progress::new(&mut |_| true))
+    watched(table, table_plate, actual_plate, &mut Progress::unwatched())
 }
 
 fn watched(

@@ -18,7 +18,7 @@ fn on_plate<'a>(plate: &'a Plate, tones: &'a [(f64, f64)], solver: Solver) -> Si
 /// Runs with the table of the plate that commands the boundary.
 fn simulated(run: &Simulation<'_>) -> Simulated {
     let (table, _) = table_for(run.plate, SAMPLE_RATE_HZ).unwrap();
-    run.run(&table, &mut Progress::new(&mut |_| true)).unwrap()
+    run.run(&table, &mut Progress::unwatched()).unwrap()
 }
 
 #[test]

@@ -6,7 +6,7 @@ fn study(plate: Plate, places: &str, count: u64, vary: &str) -> Study {
     let text =
         format!("plate = \"x\"\nseed = 7\ncount = {count}\nturning_point_m = [{places}]\n[vary]\n{vary}");
     let spec = Draft::parse(&text).unwrap().finish(Some(plate)).unwrap();
-    Study::new(spec, &mut Progress::new(&mut |_| true)).unwrap()
+    Study::new(spec, &mut Progress::unwatched()).unwrap()
 }
 
 fn membrane() -> Plate {
@@ -28,7 +28,7 @@ fn any_range_has_the_bits_of_the_whole() {
         // In turns, alone, and by another study of the same text.
         let again = Study::new(
             Draft::parse(&study.spec().to_toml()).unwrap().finish(None).unwrap(),
-            &mut Progress::new(&mut |_| true),
+            &mut Progress::unwatched(),
         );
         let again = again.unwrap();
         for first in [16, 0, 8] {

@@ -116,7 +116,7 @@ impl Levels<'_> {
     fn predicted(&self, plate: &Plate) -> Result<Vec<f64>, CalibrateError> {
         let frequencies_hz: Vec<f64> = self.carried.iter().map(|it| it.frequency_hz).collect();
         let levels = DriveToPeak::unchecked(plate, self.sensor.sample_rate_hz.unwrap_or(NO_HOLD_HZ))
-            .levels(&frequencies_hz, &mut Progress::new(&mut |_| true))?;
+            .levels(&frequencies_hz, &mut Progress::unwatched())?;
         let in_signal = |(level, &hz): (&Level, &f64)| {
             let metres = level.amplitude * plate.spec().full_scale_m;
             metres * per_metre(plate, self.sensor, hz).norm() / self.sensor.unit_per_response.unwrap_or(1.0)

@@ -83,8 +83,8 @@ impl Information {
             wave(&beside)
         });
         let beside = beside.collect::<Result<Vec<_>, _>>()?;
-        let levels = DriveToPeak::unchecked(plate, NO_HOLD_HZ)
-            .levels(frequencies_hz, &mut Progress::new(&mut |_| true))?;
+        let levels =
+            DriveToPeak::unchecked(plate, NO_HOLD_HZ).levels(frequencies_hz, &mut Progress::unwatched())?;
         let sensor = Measurement::at(0.0, kind, Vec::new());
         // Of the sensor's signal at a place, or of the peak.
         let value = |row: &(Vec<f64>, f64), at: Option<usize>| at.map_or(row.1, |at| row.0[3 * at]);

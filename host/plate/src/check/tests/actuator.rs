@@ -2,7 +2,7 @@
 
 use super::{light, value};
 use crate::check::{Checker, Colour, Conditions};
-use crate::{Plate, preset, presets};
+use crate::{Plate, Progress, preset, presets};
 
 #[test]
 fn the_actuator_light_follows_its_resonance() {
@@ -45,7 +45,10 @@ fn a_band_that_nothing_is_known_of_is_unchecked_and_no_worry() {
     for preset in presets() {
         let plate = preset.plate().expect("a preset");
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
-        for mut report in [checker.at(plate.span_m().0).expect("on it"), checker.over_span().expect("span")] {
+        for mut report in [
+            checker.at(plate.span_m().0).expect("on it"),
+            checker.over_span(&mut Progress::unwatched()).expect("span"),
+        ] {
             let band = light(&report, "actuator band");
             assert_eq!((band.colour, band.value), (Colour::Unchecked, None));
             report.lights.retain(|light| light.colour <= Colour::Green);
@@ -64,7 +67,7 @@ fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_
         Checker::new(&Plate::new(spec).expect("plate"), Conditions::default()).expect("checks")
     };
     let excursion = |static_m: f64| {
-        let report = checker(Some(static_m)).over_span().expect("span");
+        let report = checker(Some(static_m)).over_span(&mut Progress::unwatched()).expect("span");
         let found = light(&report, "excursion");
         (found.value.expect("a number"), found.colour)
     };
@@ -78,7 +81,7 @@ fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_
     assert_eq!(checker(Some(1e-4)).peak_m(), free_m);
     let left = checker(Some(5e-3)).peak_m() / free_m;
     assert!((left / (0.998 * 100.0 / large) - 1.0).abs() < 0.02, "{left}");
-    let unknown = checker(None).over_span().expect("span");
+    let unknown = checker(None).over_span(&mut Progress::unwatched()).expect("span");
     assert_eq!(light(&unknown, "excursion").colour, Colour::Unchecked);
     assert!(light(&unknown, "excursion").sentence.contains("not limited"));
 }
@@ -92,7 +95,7 @@ fn a_resonator_whose_table_needs_few_steps_of_the_dac_is_not_green() {
         spec.loss_factor = loss_factor;
         let plate = Plate::new(spec.clone()).expect("plate");
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
-        let report = checker.over_span().expect("span");
+        let report = checker.over_span(&mut Progress::unwatched()).expect("span");
         let found = light(&report, "DAC resolution").clone();
         let value = found.value.expect("a number");
         assert_eq!(found.colour == Colour::Green, value >= 16.0, "{found:?}");

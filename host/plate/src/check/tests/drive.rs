@@ -2,7 +2,7 @@
 
 use super::{light, value};
 use crate::check::{Checker, Colour, Conditions};
-use crate::{DriveEnd, Plate, preset};
+use crate::{DriveEnd, Plate, Progress, preset};
 
 #[test]
 fn a_matched_drive_is_green_and_a_held_displacement_is_red_for_match_and_sensitivity() {
@@ -19,7 +19,10 @@ fn a_matched_drive_is_green_and_a_held_displacement_is_red_for_match_and_sensiti
     assert!(sensitivity.value.unwrap_or(9.0) < 0.15, "0.07 dB with r = 1: {sensitivity:?}");
 
     let held = preset("al-bending-displacement").expect("preset");
-    let report = Checker::new(&held, Conditions::default()).expect("checks").over_span().expect("span");
+    let report = Checker::new(&held, Conditions::default())
+        .expect("checks")
+        .over_span(&mut Progress::unwatched())
+        .expect("span");
     let sensitivity = light(&report, "sensitivity");
     assert_eq!(sensitivity.colour, Colour::Red);
     assert!((20.0..36.0).contains(&sensitivity.value.unwrap_or(0.0)), "about 25 dB: {sensitivity:?}");

@@ -14,7 +14,7 @@ mod wave;
 mod work;
 
 use super::*;
-use crate::{preset, presets};
+use crate::{Progress, preset, presets};
 
 fn report(name: &str, boundary_m: f64) -> Report {
     let plate = preset(name).expect("a preset");
@@ -34,7 +34,10 @@ fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
     let mut order: Option<Vec<&str>> = None;
     for preset in presets() {
         let plate = preset.plate().expect("a preset");
-        let report = Checker::new(&plate, Conditions::default()).expect("checks").over_span().expect("span");
+        let report = Checker::new(&plate, Conditions::default())
+            .expect("checks")
+            .over_span(&mut Progress::unwatched())
+            .expect("span");
         let names: Vec<&str> = report.lights.iter().map(|light| light.name).collect();
         assert_eq!(names.len(), 19);
         assert_eq!(*order.get_or_insert(names.clone()), names);
@@ -65,7 +68,10 @@ fn every_preset_has_every_light_in_one_order_each_with_a_sentence() {
 fn a_span_is_as_bad_as_its_worst_boundary() {
     let plate = preset("membrane").expect("preset");
     let checker = Checker::new(&plate, Conditions::default()).expect("checks");
-    let (span, near) = (checker.over_span().expect("span"), checker.at(plate.span_m().0).expect("on it"));
+    let (span, near) = (
+        checker.over_span(&mut Progress::unwatched()).expect("span"),
+        checker.at(plate.span_m().0).expect("on it"),
+    );
     assert_eq!(value(&span, "edge width"), value(&near, "edge width"), "the softest edge is the nearest");
     assert_eq!(light(&span, "edge width").boundary_m, plate.span_m().0);
     for light in &near.lights {
@@ -97,7 +103,7 @@ fn a_plate_whose_band_just_fits_the_rate_is_checked_to_its_very_end() {
     let sample_rate_hz = 1.001 * crate::sample_rates(&plate).low;
     let checker = Checker::new(&plate, Conditions { sample_rate_hz, ..Conditions::default() }).expect("fits");
     assert!(checker.at(plate.span_m().1).is_ok());
-    assert!(checker.over_span().is_ok());
+    assert!(checker.over_span(&mut Progress::unwatched()).is_ok());
     let table = crate::DriveTable::build(&plate, sample_rate_hz, crate::KNOTS_MAX).expect("fits");
-    assert!(crate::sensitivity_per_percent(&table, &plate, &mut crate::Progress::new(&mut |_| true)).is_ok());
+    assert!(crate::sensitivity_per_percent(&table, &plate, &mut Progress::unwatched()).is_ok());
 }

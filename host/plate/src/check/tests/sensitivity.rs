@@ -2,7 +2,7 @@
 
 use super::light;
 use crate::check::{Checker, Colour, Conditions, Light};
-use crate::{DriveEnd, Impedance, Plate, PlateSpec, Source, preset};
+use crate::{DriveEnd, Impedance, Plate, PlateSpec, Progress, Source, preset};
 
 /// The sensitivity light at each end of the span of the membrane with this loss tolerance.
 fn sensitivity_of_membrane(tolerance: Option<f64>) -> [Light; 2] {
@@ -42,7 +42,7 @@ fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_lea
     let checker = |spec: &PlateSpec| {
         Checker::new(&Plate::new(spec.clone()).expect("plate"), Conditions::default()).expect("checks")
     };
-    let span = checker(&spec).over_span().expect("span");
+    let span = checker(&spec).over_span(&mut Progress::unwatched()).expect("span");
     let found = light(&span, "sensitivity");
     assert_eq!(found.colour, Colour::Red, "{found:?}");
     assert!((7.0..10.0).contains(&found.value.expect("a number")), "{found:?}");
@@ -53,7 +53,7 @@ fn a_damper_at_an_end_in_bending_is_judged_with_the_near_field_that_its_file_lea
         impedance: Impedance::damper(impedance),
         ..Source::soft(&spec.model, 28e3)
     });
-    let span = checker(&spec).over_span().expect("span");
+    let span = checker(&spec).over_span(&mut Progress::unwatched()).expect("span");
     let stated = light(&span, "sensitivity");
     assert!((7.0..10.0).contains(&stated.value.expect("a number")), "{stated:?}");
     assert!(stated.sentence.contains("wave speed"), "{stated:?}");

@@ -2,7 +2,7 @@
 
 use super::{light, report};
 use crate::check::{Checker, Colour, Conditions, Light, Limit, Stretch};
-use crate::{Plate, Taper, preset, presets};
+use crate::{Plate, Progress, Taper, preset, presets};
 
 fn only(light: &Light) -> Stretch {
     let [stretch] = light.stretches[..] else { panic!("{light:?}") };
@@ -23,7 +23,11 @@ fn what_fails_has_a_place_on_the_plate_and_what_holds_has_none() {
         let plate = preset.plate().expect("a preset");
         let checker = Checker::new(&plate, Conditions::default()).expect("checks");
         let boundaries = [0.02, plate.span_m().0, plate.span_m().1].map(|x| checker.at(x).expect("on it"));
-        for light in boundaries.iter().chain([&checker.over_span().expect("span")]).flat_map(|r| &r.lights) {
+        for light in boundaries
+            .iter()
+            .chain([&checker.over_span(&mut Progress::unwatched()).expect("span")])
+            .flat_map(|r| &r.lights)
+        {
             let fails = light.colour > Colour::Green && !NO_PLACE.contains(&light.name);
             assert_eq!(!light.stretches.is_empty(), fails, "{light:?}");
             for stretch in &light.stretches {

@@ -5,8 +5,8 @@ use crate::check::lights::touch::touched_db;
 use crate::check::thresholds::FINGER_DB;
 use crate::check::{Checker, Colour, Conditions};
 use crate::{
-    DriveEnd, EndSlope, Equation, Finger, Impedance, Model, Plate, PlateSpec, Response, Source, airy, plane,
-    preset, respond_touched,
+    DriveEnd, EndSlope, Equation, Finger, Impedance, Model, Plate, PlateSpec, Progress, Response, Source,
+    airy, plane, preset, respond_touched,
 };
 use std::f64::consts::PI;
 
@@ -67,12 +67,18 @@ fn a_light_touch_costs_what_the_finger_light_says_and_the_heavy_membrane_survive
 #[test]
 fn a_light_touch_takes_much_from_a_resonance_that_is_heavy_for_a_wave() {
     let plate = preset("al-bending-displacement").expect("preset");
-    let span = Checker::new(&plate, Conditions::default()).expect("checks").over_span().expect("span");
+    let span = Checker::new(&plate, Conditions::default())
+        .expect("checks")
+        .over_span(&mut Progress::unwatched())
+        .expect("span");
     let found = light(&span, "finger load");
     assert!(found.value.expect("a number") < 0.02, "{found:?}");
     assert_eq!(found.colour, Colour::Amber, "{found:?}");
     let matched = preset("al-bending").expect("preset");
-    let span = Checker::new(&matched, Conditions::default()).expect("checks").over_span().expect("span");
+    let span = Checker::new(&matched, Conditions::default())
+        .expect("checks")
+        .over_span(&mut Progress::unwatched())
+        .expect("span");
     assert_eq!(light(&span, "finger load").colour, Colour::Green, "{:?}", light(&span, "finger load"));
 }
 

@@ -4,7 +4,7 @@ use crate::check::{Checker, Conditions, SPAN_PLACES};
 use crate::frequency::driven_end::with_whole_end;
 use crate::frequency::medium::LANES;
 use crate::frequency::numerov::work;
-use crate::presets;
+use crate::{Progress, presets};
 
 /// Every light over the span of a preset in 100 ms (`cargo bench -p slipline-plate` prints the time): a sweep of eight
 /// frequencies takes about 0.2 ms on `al-bending`, and so does a grid.
@@ -23,7 +23,7 @@ fn the_lights_of_a_preset_take_one_grid_for_each_plate_that_they_ask_about() {
         let whole = usize::from(with_whole_end(&plate).is_some());
         let once = (2 * SPAN_PLACES - 1).div_ceil(LANES);
         assert_eq!(prepared.sweeps - before.sweeps, (1 + whole) * once, "{}", preset.name);
-        checker.over_span().expect("span");
+        checker.over_span(&mut Progress::unwatched()).expect("span");
         let all = work::done();
         // A level on each plate, and the amplitude of the plate itself.
         assert_eq!(all.sweeps - prepared.sweeps, groups * (plates + 1), "{}", preset.name);
