@@ -6,7 +6,7 @@ use super::grading::{Finding, Site};
 use super::interval::Interval;
 use super::levels::{AT_ONCE, SiteLevels};
 use super::lights::{actuator, air, drive, felt_edge, sensitivity, shape, sound, thickness, touch, wave};
-use super::prepared::{Prepared, SPAN_PLACES, places};
+use super::prepared::{Prepared, SPAN_PLACES};
 use super::report::Report;
 use crate::definition::plate::Plate;
 use crate::frequency::Response;

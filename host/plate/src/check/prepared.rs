@@ -37,7 +37,7 @@ impl Prepared {
         let mut largest_share: f64 = 0.0;
         let resonator = plate.spec().actuator.as_ref().and_then(Actuator::resonator);
         let frequencies_hz: Vec<f64> =
-            places(plate, 2 * SPAN_PLACES - 1).map(|x| plate.frequency_for_boundary_hz(x)).collect();
+            plate.over_span_m(2 * SPAN_PLACES - 1).map(|x| plate.frequency_for_boundary_hz(x)).collect();
         for (&frequency_hz, level) in frequencies_hz.iter().zip(variants.of_span(&frequencies_hz, progress)?)
         {
             let gain = level.amplitude;
@@ -58,10 +58,4 @@ impl Prepared {
     pub(super) fn peak_m(&self) -> f64 {
         self.conditions.level * self.lowest_gain * self.travel_scale * self.plate.spec().full_scale_m
     }
-}
-
-/// `count` boundaries, uniform over the span with both ends included, metres.
-pub(super) fn places(plate: &Plate, count: usize) -> impl Iterator<Item = f64> {
-    let (start, end) = plate.span_m();
-    (0..count).map(move |i| start + (end - start) * i as f64 / (count - 1) as f64)
 }

@@ -16,6 +16,7 @@ use crate::definition::taper::{Taper, WidthLaw};
 use crate::definition::thickness::{Grading, Thickness};
 use crate::definition::turning_width::{TurningLaw, TurningWidth};
 use crate::quantity::Range;
+use crate::special::ramp::ramp;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -331,6 +332,11 @@ impl Plate {
     /// Turning points at the start and at the end of the span, metres.
     pub fn span_m(&self) -> (f64, f64) {
         (self.spec.span_start_m, self.spec.span_end_m)
+    }
+
+    /// `count` turning points at equal distances over the span, both ends included, metres.
+    pub(crate) fn over_span_m(&self, count: usize) -> impl Iterator<Item = f64> + use<> {
+        ramp(self.spec.span_start_m, self.spec.span_end_m, count)
     }
 
     /// Cut-off frequency at the wide end, Hz: its wave turns at x = 0, and lower frequencies cannot enter the plate.

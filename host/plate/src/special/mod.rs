@@ -2,4 +2,5 @@
 
 pub mod airy;
 pub(crate) mod gauss;
+pub(crate) mod ramp;
 pub(crate) mod sinc;

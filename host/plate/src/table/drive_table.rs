@@ -14,6 +14,7 @@ use super::travel::TableTravel;
 use crate::definition::plate::Plate;
 use crate::progress::Progress;
 use crate::quantity::{OutOfRange, decibels};
+use crate::special::ramp::ramp;
 
 /// One knot of the table.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -192,11 +193,7 @@ impl DriveTable {
         progress: &mut Progress<'_>,
     ) -> Result<(), TableError> {
         let count = 4 * (self.knots.len() - 1) + 1;
-        let places: Vec<f64> = (0..count)
-            .map(|i| {
-                self.span_start_m + (self.span_end_m - self.span_start_m) * i as f64 / (count - 1) as f64
-            })
-            .collect();
+        let places: Vec<f64> = ramp(self.span_start_m, self.span_end_m, count).collect();
         let frequencies: Vec<f64> = places.iter().map(|&x| self.frequency_hz(x)).collect();
         let levels = drive_to_peak.levels(&frequencies, progress)?;
         for ((&x, &frequency), found) in places.iter().zip(&frequencies).zip(&levels) {

@@ -6,6 +6,7 @@ use super::level::DriveToPeak;
 use crate::definition::plate::Plate;
 use crate::progress::Progress;
 use crate::quantity::decibels;
+use crate::special::ramp::ramp;
 
 /// Error of the peak when a table made for one plate drives another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,12 +47,9 @@ fn watched(
     let drive_to_peak = DriveToPeak::unchecked(actual_plate, table.sample_rate_hz);
     let mut result =
         Sensitivity { highest_db: 0.0, lowest_db: 0.0, worst_db: 0.0, worst_at_m: table.span_start_m };
-    let place = |i: usize| {
-        table.span_start_m + (table.span_end_m - table.span_start_m) * i as f64 / (PLACES - 1) as f64
-    };
-    let frequencies: Vec<f64> = (0..PLACES).map(|i| table.frequency_hz(place(i))).collect();
-    for (i, level) in drive_to_peak.levels(&frequencies, progress)?.into_iter().enumerate() {
-        let x = place(i);
+    let places = ramp(table.span_start_m, table.span_end_m, PLACES);
+    let frequencies: Vec<f64> = places.clone().map(|x| table.frequency_hz(x)).collect();
+    for (x, level) in places.zip(drive_to_peak.levels(&frequencies, progress)?) {
         let error_db = decibels(level.amplitude * table.gain(x) / intended);
         result.highest_db = result.highest_db.max(error_db);
         result.lowest_db = result.lowest_db.min(error_db);

@@ -2,6 +2,7 @@
 
 use super::nnls::{Columns, all_and_few};
 use super::target::Target;
+use crate::special::ramp::ramp;
 
 /// Candidate turning points of a fit, uniform over the allowed ones.
 pub(super) const CANDIDATES: usize = 200;
@@ -23,7 +24,7 @@ pub(super) fn weighted(squares: &Columns, target: &Target) -> Columns {
 /// Candidate turning points, uniform over those that the target allows, metres.
 pub(super) fn candidates_m(target: &Target) -> Vec<f64> {
     let (start, end) = target.allowed_m;
-    (0..CANDIDATES).map(|i| start + (end - start) * i as f64 / (CANDIDATES - 1) as f64).collect()
+    ramp(start, end, CANDIDATES).collect()
 }
 
 /// The powers of all candidates that are nearest to the target, and at most `most` candidates that come nearly as

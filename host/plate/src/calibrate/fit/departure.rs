@@ -3,6 +3,7 @@
 use crate::definition::Plate;
 use crate::progress::Progress;
 use crate::quantity::decibels;
+use crate::special::ramp::ramp;
 use crate::table::level::DriveToPeak;
 use crate::table::{DriveTable, TableError};
 
@@ -38,12 +39,10 @@ pub struct Departure {
 /// [`TableError`]: the table of `stated`, or a frequency that does not move `actual`.
 pub fn departure(stated: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<Departure, TableError> {
     let table = DriveTable::build(stated, sample_rate_hz, KNOTS)?;
-    let (start_m, end_m) = (table.span_start_m, table.span_end_m);
-    let at = |i: usize| start_m + (end_m - start_m) * i as f64 / (BOUNDARIES - 1) as f64;
-    let places_m: Vec<f64> = (0..BOUNDARIES).map(at).collect();
+    let places_m: Vec<f64> = ramp(table.span_start_m, table.span_end_m, BOUNDARIES).collect();
     let frequencies_hz: Vec<f64> = places_m.iter().map(|&place_m| table.frequency_hz(place_m)).collect();
-    let levels = DriveToPeak::unchecked(actual, sample_rate_hz)
-        .levels(&frequencies_hz, &mut Progress::new(&mut |_| true))?;
+    let levels =
+        DriveToPeak::unchecked(actual, sample_rate_hz).levels(&frequencies_hz, &mut Progress::unwatched())?;
     let mut boundary_m: f64 = 0.0;
     let (mut lowest_db, mut highest_db) = (f64::INFINITY, f64::NEG_INFINITY);
     for ((&place_m, &frequency_hz), level) in places_m.iter().zip(&frequencies_hz).zip(&levels) {

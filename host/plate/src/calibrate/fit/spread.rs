@@ -26,7 +26,7 @@ impl Slopes {
             let mut beside = vec![0.0; of_plate];
             beside[i] = step;
             let other = Plate::new(spec_at(plate.spec(), &beside)).ok()?;
-            for (row, boundary_m) in rows.iter_mut().zip(boundaries_m(plate)) {
+            for (row, boundary_m) in rows.iter_mut().zip(plate.over_span_m(PLACES)) {
                 row[i] = (value(&other, boundary_m) - value(plate, boundary_m)) / step;
             }
         }
@@ -44,11 +44,6 @@ impl Slopes {
     }
 }
 
-fn boundaries_m(plate: &Plate) -> impl Iterator<Item = f64> + use<> {
-    let (start, end) = plate.span_m();
-    (0..PLACES).map(move |i| start + (end - start) * i as f64 / (PLACES - 1) as f64)
-}
-
 /// The logarithms of the frequencies that turn at places over the span, as they go with the plate's coordinates.
 pub(crate) struct Turning {
     slopes: Slopes,
@@ -63,7 +58,7 @@ impl Turning {
         let per_metre = |place_m: f64| {
             (turning(plate, place_m * (1.0 + 1e-6)) - turning(plate, place_m)) / (place_m * 1e-6)
         };
-        let per_metre = boundaries_m(plate).map(per_metre).collect();
+        let per_metre = plate.over_span_m(PLACES).map(per_metre).collect();
         Some(Self { slopes: Slopes::of(plate, turning)?, per_metre })
     }
 
