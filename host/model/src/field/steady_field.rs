@@ -152,23 +152,17 @@ thread_local! {
     static LATEST: RefCell<Option<Responder>> = const { RefCell::new(None) };
 }
 
-/// The responses of a plate at [`POINTS`] places.
-fn responding<R>(plate: &Plate, solve: impl FnOnce(&mut Responder) -> R) -> R {
-    LATEST.with_borrow_mut(|latest| match latest {
-        Some(responder) if responder.plate() == plate => solve(responder),
-        other => solve(other.insert(Responder::new(plate, POINTS))),
-    })
-}
-
+/// The wave of a tone at [`POINTS`] places of a plate.
 fn solve_tone(plate: &Plate, tone: &SteadyTone, finger: Option<&Finger>) -> Option<ToneWave> {
-    responding(plate, |responder| solve_by(responder, tone, finger))
+    LATEST.with_borrow_mut(|latest| match latest {
+        Some(responder) if responder.plate() == plate => solve_by(responder, tone, finger),
+        other => solve_by(other.insert(Responder::new(plate, POINTS)), tone, finger),
+    })
 }
 
 fn solve_by(responder: &mut Responder, tone: &SteadyTone, finger: Option<&Finger>) -> Option<ToneWave> {
     let response = responder.respond(None, tone.frequency_hz).ok()?;
-    // Without a peak the table defines the amplitude at the turning point, which is 66.28 % of an Airy peak.
-    let reference =
-        response.peak.as_ref().map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
+    let reference = response.height();
     let scale = if reference > 0.0 { tone.peak_m / reference } else { 0.0 };
     let response = match finger {
         None => response,

@@ -245,6 +245,13 @@ impl Response {
         Self::of(plate, frequency_hz, points, refinement, &fine)
     }
 
+    /// Height of the turning-point peak, relative to the drive. Where there is none it follows from the amplitude at the
+    /// turning point, which is 66.28 % of an Airy peak.
+    #[must_use]
+    pub fn height(&self) -> f64 {
+        self.peak.map_or(self.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude)
+    }
+
     /// Describes a field on a grid `refinement` times as fine as `points` uniform points from 0 to the plate's end.
     pub(crate) fn of(
         plate: &Plate,

@@ -1,19 +1,15 @@
 //! Fig. 4: the amplitude in the aluminium plate at 40 kHz.
 
-use super::figure::{
-    Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
-};
-use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
+use super::figure::{Figure, FigureError, Mark, Panel, Series, Stroke, magnitude, preset, solve};
+use super::printed;
 use crate::frequency::equation::Equation;
 use crate::special::airy;
 
 const FREQUENCY_HZ: f64 = 40e3;
 
 pub(super) fn figure() -> Result<Figure, FigureError> {
-    let printed = ramp(-60.0, 340.0, POINTS)
-        .map(|x| (x, printed::amplitude(x * 1e-3, FREQUENCY_HZ, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M)))
-        .collect();
-    let printed_x0_mm = printed::turning_point_m(FREQUENCY_HZ, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M) * 1e3;
+    let printed = printed::in_aluminium(-60.0, 340.0, FREQUENCY_HZ);
+    let printed_x0_mm = printed::x0_in_aluminium_mm(FREQUENCY_HZ);
 
     let plate = preset("al-bending")?;
     let response = solve(&plate, FREQUENCY_HZ, Equation::Corrected)?;
@@ -28,7 +24,6 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         .filter(|&&x| kappa * (x - x0) > airy::NODES[2])
         .map(|&x| (x * 1e3, (airy::ai(kappa * (x - x0)) / airy::PEAK_VALUE).abs() * peak.1))
         .collect();
-    let series = |name: &str, stroke, hue, points| Series { name: name.to_owned(), stroke, hue, points };
     let top = 1.15 * peak.1;
     Ok(Figure {
         number: Some(4),
@@ -38,37 +33,31 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         panels: [
             Panel {
                 heading: "as printed",
-                convention: vec![
-                    "(24), (26), (35), (36): SH wave, Vs = 3103 m/s, W0 = 2 cm, d = 4.62 /m.".to_owned(),
-                    "x0 = -6.7 mm: the turning point lies BEFORE the drive, the wave never turns.".to_owned(),
+                convention: &[
+                    "(24), (26), (35), (36): SH wave, Vs = 3103 m/s, W0 = 2 cm, d = 4.62 /m.",
+                    "x0 = -6.7 mm: the turning point lies BEFORE the drive, the wave never turns.",
                 ],
                 x_range: (-60.0, 340.0),
                 y_range: (-1.0, 1.15),
                 y_label: "f / largest f",
-                series: vec![series("(35), (36)", Stroke::Solid, 0, printed)],
-                marks: vec![
-                    Mark { name: "x0 of (24)".to_owned(), hue: 1, x: printed_x0_mm },
-                    Mark { name: "drive".to_owned(), hue: 5, x: 0.0 },
-                ],
+                series: vec![Series::new("(35), (36)", Stroke::Solid, 0, printed)],
+                marks: vec![Mark::new("x0 of (24)", 1, printed_x0_mm), Mark::new("drive", 5, 0.0)],
             },
             Panel {
                 heading: "corrected",
-                convention: vec![
-                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
-                    "The peak stands 1.019/κ before x0; a standing wave before it, a tail behind it.".to_owned(),
+                convention: &[
+                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.",
+                    "The peak stands 1.019/κ before x0; a standing wave before it, a tail behind it.",
                 ],
                 x_range: (-60.0, 340.0),
                 y_range: (0.0, top),
                 y_label: "|f| over the drive",
                 series: vec![
-                    series("f'' + (W'/W) f' + k² f = 0", Stroke::Solid, 0, magnitude(&response)),
-                    series("without the (W'/W) term", Stroke::Dashed, 2, magnitude(&without_term)),
-                    series("|Ai|, scaled to the peak", Stroke::Dashed, 3, airy),
+                    Series::new("f'' + (W'/W) f' + k² f = 0", Stroke::Solid, 0, magnitude(&response)),
+                    Series::new("without the (W'/W) term", Stroke::Dashed, 2, magnitude(&without_term)),
+                    Series::new("|Ai|, scaled to the peak", Stroke::Dashed, 3, airy),
                 ],
-                marks: vec![
-                    Mark { name: "x0".to_owned(), hue: 1, x: x0 * 1e3 },
-                    Mark { name: "peak".to_owned(), hue: 4, x: peak.0 * 1e3 },
-                ],
+                marks: vec![Mark::new("x0", 1, x0 * 1e3), Mark::new("peak", 4, peak.0 * 1e3)],
             },
         ],
     })
@@ -78,6 +67,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 mod tests {
     use super::*;
     use crate::paper::figure::highest_point;
+    use crate::paper::printed::ALUMINIUM_SPEED;
 
     #[test]
     fn the_printed_turning_point_lies_before_the_drive_and_its_peak_just_behind() {

@@ -1,9 +1,7 @@
 //! Fig. 5: the turning point follows the frequency.
 
-use super::figure::{
-    Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
-};
-use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
+use super::figure::{Figure, FigureError, Mark, Panel, Series, Stroke, magnitude, preset, solve};
+use super::printed;
 use crate::frequency::equation::Equation;
 
 const FREQUENCIES_HZ: [f64; 2] = [40e3, 20e3];
@@ -15,19 +13,17 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     let mut corrected = (Vec::new(), Vec::new());
     let mut top: f64 = 0.0;
     for (hue, frequency_hz) in FREQUENCIES_HZ.into_iter().enumerate() {
-        let points = ramp(-60.0, 340.0, POINTS)
-            .map(|x| (x, printed::amplitude(x * 1e-3, frequency_hz, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M)))
-            .collect();
-        printed.0.push(Series { name: name(frequency_hz), stroke: Stroke::Solid, hue, points });
-        let x = printed::turning_point_m(frequency_hz, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M) * 1e3;
-        printed.1.push(Mark { name: format!("x0, {}", name(frequency_hz)), hue, x });
+        let points = printed::in_aluminium(-60.0, 340.0, frequency_hz);
+        printed.0.push(Series::new(name(frequency_hz), Stroke::Solid, hue, points));
+        let x = printed::x0_in_aluminium_mm(frequency_hz);
+        printed.1.push(Mark::new(format!("x0, {}", name(frequency_hz)), hue, x));
 
         let response = solve(&plate, frequency_hz, Equation::Corrected)?;
         let points = magnitude(&response);
         top = points.iter().map(|p| p.1).fold(top, f64::max);
-        corrected.0.push(Series { name: name(frequency_hz), stroke: Stroke::Solid, hue, points });
+        corrected.0.push(Series::new(name(frequency_hz), Stroke::Solid, hue, points));
         let x = response.turning_point_m * 1e3;
-        corrected.1.push(Mark { name: format!("x0, {}", name(frequency_hz)), hue, x });
+        corrected.1.push(Mark::new(format!("x0, {}", name(frequency_hz)), hue, x));
     }
     Ok(Figure {
         number: Some(5),
@@ -37,9 +33,9 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         panels: [
             Panel {
                 heading: "as printed",
-                convention: vec![
-                    "(24), (35), (36): SH wave in aluminium, W0 = 2 cm, d = 4.62 /m: -6.7 and +143 mm.".to_owned(),
-                    "This is a WIDENING plate driven from large x: a higher frequency moves the boundary to smaller x.".to_owned(),
+                convention: &[
+                    "(24), (35), (36): SH wave in aluminium, W0 = 2 cm, d = 4.62 /m: -6.7 and +143 mm.",
+                    "This is a WIDENING plate driven from large x: a higher frequency moves the boundary to smaller x.",
                 ],
                 x_range: (-60.0, 340.0),
                 y_range: (-1.0, 1.15),
@@ -49,9 +45,9 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
             },
             Panel {
                 heading: "corrected",
-                convention: vec![
-                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
-                    "x0 = (1/2d) ln(f/fc0): an octave moves the boundary by ln 2/(2d) = 75 mm, away from the drive.".to_owned(),
+                convention: &[
+                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.",
+                    "x0 = (1/2d) ln(f/fc0): an octave moves the boundary by ln 2/(2d) = 75 mm, away from the drive.",
                 ],
                 x_range: (-60.0, 340.0),
                 y_range: (0.0, 1.15 * top),

@@ -12,7 +12,7 @@ impl Figure {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "# {}", self.heading());
         for panel in &self.panels {
-            for line in &panel.convention {
+            for line in panel.convention {
                 let _ = writeln!(text, "# {}: {line}", panel.heading);
             }
             let _ = writeln!(text, "# {}: y is {}", panel.heading, panel.y_label);

@@ -35,18 +35,12 @@ fn lossless(half_width_mm: f64, mode: f64) -> Vec<(f64, f64)> {
 pub(super) fn figure() -> Figure {
     let wave = |width: f64| format!("W = {width} mm");
     let curves = |stroke: Stroke| {
-        HALF_WIDTHS_MM.iter().enumerate().map(move |(hue, &width)| Series {
-            name: wave(width),
-            stroke,
-            hue,
-            points: lossless(width, 1.0),
-        })
+        let widths = HALF_WIDTHS_MM.iter().enumerate();
+        widths.map(move |(hue, &width)| Series::new(wave(width), stroke, hue, lossless(width, 1.0)))
     };
-    let input = || Series {
-        name: format!("{FREQUENCY_HZ} Hz"),
-        stroke: Stroke::Dashed,
-        hue: 5,
-        points: vec![(-90.0, FREQUENCY_HZ), (90.0, FREQUENCY_HZ)],
+    let input = || {
+        let points = vec![(-90.0, FREQUENCY_HZ), (90.0, FREQUENCY_HZ)];
+        Series::new(format!("{FREQUENCY_HZ} Hz"), Stroke::Dashed, 5, points)
     };
     let mut printed: Vec<Series> = curves(Stroke::Solid).collect();
     printed.push(input());
@@ -57,24 +51,16 @@ pub(super) fn figure() -> Figure {
                 .map(|f| (take(wavenumber(f, width * 1e-3, 1.0, LOSS)), f))
                 .collect::<Vec<_>>()
         };
-        corrected.push(Series { name: wave(width), stroke: Stroke::Solid, hue, points: lossy(|k| k.re) });
-        corrected.push(Series {
-            name: format!("{}, Im", wave(width)),
-            stroke: Stroke::Solid,
-            hue,
-            points: lossy(|k| -k.im),
-        });
+        corrected.push(Series::new(wave(width), Stroke::Solid, hue, lossy(|k| k.re)));
+        let imaginary = format!("{}, Im", wave(width));
+        corrected.push(Series::new(imaginary, Stroke::Solid, hue, lossy(|k| -k.im)));
     }
-    corrected.push(Series {
-        name: "W = 50 mm, mode 3".to_owned(),
-        stroke: Stroke::Dashed,
-        hue: 0,
-        points: lossless(HALF_WIDTHS_MM[0], 3.0),
-    });
+    let third = lossless(HALF_WIDTHS_MM[0], 3.0);
+    corrected.push(Series::new("W = 50 mm, mode 3", Stroke::Dashed, 0, third));
     corrected.push(input());
-    let panel = |heading, convention: &[&str], series| Panel {
+    let panel = |heading, convention: &'static [&'static str], series| Panel {
         heading,
-        convention: convention.iter().map(|&line| line.to_owned()).collect(),
+        convention,
         x_range: (-90.0, 90.0),
         y_range: (0.0, HIGHEST_HZ),
         y_label: "frequency / Hz",

@@ -5,6 +5,7 @@ use crate::definition::turning_width::TurningWidth;
 use crate::frequency::equation::Equation;
 use crate::frequency::error::RespondError;
 use crate::frequency::respond::{Response, respond};
+pub(crate) use crate::special::ramp::ramp;
 use thiserror::Error;
 
 /// Rate of the taper in every figure, 1/m.
@@ -36,6 +37,12 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
+impl Series {
+    pub(crate) fn new(name: impl Into<String>, stroke: Stroke, hue: usize, points: Vec<(f64, f64)>) -> Self {
+        Self { name: name.into(), stroke, hue, points }
+    }
+}
+
 /// A position marked by a vertical line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
@@ -47,13 +54,19 @@ pub struct Mark {
     pub x: f64,
 }
 
+impl Mark {
+    pub(crate) fn new(name: impl Into<String>, hue: usize, x: f64) -> Self {
+        Self { name: name.into(), hue, x }
+    }
+}
+
 /// One of the two versions, or halves, of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panel {
     /// `as printed` or `corrected`, or the plate.
     pub heading: &'static str,
     /// The formulas and values that the curves assume, one line each.
-    pub convention: Vec<String>,
+    pub convention: &'static [&'static str],
     /// Range of the x axis, in its unit.
     pub x_range: (f64, f64),
     /// Range of the y axis, in its unit.
@@ -96,11 +109,6 @@ pub enum FigureError {
     /// The plate in two dimensions could not be computed.
     #[error(transparent)]
     Plane(#[from] crate::plane::PlaneError),
-}
-
-/// `count` numbers from `low` to `high`, both included.
-pub(crate) fn ramp(low: f64, high: f64, count: usize) -> impl Iterator<Item = f64> + Clone {
-    (0..count).map(move |i| low + (high - low) * i as f64 / (count - 1) as f64)
 }
 
 /// A preset with the paper's turning width, straight across: the figures do not correct the width.

@@ -32,43 +32,42 @@ pub(super) fn figure() -> Figure {
     let over = |from: f64, value: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
         ramp(from, RANGE_MM.1, POINTS).map(|x| (x, value(x * 1e-3) * 1e-3)).collect()
     };
-    let series = |name: &str, stroke, hue, points| Series { name: name.to_owned(), stroke, hue, points };
     let at_mm = turning_point_m() * 1e3;
     let printed = vec![
-        series(
+        Series::new(
             "V = (π/2W0)² exp(-2dx), as in (23)",
             Stroke::Solid,
             0,
             over(RANGE_MM.0, &|x| potential(x, -1.0)),
         ),
-        series(
+        Series::new(
             "\"in inverse proportion to the width\" (2.6)",
             Stroke::Dashed,
             2,
             over(RANGE_MM.0, &|x| potential(x, 1.0).sqrt() * potential(0.0, 1.0).sqrt()),
         ),
-        series("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(RANGE_MM.0, &|_| energy())),
+        Series::new("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(RANGE_MM.0, &|_| energy())),
     ];
     // (sqrt W)''/sqrt W = d^2/4: the part of the potential by the lost (W'/W) term.
     let added = 0.25 * RATE_PER_M * RATE_PER_M;
     let corrected = vec![
-        series("V = (π/2W)², W = W0 exp(-dx)", Stroke::Solid, 0, over(0.0, &|x| potential(x, 1.0))),
-        series(
+        Series::new("V = (π/2W)², W = W0 exp(-dx)", Stroke::Solid, 0, over(0.0, &|x| potential(x, 1.0))),
+        Series::new(
             "V + d²/4 (with the (W'/W) term)",
             Stroke::Dashed,
             2,
             over(0.0, &|x| potential(x, 1.0) + added),
         ),
-        series("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(0.0, &|_| energy())),
+        Series::new("E = (ω/Vs)² at 40 Hz", Stroke::Solid, 1, over(0.0, &|_| energy())),
     ];
-    let panel = |heading, convention: &[&str], series, x: f64| Panel {
+    let panel = |heading, convention: &'static [&'static str], series, x: f64| Panel {
         heading,
-        convention: convention.iter().map(|&line| line.to_owned()).collect(),
+        convention,
         x_range: RANGE_MM,
         y_range: (0.0, 6.0),
         y_label: "V, E / (1000/m²)",
         series,
-        marks: vec![Mark { name: "turning point".to_owned(), hue: 1, x }],
+        marks: vec![Mark::new("turning point", 1, x)],
     };
     Figure {
         number: Some(3),

@@ -1,6 +1,6 @@
 //! The paper's formulas exactly as they are printed, for the left panels.
 
-use super::figure::RATE_PER_M;
+use super::figure::{POINTS, RATE_PER_M, ramp};
 use crate::special::airy;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -19,6 +19,17 @@ pub(super) fn turning_point_m(frequency_hz: f64, speed: f64, width_m: f64) -> f6
 pub(super) fn amplitude(x: f64, frequency_hz: f64, speed: f64, width_m: f64) -> f64 {
     airy::ai(-kappa_per_m(frequency_hz, speed) * (x - turning_point_m(frequency_hz, speed, width_m)))
         / airy::PEAK_VALUE
+}
+
+/// [`amplitude`] in the aluminium plate of Fig. 4, 5 and 7 between two places in mm: points (x in mm, amplitude).
+pub(super) fn in_aluminium(from_mm: f64, to_mm: f64, frequency_hz: f64) -> Vec<(f64, f64)> {
+    let at = |x: f64| (x, amplitude(x * 1e-3, frequency_hz, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M));
+    ramp(from_mm, to_mm, POINTS).map(at).collect()
+}
+
+/// [`turning_point_m`] in that plate, mm.
+pub(super) fn x0_in_aluminium_mm(frequency_hz: f64) -> f64 {
+    turning_point_m(frequency_hz, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M) * 1e3
 }
 
 /// kappa of the paper's (26), 1/m: k^(2/3) with k^2 = 2 d (omega/Vs)^2.

@@ -13,8 +13,8 @@ fn curves(plate: &Plate, equation: Equation) -> Result<(Vec<Series>, Vec<Mark>),
     for (hue, frequency_hz) in FREQUENCIES_HZ.into_iter().enumerate() {
         let response = solve(plate, frequency_hz, equation)?;
         let name = format!("{frequency_hz} Hz");
-        marks.push(Mark { name: format!("x0, {name}"), hue, x: response.turning_point_m * 1e3 });
-        series.push(Series { name, stroke: Stroke::Solid, hue, points: magnitude(&response) });
+        marks.push(Mark::new(format!("x0, {name}"), hue, response.turning_point_m * 1e3));
+        series.push(Series::new(name, Stroke::Solid, hue, magnitude(&response)));
     }
     Ok((series, marks))
 }
@@ -32,9 +32,9 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
     let top = |series: &[Series]| {
         1.15 * series.iter().flat_map(|one| &one.points).map(|point| point.1).fold(0.0, f64::max)
     };
-    let panel = |heading, convention: &[&str], series: Vec<Series>, marks| Panel {
+    let panel = |heading, convention: &'static [&'static str], series: Vec<Series>, marks| Panel {
         heading,
-        convention: convention.iter().map(|&line| line.to_owned()).collect(),
+        convention,
         x_range: (0.0, 300.0),
         y_range: (0.0, top(&series)),
         y_label: "|f| / drive",

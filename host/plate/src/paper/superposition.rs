@@ -1,26 +1,17 @@
 //! Fig. 7: two tones, two peaks.
 
-use super::figure::{
-    Figure, FigureError, Mark, POINTS, Panel, Series, Stroke, magnitude, preset, ramp, solve,
-};
-use super::printed::{self, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M};
+use super::figure::{Figure, FigureError, Mark, Panel, Series, Stroke, magnitude, preset, solve};
+use super::printed;
 use crate::frequency::equation::Equation;
 
 const FREQUENCIES_HZ: [f64; 2] = [5e3, 40e3];
 
 pub(super) fn figure() -> Result<Figure, FigureError> {
     let name = |frequency_hz: f64| format!("{:.0} kHz", frequency_hz * 1e-3);
-    let printed_sum = ramp(-100.0, 700.0, POINTS)
-        .map(|x| {
-            let one = |f: f64| printed::amplitude(x * 1e-3, f, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M);
-            (x, FREQUENCIES_HZ.into_iter().map(one).sum())
-        })
-        .collect();
-    let printed_marks = FREQUENCIES_HZ.into_iter().enumerate().map(|(i, f)| Mark {
-        name: format!("x0, {}", name(f)),
-        hue: i + 1,
-        x: printed::turning_point_m(f, ALUMINIUM_SPEED, ALUMINIUM_WIDTH_M) * 1e3,
-    });
+    let x0 = |i: usize, x: f64| Mark::new(format!("x0, {}", name(FREQUENCIES_HZ[i])), i + 1, x);
+    let [low, high] = FREQUENCIES_HZ.map(|f| printed::in_aluminium(-100.0, 700.0, f));
+    let printed_sum = low.iter().zip(high).map(|(a, b)| (a.0, a.1 + b.1)).collect();
+    let printed_marks = [0, 1].map(|i| x0(i, printed::x0_in_aluminium_mm(FREQUENCIES_HZ[i])));
 
     let plate = preset("al-bending")?;
     let mut tones: Vec<Series> = Vec::new();
@@ -29,22 +20,12 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         let response = solve(&plate, frequency_hz, Equation::Corrected)?;
         let mut points = magnitude(&response);
         // A drive table makes the peaks equal, so the curves are scaled to a peak of 1.
-        let level = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
-        points.iter_mut().for_each(|point| point.1 /= level);
-        tones.push(Series { name: name(frequency_hz), stroke: Stroke::Dashed, hue: i + 1, points });
-        marks.push(Mark {
-            name: format!("x0, {}", name(frequency_hz)),
-            hue: i + 1,
-            x: response.turning_point_m * 1e3,
-        });
+        points.iter_mut().for_each(|point| point.1 /= response.height());
+        tones.push(Series::new(name(frequency_hz), Stroke::Dashed, i + 1, points));
+        marks.push(x0(i, response.turning_point_m * 1e3));
     }
     let rms = tones[0].points.iter().zip(&tones[1].points).map(|(a, b)| (a.0, a.1.hypot(b.1))).collect();
-    let mut corrected = vec![Series {
-        name: "both: root of the sum of squares".to_owned(),
-        stroke: Stroke::Solid,
-        hue: 0,
-        points: rms,
-    }];
+    let mut corrected = vec![Series::new("both: root of the sum of squares", Stroke::Solid, 0, rms)];
     corrected.extend(tones);
     Ok(Figure {
         number: Some(7),
@@ -54,26 +35,21 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         panels: [
             Panel {
                 heading: "as printed",
-                convention: vec![
-                    "(24), (35), (36) for both frequencies, added; SH wave in aluminium, W0 = 2 cm, d = 4.62 /m.".to_owned(),
-                    "x0 = -6.7 mm and +443 mm, each oscillating toward LARGER x.".to_owned(),
+                convention: &[
+                    "(24), (35), (36) for both frequencies, added; SH wave in aluminium, W0 = 2 cm, d = 4.62 /m.",
+                    "x0 = -6.7 mm and +443 mm, each oscillating toward LARGER x.",
                 ],
                 x_range: (-100.0, 700.0),
                 y_range: (-1.6, 2.0),
                 y_label: "f, each tone's largest = 1",
-                series: vec![Series {
-                    name: "5 kHz + 40 kHz".to_owned(),
-                    stroke: Stroke::Solid,
-                    hue: 0,
-                    points: printed_sum,
-                }],
-                marks: printed_marks.collect(),
+                series: vec![Series::new("5 kHz + 40 kHz", Stroke::Solid, 0, printed_sum)],
+                marks: printed_marks.into(),
             },
             Panel {
                 heading: "corrected",
-                convention: vec![
-                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.".to_owned(),
-                    "Each tone scaled to a peak of 1; tones of different frequency add in power.".to_owned(),
+                convention: &[
+                    "2 mm plate in bending, supported edges, half-width 2 cm, d = 4.62 /m, loss 0.002, matched drive.",
+                    "Each tone scaled to a peak of 1; tones of different frequency add in power.",
                 ],
                 x_range: (0.0, 340.0),
                 y_range: (0.0, 1.6),

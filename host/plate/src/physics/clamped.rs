@@ -1,12 +1,12 @@
 //! The clamped strip: its exact law against the law near the cut-off.
 
-use super::{preset, series, two_dimensions};
+use super::{preset, two_dimensions};
 use crate::definition::drive::DriveEnd;
 use crate::definition::model::Model;
 use crate::definition::plate::Plate;
 use crate::definition::source::EndSlope;
 use crate::frequency::numerov::{self, Grid};
-use crate::paper::figure::{Figure, FigureError, POINTS, Panel, Stroke, magnitude, ramp};
+use crate::paper::figure::{Figure, FigureError, POINTS, Panel, Series, Stroke, magnitude, ramp};
 use crate::plane::strip::wavenumber_squared;
 
 /// The turning point, metres.
@@ -51,32 +51,29 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         panels: [
             Panel {
                 heading: "local wavenumber of a clamped plate",
-                convention: vec![
-                    "Aluminium, 2 mm, turning at 240 mm; p tan p + r tanh r = 0 with p^2, r^2 = W^2 (K^2 -+ k^2).".to_owned(),
+                convention: &[
+                    "Aluminium, 2 mm, turning at 240 mm; p tan p + r tanh r = 0 with p^2, r^2 = W^2 (K^2 -+ k^2).",
                 ],
                 x_range: (0.0, 300.0),
                 y_range: (0.0, 500.0),
                 y_label: "k / (1/m)",
                 series: vec![
-                    series("exact law", Stroke::Solid, 0, line(&exact)),
-                    series("tangent at the cut-off", Stroke::Solid, 1, line(&tangent)),
-                    series("two dimensions", Stroke::Dots, 2, dots.collect()),
+                    Series::new("exact law", Stroke::Solid, 0, line(&exact)),
+                    Series::new("tangent at the cut-off", Stroke::Solid, 1, line(&tangent)),
+                    Series::new("two dimensions", Stroke::Dots, 2, dots.collect()),
                 ],
                 marks: Vec::new(),
             },
             Panel {
                 heading: "its field",
-                convention: vec![
-                    "Loss factor 0.01; the end is clamped and moved."
-                        .to_owned(),
-                ],
+                convention: &["Loss factor 0.01; the end is clamped and moved."],
                 x_range: (0.0, 300.0),
                 y_range: (0.0, 3.0),
                 y_label: "|w| over the drive",
                 series: vec![
-                    series("exact law", Stroke::Solid, 0, field(&exact_field)),
-                    series("tangent at the cut-off", Stroke::Solid, 1, field(&tangent_field)),
-                    series("two dimensions", Stroke::Dashed, 2, truth),
+                    Series::new("exact law", Stroke::Solid, 0, field(&exact_field)),
+                    Series::new("tangent at the cut-off", Stroke::Solid, 1, field(&tangent_field)),
+                    Series::new("two dimensions", Stroke::Dashed, 2, truth),
                 ],
                 marks: Vec::new(),
             },

@@ -1,8 +1,8 @@
 //! Effect of a finger on the peak of a light membrane and of a heavy one.
 
-use super::{one_dimension, preset, series, two_dimensions};
+use super::{one_dimension, preset, two_dimensions};
 use crate::frequency::finger::Finger;
-use crate::paper::figure::{Figure, FigureError, Mark, Panel, Stroke, magnitude};
+use crate::paper::figure::{Figure, FigureError, Mark, Panel, Series, Stroke, magnitude};
 
 const FREQUENCY_HZ: f64 = 130.0;
 
@@ -33,20 +33,19 @@ fn panel(name: &'static str, heading: &'static str) -> Result<Panel, FigureError
     .enumerate()
     {
         let computed = one_dimension(&plate, finger.as_ref(), FREQUENCY_HZ)?;
-        curves.push(series(name, Stroke::Solid, hue, computed));
+        curves.push(Series::new(name, Stroke::Solid, hue, computed));
         let truth = magnitude(&two_dimensions(&plate, finger, FREQUENCY_HZ)?);
-        curves.push(series(format!("{name}, 2-D"), Stroke::Dashed, hue, truth));
+        curves.push(Series::new(format!("{name}, 2-D"), Stroke::Dashed, hue, truth));
     }
     Ok(Panel {
         heading,
-        convention: vec![
-            "Light: 0.1 N s/m and 0.01 g; firm: 1 N s/m and 0.1 g; contact 10 mm wide (illustrative)."
-                .to_owned(),
+        convention: &[
+            "Light: 0.1 N s/m and 0.01 g; firm: 1 N s/m and 0.1 g; contact 10 mm wide (illustrative).",
         ],
         x_range: (0.0, 320.0),
         y_range: (0.0, 3.0),
         y_label: "|w| over the drive",
         series: curves,
-        marks: vec![Mark { name: "finger".to_owned(), hue: 5, x: place_m * 1e3 }],
+        marks: vec![Mark::new("finger", 5, place_m * 1e3)],
     })
 }

@@ -15,7 +15,7 @@ use crate::definition::plate::Plate;
 use crate::frequency::equation::Equation;
 use crate::frequency::finger::Finger;
 use crate::frequency::respond::{Response, respond_touched};
-use crate::paper::figure::{Figure, FigureError, POINTS, Series, Stroke, magnitude};
+use crate::paper::figure::{Figure, FigureError, POINTS, magnitude};
 use crate::plane;
 
 /// The figures of the physics page, in its order.
@@ -54,13 +54,10 @@ fn preset(name: &'static str) -> Result<Plate, FigureError> {
     crate::definition::presets::preset(name).ok_or(FigureError::Preset(name))
 }
 
-fn series(name: impl Into<String>, stroke: Stroke, hue: usize, points: Vec<(f64, f64)>) -> Series {
-    Series { name: name.into(), stroke, hue, points }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::figure::Stroke;
 
     fn curve<'a>(figure: &'a Figure, panel: usize, name: &str) -> &'a [(f64, f64)] {
         &figure.panels[panel].curve(name).unwrap_or_else(|| panic!("no curve {name}")).points

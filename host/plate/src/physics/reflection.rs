@@ -1,6 +1,6 @@
 //! Reflection of the returning wave at the ends of a plate in bending, over frequency.
 
-use super::{preset, series};
+use super::preset;
 use crate::definition::drive::DriveEnd;
 use crate::definition::impedance::Impedance;
 use crate::definition::plate::Plate;
@@ -35,9 +35,9 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         }
         Ok(curves)
     };
-    let panel = |heading, convention: &str, series| Panel {
+    let panel = |heading, convention: &'static [&'static str], series| Panel {
         heading,
-        convention: vec![convention.to_owned()],
+        convention,
         x_range: BAND_KHZ,
         y_range: (0.0, 1.0),
         y_label: "|r|",
@@ -52,7 +52,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         panels: [
             panel(
                 "dampers",
-                "Aluminium strip, 2 mm thick, half-width 20 mm, supported; Z = 151 N s/m at 28 kHz.",
+                &["Aluminium strip, 2 mm thick, half-width 20 mm, supported; Z = 151 N s/m at 28 kHz."],
                 curves([
                     ("free, R = Z", damped(1.0, EndSlope::Free)),
                     ("free, R = 0.37 Z", damped(0.37, EndSlope::Free)),
@@ -61,7 +61,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
             ),
             panel(
                 "lead-ins, loss factor 0.2",
-                "The same strip behind a soft force; damper R at the far end of the lead-in.",
+                &["The same strip behind a soft force; damper R at the far end of the lead-in."],
                 curves([
                     ("60 mm, R = 0", led(0.06, 0.0)),
                     ("60 mm, R = 0.37 Z", led(0.06, 0.37)),
@@ -81,5 +81,8 @@ fn both(plate: &Plate, name: &str, hue: usize) -> Result<[Series; 2], FigureErro
     let dots: Result<Vec<(f64, f64)>, FigureError> = ramp(BAND_KHZ.0 + 2.0, BAND_KHZ.1 - 2.0, DOTS)
         .map(|khz| Ok((khz, plane::reflection(plate, khz * 1e3, &setup)?.norm())))
         .collect();
-    Ok([series(name, Stroke::Solid, hue, line), series(format!("{name}, 2-D"), Stroke::Dots, hue, dots?)])
+    Ok([
+        Series::new(name, Stroke::Solid, hue, line),
+        Series::new(format!("{name}, 2-D"), Stroke::Dots, hue, dots?),
+    ])
 }

@@ -1,7 +1,7 @@
 //! Distance of the peak from that of the plate in two dimensions, with the turning width along the arc and straight
 //! across.
 
-use super::{preset, series, two_dimensions};
+use super::{preset, two_dimensions};
 use crate::definition::plate::Plate;
 use crate::definition::turning_width::TurningWidth;
 use crate::frequency::equation::Equation;
@@ -17,8 +17,8 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
         title: "how far the peak of one dimension is from that of two",
         x_label: "boundary / mm",
         panels: [
-            panel("al-sh", "preset al-sh", "|W'| = 0.46 at 150 mm, 0.09 at 505 mm.", (-2.0, 16.0))?,
-            panel("membrane", "preset membrane", "|W'| = 0.16 at 80 mm, 0.06 at 280 mm.", (-0.5, 2.0))?,
+            panel("al-sh", "preset al-sh", &["|W'| = 0.46 at 150 mm, 0.09 at 505 mm."], (-2.0, 16.0))?,
+            panel("membrane", "preset membrane", &["|W'| = 0.16 at 80 mm, 0.06 at 280 mm."], (-0.5, 2.0))?,
         ],
     })
 }
@@ -26,7 +26,7 @@ pub(super) fn figure() -> Result<Figure, FigureError> {
 fn panel(
     name: &'static str,
     heading: &'static str,
-    convention: &str,
+    convention: &'static [&'static str],
     y_range: (f64, f64),
 ) -> Result<Panel, FigureError> {
     let preset = preset(name)?;
@@ -50,12 +50,12 @@ fn panel(
     let curves: Result<Vec<Series>, FigureError> = [("along the arc", &arc), ("straight across", &plain)]
         .into_iter()
         .enumerate()
-        .map(|(hue, (name, plate))| Ok(series(name, Stroke::Solid, hue, shifts(plate)?)))
+        .map(|(hue, (name, plate))| Ok(Series::new(name, Stroke::Solid, hue, shifts(plate)?)))
         .collect();
     let (first, last) = (1e3 * start, 1e3 * end);
     Ok(Panel {
         heading,
-        convention: vec![convention.to_owned()],
+        convention,
         x_range: (first, last),
         y_range,
         y_label: "peak, one dimension less two / mm",

@@ -39,7 +39,7 @@ pub fn paper_figure(figure: &Figure) -> Drawing {
 fn draw_panel(page: &mut Page, (left, right): (f64, f64), figure: &Figure, panel: &Panel) {
     page.text(panel.heading, (left, TOP + 0.5 * HEADING), Anchor::Left, HEADING, BLACK);
     let mut y = TOP + HEADING + 4.0;
-    for sentence in &panel.convention {
+    for sentence in panel.convention {
         for line in font::wrapped(sentence, TEXT, right - left) {
             page.text(&line, (left, y + 0.5 * TEXT), Anchor::Left, TEXT, REMARK);
             y += row_height(TEXT);

@@ -11,7 +11,7 @@ use crate::quantity::{from_decibels, number_format::with_decimals};
 /// fingers differ, and the place where a finger feels nothing is no error of the model.
 pub(in crate::check) fn felt_edge_light(site: &Site<'_>) -> Finding {
     let response = &site.response;
-    let highest = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
+    let highest = response.height();
     let scale = if highest > 0.0 { site.prepared.peak_m() / highest } else { 0.0 };
     let squares: Vec<f64> = response.amplitude.iter().map(|f| 0.5 * (f * scale).norm_sqr()).collect();
     let tone = FeltTone { frequency_hz: site.frequency_hz, squares: &squares };

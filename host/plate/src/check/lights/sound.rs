@@ -42,8 +42,7 @@ fn level_db(pressure_amplitude_pa: f64) -> f64 {
 /// p = rho omega^2 (volume displacement)/(2 pi distance), or the plane wave of the largest amplitude if that is less.
 fn bound_db(site: &Site<'_>) -> f64 {
     let response = &site.response;
-    let peak = response.peak.map_or(response.amplitude_at_turning_point / 0.6628, |peak| peak.amplitude);
-    let scale_m = site.prepared.peak_m() / peak;
+    let scale_m = site.prepared.peak_m() / response.height();
     let step_m = site.plate.length_m() / (response.position_m.len() - 1) as f64;
     // The first width mode is a half sine, with a mean over the width of 2/pi of the centre line. Between clamped edges
     // the mean is lower (0.52), so this stays an upper bound.
