@@ -116,30 +116,22 @@ impl Sheet {
     /// that changes too fast with the frequency; such a sheet is driven within the plate's band alone, as a
     /// [`crate::TimeDomainLine`].
     pub fn new(plate: &Plate, sample_rate_hz: f64, grid: SheetGrid) -> Result<Self, SheetError> {
-        Self::with_contact(plate, None, sample_rate_hz, grid)
+        Self::touched(plate, None, sample_rate_hz, grid)
     }
 
-    /// As [`Sheet::new`], with a finger that rests on the sheet: its impedance acts everywhere in its contact, as in
+    /// As [`Sheet::new`], with a finger that rests on the sheet where there is one: its impedance acts everywhere in its contact, as in
     /// [`crate::plane`]. A cell that the contact covers in part has that part of it.
     ///
     /// # Errors
     /// As [`Sheet::new`], and [`SheetError::Finger`].
     pub fn touched(
         plate: &Plate,
-        finger: &Finger,
+        finger: Option<&Finger>,
         sample_rate_hz: f64,
         grid: SheetGrid,
     ) -> Result<Self, SheetError> {
-        let contact = Contact::new(plate, finger).map_err(SheetError::Finger)?;
-        Self::with_contact(plate, Some(contact), sample_rate_hz, grid)
-    }
-
-    fn with_contact(
-        plate: &Plate,
-        contact: Option<Contact>,
-        sample_rate_hz: f64,
-        grid: SheetGrid,
-    ) -> Result<Self, SheetError> {
+        let contact = finger.map(|finger| Contact::new(plate, finger)).transpose();
+        let contact = contact.map_err(SheetError::Finger)?;
         let Layout { edge, ratio, step_s, wave, mirrored, condition, resonator, .. } =
             Layout::new(plate, sample_rate_hz, &grid)?;
         let curve = CurvedDrive::of(plate, sample_rate_hz)?;

@@ -163,7 +163,7 @@ fn threads_and_vector_widths_do_not_change_a_bit() {
         };
         // A contact on the boundary of two bands, and one that covers cells at the edge.
         let finger = Finger { contact_m: 0.05, ..Finger::firm(0.2) };
-        let mut sheet = Sheet::touched(&plate, &finger, RATE, grid).unwrap();
+        let mut sheet = Sheet::touched(&plate, Some(&finger), RATE, grid).unwrap();
         sheet.fdtd.use_width(width);
         for codes in tone(160.0, 0, 4000).chunks(chunk) {
             sheet.push(codes);

@@ -80,23 +80,14 @@ impl TimeDomainLine {
     /// [`LineError::Drive`] for a measured drive that changes too fast with the frequency, and [`LineError::Unfit`] if
     /// the error of the fit exceeds 0.5 % of the largest amplitude, between clamped edges 3 %.
     pub fn new(plate: &Plate, sample_rate_hz: f64, points: usize) -> Result<Self, LineError> {
-        Self::with(plate, None, sample_rate_hz, points)
+        Self::touched(plate, None, sample_rate_hz, points)
     }
 
-    /// As [`TimeDomainLine::new`], with a finger that rests on the plate.
+    /// As [`TimeDomainLine::new`], with a finger that rests on the plate where there is one.
     ///
     /// # Errors
     /// Those of [`TimeDomainLine::new`], and [`LineError::Finger`] for a finger that is not valid on this plate.
     pub fn touched(
-        plate: &Plate,
-        finger: &Finger,
-        sample_rate_hz: f64,
-        points: usize,
-    ) -> Result<Self, LineError> {
-        Self::with(plate, Some(finger), sample_rate_hz, points)
-    }
-
-    fn with(
         plate: &Plate,
         finger: Option<&Finger>,
         sample_rate_hz: f64,

@@ -69,20 +69,14 @@ impl Waves {
         frequencies: &[f64],
     ) -> Result<Self, SimulationError> {
         let Solver::Sheet { threads } = solver else {
-            let line = match finger {
-                None => TimeDomainLine::new(plate, rate_hz, PLACES)?,
-                Some(finger) => TimeDomainLine::touched(plate, finger, rate_hz, PLACES)?,
-            };
+            let line = TimeDomainLine::touched(plate, finger, rate_hz, PLACES)?;
             return Ok(Self::Line(Box::new(line)));
         };
         let (low_hz, high_hz) =
             frequencies.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &hz| (low.min(hz), high.max(hz)));
         let grid = sheet_grid(plate, (low_hz * high_hz).sqrt(), threads).at_tones(plate, frequencies)?;
         let held = (grid.cost(plate, rate_hz)?.step_rate_hz / rate_hz).round().max(1.0);
-        let sheet = match finger {
-            None => Sheet::new(plate, rate_hz * held, grid)?,
-            Some(finger) => Sheet::touched(plate, finger, rate_hz * held, grid)?,
-        };
+        let sheet = Sheet::touched(plate, finger, rate_hz * held, grid)?;
         let samples_per_step = (rate_hz * held / sheet.step_rate_hz()).round().max(1.0);
         let steps = if held > 1.0 {
             1.0

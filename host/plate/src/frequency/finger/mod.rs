@@ -18,7 +18,7 @@ use crate::definition::limits;
 use crate::definition::plate::Plate;
 use crate::quantity::{OutOfRange, Range};
 
-pub(crate) use touch::{share_left, touched};
+pub(crate) use touch::{share_left, solve_each_touched, touched};
 
 /// Side of the contact of a fingertip, metres.
 pub const CONTACT_M: f64 = 0.01;

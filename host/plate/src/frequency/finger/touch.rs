@@ -29,6 +29,24 @@ pub(crate) fn touched(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz:
     field
 }
 
+/// As [`numerov::solve_each_apart`], with a finger on the plate where there is one.
+pub(crate) fn solve_each_touched(
+    grid: &Grid,
+    plate: &Plate,
+    finger: Option<&Finger>,
+    frequencies_hz: &[f64],
+    every: usize,
+    mut visit: impl FnMut(usize, &[Complex64]),
+) {
+    let Some(finger) = finger else {
+        return numerov::solve_each_apart(grid, plate, frequencies_hz, every, visit);
+    };
+    for (number, &frequency_hz) in frequencies_hz.iter().enumerate() {
+        let fine = touched(grid, plate, finger, frequency_hz);
+        visit(number, &fine.into_iter().step_by(every).collect::<Vec<_>>());
+    }
+}
+
 /// Mean motion under the contact on the touched plate over that on the free plate.
 pub(crate) fn share_left(grid: &Grid, plate: &Plate, finger: &Finger, frequency_hz: f64) -> Complex64 {
     let (begins_m, ends_m) = finger.reach(plate);

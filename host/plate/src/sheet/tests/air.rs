@@ -157,7 +157,7 @@ fn a_finger_on_a_sheet_in_air_is_that_of_the_plate_in_two_dimensions() {
     let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(180, 28) };
     let grid = grid.at_tones(&plate, &[frequency_hz]).unwrap();
     let of_sheet = |sheet: Sheet| peak(&settled(sheet, &plate, RATE, frequency_hz), plate.length_m());
-    let touched = of_sheet(Sheet::touched(&plate, &finger, RATE, grid).unwrap());
+    let touched = of_sheet(Sheet::touched(&plate, Some(&finger), RATE, grid).unwrap());
     let free = of_sheet(Sheet::new(&plate, RATE, grid).unwrap());
     let truth = |finger: Option<Finger>| {
         let setup = plane::Setup { finger, ..plane::Setup::of(&plate) };

@@ -15,7 +15,7 @@ fn tense(end: DriveEnd) -> Plate {
 fn energies(finger: &Finger, whole: bool) -> Vec<f64> {
     let plate = tense(DriveEnd::Force { at_frequency_hz: 150.0 });
     let grid = SheetGrid { whole, ..SheetGrid::new(90, 14) };
-    let mut sheet = Sheet::touched(&plate, finger, RATE, grid).unwrap();
+    let mut sheet = Sheet::touched(&plate, Some(finger), RATE, grid).unwrap();
     sheet.push(&tone(150.0, 0, 4000));
     sheet.push(&[0.0; 100]);
     let mut energy = || {
@@ -61,10 +61,11 @@ fn a_finger_of_nothing_changes_no_bit_and_one_on_an_untold_plate_is_refused() {
         field(&sheet)
     };
     let grid = SheetGrid::new(90, 14);
-    assert_eq!(run(Sheet::new(&plate, RATE, grid)), run(Sheet::touched(&plate, &nothing, RATE, grid)));
+    assert_eq!(run(Sheet::new(&plate, RATE, grid)), run(Sheet::touched(&plate, Some(&nothing), RATE, grid)));
     let untold = membrane(0.05, 4.62, 0.32, 0.0, DriveEnd::Displacement);
-    let refused =
-        |plate: &Plate, finger: Finger| Sheet::touched(plate, &finger, RATE, grid).unwrap_err().to_string();
+    let refused = |plate: &Plate, finger: Finger| {
+        Sheet::touched(plate, Some(&finger), RATE, grid).unwrap_err().to_string()
+    };
     assert!(refused(&untold, nothing).contains("model.tension_n_per_m is missing"));
     assert_eq!(refused(&plate, Finger::light(0.4)), "finger place = 0.4 m: must be 0 to 0.32 m");
 }
@@ -100,7 +101,7 @@ fn a_finger_takes_from_the_sheet_what_it_takes_from_the_plane_at_second_order() 
             .map(|finer| {
                 let along = finer * 128;
                 let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(along, finer * 20) };
-                let sheet = Sheet::touched(&plate, &finger, RATE, grid).unwrap();
+                let sheet = Sheet::touched(&plate, Some(&finger), RATE, grid).unwrap();
                 let sheet = settled(sheet, &plate, RATE, frequency_hz);
                 let plane = on_plane(Some(finger_there), along + 1);
                 assert!(worst(&on_plane(None, along + 1), &plane) > 0.2, "{finger:?} changes nothing");

@@ -35,12 +35,8 @@ pub(crate) fn of_plate(
         None => (Accuracy::EXACT, 0.0),
         Some(_) => (Accuracy::of_strip(exact_hz, least_decay(plate)), DELAY_PERIODS / exact_hz.0),
     };
-    let fit = match finger {
-        None => bank(late(response(plate, places, top_hz), delay_s), plan, places, accuracy),
-        Some(finger) => {
-            bank(late(touched_response(plate, finger, places, top_hz), delay_s), plan, places, accuracy)
-        }
-    };
+    let field = late(response(plate, finger, places, top_hz), delay_s);
+    let fit = bank(field, plan, places, accuracy);
     Fit { delay_s, ..fit }
 }
 
@@ -68,44 +64,23 @@ fn late(
 }
 
 /// Computes the field at `points` uniform positions from 0 to the plate's end, relative to the
-/// actuator's input, for each of many frequencies up to `top_hz`.
+/// actuator's input, for each of many frequencies up to `top_hz`; with a finger on the plate where there is one.
 pub(crate) fn response(
     plate: &Plate,
+    finger: Option<&Finger>,
     points: usize,
     top_hz: f64,
 ) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
-    let (grid, refinement) = grid(plate, points, top_hz);
+    let step = plate.length_m() / (points - 1) as f64;
+    let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
+    let grid = Grid::new(plate, Equation::Corrected, points, refinement);
     move |frequencies_hz| {
         let mut rows = Vec::with_capacity(frequencies_hz.len());
-        numerov::solve_each_apart(&grid, plate, frequencies_hz, refinement, |number, field| {
+        finger::solve_each_touched(&grid, plate, finger, frequencies_hz, refinement, |number, field| {
             rows.push(row(plate, frequencies_hz[number], field));
         });
         rows
     }
-}
-
-/// As [`response`], with a finger on the plate.
-fn touched_response(
-    plate: &Plate,
-    finger: &Finger,
-    points: usize,
-    top_hz: f64,
-) -> impl FnMut(&[f64]) -> Vec<Vec<Complex64>> {
-    let (grid, refinement) = grid(plate, points, top_hz);
-    move |frequencies_hz| {
-        let touched = |hz: f64| {
-            let fine = finger::touched(&grid, plate, finger, hz);
-            row(plate, hz, &fine.into_iter().step_by(refinement).collect::<Vec<_>>())
-        };
-        frequencies_hz.iter().map(|&hz| touched(hz)).collect()
-    }
-}
-
-/// A grid for frequencies up to `top_hz`, and its refinement over `points`.
-fn grid(plate: &Plate, points: usize, top_hz: f64) -> (Grid, usize) {
-    let step = plate.length_m() / (points - 1) as f64;
-    let refinement = numerov::refinement_for(plate, top_hz, step, ERROR);
-    (Grid::new(plate, Equation::Corrected, points, refinement), refinement)
 }
 
 /// The field at the positions, relative to the resonator's input; the drive's filter applies the curves.

@@ -16,7 +16,7 @@ fn plan_of(plate: &Plate) -> BandPlan {
 
 fn fit_of(plate: &Plate) -> (Fit, BandPlan) {
     let plan = plan_of(plate);
-    (exact(response(plate, PLACES, plan.stop_hz().1), &plan, PLACES), plan)
+    (exact(response(plate, None, PLACES, plan.stop_hz().1), &plan, PLACES), plan)
 }
 
 /// Largest difference, relative to the largest amplitude.
@@ -62,7 +62,7 @@ fn the_fit_of_every_preset_answers_as_the_frequency_domain_solver_with_fewer_pol
             let error = difference(&exact.amplitude, &fit.bank.steady(frequency, plan.centre_hz));
             assert!(error < 1e-3, "{} {frequency} Hz: {error}", preset.name);
         }
-        let error = worst(&fit, &plan, response(&plate, PLACES, plan.stop_hz().1), true);
+        let error = worst(&fit, &plan, response(&plate, None, PLACES, plan.stop_hz().1), true);
         // With air the field is no sum of decaying resonances: the fit ends a little above its aim.
         let aim = if plate.carries_air() { 4e-4 } else { Accuracy::EXACT.field };
         assert!(error < 5e-4 && fit.error < aim, "{}: {error}, {}", preset.name, fit.error);
@@ -82,7 +82,7 @@ fn sharp_resonances_are_found_however_sharp() {
         spec.loss_factor = loss_factor;
         let plate = Plate::new(spec).expect("a valid plate");
         let (fit, plan) = fit_of(&plate);
-        let response = response(&plate, PLACES, plan.stop_hz().1);
+        let response = response(&plate, None, PLACES, plan.stop_hz().1);
         let error = worst(&fit, &plan, response, loss_factor > 0.0);
         assert!(error < 5e-4, "loss {loss_factor}: {error}");
         assert!(fit.bank.pole.iter().all(|p| p.im <= 0.0), "loss {loss_factor}");
@@ -98,7 +98,7 @@ fn an_actuator_of_any_quality_is_a_pair_of_poles_more_at_most() {
         spec.actuator = Some(Actuator::Resonator(Resonator { resonance_hz: 31e3, quality, travel: None }));
         let plate = Plate::new(spec).expect("a valid plate");
         let (fit, plan) = fit_of(&plate);
-        let error = worst(&fit, &plan, response(&plate, PLACES, plan.stop_hz().1), true);
+        let error = worst(&fit, &plan, response(&plate, None, PLACES, plan.stop_hz().1), true);
         assert!(error < 5e-4, "Q {quality}: {error}");
         let mut exact = respond(&plate, 30.9e3, PLACES, Equation::Corrected).expect("in band").amplitude;
         let gain = plate.spec().actuator.as_ref().expect("an actuator").response(30.9e3);
@@ -114,8 +114,8 @@ fn a_wave_that_enters_only_in_the_upper_half_of_the_band_gets_no_spurious_poles(
     let cut_off_hz = plate.cut_off_hz();
     let plan = BandPlan::new(400e3, 0.2 * cut_off_hz, 1.4 * cut_off_hz);
     assert!(cut_off_hz > plan.centre_hz, "{cut_off_hz} of {}", plan.centre_hz);
-    let fit = exact(response(&plate, PLACES, plan.stop_hz().1), &plan, PLACES);
-    let error = worst(&fit, &plan, response(&plate, PLACES, plan.stop_hz().1), true);
+    let fit = exact(response(&plate, None, PLACES, plan.stop_hz().1), &plan, PLACES);
+    let error = worst(&fit, &plan, response(&plate, None, PLACES, plan.stop_hz().1), true);
     assert!(error < 5e-4, "{error}");
     assert!(fit.bank.pole.len() < 16, "{} poles", fit.bank.pole.len());
 }

@@ -102,7 +102,7 @@ fn a_change_of_amplitude_decays_as_a_fourier_synthesis_of_the_frequency_domain_s
         let hertz = |line: usize| line as f64 * rate / count as f64;
         let lines: Vec<usize> = (turns.saturating_sub(200).max(1)..turns + 200).collect();
         let frequencies: Vec<f64> = lines.iter().map(|&line| hertz(line)).collect();
-        let mut parts = fit::response(&plate, POINTS, hertz(turns + 200))(&frequencies);
+        let mut parts = fit::response(&plate, None, POINTS, hertz(turns + 200))(&frequencies);
         for (part, &line) in parts.iter_mut().zip(&lines) {
             let turn = TAU * line as f64 / count as f64;
             let held = hold_droop(hertz(line), rate) * Complex64::cis(0.5 * turn);
@@ -180,10 +180,10 @@ fn a_settled_tone_on_a_touched_line_has_the_amplitude_of_the_touched_plate() {
         [(&membrane, Finger::light(0.16)), (&membrane, Finger::firm(0.2)), (&bending, Finger::firm(0.24))]
     {
         let rate = (10.0 * plate.band_hz().1).clamp(4e3, 400e3);
-        let line = TimeDomainLine::touched(plate, &finger, rate, 257).expect("a line");
+        let line = TimeDomainLine::touched(plate, Some(&finger), rate, 257).expect("a line");
         settled_tones_agree_touched(plate, Some(&finger), line, rate);
     }
-    let off = TimeDomainLine::touched(&membrane, &Finger::light(2.0), 4e3, 257).err().expect("refused");
+    let off = TimeDomainLine::touched(&membrane, Some(&Finger::light(2.0)), 4e3, 257).err().expect("refused");
     assert!(off.to_string().starts_with("finger place = "), "{off}");
 }
 

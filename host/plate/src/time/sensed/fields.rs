@@ -79,15 +79,9 @@ impl Fields {
         let above = |i: usize| stop_hz.1 * (octaves * i as f64 / ROUGHLY.0 as f64).exp2();
         frequency_hz.extend((1..=ROUGHLY.0).map(above));
         let mut rows: Vec<(f64, Vec<Complex64>)> = Vec::with_capacity(frequency_hz.len());
-        match finger {
-            None => numerov::solve_each_apart(&grid, plate, &frequency_hz, refinement, |number, field| {
-                rows.push((frequency_hz[number], field.to_vec()));
-            }),
-            Some(finger) => rows.extend(frequency_hz.iter().map(|&hz| {
-                let fine = finger::touched(&grid, plate, finger, hz);
-                (hz, fine.into_iter().step_by(refinement).collect())
-            })),
-        }
+        finger::solve_each_touched(&grid, plate, finger, &frequency_hz, refinement, |number, field| {
+            rows.push((frequency_hz[number], field.to_vec()));
+        });
         // Far below the band a finger's field is not finite.
         rows.retain(|(_, field)| field.iter().all(|it| it.is_finite()));
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
