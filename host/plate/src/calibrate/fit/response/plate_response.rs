@@ -129,7 +129,7 @@ pub(crate) fn answers(
     }
     let rows = wave.complex(sensor, places_m, frequencies_hz, with_peak);
     let answer = |(&frequency_hz, row): (&f64, super::wave::Row)| {
-        let [force, motion] = end.of_wave(frequency_hz, row.value, row.slope);
+        let [force, motion] = end.of_wave(frequency_hz, row.value, wave.slope(frequency_hz));
         let rate = units.rate(frequency_hz);
         PlateResponse { frequency_hz, rate, force, motion, seen: row.seen, peak: row.peak }
     };

@@ -47,8 +47,8 @@ impl Wave {
         Ok(wave)
     }
 
-    /// The complex wave of [`Wave::with_slope`] at sensors of one kind at `places_m` and at the driven end, and its
-    /// peak if `with_peak`; one row per frequency.
+    /// The complex wave at sensors of one kind at `places_m` and at the driven end, and its peak if `with_peak`; one row
+    /// per frequency.
     pub(crate) fn complex(
         &self,
         sensor: SensorKind,
@@ -64,8 +64,7 @@ impl Wave {
                 f64::NAN
             };
             let seen = places_m.iter().map(|&place_m| seen(field, self.step_m, place_m, sensor)).collect();
-            let slope = self.slope(frequencies_hz[number]);
-            rows.push(Row { seen, value: field[0], slope, peak });
+            rows.push(Row { seen, value: field[0], peak });
         });
         rows
     }
@@ -93,12 +92,7 @@ impl Wave {
     /// The signals of sensors of one kind at `places_m`: the deflection, or for strain the curvature (1/m^2 of the
     /// deflection's unit). For each frequency one magnitude per place, all on one scale.
     pub(crate) fn at(&self, sensor: SensorKind, places_m: &[f64], frequencies_hz: &[f64]) -> Vec<Vec<f64>> {
-        let mut rows = Vec::with_capacity(frequencies_hz.len());
-        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |_, field| {
-            let seen = |&place_m: &f64| seen(field, self.step_m, place_m, sensor).norm();
-            rows.push(places_m.iter().map(seen).collect());
-        });
-        rows
+        self.complex(sensor, places_m, frequencies_hz, false).iter().map(Row::magnitudes).collect()
     }
 
     /// As [`Wave::at`]; also returns the amplitude of the peak as a drive table levels it.
@@ -108,13 +102,8 @@ impl Wave {
         places_m: &[f64],
         frequencies_hz: &[f64],
     ) -> Vec<(Vec<f64>, f64)> {
-        let mut rows = Vec::with_capacity(frequencies_hz.len());
-        numerov::solve_each(&self.grid, &self.plate, frequencies_hz, |number, field| {
-            let seen = |&place_m: &f64| seen(field, self.step_m, place_m, sensor).norm();
-            let peak = level::peak_amplitude(&self.plate, field, self.step_m, frequencies_hz[number]).0;
-            rows.push((places_m.iter().map(seen).collect(), peak));
-        });
-        rows
+        let rows = self.complex(sensor, places_m, frequencies_hz, true);
+        rows.iter().map(|row| (row.magnitudes(), row.peak)).collect()
     }
 }
 
@@ -124,10 +113,14 @@ pub(crate) struct Row {
     pub(crate) seen: Vec<Complex64>,
     /// p(0).
     pub(crate) value: Complex64,
-    /// p'(0), 1/m.
-    pub(crate) slope: Complex64,
     /// Amplitude of the peak; NaN if it was not requested.
     pub(crate) peak: f64,
+}
+
+impl Row {
+    fn magnitudes(&self) -> Vec<f64> {
+        self.seen.iter().map(|p| p.norm()).collect()
+    }
 }
 
 /// Number of grid positions on a plate for frequencies up to `highest_hz`. A fit keeps it while it varies the plate's
