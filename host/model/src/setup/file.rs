@@ -117,14 +117,8 @@ fn syntax(text: &str, fault: &toml::de::Error) -> SetupFileError {
 
 fn build(parsed: SetupText) -> Result<Setup, SetupFileError> {
     let plate_text = toml::to_string(&parsed.plate).unwrap_or_default();
-    let plate = match Plate::from_toml(&plate_text) {
-        Ok(plate) => Arc::new(plate),
-        // The line number belongs to the rewritten text and would mislead.
-        Err(PlateFileError::Plate { error, .. }) => {
-            return Err(PlateFileError::Plate { line: None, error }.into());
-        }
-        Err(error) => return Err(error.into()),
-    };
+    // The line number belongs to the rewritten text and would mislead.
+    let plate = Arc::new(Plate::from_toml(&plate_text).map_err(PlateFileError::without_line)?);
     let allowed = Count::new(1, MAX_TONES, Counted::Tones);
     WrongCount::check("the setup", parsed.tones.len(), allowed).map_err(SetupFileError::Tones)?;
     let mut setup = Setup { tones: Vec::new(), ..Setup::new(plate) };

@@ -120,11 +120,11 @@ impl Draft {
         let seed = whole("seed", parsed.seed, 0, i64::MAX as u64)?;
         let count = whole("count", parsed.count, 1, COUNT_MAX)?;
         let places = Count::new(1, PLACES_MAX, Counted::Points);
-        check_count("turning_point_m", parsed.turning_point_m.len(), places)?;
-        check_count("vary", parsed.vary.len(), Count::new(1, VARIED_MAX, Counted::Fields))?;
+        places.check("turning_point_m", parsed.turning_point_m.len())?;
+        Count::new(1, VARIED_MAX, Counted::Fields).check("vary", parsed.vary.len())?;
         for (path, law) in &parsed.vary {
             let (width, range) = law.width();
-            check(format!("vary.{path:?}.{}", law.name()), width, range)?;
+            range.check(&format!("vary.{path:?}.{}", law.name()), width)?;
         }
         let plate = match parsed.plate {
             toml::Value::String(name) => PlateOf::Named(name),
@@ -168,7 +168,7 @@ impl Draft {
         let (start_m, end_m) = plate.span_m();
         for (number, &place_m) in turning_point_m.iter().enumerate() {
             let span = Range::new(start_m, end_m, "m");
-            check(format!("turning_point_m[{number}]"), place_m, span).map_err(SpecError::OffSpan)?;
+            span.check(&format!("turning_point_m[{number}]"), place_m).map_err(SpecError::OffSpan)?;
         }
         let plate_text = plate.to_toml();
         let numbers = PlateFile::parse(&plate_text)?.0.numbers();
@@ -234,13 +234,8 @@ fn syntax(text: &str, fault: &toml::de::Error) -> SpecError {
 
 fn own_plate(table: &toml::Table) -> Result<Plate, SpecError> {
     let text = toml::to_string(table).unwrap_or_default();
-    Plate::from_toml(&text).map_err(|error| {
-        // The line number belongs to the rewritten text and would mislead.
-        SpecError::Plate(match error {
-            PlateFileError::Plate { error, .. } => PlateFileError::Plate { line: None, error },
-            other => other,
-        })
-    })
+    // The line number belongs to the rewritten text and would mislead.
+    Plate::from_toml(&text).map_err(|error| SpecError::Plate(error.without_line()))
 }
 
 fn varied(path: String, law: Law, numbers: &[(String, f64)]) -> Result<Varied, SpecError> {
@@ -260,13 +255,6 @@ fn varied(path: String, law: Law, numbers: &[(String, f64)]) -> Result<Varied, S
     Ok(Varied { path, law, nominal: *nominal })
 }
 
-fn check(field: String, value: f64, range: Range) -> Result<(), PlateError> {
-    if range.contains(value) {
-        return Ok(());
-    }
-    Err(PlateError::OutOfRange { field, value, range, origin: None })
-}
-
 fn whole(field: &str, value: i64, low: u64, high: u64) -> Result<u64, PlateError> {
     let range = Range::new(low as f64, high as f64, "");
     match u64::try_from(value) {
@@ -275,13 +263,6 @@ fn whole(field: &str, value: i64, low: u64, high: u64) -> Result<u64, PlateError
             Err(PlateError::OutOfRange { field: field.to_owned(), value: value as f64, range, origin: None })
         }
     }
-}
-
-fn check_count(field: &str, count: usize, allowed: Count) -> Result<(), PlateError> {
-    if allowed.contains(count) {
-        return Ok(());
-    }
-    Err(PlateError::WrongCount { field: field.to_owned(), count, allowed })
 }
 
 #[cfg(test)]

@@ -270,10 +270,8 @@ impl Air {
             AirMounting::Baffle { .. } | AirMounting::BareFrame | AirMounting::Unknown => {}
         }
         if let Model::ShearHorizontal { .. } = model {
-            return Err(PlateError::Unexpected {
-                field: "air".to_owned(),
-                reason: "a shear-horizontal wave moves in its own plane and carries no air".to_owned(),
-            });
+            let reason = "a shear-horizontal wave moves in its own plane and carries no air";
+            return Err(PlateError::unexpected("air", reason));
         }
         model.surface_density("[air]").map(drop)
     }

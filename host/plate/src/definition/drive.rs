@@ -5,7 +5,7 @@
 use crate::definition::error::PlateError;
 use crate::definition::limits;
 use crate::definition::model::Model;
-use crate::definition::source::{BENDING_ONLY, EndSlope, Source, refused};
+use crate::definition::source::{BENDING_ONLY, EndSlope, Source};
 
 /// Boundary condition at x = 0 for a drive of 1; the solvers' amplitudes are relative to the drive.
 ///
@@ -49,7 +49,7 @@ impl DriveEnd {
             Self::DisplacementAndSlope { .. } => match model {
                 Model::BendingSupported(_) | Model::BendingClamped(_) => Ok(()),
                 Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
-                    Err(refused("drive.slope", BENDING_ONLY))
+                    Err(PlateError::unexpected("drive.slope", BENDING_ONLY))
                 }
             },
             Self::Source(source) => source.validate(model),

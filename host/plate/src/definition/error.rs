@@ -165,6 +165,17 @@ pub enum PlateFileError {
     },
 }
 
+impl PlateFileError {
+    /// The same without a line, for a text that the user did not write.
+    #[must_use]
+    pub fn without_line(self) -> Self {
+        match self {
+            Self::Plate { error, .. } => Self::Plate { line: None, error },
+            other => other,
+        }
+    }
+}
+
 impl PlateError {
     /// The field that is wrong, as it is written in the plate file.
     pub fn field(&self) -> &str {
@@ -180,6 +191,10 @@ impl PlateError {
         }
     }
 
+    pub(crate) fn unexpected(field: &str, reason: &str) -> Self {
+        Self::Unexpected { field: field.to_owned(), reason: reason.to_owned() }
+    }
+
     pub(crate) fn unfit(field: &str, value: f64, consequence: Consequence) -> Self {
         Self::Unfit { field: field.to_owned(), value, consequence }
     }
@@ -189,7 +204,10 @@ impl std::error::Error for PlateError {}
 
 impl Range {
     /// Refuses a value outside the range; the error names the field.
-    pub(crate) fn check(self, field: &str, value: f64) -> Result<(), PlateError> {
+    ///
+    /// # Errors
+    /// [`PlateError::OutOfRange`].
+    pub fn check(self, field: &str, value: f64) -> Result<(), PlateError> {
         if self.contains(value) { Ok(()) } else { Err(self.refuse(field, value, None)) }
     }
 
@@ -216,7 +234,15 @@ impl Count {
         }
     }
 
-    pub(crate) fn refuse(self, field: &str, count: usize) -> PlateError {
+    /// Refuses a count that is not allowed; the error names the field.
+    ///
+    /// # Errors
+    /// [`PlateError::WrongCount`].
+    pub fn check(self, field: &str, count: usize) -> Result<(), PlateError> {
+        if self.contains(count) { Ok(()) } else { Err(self.refuse(field, count)) }
+    }
+
+    fn refuse(self, field: &str, count: usize) -> PlateError {
         PlateError::WrongCount { field: field.to_owned(), count, allowed: self }
     }
 }

@@ -29,9 +29,7 @@ pub struct ResponseCurve {
 impl ResponseCurve {
     /// Refuses points that are out of their range; `name` is the list's name in a plate file.
     pub(crate) fn validate(&self, name: &str) -> Result<(), PlateError> {
-        if !limits::CURVE_POINTS.contains(self.points.len()) {
-            return Err(limits::CURVE_POINTS.refuse(name, self.points.len()));
-        }
+        limits::CURVE_POINTS.check(name, self.points.len())?;
         let mut before = None;
         for (index, [frequency_hz, gain_db, phase_deg]) in self.points.iter().copied().enumerate() {
             let field = |column: usize| format!("{name}[{index}][{column}]");

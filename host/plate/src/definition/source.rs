@@ -86,10 +86,13 @@ impl Source {
                 self.lead_in.map_or(Ok(()), |lead_in| lead_in.validate())
             }
             Model::Membrane { .. } | Model::ShearHorizontal { .. } if self.slope.is_some() => {
-                Err(refused("drive.slope", BENDING_ONLY))
+                Err(PlateError::unexpected("drive.slope", BENDING_ONLY))
             }
             Model::Membrane { .. } | Model::ShearHorizontal { .. } if self.lead_in.is_some() => {
-                Err(refused("drive.lead_in", "only a plate in bending has one: a damper matches other waves"))
+                Err(PlateError::unexpected(
+                    "drive.lead_in",
+                    "only a plate in bending has one: a damper matches other waves",
+                ))
             }
             Model::Membrane { .. } | Model::ShearHorizontal { .. } => {
                 model.surface_density("a source").map(drop)
@@ -109,7 +112,3 @@ impl LeadIn {
 
 /// Reason why a slope or a lead-in is refused for membranes and shear waves.
 pub(super) const BENDING_ONLY: &str = "only the end of a plate in bending has a slope";
-
-pub(super) fn refused(field: &str, reason: &str) -> PlateError {
-    PlateError::Unexpected { field: field.to_owned(), reason: reason.to_owned() }
-}

@@ -87,9 +87,7 @@ impl Taper {
 }
 
 fn validate_points(points: &[[f64; 2]], length_m: f64) -> Result<(), PlateError> {
-    if !limits::TAPER_POINTS.contains(points.len()) {
-        return Err(limits::TAPER_POINTS.refuse("taper.points", points.len()));
-    }
+    limits::TAPER_POINTS.check("taper.points", points.len())?;
     for (index, [position_m, half_width_m]) in points.iter().copied().enumerate() {
         limits::TAPER_PLACE.check(&format!("taper.points[{index}][0]"), position_m)?;
         limits::HALF_WIDTH.check(&format!("taper.points[{index}][1]"), half_width_m)?;

@@ -62,18 +62,21 @@ impl Thickness {
         length_m: f64,
     ) -> Result<(), PlateError> {
         let Some(bending) = model.bending() else {
-            return Err(unexpected("thickness", "only a plate in bending has a law of its thickness"));
+            return Err(PlateError::unexpected(
+                "thickness",
+                "only a plate in bending has a law of its thickness",
+            ));
         };
         if bending.thick_plate {
             let reason = "shear and rotary inertia are not modelled where the thickness changes ([thickness]): leave it out";
-            return Err(unexpected("model.thick_plate", reason));
+            return Err(PlateError::unexpected("model.thick_plate", reason));
         }
         if let Model::BendingClamped(_) = model {
             let reason = "clamped edges are not modelled where the thickness changes";
-            return Err(unexpected("thickness", reason));
+            return Err(PlateError::unexpected("thickness", reason));
         }
         if let Some(Air::Around { .. }) = air {
-            return Err(unexpected(
+            return Err(PlateError::unexpected(
                 "air",
                 "the mass of the air is not modelled where the thickness changes ([thickness])",
             ));
@@ -83,11 +86,11 @@ impl Thickness {
             DriveEnd::DisplacementAndSlope { .. } => {
                 let reason =
                     "the near field of an end is not modelled where the thickness changes ([thickness])";
-                return Err(unexpected("drive.slope", reason));
+                return Err(PlateError::unexpected("drive.slope", reason));
             }
             DriveEnd::Source(_) => {
                 let reason = "the near field behind a \"source\" is not modelled where the thickness changes ([thickness]); a \"resistance\" has no near field";
-                return Err(unexpected("drive.end", reason));
+                return Err(PlateError::unexpected("drive.end", reason));
             }
         }
         self.validate_numbers(bending, length_m)
@@ -112,9 +115,7 @@ impl Thickness {
                 limits::THICKNESS.check("thickness.end_thickness_m", *end_thickness_m)
             }
             Self::Sampled { points } => {
-                if !limits::TAPER_POINTS.contains(points.len()) {
-                    return Err(limits::TAPER_POINTS.refuse("thickness.points", points.len()));
-                }
+                limits::TAPER_POINTS.check("thickness.points", points.len())?;
                 let mut before_m = f64::NEG_INFINITY;
                 for (index, [position_m, thickness_m]) in points.iter().copied().enumerate() {
                     let places = Range::new((before_m + 1e-6).max(0.0), limits::TAPER_PLACE.high, "m");
@@ -148,10 +149,6 @@ impl Thickness {
             ),
         }
     }
-}
-
-fn unexpected(field: &str, reason: &str) -> PlateError {
-    PlateError::Unexpected { field: field.to_owned(), reason: reason.to_owned() }
 }
 
 /// The thickness prepared for evaluation.

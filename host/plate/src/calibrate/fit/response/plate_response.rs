@@ -140,11 +140,8 @@ pub(crate) fn answers(
 /// or thickness.
 pub(crate) fn takes_a_source(spec: &PlateSpec) -> Result<(), PlateError> {
     if spec.thickness.is_some() {
-        return Err(PlateError::Unexpected {
-            field: "thickness".to_owned(),
-            reason: "a fit of the source needs the near field of its end, which has no law with it"
-                .to_owned(),
-        });
+        let reason = "a fit of the source needs the near field of its end, which has no law with it";
+        return Err(PlateError::unexpected("thickness", reason));
     }
     spec.model.surface_density("a fit of the source").map(drop)
 }
