@@ -2,6 +2,7 @@
 
 use crate::definition::plate::Plate;
 use crate::definition::taper::LogWidth;
+use crate::definition::turning_width::TurningLaw;
 
 impl Plate {
     /// Thickness of a plate in bending at `x`, metres; `None` for other plates.
@@ -36,15 +37,12 @@ impl Plate {
     /// ln of the turning half-width s sqrt(h0/h) at `x`, in metres, and its derivative, 1/m. A wave turns where q/K
     /// equals this half-width, with K at the driven end.
     pub(crate) fn turning_at(&self, x: f64) -> (f64, f64) {
-        match &self.grading {
-            None => {
-                let turning = self.turning.at(x);
-                (turning.value, turning.slope)
-            }
-            Some(grading) => {
-                let turning = grading.turning().at(x);
-                (turning.value, turning.slope)
-            }
-        }
+        let turning = self.turning_law().at(x);
+        (turning.value, turning.slope)
+    }
+
+    /// The law of the turning half-width.
+    pub(super) fn turning_law(&self) -> &TurningLaw {
+        self.grading.as_ref().map_or(&self.turning, |grading| grading.turning())
     }
 }

@@ -310,14 +310,9 @@ impl Plate {
         Some(FilmEdge::new(self.half_width_m(x) / square.sqrt()))
     }
 
-    /// W'/(2 W) times b of the term b W''/(2 W) in k^2, and that term itself, 1/m and 1/m^2. A weak form needs the first:
-    /// W' is continuous on every taper, W'' is not.
-    pub(crate) fn edge_bend(&self, x: f64) -> EdgeBend {
-        let width = self.width.at(x);
-        EdgeBend {
-            slope_term: 0.5 * self.bend_weight * width.slope,
-            term: 0.5 * self.bend_weight * width.bend(),
-        }
+    /// What edges that bend add to k^2, see [`TurningWidth`]: b W''/(2 W), 1/m^2.
+    pub(crate) fn edge_bend(&self, x: f64) -> f64 {
+        0.5 * self.bend_weight * self.width.at(x).bend()
     }
 
     /// eta of the amplitude equation, K^2 -> K^2 (1 + j eta). For membranes and SH waves it is the loss factor. In
@@ -368,19 +363,7 @@ impl Plate {
     pub fn with_wave_speed(&self, factor: f64) -> Result<Self, PlateError> {
         Range::new(0.5, 2.0, "").check("wave speed factor", factor)?;
         let mut spec = self.spec.clone();
-        match &mut spec.model {
-            Model::Membrane { wave_speed_m_per_s, tension_n_per_m, .. } => {
-                *wave_speed_m_per_s *= factor;
-                if let Some(tension) = tension_n_per_m {
-                    *tension *= factor * factor;
-                }
-            }
-            Model::ShearHorizontal { shear_modulus_pa, .. } => *shear_modulus_pa *= factor * factor,
-            // The phase speed omega/kb is proportional to the fourth root of the bending stiffness.
-            Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
-                bending.youngs_modulus_pa *= factor.powi(4);
-            }
-        }
+        spec.model.speed_up(factor);
         Self::sharing(spec, self.strip.clone())
     }
 
@@ -413,13 +396,4 @@ fn swinging(outline: &WidthLaw, spec: &PlateSpec) -> WidthLaw {
         Some(square) => film::membrane_width(outline, spec.length_m, square.sqrt()),
         None => outline.clone(),
     }
-}
-
-/// What edges that bend add to k^2, see [`TurningWidth`].
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct EdgeBend {
-    /// b W'/(2 W), 1/m.
-    pub(crate) slope_term: f64,
-    /// b W''/(2 W), 1/m^2.
-    pub(crate) term: f64,
 }

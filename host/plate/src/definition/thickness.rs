@@ -156,7 +156,7 @@ impl Thickness {
 pub(crate) struct Grading {
     law: WidthLaw,
     /// ln(s sqrt(h0/h)), which determines the turning points.
-    turning: WidthLaw,
+    turning: TurningLaw,
 }
 
 /// Intervals of the curve of turning widths over the plate, and the length of its continuation beyond the end, over the
@@ -200,7 +200,7 @@ impl Grading {
             value.push(place);
             slope.push(fall);
         }
-        Ok(Self { law, turning: WidthLaw::Curve { position, value, slope } })
+        Ok(Self { law, turning: TurningLaw::Width(WidthLaw::Curve { position, value, slope }) })
     }
 
     /// ln(h/h0) at `x`.
@@ -209,7 +209,7 @@ impl Grading {
     }
 
     /// ln(s sqrt(h0/h)) at `x` and its derivative.
-    pub(crate) fn turning(&self) -> &WidthLaw {
+    pub(crate) fn turning(&self) -> &TurningLaw {
         &self.turning
     }
 }

@@ -128,11 +128,7 @@ impl WidthMode<'_> {
 
     /// Where a wave turns that has the wavenumber K, 1/m, at the driven end, metres.
     pub(crate) fn place_of(&self, wavenumber: f64) -> f64 {
-        let target = (self.number / wavenumber).ln();
-        match &self.plate.grading {
-            None => self.plate.turning.place_of(target),
-            Some(grading) => grading.turning().place_of(target),
-        }
+        self.plate.turning_law().place_of((self.number / wavenumber).ln())
     }
 
     /// -d(k^2)/dx at `x` where K does not change along the plate, 1/m^3.

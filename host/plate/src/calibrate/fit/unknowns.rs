@@ -109,7 +109,7 @@ pub(crate) fn of_baffle(nominal: &PlateSpec, coordinates: &[f64]) -> Option<f64>
 pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
     let mut spec = nominal.clone();
     let speed = coordinates[SPEED].exp();
-    spec.model = with_speed(&spec.model, speed);
+    spec.model.speed_up(speed);
     // A lossless file has nothing to multiply: its coordinate is taken from a small loss.
     spec.loss_factor = (loss_of(nominal) * coordinates[LOSS].exp()).min(limits::LOSS_FACTOR.high);
     let (scale, power) = (coordinates[HALF_WIDTH].exp(), 1.0 + coordinates[TAPER]);
@@ -127,21 +127,4 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
 /// The loss factor that the fit starts from.
 pub(crate) fn loss_of(nominal: &PlateSpec) -> f64 {
     nominal.loss_factor.max(1e-4)
-}
-
-fn with_speed(model: &Model, factor: f64) -> Model {
-    let mut model = model.clone();
-    match &mut model {
-        Model::Membrane { wave_speed_m_per_s, tension_n_per_m, .. } => {
-            *wave_speed_m_per_s *= factor;
-            if let Some(tension) = tension_n_per_m {
-                *tension *= factor * factor;
-            }
-        }
-        Model::ShearHorizontal { shear_modulus_pa, .. } => *shear_modulus_pa *= factor * factor,
-        Model::BendingSupported(bending) | Model::BendingClamped(bending) => {
-            bending.youngs_modulus_pa *= factor.powi(4);
-        }
-    }
-    model
 }

@@ -82,7 +82,7 @@ impl Grid {
             move |x: f64| match equation {
                 Equation::Corrected => {
                     let across = if has_width { width_mode.width_term(x) } else { 0.0 };
-                    across + plate.weight_at(x).root_curvature() - plate.edge_bend(x).term
+                    across + plate.weight_at(x).root_curvature() - plate.edge_bend(x)
                 }
                 Equation::Paper => width_mode.width_term(x),
             }
