@@ -69,6 +69,20 @@ impl Site<'_> {
         finding.limited(Limit::AtMost(limits))
     }
 
+    /// A light that is the redder the less it measures, with a sentence per colour.
+    pub(super) fn graded_at_least(
+        &self,
+        name: &'static str,
+        value: f64,
+        unit: &'static str,
+        limits: Limits,
+        sentences: [String; 3],
+    ) -> Finding {
+        let colour = colour_at_least(value, limits);
+        let finding = self.judged(name, Some(value), unit, colour, -value, pick(colour, sentences));
+        finding.limited(Limit::AtLeast(limits))
+    }
+
     /// A light of a given colour.
     pub(super) fn judged(
         &self,

@@ -76,22 +76,11 @@ pub(in crate::check) fn excursion_light(site: &Site<'_>) -> Finding {
 pub(in crate::check) fn resolution_light(site: &Site<'_>) -> Finding {
     let prepared = site.prepared;
     let steps = DAC_AMPLITUDE_STEPS * prepared.lowest_gain / site.levels.nominal * prepared.travel_scale;
-    let judged = if steps >= DAC_STEPS.green {
-        Colour::Green
-    } else if steps >= DAC_STEPS.amber {
-        Colour::Amber
-    } else {
-        Colour::Red
-    };
     let has = format!("At level 1 the amplitude has {} steps of the 12-bit DAC", with_decimals(steps, 0));
-    let sentence = pick(
-        judged,
-        [
-            format!("{has}."),
-            format!("{has}: lower levels are coarse, even out the plate's peaks by its drive end."),
-            format!("{has}: too few for any level, even out the plate's peaks by its drive end."),
-        ],
-    );
-    site.judged("DAC resolution", Some(steps), "LSB", judged, -steps, sentence)
-        .limited(Limit::AtLeast(DAC_STEPS))
+    let sentences = [
+        format!("{has}."),
+        format!("{has}: lower levels are coarse, even out the plate's peaks by its drive end."),
+        format!("{has}: too few for any level, even out the plate's peaks by its drive end."),
+    ];
+    site.graded_at_least("DAC resolution", steps, "LSB", DAC_STEPS, sentences)
 }

@@ -2,7 +2,7 @@
 
 use crate::check::grading::{Finding, Site, colour, colour_at_least, pick};
 use crate::check::interval::Interval;
-use crate::check::report::{Colour, Limit};
+use crate::check::report::Colour;
 use crate::check::stretch::Stretch;
 use crate::check::thresholds::{
     EDGE_CURVATURE, EDGE_SLOPE, EDGE_SLOPE_STRICT, EDGE_WIDTH, FINGERTIP_M, WAVELENGTHS,
@@ -121,14 +121,12 @@ pub(in crate::check) fn curvature_light(site: &Site<'_>) -> Finding {
 
 pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
     let count = wavelengths(site.plate, site.boundary_m);
-    let colour = colour_at_least(count, WAVELENGTHS);
-    site.judged(
+    site.graded_at_least(
         "wavelengths",
-        Some(count),
+        count,
         "",
-        colour,
-        -count,
-        pick(colour, [
+        WAVELENGTHS,
+        [
             format!(
                 "{count:.1} wavelengths fit between the drive and the boundary: the vibrating side has whole antinodes."
             ),
@@ -136,9 +134,8 @@ pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
                 "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it; move the boundary away from the drive."
             ),
             format!("{} wavelengths: the boundary is so near the drive that the peak has no room, move it away from the drive.", with_decimals(count, 2)),
-        ]),
+        ],
     )
-    .limited(Limit::AtLeast(WAVELENGTHS))
     .over_interval(site, Interval::boundary, |end| {
         let count = wavelengths(&end.plate, end.boundary_m);
         (count, colour_at_least(count, WAVELENGTHS))
