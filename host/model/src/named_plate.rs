@@ -2,44 +2,27 @@
 
 use crate::atomic_file::said;
 use slipline_plate::{Plate, PlateFileError, nearest, preset, presets};
-use std::fmt;
 use std::io;
 
 /// Why no plate has this name.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum NamedPlateError {
     /// It is neither a preset nor a file.
+    #[error("{}", unknown(.0))]
     Unknown(String),
     /// The file cannot be read.
-    Unread(String, io::Error),
+    #[error("{}: {}", shown(.0), said(.1))]
+    Unread(String, #[source] io::Error),
     /// The file is no plate's.
-    File(String, PlateFileError),
+    #[error("{}: {}", shown(.0), .1)]
+    File(String, #[source] PlateFileError),
 }
 
-impl fmt::Display for NamedPlateError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Unknown(name) => {
-                let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
-                let meant = nearest(name, names.iter().copied())
-                    .map_or_else(|| "; the".to_owned(), |meant| format!("; did you mean {meant}? The"));
-                let names = names.join(", ");
-                write!(f, "{name:?} is neither a preset nor a file{meant} presets are {names}")
-            }
-            Self::Unread(name, error) => write!(f, "{}: {}", shown(name), said(error)),
-            Self::File(name, error) => write!(f, "{}: {error}", shown(name)),
-        }
-    }
-}
-
-impl std::error::Error for NamedPlateError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Unknown(_) => None,
-            Self::Unread(_, error) => Some(error),
-            Self::File(_, error) => Some(error),
-        }
-    }
+fn unknown(name: &str) -> String {
+    let names: Vec<&str> = presets().iter().map(|preset| preset.name).collect();
+    let meant = nearest(name, names.iter().copied())
+        .map_or_else(|| "; the".to_owned(), |meant| format!("; did you mean {meant}? The"));
+    format!("{name:?} is neither a preset nor a file{meant} presets are {}", names.join(", "))
 }
 
 fn shown(name: &str) -> String {

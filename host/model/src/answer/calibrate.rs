@@ -168,7 +168,7 @@ pub struct CalibrateAnswer<'a> {
     pub accepted: bool,
     pub reason: Option<String>,
     pub by: Option<&'static str>,
-    pub parameters: Vec<ParameterAnswer>,
+    pub parameters: &'a [Parameter],
     pub chi2_per_n: Option<f64>,
     pub misfit: Option<f64>,
     pub turning_point_tolerance_m: Option<f64>,
@@ -177,16 +177,6 @@ pub struct CalibrateAnswer<'a> {
     pub level_tolerance_db: Option<f64>,
     pub caution: Option<&'a str>,
     pub before: Option<BeforeAnswer>,
-}
-
-/// The fields of a fitted number.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
-pub struct ParameterAnswer {
-    pub name: &'static str,
-    pub value: f64,
-    pub low: f64,
-    pub high: f64,
 }
 
 /// The fields of what the plate's file missed.
@@ -201,14 +191,12 @@ impl<'a> CalibrateAnswer<'a> {
     /// The fields of a calibration of this plate; `before` is what its file missed.
     #[must_use]
     pub fn of(file: &'a Plate, found: &'a CalibrationReport, before: &Departure) -> Self {
-        let parameter =
-            |&Parameter { name, value, low, high }: &Parameter| ParameterAnswer { name, value, low, high };
         Self {
             plate: file.name(),
             accepted: true,
             reason: None,
             by: Some(found.way.word()),
-            parameters: found.parameters.iter().map(parameter).collect(),
+            parameters: &found.parameters,
             chi2_per_n: Some(found.chi2_per_n),
             misfit: found.misfit.as_ref().map(|it| it.0),
             turning_point_tolerance_m: found.turning_point.as_ref().map(|it| it.0),

@@ -53,16 +53,7 @@ impl BuiltTable {
             sample_rate_hz: table.sample_rate_hz,
             span_start_m: table.span_start_m,
             span_end_m: table.span_end_m,
-            knots: table
-                .knots
-                .iter()
-                .map(|knot| KnotAnswer {
-                    position_m: knot.position_m,
-                    frequency_hz: knot.frequency_hz,
-                    gain: knot.gain,
-                    peak_present: knot.peak_present,
-                })
-                .collect(),
+            knots: &table.knots,
             peak_at_full_scale_m: table.peak_at_full_scale_m,
             worst_error_db: table.worst_error_db,
             worst_shift_m: table.worst_shift_m,
@@ -85,7 +76,7 @@ pub struct TableAnswer<'a> {
     pub sample_rate_hz: f64,
     pub span_start_m: f64,
     pub span_end_m: f64,
-    pub knots: Vec<KnotAnswer>,
+    pub knots: &'a [Knot],
     pub peak_at_full_scale_m: f64,
     pub worst_error_db: f64,
     pub worst_shift_m: f64,
@@ -96,14 +87,4 @@ pub struct TableAnswer<'a> {
     pub sensitivity_db_per_percent: f64,
     pub sensitivity_at_m: f64,
     pub crc: String,
-}
-
-/// The fields of a knot.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
-pub struct KnotAnswer {
-    pub position_m: f64,
-    pub frequency_hz: f64,
-    pub gain: f64,
-    pub peak_present: bool,
 }

@@ -5,10 +5,11 @@ use super::stretch::Stretch;
 use super::thresholds::Limits;
 use crate::StaticText;
 use crate::quantity::number_format::{significant, typed, with_decimals};
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 /// Colour of a light, in rising order of concern.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Colour {
     /// The plate file lacks an input of this check.
     Unchecked,
@@ -30,21 +31,6 @@ impl Colour {
             Self::Amber => "amber",
             Self::Red => "red",
         }
-    }
-}
-
-impl<'de> serde::Deserialize<'de> for Colour {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let name = std::borrow::Cow::<'de, str>::deserialize(deserializer)?;
-        let known = [Self::Unchecked, Self::Green, Self::Amber, Self::Red];
-        let colour = known.into_iter().find(|colour| colour.name() == name);
-        colour.ok_or_else(|| serde::de::Error::custom(format_args!("no colour of a light: {name}")))
-    }
-}
-
-impl Serialize for Colour {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.name())
     }
 }
 
