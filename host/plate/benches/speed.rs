@@ -10,8 +10,8 @@ use slipline_plate::sheet::EnvelopeScope;
 use slipline_plate::sheet::FdtdGrid;
 use slipline_plate::texture::{Palette, TONES_MAX, Target, Texture};
 use slipline_plate::{
-    DriveTable, Equation, Model, Plate, SensedPlate, Sheet, SheetGrid, TimeDomainLine, preset, presets,
-    respond_batch,
+    DriveTable, Equation, Model, Plate, Progress, SensedPlate, Sheet, SheetGrid, TimeDomainLine, preset,
+    presets, respond_batch,
 };
 use std::f32::consts::PI;
 use std::time::{Duration, Instant};

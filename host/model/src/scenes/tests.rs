@@ -3,8 +3,8 @@ use crate::field::felt::{Felt, Zone};
 use crate::field::line::{Holds, limits_m, lines};
 use crate::field::steady_field::{SteadyField, steady_tones};
 use crate::jobs::Task;
-use slipline_plate::DriveTable;
 use slipline_plate::check::{Checker, Colour, Conditions};
+use slipline_plate::{DriveTable, Progress};
 
 /// Smallest strength before a scene's last edge over the strength one edge width beyond it, dB; and whether
 /// all of it is clearly felt.
@@ -40,7 +40,7 @@ fn the_line_of_the_first_plate_reaches_most_of_its_length_with_every_light_green
     let (plate, tone) = (&setup.plate, setup.tones[0]);
     for level in [tone.level, 1.0] {
         let conditions = Conditions { level, ..Conditions::default() };
-        let report = Checker::new(plate, conditions).unwrap().over_span().unwrap();
+        let report = Checker::new(plate, conditions).unwrap().over_span(&mut Progress::unwatched()).unwrap();
         let failed: Vec<_> = report.lights.iter().filter(|light| light.colour > Colour::Green).collect();
         assert!(failed.is_empty(), "{failed:#?}");
     }
