@@ -79,7 +79,7 @@ fn shells_get_a_script_that_completes_commands_and_options() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
         let value = json(&["completions", shell]);
         let script = value["script"].as_str().unwrap();
-        says(&script, &["calibrate", "felt-edge", "turning-point"]);
+        says(script, &["calibrate", "felt-edge", "turning-point"]);
         assert_eq!(said(&["completions", shell]), script);
     }
     assert!(failure(&["completions", "dos"], 2).contains("bash, elvish, fish, powershell, zsh"));

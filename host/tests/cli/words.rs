@@ -11,13 +11,9 @@ const PHENOMENON: [&str; 3] = [
     "One boundary, by its turning point (120mm) or its frequency (126Hz)",
 ];
 
-fn help(arguments: &[&str]) -> String {
-    said(arguments)
-}
-
 #[test]
 fn help_names_felt_edges_and_turning_points() {
-    let all = help(&["--help"]);
+    let all = said(&["--help"]);
     let commands = all.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1);
     let commands: Vec<&str> = commands
         .take_while(|line| !line.is_empty())
@@ -25,7 +21,7 @@ fn help_names_felt_edges_and_turning_points() {
         .filter_map(|line| line.split_whitespace().next())
         .collect();
     assert!(commands.len() > 15, "{commands:?}");
-    let pages = commands.iter().map(|command| help(&[command, "--help"]));
+    let pages = commands.iter().map(|command| said(&["help", command]));
     for page in pages.chain([all.clone()]) {
         // It is wrapped to the terminal's width.
         let words = page.split_whitespace().collect::<Vec<_>>().join(" ");

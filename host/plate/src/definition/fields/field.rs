@@ -139,7 +139,10 @@ macro_rules! kinds {
         &[$(Kind {
             word: $word,
             fields: &[$(stringify!($field)),*],
-            is: |$spec| matches!(&$place, $is),
+            is: |$spec| match &$place {
+                $is => true,
+                _ => false,
+            },
             begin: |$spec, $has| {
                 let _ = $has;
                 $place = $begin;

@@ -37,6 +37,9 @@ pub(super) struct Shown {
     pub(super) is_told: bool,
 }
 
+/// Where a number stands in a draft.
+type NumberAt = fn(&mut Draft) -> &mut f64;
+
 /// One field: the library's name of it, its text and its allowed range.
 struct Entry {
     field: &'static str,
@@ -104,13 +107,7 @@ impl<'a> Form<'a> {
     }
 
     /// Shows the field of a length.
-    fn length(
-        &mut self,
-        ui: &mut egui::Ui,
-        field: &'static str,
-        hint: String,
-        at: fn(&mut Draft) -> &mut f64,
-    ) {
+    fn length(&mut self, ui: &mut egui::Ui, field: &'static str, hint: String, at: NumberAt) {
         let entry = Entry { field, value: millimetres(*at(&mut self.draft.clone())), hint };
         self.entry(ui, &entry, |draft, text| length_m(text).map(|value| *at(draft) = value));
     }
@@ -211,7 +208,7 @@ impl<'a> Form<'a> {
         let low = "The boundary's lowest frequency, such as 20 kHz".to_owned();
         let high =
             format!("The boundary's highest frequency, at least {BAND_WIDTH_MIN_PERCENT} % above the lowest");
-        let ends: [(_, _, fn(&mut Draft) -> &mut f64); 2] = [
+        let ends: [(_, _, NumberAt); 2] = [
             ("band low", low, |draft| &mut draft.band_hz.0),
             ("band high", high, |draft| &mut draft.band_hz.1),
         ];
