@@ -1,4 +1,4 @@
-//! "Is it on?" before a measurement: what comes of a drive that is on, of one that is off, and of a device that
+//! "Is it on?" before a measurement: the result for a drive that is on, for one that is off, and for a device that
 //! cannot see it.
 
 use crate::sensors::{Half, NoCurrent};

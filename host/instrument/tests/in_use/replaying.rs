@@ -23,7 +23,7 @@ fn record_drag(session: &mut Session) -> Vec<f64> {
     places
 }
 
-/// The places of the line in so many turns, in millimetres.
+/// The places of the line in this many turns, in millimetres.
 fn watch(session: &mut Session, turns: usize) -> Vec<f64> {
     (0..turns)
         .map(|_| {
