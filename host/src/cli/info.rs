@@ -34,7 +34,7 @@ pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
 
 pub(super) fn run(argument: &PortArgument, is_port_given: bool, as_json: bool) -> Result<(), Failure> {
     let port = &argument.port;
-    let device = Device::connect(port, argument.rig(None)?.as_ref())?;
+    let device = Device::observe(port, argument.rig(None)?.as_ref())?;
     let snapshot = device.snapshot();
     let compatibility = snapshot.compatibility.map_or("", |compatibility| compatibility.sentence());
     let identity = snapshot.identity.as_deref();

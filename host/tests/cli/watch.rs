@@ -51,6 +51,19 @@ fn the_status_comes_as_lines_until_a_signal_ends_it_with_0() {
 }
 
 #[test]
+fn what_only_looks_arms_nothing() {
+    for command in ["info", "profile"] {
+        let socket = Socket::serve(&format!("looks-{command}"));
+        let port = format!("unix:{}", socket.path.display());
+        let value = super::json(&[command, "--port", &port]);
+        let sent = socket.sent();
+        assert!(!sent.iter().any(|sent| matches!(sent, Message::Arm | Message::ArmFor(_))), "{sent:?}");
+        assert!(command == "profile" || value["state"] == "Idle", "{value}");
+        std::fs::remove_file(&socket.path).unwrap();
+    }
+}
+
+#[test]
 fn it_ends_when_the_reader_of_its_lines_leaves() {
     let socket = Socket::serve("unread");
     let (child, mut lines) = watching(&socket);
