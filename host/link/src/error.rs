@@ -1,6 +1,7 @@
 //! The errors of a link: one sentence each, with its remedy.
 
 use crate::port::Port;
+use crate::system_words::system_words;
 use std::io::{self, ErrorKind};
 
 /// An error of the link.
@@ -49,7 +50,7 @@ impl LinkError {
             ErrorKind::NotFound | ErrorKind::ConnectionRefused => Self::NoSuchPort(port.clone()),
             ErrorKind::PermissionDenied => Self::NoPermission(port.clone()),
             ErrorKind::ResourceBusy | ErrorKind::AddrInUse => Self::Busy(port.clone()),
-            _ => Self::Io(error.to_string()),
+            _ => Self::Io(system_words(error)),
         }
     }
 
@@ -68,7 +69,7 @@ impl LinkError {
             _ => match error.raw_os_error() {
                 // EIO and ENXIO: a tty gives them after its device was unplugged.
                 Some(5 | 6) if cfg!(unix) => Some(Self::Gone),
-                _ => Some(Self::Io(error.to_string())),
+                _ => Some(Self::Io(system_words(error))),
             },
         }
     }

@@ -8,7 +8,6 @@
 
 use slipline_plate::quantity::{Count, Counted, must_be};
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::fs::{File, Metadata};
 use std::io::{self, BufWriter, ErrorKind, Read, Seek as _, Write};
 use std::path::{Path, PathBuf};
@@ -202,14 +201,7 @@ pub fn missing_folder(path: &Path) -> Option<String> {
     Some(format!("there is no folder {}", folder.display()))
 }
 
-/// The system's error text, without its number, so that it can end a sentence.
-pub fn said(error: &impl Display) -> String {
-    let mut sentence = error.to_string().split(" (os error").next().unwrap_or_default().to_owned();
-    if let Some(first) = sentence.get_mut(..1) {
-        first.make_ascii_lowercase();
-    }
-    sentence
-}
+pub use slipline_link::system_words as said;
 
 #[cfg(test)]
 mod tests {

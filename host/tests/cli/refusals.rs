@@ -233,3 +233,19 @@ fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
     let presets = slipline(&["--json", "presets"]);
     assert!(presets.status.success(), "an option of all commands stands before them as ever");
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_error_of_the_system_is_in_words_that_a_user_can_act_on() {
+    let long = format!("unix:/tmp/{}", "x".repeat(200));
+    for (arguments, words) in [
+        (["info", "--port", "/dev/null"], "/dev/null is not a serial port"),
+        (["info", "--port", &long], "the path is too long for a socket: name a shorter one"),
+        (["serve", "--socket", &long[5..]], "the path is too long for a socket: name a shorter one"),
+        (["table", "--plate", "/dev/null/x"], "a part of its path is no folder"),
+    ] {
+        let code = if arguments[0] == "table" { 2 } else { 1 };
+        let message = failure(&arguments, code);
+        assert!(message.contains(words) && !message.contains("os error"), "{message}");
+    }
+}

@@ -64,7 +64,7 @@ impl Instrument {
             }
             CalibrateIntent::Calipers(calipers) => {
                 if let Err(error) = calibration.take_calipers(calipers) {
-                    self.fail(error.to_string());
+                    self.fail(slipline_link::capitalized(&error.to_string()));
                 }
             }
             CalibrateIntent::OpenAnswer => self.outputs.push(Output::ChooseMeasurement),

@@ -8,7 +8,9 @@ use crate::hold::HoldEnd;
 use slipline_link::protocol::command::Drive;
 use slipline_link::protocol::event::{Fault, State};
 use slipline_link::protocol::limits::MAX_DRIVE_MS;
-use slipline_link::{Outcome, Played, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Sounding, Ticket};
+use slipline_link::{
+    Outcome, Played, Port, Refusal, Request, SIGN_PATIENCE, Snapshot, Sounding, Ticket, capitalized,
+};
 use slipline_model::setup::{MAX_TONES, edit};
 use slipline_model::sounding;
 use slipline_model::texture;
@@ -16,12 +18,6 @@ use std::sync::Arc;
 
 /// Time before the device's limit of a drive at which a simulated one is paused.
 const PAUSE_BEFORE_MS: u32 = 5000;
-
-/// A reason as a whole sentence.
-fn sentence(reason: &str) -> String {
-    let mut letters = reason.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-}
 
 impl Instrument {
     /// Connects to a port.
@@ -85,7 +81,7 @@ impl Instrument {
             return;
         }
         if self.connect_sent == Some(ticket) {
-            self.notices.miss(sentence(&refusal.to_string()));
+            self.notices.miss(capitalized(&refusal.to_string()));
         } else if self.latest_drive == Some(ticket) {
             self.notices.refuse_drive(format!("Refused: {refusal}"));
         } else {

@@ -217,7 +217,7 @@ impl Instrument {
                     self.take_answer(sensor, number);
                 }
             }
-            Err(error) => return self.fail(error.to_string()),
+            Err(error) => return self.fail(slipline_link::capitalized(&error.to_string())),
         }
         let sentences: Vec<String> = warnings.iter().map(|warning| warning.sentence()).collect();
         for sentence in &sentences {

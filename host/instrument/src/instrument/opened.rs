@@ -30,6 +30,7 @@ impl Instrument {
 
     /// Reports why a file was not opened.
     pub fn not_opened(&mut self, name: &str, reason: &impl Display) {
+        let reason = slipline_link::capitalized(&reason.to_string());
         self.fail(format!("{name} was not opened, nothing has changed. {reason}"));
     }
 }

@@ -43,7 +43,7 @@ impl Instrument {
                 self.take(next);
                 self.edges_m = edges_m;
             }
-            Err(error) => self.fail(error.to_string()),
+            Err(error) => self.fail(slipline_link::capitalized(&error.to_string())),
         }
     }
 

@@ -178,7 +178,7 @@ impl Instrument {
                 let text = setup_file::write(&setup);
                 self.save("texture.toml", "Setup", "toml", text.into_bytes());
             }
-            Err(error) => self.fail(error.to_string()),
+            Err(error) => self.fail(slipline_link::capitalized(&error.to_string())),
         }
     }
 

@@ -4,14 +4,14 @@ use crate::hold::HoldEnd;
 use crate::measure::{CheckedDrive, MeasureError};
 use slipline_link::protocol::event::Fault;
 use slipline_link::protocol::version::Compatibility;
-use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE, upkeep};
+use slipline_link::{LinkError, Port, Refusal, SIGN_PATIENCE, system_words, upkeep};
 use std::time::Duration;
 
 /// Why a client's request failed.
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
-    /// The system cannot start the link's thread.
-    #[error(transparent)]
+    /// The system cannot start a thread.
+    #[error("{}", system_words(.0))]
     Thread(#[from] std::io::Error),
     /// There is no device, or it does not answer the handshake.
     #[error("{0} does not answer")]

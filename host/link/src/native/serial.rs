@@ -7,6 +7,7 @@
 use super::watch::{Wakes, Watch};
 use crate::error::LinkError;
 use crate::port::Port;
+use crate::system_words::is_no_terminal;
 use crate::transport::Transport;
 use serialport::{ErrorKind, SerialPort};
 use std::io::{self, Read, Write};
@@ -39,8 +40,7 @@ pub fn open(name: &str) -> Result<Serial, LinkError> {
         if matches!(error.kind, ErrorKind::NoDevice) && path.exists() {
             // The crate reports "no device" also for a port that another program has locked.
             LinkError::Busy(port.clone())
-        } else if path.is_file() || path.is_dir() {
-            // The system's own error (ENOTTY) does not say so.
+        } else if path.is_file() || path.is_dir() || is_no_terminal(&error) {
             LinkError::NotSerial(port.clone())
         } else {
             LinkError::opening(&port, &io::Error::from(error))

@@ -8,6 +8,7 @@
 
 use super::second_program::SecondProgram;
 use crate::simulator::realtime::{RealtimeDevice, RealtimeLine};
+use crate::system_words::system_words;
 use crate::transport::Waker;
 use serialport::{SerialPort, TTYPort};
 use std::io::{self, ErrorKind, Read, Write};
@@ -37,7 +38,7 @@ pub enum ServeError {
     #[error("another program already serves at {0}")]
     InUse(PathBuf),
     /// Another system error.
-    #[error("{path}: {error}")]
+    #[error("{path}: {}", system_words(.error))]
     Io {
         /// The path.
         path: PathBuf,

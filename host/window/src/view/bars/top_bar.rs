@@ -28,9 +28,9 @@ const STOP: Vec2 = vec2(104.0, 34.0);
 const STOP_HELP: &str = "Ramps to silence now; a real device is also disarmed. Twice within a second: emergency stop, \
     silent within 2 ms, with a fault to be cleared. Keys: Esc or Space, in every state";
 
-/// The error text, closed with a full stop.
+/// The error text as a whole sentence.
 fn sentence(trouble: &LinkError) -> String {
-    let text = trouble.to_string();
+    let text = slipline_link::capitalized(&trouble.to_string());
     let end = if text.ends_with(['.', '?', '!']) { "" } else { "." };
     text + end
 }
