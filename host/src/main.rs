@@ -3,10 +3,10 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
 
-use slipline::cli::{Cli, Failure, asks_for_json};
+use slipline::cli::{Cli, Failure, asks_for_json, note};
 use slipline::{signals, trace};
 use slipline_link::Port;
-use slipline_model::atomic_file;
+use slipline_model::atomic_file::{self, said};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -20,10 +20,13 @@ fn main() -> ExitCode {
     if let Err(error) = signals::watch() {
         // If signals cannot be handled, they still end the program, and the device stops by itself when its
         // host is silent.
-        eprintln!("slipline: Ctrl-C will end the program without stopping the device first: {error}");
+        note(format_args!(
+            "slipline: Ctrl-C will end the program without stopping the device first: {}",
+            said(&error)
+        ));
     }
     for sentence in cli.command.iter().flat_map(|command| command.renamed(&words)) {
-        eprintln!("slipline: {sentence}");
+        note(format_args!("slipline: {sentence}"));
     }
     let traced =
         trace::start(cli.trace.as_deref(), cli.may_replace, cli.prints_json()).and_then(|()| cli.checked());
@@ -31,6 +34,7 @@ fn main() -> ExitCode {
         None => open_window(cli.file, cli.port, cli.kiosk),
         Some(command) => command.run(cli.json),
     });
+    let result = result.and_then(|()| trace::end());
     // If a signal has ended the command, nothing more is printed.
     signals::hold_while_ending();
     // A thread of the window may still be writing a file.
@@ -46,9 +50,9 @@ fn main() -> ExitCode {
 /// Prints why the program fails, as a sentence or as a line of JSON.
 fn ended(failure: &Failure, as_json: bool) -> ExitCode {
     if as_json {
-        eprintln!("{}", failure.json());
+        note(format_args!("{}", failure.json()));
     } else {
-        eprintln!("slipline: {failure}");
+        note(format_args!("slipline: {failure}"));
     }
     ExitCode::from(failure.exit_code())
 }

@@ -2,12 +2,12 @@
 //! `--trace FILE` writes every frame on the link to a file, one line each.
 
 use crate::cli::{Failure, trace_to_standard_output};
-use slipline_model::atomic_file::STANDARD_STREAM;
+use slipline_model::atomic_file::{STANDARD_STREAM, is_stream, said};
 use slipline_plate::quantity::must_be;
-use std::fs::File;
-use std::io::Write;
+use std::fs::OpenOptions;
+use std::io::{self, ErrorKind, Write};
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::fmt::layer;
 use tracing_subscriber::layer::{Layer as _, SubscriberExt as _};
@@ -15,6 +15,45 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 
 /// The variable that selects the events written to standard error.
 const VARIABLE: &str = "RUST_LOG";
+
+/// Why the trace is not whole; `None` where the reader of standard output has left, which is no failure.
+static BROKEN: OnceLock<Option<String>> = OnceLock::new();
+
+/// Its name in a sentence.
+const STANDARD_OUTPUT: &str = "standard output";
+
+/// The lines of the frames. What cannot be written is lost, and the program goes on: it may be driving.
+struct Frames {
+    /// Where they go, in a sentence.
+    name: String,
+    out: Box<dyn Write + Send>,
+}
+
+impl Write for Frames {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Nothing follows a gap.
+        if BROKEN.get().is_none()
+            && let Err(error) = self.out.write_all(bytes).and_then(|()| self.out.flush())
+        {
+            let has_left = self.name == STANDARD_OUTPUT && error.kind() == ErrorKind::BrokenPipe;
+            let why = || format!("{} is not whole: {}", self.name, said(&error));
+            let _ = BROKEN.set((!has_left).then(why));
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Ends the output.
+///
+/// # Errors
+/// [`Failure::Failed`] if a part of the trace is missing.
+pub fn end() -> Result<(), Failure> {
+    BROKEN.get().cloned().flatten().map_or(Ok(()), |why| Err(Failure::Failed(why)))
+}
 
 /// Starts the output. With neither a file nor `RUST_LOG` there is no listener, and the libraries' events cost
 /// nothing.
@@ -30,20 +69,27 @@ pub fn start(file: Option<&Path>, may_replace: bool, json: bool) -> Result<(), F
         })?),
         _ => None,
     };
-    let frames: Option<Box<dyn Write + Send>> = match file {
+    let frames = match file {
         Some(path) if path == Path::new(STANDARD_STREAM) => {
             trace_to_standard_output(json)?;
-            Some(Box::new(std::io::stdout()))
+            Some(Frames { name: STANDARD_OUTPUT.to_owned(), out: Box::new(std::io::stdout()) })
         }
-        Some(path) if path.is_file() && !may_replace => {
-            let name = path.display();
-            return Err(Failure::Usage(format!(
-                "the trace {name} exists: write --force to replace it, or name another file"
-            )));
+        Some(path) => {
+            let name = format!("the trace {}", path.display());
+            let mut options = OpenOptions::new();
+            options.write(true);
+            // A pipe or a device is there already; a link to nothing is a file that is there.
+            if !is_stream(path) {
+                options.create(true).truncate(true).create_new(!may_replace);
+            }
+            let out = options.open(path).map_err(|error| match error.kind() {
+                ErrorKind::AlreadyExists => Failure::Usage(format!(
+                    "{name} exists: write --force to replace it, or name another file"
+                )),
+                _ => Failure::Failed(format!("{name} cannot be written: {}", said(&error))),
+            })?;
+            Some(Frames { name, out: Box::new(out) })
         }
-        Some(path) => Some(Box::new(File::create(path).map_err(|error| {
-            Failure::Failed(format!("the trace {} cannot be written: {error}", path.display()))
-        })?)),
         None => None,
     };
     if filter.is_none() && frames.is_none() {

@@ -3,6 +3,7 @@
 use super::command::{Cli, Command};
 use super::examples;
 use super::failure::Failure;
+use super::output;
 use super::refusal::Refusal;
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
@@ -45,7 +46,11 @@ fn command() -> clap::Command {
 /// A refusal of the parser: its text without the parser's own voice.
 fn refused(error: clap::Error) -> Failure {
     if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
-        error.exit();
+        // Help and version end the program.
+        match output::print_of_parser(&error) {
+            Ok(()) => std::process::exit(0),
+            Err(failure) => return failure,
+        }
     }
     let text = error.render().to_string();
     let text = text.strip_prefix("error: ").unwrap_or(&text);

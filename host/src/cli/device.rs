@@ -1,6 +1,7 @@
 //! The device of one command: the blocking client, stopped and disarmed when a signal ends the program.
 
 use super::failure::Failure;
+use super::output;
 use super::progress;
 use crate::signals::{self, Ending};
 use clap::Args;
@@ -99,8 +100,8 @@ impl Device {
         let has_limit = table.travel_limit().is_some();
         self.client.use_table(table)?;
         if has_limit && !self.snapshot().can_limit_travel() {
-            eprintln!(
-                "slipline: the device does not limit the actuator's travel: its firmware is too old for it"
+            output::note(
+                "slipline: the device does not limit the actuator's travel: its firmware is too old for it",
             );
         }
         Ok(())

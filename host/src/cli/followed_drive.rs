@@ -85,9 +85,9 @@ impl<'a> FollowedDrive<'a> {
         if self.as_json {
             let mut value = refusal.json();
             value["line"] = json!(line);
-            eprintln!("{value}");
+            output::note(format_args!("{value}"));
         } else {
-            eprintln!("slipline: line {line}: {refusal}");
+            output::note(format_args!("slipline: line {line}: {refusal}"));
         }
         true
     }

@@ -2,6 +2,7 @@
 
 use super::argument::{self, Typed};
 use super::failure::Failure;
+use super::output;
 use super::source::{bytes_of, text_of};
 use clap::Args;
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
@@ -166,7 +167,7 @@ fn recorded_measurement(
 ) -> Result<Measurement, Failure> {
     let (measurement, notes) = recorded(plate, wav, sweep, stated).map_err(|error| untold(path, &error))?;
     for note in notes {
-        eprintln!("slipline: {}: {note}", path.display());
+        output::note(format_args!("slipline: {}: {note}", path.display()));
     }
     Ok(measurement)
 }

@@ -5,6 +5,7 @@ use super::device::{ArmingArgument, Device, LoadedDevice};
 use super::failure::Failure;
 use super::known_drive;
 use super::measured_file::SensorArgument;
+use super::output;
 use super::progress;
 use super::rig::PortArgument;
 use super::source::is_standard_input_taken;
@@ -139,7 +140,7 @@ pub(super) fn current(plate: &Plate, by: &ByDevice<'_>) -> Result<Measurement, F
     let (measurer, _) = by.measurer(&device, plate, rig.as_ref())?;
     let measured = measurer.measure(current_sensor())?;
     for warning in &measured.warnings {
-        eprintln!("slipline: the current: {}", warning.sentence());
+        output::note(format_args!("slipline: the current: {}", warning.sentence()));
     }
     Ok(measured.measurement)
 }
@@ -175,7 +176,11 @@ pub(super) fn at_places(
         put_sensor(&device, rig.as_ref(), place_m)?;
         let measured = measurer.measure(Sensor { place_m, kind, input: 0 })?;
         for warning in &measured.warnings {
-            eprintln!("slipline: the sensor at {}: {}", show_place(place_m), warning.sentence());
+            output::note(format_args!(
+                "slipline: the sensor at {}: {}",
+                show_place(place_m),
+                warning.sentence()
+            ));
         }
         Ok(measured.measurement)
     };
@@ -187,7 +192,10 @@ fn put_sensor(device: &Device, rig: Option<&PreparedRig>, place_m: f64) -> Resul
     if let Some(rig) = rig {
         return rig.hand().put_sensor(place_m).map_err(Failure::refused);
     }
-    eprintln!("Put the sensor at {} from the driven end, and press Enter.", show_place(place_m));
+    output::note(format_args!(
+        "Put the sensor at {} from the driven end, and press Enter.",
+        show_place(place_m)
+    ));
     let mut line = String::new();
     match device.during(|| std::io::stdin().read_line(&mut line)) {
         Ok(0) => Err(Failure::failed("the sensor's place was not confirmed: the standard input has ended")),

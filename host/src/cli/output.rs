@@ -5,8 +5,10 @@ use super::failure::Failure;
 use super::schema::finished;
 use serde_json::Value;
 use slipline_model::atomic_file::{self, said};
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether standard output has the command's JSON, or one of its files.
@@ -18,8 +20,17 @@ pub(super) fn begin(as_json: bool) {
     HAS_JSON.store(as_json, Ordering::Relaxed);
 }
 
+/// Writes a line to standard error. Where that is full or closed the line is lost, and nothing else.
+pub fn note(line: impl Display) {
+    let _ = writeln!(io::stderr(), "{line}");
+}
+
 /// Takes standard output for a file.
 pub(super) fn take() -> Result<(), Failure> {
+    if is_closed() {
+        let why = "standard output is closed, so the file named - would be lost: name another file";
+        return Err(Failure::Failed(why.to_owned()));
+    }
     if HAS_JSON.load(Ordering::Relaxed) {
         let why = "--json and a file named - both need standard output: name another file";
         return Err(Failure::usage(why));
@@ -28,6 +39,26 @@ pub(super) fn take() -> Result<(), Failure> {
         return Err(Failure::usage("two files named - both need standard output: name another file"));
     }
     Ok(())
+}
+
+/// Whether the program was started with a closed standard output, as by `>&-`: the library of Rust then opens the null device
+/// for reading and writing. A shell opens it for writing alone, for a user who wants nothing.
+fn is_closed() -> bool {
+    let flags = || {
+        let status = std::fs::read_to_string("/proc/self/fdinfo/1").ok()?;
+        let flags = status.lines().find_map(|line| line.strip_prefix("flags:"))?;
+        u32::from_str_radix(flags.trim(), 8).ok()
+    };
+    let is_null = std::fs::read_link("/proc/self/fd/1").is_ok_and(|file| file == Path::new("/dev/null"));
+    is_null && flags().is_some_and(|flags| flags & 0b11 == 0b10)
+}
+
+/// Prints what the parser of the command line has to say, its help or the version.
+pub(super) fn print_of_parser(text: &clap::Error) -> Result<(), Failure> {
+    match text.print().and_then(|()| io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritten(&error)),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a file to standard output, as [`atomic_file::write_to`].

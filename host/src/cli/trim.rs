@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &TrimArguments, as_json: bool) -> Result<(), Failur
         let now = trim.later(&measured.measurement).map_err(Failure::failed)?;
         let after_s = begun.elapsed().as_secs_f64();
         if !as_json {
-            eprintln!("after {} s: {}", with_decimals(after_s, 1), interval(&now));
+            output::note(format_args!("after {} s: {}", with_decimals(after_s, 1), interval(&now)));
         }
         save_now(&now.plate)?;
         later.push((after_s, now));

@@ -90,6 +90,35 @@ fn what_does_not_fit_one_stream_is_refused_before_the_work() {
     assert!(code == Some(2) && message.contains("standard input is read already"), "{message}");
 }
 
+/// Exit code and errors of a command in a shell, with these redirections.
+#[cfg(target_os = "linux")]
+fn redirected(command: &str, redirections: &str) -> (Option<i32>, String) {
+    let script = format!("\"$0\" {command} {redirections}");
+    let output = Command::new("sh").args(["-c", &script, env!("CARGO_BIN_EXE_slipline")]).output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn what_a_full_output_loses_is_a_failure_in_a_sentence() {
+    let full = "slipline: standard output: no space left on device\n";
+    for command in ["--version", "--help", "drive --help", "presets", "completions bash", "ports"] {
+        assert_eq!(redirected(command, ">/dev/full"), (Some(1), full.to_owned()), "{command}");
+    }
+    let table = "table --plate membrane --knots 5 --out -";
+    let (code, message) = redirected(table, ">/dev/full");
+    assert!(code == Some(1) && message.ends_with("slipline: -: no space left on device\n"), "{message}");
+    let (code, message) = redirected("info --port sim --trace -", ">/dev/full");
+    assert!(code == Some(1) && message.contains("standard output is not whole: no space left"), "{message}");
+    for command in [table, "info --port sim --trace -"] {
+        let (code, message) = redirected(command, ">&-");
+        assert!(code == Some(1) && message.starts_with("slipline: standard output is closed"), "{message}");
+        assert_eq!(redirected(command, ">/dev/null").0, Some(0), "nothing is what was wanted");
+    }
+    // A refusal that cannot be shown has its code.
+    assert_eq!(redirected("table --plate no-such", "2>/dev/full").0, Some(2));
+}
+
 #[test]
 #[cfg(unix)]
 fn a_reader_that_leaves_early_is_no_error() {
@@ -97,5 +126,10 @@ fn a_reader_that_leaves_early_is_no_error() {
     let script = "{ \"$0\" record --plate membrane --turning-point 120mm --for 1s --out - 2>/dev/null; echo $? >&2; } | head -c 4";
     let output = Command::new("sh").args(["-c", script, env!("CARGO_BIN_EXE_slipline")]).output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stdout), "RIFF");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "0\n");
+    // The reader of a trace has left before its second line.
+    let script = "{ \"$0\" drive --port sim --plate membrane --turning-point 120mm --for 300ms --trace - 2>/dev/null; \
+                  echo $? >&2; } | true";
+    let output = Command::new("sh").args(["-c", &script, env!("CARGO_BIN_EXE_slipline")]).output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stderr), "0\n");
 }

@@ -58,6 +58,22 @@ fn a_trace_that_cannot_be_written_is_refused_by_name() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_trace_that_is_not_whole_ends_the_command_with_1_after_its_work() {
+    let output = slipline(&["info", "--port", "sim", "--trace", "/dev/full"]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("Board"));
+    let message = String::from_utf8(output.stderr).unwrap();
+    let wanted = "slipline: the trace /dev/full is not whole: no space left on device\n";
+    assert_eq!((output.status.code(), message.as_str()), (Some(1), wanted));
+    // A link to nothing is not followed without permission.
+    let (link, nothing) = (file("trace-link"), file("trace-nothing"));
+    std::os::unix::fs::symlink(&nothing, &link).unwrap();
+    let message = failure(&["info", "--port", "sim", "--trace", link.to_str().unwrap()], 2);
+    assert!(message.contains("trace-link exists: write --force") && !nothing.exists(), "{message}");
+    std::fs::remove_file(link).unwrap();
+}
+
+#[test]
 fn a_trace_replaces_no_file_unless_it_may() {
     // The plate that it reads.
     let plate = file("traced-plate.toml");
