@@ -46,6 +46,24 @@ pub fn write<E: From<io::Error>>(
     Ok(finish(part, old.as_ref(), &path)?)
 }
 
+/// As [`write()`], but a file that is there is not replaced, even if another program creates it meanwhile; a link that leads to
+/// no file is one that is there.
+///
+/// # Errors
+/// As [`write()`], and [`ErrorKind::AlreadyExists`].
+pub fn create<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,
+) -> Result<(), E> {
+    if is_stream(path) {
+        return through(&File::create(path)?, write);
+    }
+    let (part, _registration) = begin(path, None)?;
+    through(part.as_file(), write)?;
+    part.as_file().sync_all()?;
+    Ok(part.persist_noclobber(path).map(drop).map_err(|error| error.error)?)
+}
+
 /// Writes to a stream through `write`, into a temporary file first: `write` may go back in it, and where it fails nothing is
 /// written.
 ///
@@ -240,6 +258,30 @@ mod tests {
         std::fs::create_dir(folder.join("taken")).unwrap();
         assert!(put(&folder.join("taken"), b"x").is_err());
         assert_eq!(count(&folder), 2, "no part is left behind");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn of_several_that_create_a_file_one_succeeds_and_the_others_leave_it() {
+        let folder = folder("created");
+        let path = folder.join("a.txt");
+        let other = create(&path, |out| {
+            // Another program is faster.
+            std::fs::write(&path, b"theirs")?;
+            out.write_all(b"ours")
+        });
+        assert_eq!(other.unwrap_err().kind(), ErrorKind::AlreadyExists);
+        assert_eq!((count(&folder), std::fs::read(&path).unwrap()), (1, b"theirs".to_vec()));
+        std::fs::remove_file(&path).unwrap();
+        create(&path, |out| out.write_all(b"ours")).unwrap();
+        assert_eq!((count(&folder), std::fs::read(&path).unwrap()), (1, b"ours".to_vec()));
+        #[cfg(unix)]
+        {
+            let link = folder.join("link");
+            std::os::unix::fs::symlink(folder.join("nothing"), &link).unwrap();
+            let refused = create(&link, |out| out.write_all(b"ours")).unwrap_err();
+            assert_eq!((refused.kind(), link.is_symlink()), (ErrorKind::AlreadyExists, true));
+        }
         std::fs::remove_dir_all(&folder).unwrap();
     }
 

@@ -8,6 +8,7 @@ use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Whether files may be replaced.
 #[derive(Clone, Copy, Debug, Default, Args)]
@@ -20,14 +21,18 @@ pub struct ForceArgument {
 
 /// A file to write. It is checked before the computation begins, so that no computation is wasted.
 #[derive(Debug)]
-pub(super) struct Destination(PathBuf);
+pub(super) struct Destination {
+    path: PathBuf,
+    /// Whether a file that is there may be replaced: by permission, or because this command has written it.
+    may_replace: AtomicBool,
+}
 
 impl Destination {
     /// A file that may be written.
     pub(super) fn new(path: &Path, may_replace: ForceArgument) -> Result<Self, Failure> {
         if path == Path::new(STANDARD_STREAM) {
             output::take()?;
-            return Ok(Self(path.to_owned()));
+            return Ok(Self::at(path, may_replace));
         }
         let name = path.display();
         match path.metadata() {
@@ -41,6 +46,9 @@ impl Destination {
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 match atomic_file::missing_folder(path) {
                     Some(reason) => Err(Failure::Failed(format!("{name}: {reason}"))),
+                    None if path.is_symlink() && !may_replace.force => Err(Failure::Usage(format!(
+                        "{name} is a link to a file that is missing: write --force to replace the link, or name another file"
+                    ))),
                     None => Ok(()),
                 }
             }
@@ -48,7 +56,11 @@ impl Destination {
         }?;
         // By trying: permissions alone do not show whether a file system can be written.
         atomic_file::try_to_write(path).map_err(|error| failed(path, &error))?;
-        Ok(Self(path.to_owned()))
+        Ok(Self::at(path, may_replace))
+    }
+
+    fn at(path: &Path, may_replace: ForceArgument) -> Self {
+        Self { path: path.to_owned(), may_replace: AtomicBool::new(may_replace.force) }
     }
 
     /// An optional file.
@@ -69,7 +81,7 @@ impl Destination {
         if folder.exists() && !folder.is_dir() {
             return Err(Failure::Usage(format!("{name} is a file: name a folder")));
         }
-        let there: Vec<&str> = names.iter().copied().filter(|name| folder.join(name).exists()).collect();
+        let there: Vec<&str> = names.iter().copied().filter(|name| is_there(&folder.join(name))).collect();
         if !there.is_empty() && !may_replace.force {
             let there = there.join(", ");
             return Err(Failure::Usage(format!(
@@ -89,41 +101,33 @@ impl Destination {
             // A file that does not exist yet is identified by its folder and name.
             path.canonicalize().ok().or_else(in_folder)
         };
-        !atomic_file::is_stream(&self.0) && place(&self.0) == place(&other.0)
+        !atomic_file::is_stream(&self.path) && place(&self.path) == place(&other.path)
     }
 
     pub(super) fn path(&self) -> &Path {
-        &self.0
+        &self.path
     }
 
     /// Whether it is standard output.
     pub(super) fn is_standard_output(&self) -> bool {
-        self.0 == Path::new(STANDARD_STREAM)
+        self.path == Path::new(STANDARD_STREAM)
     }
 
     /// The names of written files, for the JSON.
     pub(super) fn names<'a>(files: impl IntoIterator<Item = &'a Self>) -> Vec<String> {
-        files.into_iter().map(|file| file.0.display().to_string()).collect()
+        files.into_iter().map(|file| file.path.display().to_string()).collect()
     }
 
     /// Writes what was measured, which cannot be had again. If the file cannot be written any more, the text goes to a
     /// file among the temporary ones, which the error names.
     pub(super) fn write_measured(&self, text: &str) -> Result<(), Failure> {
-        let into = |path: &Path| {
-            atomic_file::write(path, |out| -> io::Result<()> { out.write_all(text.as_bytes()) })
-        };
-        let written = if self.is_standard_output() {
-            output::write(|out| -> io::Result<()> { out.write_all(text.as_bytes()) })
-        } else {
-            into(&self.0)
-        };
-        let Err(error) = written else { return Ok(()) };
-        let name = self.0.file_name().unwrap_or_default().to_string_lossy();
+        let Err(why) = self.write(|out| Ok(out.write_all(text.as_bytes())?)) else { return Ok(()) };
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let kept = std::env::temp_dir().join(format!("slipline-{}-{name}", std::process::id()));
-        let (file, why) = (self.0.display(), said(&error));
-        Err(Failure::Failed(match into(&kept) {
-            Ok(()) => format!("{file}: {why}; what was measured is in {}", kept.display()),
-            Err(again) => format!("{file}: {why}; {}: {}", kept.display(), said(&again)),
+        let into = atomic_file::write(&kept, |out| -> io::Result<()> { out.write_all(text.as_bytes()) });
+        Err(Failure::Failed(match into {
+            Ok(()) => format!("{why}; what was measured is in {}", kept.display()),
+            Err(again) => format!("{why}; {}: {}", kept.display(), said(&again)),
         }))
     }
 
@@ -132,10 +136,28 @@ impl Destination {
         &self,
         write: impl FnOnce(&mut BufWriter<&File>) -> anyhow::Result<()>,
     ) -> Result<(), Failure> {
-        let written =
-            if self.is_standard_output() { output::write(write) } else { atomic_file::write(&self.0, write) };
-        written.map_err(|error| failed(&self.0, &error))
+        let written = if self.is_standard_output() {
+            output::write(write)
+        } else if self.may_replace.load(Ordering::Relaxed) {
+            atomic_file::write(&self.path, write)
+        } else {
+            atomic_file::create(&self.path, write)
+        };
+        written.map_err(|error| match error.downcast_ref::<io::Error>().map(io::Error::kind) {
+            Some(io::ErrorKind::AlreadyExists) => Failure::Failed(format!(
+                "{} was created by another program meanwhile, and is not replaced: name another file",
+                self.path.display()
+            )),
+            _ => failed(&self.path, &error),
+        })?;
+        self.may_replace.store(true, Ordering::Relaxed);
+        Ok(())
     }
+}
+
+/// Whether there is a file, or a link, even if it leads to no file.
+fn is_there(path: &Path) -> bool {
+    path.symlink_metadata().is_ok()
 }
 
 fn failed(path: &Path, error: &impl fmt::Display) -> Failure {

@@ -5,8 +5,7 @@ use super::{design, failure, file, refused, slipline};
 use std::os::unix::process::ExitStatusExt as _;
 #[cfg(unix)]
 use std::path::PathBuf;
-#[cfg(unix)]
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 #[test]
 fn a_file_that_is_there_is_replaced_only_when_asked() {
@@ -44,6 +43,48 @@ fn a_file_that_is_there_is_replaced_only_when_asked() {
     assert!(failure(&["figures", "--out", &own], 2).contains("holds fig03.csv already"));
     let left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn of_commands_that_create_a_file_at_once_one_succeeds() {
+    let path = file("at-once.json");
+    let table = || {
+        let out = ["table", "--plate", "membrane", "--out", path.to_str().unwrap()];
+        Command::new(env!("CARGO_BIN_EXE_slipline"))
+            .args(out)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+    };
+    let running: Vec<_> = (0..4).map(|_| table().unwrap()).collect();
+    let ended: Vec<_> = running.into_iter().map(|child| child.wait_with_output().unwrap()).collect();
+    let wrote = ended.iter().filter(|output| String::from_utf8_lossy(&output.stdout).contains("Written to"));
+    assert_eq!(wrote.count(), 1);
+    for output in ended.iter().filter(|output| !output.status.success()) {
+        let message = String::from_utf8_lossy(&output.stderr);
+        // The last to begin may find it already.
+        assert!(
+            message.contains("at-once.json exists:") || message.contains("created by another"),
+            "{message}"
+        );
+    }
+    assert_eq!(ended.iter().filter(|output| output.status.success()).count(), 1);
+    std::fs::remove_file(path).unwrap();
+}
+
+#[test]
+#[cfg(unix)]
+fn a_link_to_nothing_is_a_file_that_is_there() {
+    let folder = file("links");
+    std::fs::create_dir_all(&folder).unwrap();
+    let (link, nothing) = (folder.join("fig03.csv"), folder.join("nothing"));
+    std::os::unix::fs::symlink(&nothing, &link).unwrap();
+    let table = ["table", "--plate", "membrane", "--knots", "5", "--out", link.to_str().unwrap()];
+    assert!(failure(&table, 2).contains("is a link to a file that is missing: write --force"));
+    assert!(failure(&["figures", "--out", folder.to_str().unwrap()], 2).contains("holds fig03.csv already"));
+    assert!(link.is_symlink() && !nothing.exists());
+    assert_eq!(slipline(&[&table[..], &["--force"]].concat()).status.code(), Some(0));
     std::fs::remove_dir_all(folder).unwrap();
 }
 
