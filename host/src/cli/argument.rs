@@ -19,14 +19,14 @@ use std::path::Path;
 pub(super) struct PlateArgument {
     /// A preset's name or a TOML file. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
     /// settings file, else membrane.
-    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true)]
-    plate: String,
+    #[arg(long, value_name = "PLATE")]
+    plate: Option<String>,
 }
 
 impl PlateArgument {
     /// The plate.
     pub(super) fn read(&self) -> Result<Plate, Failure> {
-        plate(&self.plate)
+        plate_or_default(self.plate.as_deref())
     }
 }
 
@@ -256,4 +256,9 @@ fn mass_kg(text: &str) -> Result<f64, QuantityError> {
 pub(super) fn plate(name: &str) -> Result<Plate, Failure> {
     let read = || read_text(Path::new(name), PLATE_FILE_BYTES_MAX);
     named_plate(name, read).map_err(Failure::refused)
+}
+
+/// The plate of an option, or else the default one.
+pub(super) fn plate_or_default(name: Option<&str>) -> Result<Plate, Failure> {
+    name.map_or_else(|| plate(defaults::plate()?), plate)
 }

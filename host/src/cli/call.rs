@@ -1,12 +1,11 @@
 //! The call of the program: its words become a [`Cli`], or are refused in the program's voice.
 
-use super::command::{Cli, Command};
+use super::command::Cli;
 use super::examples;
 use super::failure::Failure;
 use super::output;
 use super::refusal::Refusal;
 use clap::error::ErrorKind;
-use clap::parser::ValueSource;
 use clap::{CommandFactory as _, FromArgMatches as _};
 use std::ffi::OsString;
 
@@ -26,9 +25,6 @@ impl Cli {
         if let Some((_, options)) = matches.subcommand() {
             // Not every command has it.
             cli.may_replace = options.try_get_one("force").is_ok_and(|force| force == Some(&true));
-            if let Some(Command::Info { is_port_given, .. }) = &mut cli.command {
-                *is_port_given = options.value_source("port") == Some(ValueSource::CommandLine);
-            }
         }
         Ok(cli)
     }

@@ -4,9 +4,8 @@ use super::destination::ForceArgument;
 use super::failure::Failure;
 use super::rig::PortArgument;
 use super::{
-    calibrate, check, completions, defaults, design, drive, figures, info, measure, merit, output, page,
-    presets, profile, progress, record, respond, serve, simulate, study, sweep, table, texture, trim, verify,
-    watch,
+    calibrate, check, completions, design, drive, figures, info, measure, merit, output, page, presets,
+    profile, progress, record, respond, serve, simulate, study, sweep, table, texture, trim, verify, watch,
 };
 use crate::signals;
 use clap::{CommandFactory as _, Parser, Subcommand};
@@ -73,9 +72,6 @@ pub enum Command {
         /// Whether the trace may be replaced.
         #[command(flatten)]
         force: ForceArgument,
-        /// Whether the port is that of the option, not a default.
-        #[arg(skip)]
-        is_port_given: bool,
     },
     /// Print the device's status as lines of JSON, five times a second, until it is interrupted. Arms nothing.
     Watch(watch::WatchArguments),
@@ -136,9 +132,6 @@ impl Cli {
             let text = "FILE and --port before a command are for the window: give a command's own after it";
             return Err(Failure::Usage(text.to_owned()));
         }
-        if self.command.is_some() {
-            defaults::check()?;
-        }
         if self.command.is_some() && self.kiosk {
             return Err(Failure::usage("--kiosk is for the window: it stands without a command"));
         }
@@ -172,7 +165,7 @@ impl Command {
         match self {
             Self::Presets => presets::run(json),
             Self::Ports => info::ports(json),
-            Self::Info { port, is_port_given, .. } => info::run(&port, is_port_given, json),
+            Self::Info { port, .. } => info::run(&port, json),
             Self::Watch(arguments) => watch::run(&arguments),
             Self::Profile(arguments) => profile::run(&arguments, json),
             Self::Drive(arguments) => drive::run(&arguments, json),

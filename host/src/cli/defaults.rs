@@ -16,6 +16,11 @@ use std::sync::OnceLock;
 /// Longest settings file, bytes.
 const BYTES_MAX: usize = 1 << 16;
 
+/// Most characters of a line that a refusal repeats.
+const QUOTED: usize = 60;
+/// How settings are written.
+const SETTINGS: &str = "port = \"NAME\" or plate = \"NAME\", with the quotation marks";
+
 /// The names of the two settings, of their variables, and what is built in.
 const PORT: (&str, &str, &str) = ("port", "SLIPLINE_PORT", "sim");
 const PLATE: (&str, &str, &str) = ("plate", "SLIPLINE_PLATE", "membrane");
@@ -57,15 +62,13 @@ impl Chosen {
     }
 }
 
-/// The defaults of a run.
+/// The defaults of a run; each is refused only where it is needed.
 #[derive(Debug)]
 pub(super) struct Defaults {
-    pub(super) port: Chosen,
-    pub(super) plate: Chosen,
+    pub(super) port: Result<Chosen, Failure>,
+    pub(super) plate: Result<Chosen, Failure>,
     /// The settings file, whether it is there or not; `None` on a system without a folder for it.
     pub(super) file: Option<PathBuf>,
-    /// Why a variable or the file is refused; then the built-in values stand.
-    refused: Option<Failure>,
 }
 
 static DEFAULTS: OnceLock<Defaults> = OnceLock::new();
@@ -74,75 +77,64 @@ static DEFAULTS: OnceLock<Defaults> = OnceLock::new();
 pub(super) fn defaults() -> &'static Defaults {
     DEFAULTS.get_or_init(|| {
         let file = folder().map(|folder| folder.join("slipline").join("settings.toml"));
-        let variables = [PORT, PLATE].map(|(_, name, _)| var(name).ok().filter(|text| !text.is_empty()));
-        Defaults::of(variables, file)
+        let settings = file.as_deref().map_or(Ok(toml::Table::new()), read);
+        let port = chosen(PORT, &settings, file.as_deref(), |text| {
+            text.parse::<Port>().map(drop).map_err(|error| error.to_string())
+        });
+        let plate = chosen(PLATE, &settings, file.as_deref(), |_| Ok(()));
+        Defaults { port, plate, file }
     })
 }
 
-pub(super) fn port() -> &'static str {
-    &defaults().port.value
+/// The port of a command that names none.
+pub(super) fn port() -> Result<Port, Failure> {
+    defaults().port.clone()?.value.parse().map_err(Failure::usage)
 }
 
-pub(super) fn plate() -> &'static str {
-    &defaults().plate.value
+/// The plate of a command that names none.
+pub(super) fn plate() -> Result<&'static str, Failure> {
+    defaults().plate.as_ref().map(|plate| plate.value.as_str()).map_err(Clone::clone)
 }
 
-/// Refuses a variable or a settings file that cannot be used.
-pub(super) fn check() -> Result<(), Failure> {
-    defaults().refused.clone().map_or(Ok(()), Err)
-}
-
-impl Defaults {
-    /// By the values of both variables and the file.
-    fn of([port, plate]: [Option<String>; 2], file: Option<PathBuf>) -> Self {
-        let named = |name: &str, text: String| match text.parse::<Port>() {
-            Ok(_) => Ok(text),
-            Err(error) => Err(Failure::Usage(format!("{name} = {text:?}: {error}"))),
-        };
-        let settings = file.as_deref().map_or(Ok([None, None]), read);
-        let found = settings.and_then(|[set_port, set_plate]| {
-            let in_file = |text| named(&format!("{}: port", shown(file.as_deref())), text);
-            let set_port = set_port.map(in_file).transpose()?;
-            let port = port.map(|text| named(PORT.1, text)).transpose()?;
-            Ok([chosen(port, set_port, PORT.2), chosen(plate, set_plate, PLATE.2)])
-        });
-        let built_in = [chosen(None, None, PORT.2), chosen(None, None, PLATE.2)];
-        let ([port, plate], refused) = found.map_or_else(|why| (built_in, Some(why)), |found| (found, None));
-        Self { port, plate, file, refused }
+/// The default of a setting: of its variable, of the file, or what is built in. What comes before the file does not need it.
+fn chosen(
+    (name, variable, built_in): (&str, &str, &str),
+    settings: &Result<toml::Table, Failure>,
+    file: Option<&Path>,
+    check: impl Fn(&str) -> Result<(), String>,
+) -> Result<Chosen, Failure> {
+    let usable = |value: String, place: &str, from| match check(&value) {
+        Ok(()) => Ok(Chosen { value, from }),
+        Err(why) => Err(Failure::Usage(format!("{place} = {value:?}: {why}"))),
+    };
+    if let Some(value) = var(variable).ok().filter(|text| !text.is_empty()) {
+        return usable(value, variable, Origin::Environment);
+    }
+    let place = format!("{}: {name}", file.map_or(String::new(), |file| file.display().to_string()));
+    match settings.as_ref().map_err(Clone::clone)?.get(name) {
+        None => Ok(Chosen { value: built_in.to_owned(), from: Origin::BuiltIn }),
+        Some(toml::Value::String(text)) => usable(text.clone(), &place, Origin::SettingsFile),
+        Some(value) => Err(Failure::Usage(format!("{place} = {value}: write a text in quotes"))),
     }
 }
 
-fn shown(file: Option<&Path>) -> String {
-    file.map_or(String::new(), |file| file.display().to_string())
-}
-
-fn chosen(variable: Option<String>, setting: Option<String>, built_in: &str) -> Chosen {
-    let variable = variable.map(|value| Chosen { value, from: Origin::Environment });
-    let setting = setting.map(|value| Chosen { value, from: Origin::SettingsFile });
-    variable.or(setting).unwrap_or_else(|| Chosen { value: built_in.to_owned(), from: Origin::BuiltIn })
-}
-
-/// Port and plate of a settings file; none of them if there is no file.
-fn read(file: &Path) -> Result<[Option<String>; 2], Failure> {
+/// The settings of a file; none if there is no file.
+fn read(file: &Path) -> Result<toml::Table, Failure> {
     let refused = |message: String| Failure::Usage(format!("{}: {message}", file.display()));
     let text = match read_text(file, BYTES_MAX) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok([None, None]),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(toml::Table::new()),
         text => text.map_err(|error| refused(said(&error)))?,
     };
-    let fields: toml::Table =
-        toml::from_str(&text).map_err(|error| refused(error.to_string().trim_end().to_owned()))?;
-    let [mut port, mut plate] = [None, None];
-    for (name, value) in fields {
-        let toml::Value::String(text) = value else {
-            return Err(refused(format!("{name} = {value}: write a text in quotes")));
-        };
-        match name.as_str() {
-            "port" => port = Some(text),
-            "plate" => plate = Some(text),
-            _ => return Err(refused(format!("{name} is no setting: the settings are port and plate"))),
-        }
+    let settings: toml::Table = toml::from_str(&text).map_err(|error| {
+        let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+        let number = before.matches('\n').count() + 1;
+        let line: String = text.lines().nth(number - 1).unwrap_or_default().chars().take(QUOTED).collect();
+        refused(format!("line {number}: '{}' is no setting: write {SETTINGS}", line.trim()))
+    })?;
+    match settings.keys().find(|name| ![PORT.0, PLATE.0].contains(&name.as_str())) {
+        Some(name) => Err(refused(format!("{name} is no setting: the settings are port and plate"))),
+        None => Ok(settings),
     }
-    Ok([port, plate])
 }
 
 /// The platform's folder for the configuration of programs.

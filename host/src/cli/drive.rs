@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     // Refused before a device is asked.
     let made = arguments.tables_and_setup(&wanted, SAMPLE_RATE_HZ)?;
 
-    let device = Device::connect(&arguments.port.port, rig.as_ref())?;
+    let device = Device::connect(&arguments.port.port()?, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     if arguments.at == Begin::Trigger && device.snapshot().has_trigger_input() == Some(false) {
         let why = "the device has no trigger input: it can begin with --at now only";
@@ -118,7 +118,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     // Before anything is written, because the reader of the output may be slow.
     device.disarm()?;
     let value = json!({
-        "port": arguments.port.port.to_string(),
+        "port": arguments.port.port()?.to_string(),
         "plate": wanted.plate.name(),
         "at_samples": began.map(|(at, _)| at),
         "stopped_at_samples": stopped_at,

@@ -32,8 +32,8 @@ pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     })
 }
 
-pub(super) fn run(argument: &PortArgument, is_port_given: bool, as_json: bool) -> Result<(), Failure> {
-    let port = &argument.port;
+pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure> {
+    let port = &argument.port()?;
     let device = Device::observe(port, argument.rig(None)?.as_ref())?;
     let snapshot = device.snapshot();
     let compatibility = snapshot.compatibility.map_or("", |compatibility| compatibility.sentence());
@@ -47,16 +47,17 @@ pub(super) fn run(argument: &PortArgument, is_port_given: bool, as_json: bool) -
     let round_trip_s = snapshot.round_trip.average.as_secs_f64();
     let defaults = defaults();
     let option = Chosen { value: port.to_string(), from: Origin::Option };
-    let of_port = if is_port_given { &option } else { &defaults.port };
+    let of_port = if argument.is_given() { option } else { defaults.port.clone()? };
     let settings_file = defaults.file.as_ref().map(|file| file.display().to_string());
     let mut value = json!(DeviceInfo::of(port, &snapshot));
     value["defaults"] = json!({
         "port": of_port.value(),
-        "plate": defaults.plate.value(),
+        "plate": defaults.plate.as_ref().ok().map(Chosen::value),
         "settings_file": settings_file,
     });
+    let plate = defaults.plate.as_ref().map_or_else(ToString::to_string, Chosen::words);
     output::print(as_json, &value, |out| {
-        let mut lines = vec![("Port", of_port.words()), ("Default plate", defaults.plate.words())];
+        let mut lines = vec![("Port", of_port.words()), ("Default plate", plate)];
         lines.extend(settings_file.map(|file| ("Settings file", file)));
         if let Some(it) = identity {
             lines.push(("Board", it.board.to_string()));

@@ -115,7 +115,7 @@ pub(super) struct ByDevice<'a> {
 impl ByDevice<'_> {
     /// Connects to the device, which may be armed; the simulated one is wired to `rig`, if there is one.
     pub(super) fn connect(&self, rig: Option<&PreparedRig>) -> Result<Device, Failure> {
-        let device = Device::connect(&self.port.port, rig)?;
+        let device = Device::connect(&self.port.port()?, rig)?;
         device.may_be_armed(self.arming)?;
         Ok(device)
     }

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &ProfileArguments, as_json: bool) -> Result<(), Fai
         Some(Change::Erase { port }) => (port, Some(None)),
         None => (&arguments.port, None),
     };
-    let device = Device::observe(&port.port, port.rig(None)?.as_ref())?;
+    let device = Device::observe(&port.port()?, port.rig(None)?.as_ref())?;
     if let Some(profile) = change {
         device.disarm()?;
         device.write_profile(profile)?;

@@ -15,8 +15,8 @@ use slipline_plate::Plate;
 pub struct PortArgument {
     /// sim, a serial port's name, or unix:PATH. Without this option: SLIPLINE_PORT of the environment, else port = "..." of the
     /// settings file, else sim.
-    #[arg(long, value_name = "P", default_value = defaults::port(), hide_default_value = true)]
-    pub(super) port: Port,
+    #[arg(long, value_name = "P")]
+    port: Option<Port>,
     /// With --port sim: the plate under the simulated device, if it differs from the plate of the command. A
     /// preset's name, a TOML file, or secret:SEED (a plate whose values all deviate by a few per cent).
     #[arg(long, value_name = "TRUTH")]
@@ -24,6 +24,16 @@ pub struct PortArgument {
 }
 
 impl PortArgument {
+    /// The port of the option, or else the default one.
+    pub(super) fn port(&self) -> Result<Port, Failure> {
+        self.port.clone().map_or_else(defaults::port, Ok)
+    }
+
+    /// Whether the port is that of the option.
+    pub(super) const fn is_given(&self) -> bool {
+        self.port.is_some()
+    }
+
     /// The rig of the simulated device with the plate of `--actual-plate`; `None` without this option.
     pub(super) fn rig(&self, nominal: Option<&Plate>) -> Result<Option<PreparedRig>, Failure> {
         match self.truth(nominal)? {
@@ -40,7 +50,7 @@ impl PortArgument {
         options: &RigOptions,
     ) -> Result<Option<PreparedRig>, Failure> {
         let truth = self.truth(Some(nominal))?;
-        if self.port != Port::Simulated {
+        if self.port()? != Port::Simulated {
             return Ok(None);
         }
         prepared(truth.as_ref().unwrap_or(nominal), options).map(Some)
@@ -49,10 +59,10 @@ impl PortArgument {
     /// The plate of `--actual-plate`.
     fn truth(&self, nominal: Option<&Plate>) -> Result<Option<Plate>, Failure> {
         let Some(text) = &self.actual_plate else { return Ok(None) };
-        if self.port != Port::Simulated {
+        let port = self.port()?;
+        if port != Port::Simulated {
             return Err(Failure::Usage(format!(
-                "--actual-plate selects the plate of the simulated device: it requires --port sim, not {}",
-                self.port
+                "--actual-plate selects the plate of the simulated device: it requires --port sim, not {port}"
             )));
         }
         actual_plate(text, nominal).map(Some)
@@ -83,7 +93,7 @@ mod tests {
     use super::*;
 
     fn port(port: &str, actual: Option<&str>) -> PortArgument {
-        PortArgument { port: port.parse().unwrap(), actual_plate: actual.map(str::to_owned) }
+        PortArgument { port: Some(port.parse().unwrap()), actual_plate: actual.map(str::to_owned) }
     }
 
     #[test]

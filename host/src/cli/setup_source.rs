@@ -6,10 +6,10 @@
 //! --setup -------------------------------------> Setup /
 //! ```
 
+use super::argument;
 use super::failure::Failure;
 use super::source::text_of;
 use super::tones::{AskedTones, TonesArgument};
-use super::{argument, defaults};
 use clap::Args;
 use slipline_instrument::requests::NamedFeeling;
 use slipline_link::{DeviceTable, Snapshot, Sounding};
@@ -25,7 +25,7 @@ use std::sync::Arc;
 pub(super) struct SetupArgument {
     /// A preset's name or a TOML file. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
     /// settings file, else membrane.
-    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true, help_heading = "Plate")]
+    #[arg(long, value_name = "PLATE", help_heading = "Plate")]
     plate: Option<String>,
     /// Plate, tones, master level and glide from a setup file, as the app and `slipline texture` write it.
     #[arg(long, value_name = "SETUP.toml", conflicts_with_all = ["plate", "felt_edges", "turning_points", "boundary", "tone", "level", "feeling"])]
@@ -38,7 +38,7 @@ impl SetupArgument {
     /// The plate and the tones, which fit its span as far as that is known without a table.
     pub(super) fn read(&self) -> Result<SetupSource, Failure> {
         let Some(path) = &self.setup else {
-            let plate = Arc::new(argument::plate(self.plate.as_deref().unwrap_or_default())?);
+            let plate = Arc::new(argument::plate_or_default(self.plate.as_deref())?);
             let asked = self.tones.on(&plate)?;
             return Ok(SetupSource { plate, feeling: asked.feeling.clone(), sounds: Sounds::Tones(asked) });
         };

@@ -42,7 +42,7 @@ pub(super) fn run_sweep(arguments: &SweepArguments, as_json: bool) -> Result<(),
     let plate = arguments.plate.read()?;
     let out = Destination::new(&arguments.out, arguments.force)?;
     let rig = arguments.port.rig(Some(&plate))?;
-    let device = Device::connect(&arguments.port.port, rig.as_ref())?;
+    let device = Device::connect(&arguments.port.port()?, rig.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     let wanted = arguments.frequencies.at(Some(arguments.level)).on(&plate);
     let bench = LoadedDevice::new(&device, &plate)?;

@@ -1,7 +1,6 @@
 //! `slipline verify`: checks that the device sends exactly the codes of the mirror.
 
 use super::argument::Typed;
-use super::defaults;
 use super::destination::ForceArgument;
 use super::device::{ArmingArgument, Device};
 use super::failure::Failure;
@@ -20,8 +19,8 @@ pub struct VerifyArguments {
     port: PortArgument,
     /// The plate whose table is used. Without this option: SLIPLINE_PLATE of the environment, else plate = "..." of the
     /// settings file, else membrane.
-    #[arg(long, value_name = "PLATE", default_value = defaults::plate(), hide_default_value = true, help_heading = "Plate")]
-    plate: String,
+    #[arg(long, value_name = "PLATE", help_heading = "Plate")]
+    plate: Option<String>,
     /// Number of tones, 1 to 16.
     #[arg(long, value_parser = argument::count(1, MAX_TONES), allow_hyphen_values = true, default_value = "16")]
     tones: usize,
@@ -36,10 +35,10 @@ pub struct VerifyArguments {
 }
 
 pub(super) fn run(arguments: &VerifyArguments, as_json: bool) -> Result<(), Failure> {
-    let plate = argument::plate(&arguments.plate)?;
+    let plate = argument::plate_or_default(arguments.plate.as_deref())?;
     let count = u8::try_from(arguments.tones).map_err(Failure::refused)?;
-    let port = &arguments.port.port;
-    let device = Device::connect(port, arguments.port.rig(Some(&plate))?.as_ref())?;
+    let port = arguments.port.port()?;
+    let device = Device::connect(&port, arguments.port.rig(Some(&plate))?.as_ref())?;
     device.may_be_armed(&arguments.arming)?;
     let windows = verify_windows_s(f64::from(device.identity()?.sample_rate_hz));
     let window_s = arguments.window.within("--window", windows, Measure::Time, "")?;

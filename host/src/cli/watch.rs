@@ -29,10 +29,10 @@ pub struct WatchArguments {
 
 /// Prints each status until a signal comes or the reader of the lines leaves.
 pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
-    let port = &arguments.port;
+    let port = arguments.port.port()?;
     let ended = Arc::new(AtomicBool::new(false));
     let is_ended = Arc::clone(&ended);
-    let device = Device::observe(&port.port, port.rig(None)?.as_ref())?;
+    let device = Device::observe(&port, arguments.port.rig(None)?.as_ref())?;
     let _closing = signals::end_normally_by(move || is_ended.store(true, Ordering::Relaxed));
     let mut before = None;
     while !ended.load(Ordering::Relaxed) {
@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
         }
         if let Some(status) = snapshot.status.filter(|status| before != Some(status.now)) {
             before = Some(status.now);
-            if !output::line(&value(&port.port.to_string(), &snapshot, &status))? {
+            if !output::line(&value(&port.to_string(), &snapshot, &status))? {
                 return Ok(());
             }
         }

@@ -70,7 +70,7 @@ fn a_command_takes_the_default_and_an_option_stands_before_it() {
 }
 
 #[test]
-fn a_default_that_cannot_be_used_is_refused_with_its_source() {
+fn a_default_that_cannot_be_used_is_refused_with_its_source_where_it_is_needed() {
     for (settings, variables, wanted) in [
         (None, &[("SLIPLINE_PORT", "unix:")][..], "SLIPLINE_PORT = \"unix:\": "),
         (Some("port = \"unix:\"\n"), &[], "settings.toml: port = \"unix:\": "),
@@ -80,10 +80,34 @@ fn a_default_that_cannot_be_used_is_refused_with_its_source() {
             "settings.toml: plates is no setting: the settings are port and plate",
         ),
         (Some("plate = 3\n"), &[], "settings.toml: plate = 3: write a text in quotes"),
-        (Some("plate ="), &[], "settings.toml: "),
+        (
+            Some("\nplate = \"me\n"),
+            &[],
+            "settings.toml: line 2: 'plate = \"me' is no setting: write port = \"NAME\"",
+        ),
+        (Some("plate ="), &[], "settings.toml: line 1: 'plate =' is no setting"),
     ] {
-        let output = run(settings, variables, &["table", "--knots", "9"]);
+        // It needs both.
+        let output = run(settings, variables, &["drive", "--turning-point", "120mm", "--for", "10ms"]);
         let message = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(2) && message.contains(wanted), "{wanted}: {message}");
+        for needless in
+            ["presets", "ports", "--version", "info --port sim", "table --knots 9 --plate membrane"]
+        {
+            let output = run(settings, variables, &needless.split(' ').collect::<Vec<_>>());
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!((output.status.code(), message.as_str()), (Some(0), ""), "{wanted}: {needless}");
+        }
     }
+    // What stands before the file does not need it, and one setting does not need the other.
+    for (settings, variables, arguments) in [
+        ("plate =", &[("SLIPLINE_PLATE", "membrane")][..], "table --knots 9"),
+        ("port = 3\nplate = \"membrane\"", &[], "table --knots 9"),
+        ("plate = 3", &[], "info"),
+    ] {
+        let output = run(Some(settings), variables, &arguments.split(' ').collect::<Vec<_>>());
+        assert_eq!(output.status.code(), Some(0), "{settings}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    let text = String::from_utf8(run(Some("plate = 3"), &[], &["info"]).stdout).unwrap();
+    assert!(text.contains("plate = 3: write a text in quotes"), "{text}");
 }
