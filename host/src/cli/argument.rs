@@ -40,17 +40,16 @@ pub(super) struct Typed<T> {
 /// A tone's place, or its frequency.
 pub(super) type PlaceArgument = Typed<PlaceOrFrequency>;
 
-/// Parses a value and keeps the typed text. A text that is not a number, or too large, becomes NaN, which is
-/// outside every range. It is refused later, where the range is known and the message can name it.
+/// Parses a value and keeps the typed text. A text that is not a number, too large, or without its unit becomes NaN, which
+/// is outside every range. It is refused later, where the range is known and the message can name it.
 pub(super) fn typed<T>(
     text: &str,
     parse: fn(&str) -> Result<T, QuantityError>,
-    likely: &'static str,
     not_a_number: T,
 ) -> Result<Typed<T>, QuantityError> {
-    let value = match has_unit(text, likely).and_then(|()| parse(text)) {
-        Err(QuantityError::TooLarge(_) | QuantityError::NoNumber(_)) => not_a_number,
-        parsed => parsed?,
+    let value = match (quantity::bare(text), parse(text)) {
+        (Ok(Some(_)), _) | (_, Err(QuantityError::TooLarge(_) | QuantityError::NoNumber(_))) => not_a_number,
+        (_, parsed) => parsed?,
     };
     Ok(Typed { text: text.trim().to_owned(), value })
 }
@@ -63,10 +62,18 @@ fn has_unit(text: &str, likely: &'static str) -> Result<(), QuantityError> {
     }
 }
 
+/// The question whether a number without a unit was meant in another one; `None` for a text with a unit.
+pub(super) fn no_unit(text: &str, measure: Measure, range: (f64, f64)) -> Option<QuantityError> {
+    let number = quantity::bare(text).ok().flatten()?;
+    let likely = likely_unit(measure, number, range)?;
+    Some(QuantityError::NoUnit { given: text.trim().to_owned(), likely })
+}
+
 /// The unit that was probably meant: the first by which the number is in its range.
 fn likely_unit(measure: Measure, number: f64, (low, high): (f64, f64)) -> Option<&'static str> {
     let units: &[(&str, f64)] = match measure {
-        Measure::Length => &[("mm", 1e-3), ("um", 1e-6), ("m", 1.0)],
+        // Metres first: 0.21 is 210 mm on any plate on which 0.21 mm is a place, too.
+        Measure::Length => &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6)],
         Measure::Frequency => &[("Hz", 1.0), ("kHz", 1e3)],
         Measure::Time => &[("s", 1.0), ("ms", 1e-3)],
         Measure::Plain("F") => &[("nF", 1e-9)],
@@ -75,15 +82,16 @@ fn likely_unit(measure: Measure, number: f64, (low, high): (f64, f64)) -> Option
         Measure::Plain(unit) => return Some(unit),
     };
     let fits = |(_, size): &&(&str, f64)| (low..=high).contains(&(number * size));
-    units.iter().find(fits).or(units.first()).map(|(unit, _)| *unit)
+    let usual = if measure == Measure::Length { units.get(1) } else { units.first() };
+    units.iter().find(fits).or(usual).map(|(unit, _)| *unit)
 }
 
 pub(super) fn place_or_frequency(text: &str) -> Result<PlaceArgument, QuantityError> {
-    typed(text, quantity::place_or_frequency, "mm", PlaceOrFrequency::Place(f64::NAN))
+    typed(text, quantity::place_or_frequency, PlaceOrFrequency::Place(f64::NAN))
 }
 
 pub(super) fn place(text: &str) -> Result<Typed<f64>, QuantityError> {
-    typed(text, quantity::length_m, "mm", f64::NAN)
+    typed(text, quantity::length_m, f64::NAN)
 }
 
 /// The place and frequency of a beat.
@@ -96,17 +104,24 @@ pub(super) struct Beat {
 /// Parses `120mm:180Hz`, a place and a frequency.
 pub(super) fn beat(text: &str) -> Result<Beat, String> {
     let (at, how_fast) = text.rsplit_once(':').ok_or("write PLACE:FREQUENCY, such as 120mm:180Hz")?;
+    if let Some(mistake) = no_unit(at, Measure::Length, LENGTHS_M) {
+        return Err(format!("its place: {mistake}"));
+    }
     let place = place(at).map_err(|error| format!("its place: {error}"))?;
     let frequency = frequency(how_fast).map_err(|error| format!("its frequency: {error}"))?;
     Ok(Beat { place, frequency })
 }
 
 pub(super) fn frequency(text: &str) -> Result<Typed<f64>, QuantityError> {
-    typed(text, quantity::frequency_hz, "Hz", f64::NAN)
+    // No range of a command has a number that is meant in another unit.
+    if let Err(mistake @ QuantityError::NoUnit { .. }) = has_unit(text, "Hz") {
+        return Err(mistake);
+    }
+    typed(text, quantity::frequency_hz, f64::NAN)
 }
 
 pub(super) fn time(text: &str) -> Result<Typed<f64>, QuantityError> {
-    typed(text, quantity::time_s, "s", f64::NAN)
+    typed(text, quantity::time_s, f64::NAN)
 }
 
 /// A parser of a quantity with a fixed range.
@@ -117,10 +132,7 @@ pub(super) fn within(
 ) -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + Clone + Send + Sync + 'static {
     move |text| {
         let allowed = TypedRange { low, high, measure };
-        let bare = quantity::bare(text).ok().flatten();
-        let likely = bare.and_then(|number| likely_unit(measure, number, (low, high)));
-        let has_unit = likely.map_or(Ok(()), |likely| has_unit(text, likely));
-        match has_unit.and_then(|()| parse(text)) {
+        match no_unit(text, measure, (low, high)).map_or_else(|| parse(text), Err) {
             Ok(value) if (low..=high).contains(&value) => Ok(value),
             Ok(_) | Err(QuantityError::TooLarge(_)) => Err(NotAllowed { mistake: None, allowed }),
             Err(mistake) => Err(NotAllowed { mistake: Some(mistake), allowed }),
@@ -191,6 +203,15 @@ impl PlaceArgument {
         turning_point_on(self.value, plate).map_err(|error| self.outside(plate, option, &error))
     }
 
+    /// Refuses a number without its unit; an error names `option` and the unit by which it is a place of an edge.
+    pub(super) fn with_unit(&self, plate: &Plate, option: &str) -> Result<(), Failure> {
+        let edges = (plate.span_m().0, plate.length_m());
+        match no_unit(&self.text, Measure::Length, edges) {
+            Some(mistake) => Err(Failure::asked(option, &self.text, &mistake)),
+            None => Ok(()),
+        }
+    }
+
     /// The refusal of a turning point outside the plate's span, or of a frequency outside its band.
     pub(super) fn outside(&self, plate: &Plate, option: &str, error: &OutOfRange) -> Failure {
         let show = |range: Range| show_range(range.low, range.high, Measure::of(range.unit));
@@ -207,6 +228,9 @@ impl PlaceArgument {
     }
 }
 
+/// Lengths of contacts, and places on a plate that is not known yet.
+const LENGTHS_M: (f64, f64) = (1e-3, 1.0);
+
 /// A finger on the command line; `None` for no finger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FingerArgument(pub(super) Option<Finger>);
@@ -220,8 +244,11 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
     let with_unit = |text: &str, likely, parse: fn(&str) -> Result<f64, QuantityError>| {
         has_unit(text, likely).and_then(|()| parse(text))
     };
-    let place_m =
-        with_unit(place, "mm", quantity::length_m).map_err(|error| format!("its place: {error}"))?;
+    let length_m = |text: &str| match no_unit(text, Measure::Length, LENGTHS_M) {
+        Some(mistake) => Err(mistake),
+        None => quantity::length_m(text),
+    };
+    let place_m = length_m(place).map_err(|error| format!("its place: {error}"))?;
     let finger = match kind.trim() {
         "none" => None,
         "light" => Some(Finger::light(place_m)),
@@ -235,8 +262,7 @@ pub(super) fn finger(text: &str) -> Result<FingerArgument, String> {
                 resistance_n_s_per_m: with_unit(&resistance, "Ns/m", |text| quantity::plain(text, "Ns/m"))
                     .map_err(|error| format!("its resistance: {error}"))?,
                 mass_kg: with_unit(mass, "g", mass_kg).map_err(|error| format!("its mass: {error}"))?,
-                contact_m: with_unit(width, "mm", quantity::length_m)
-                    .map_err(|error| format!("its width: {error}"))?,
+                contact_m: length_m(width).map_err(|error| format!("its width: {error}"))?,
             })
         }
     };

@@ -48,11 +48,11 @@ pub(super) fn loss() -> impl Fn(&str) -> Result<f64, NotAllowed<TypedRange>> + C
 }
 
 pub(super) fn tension(text: &str) -> Result<Typed<f64>, QuantityError> {
-    argument::typed(text, |text| quantity::plain(text, "N/m"), "N/m", f64::NAN)
+    argument::typed(text, |text| quantity::plain(text, "N/m"), f64::NAN)
 }
 
 pub(super) fn margin(text: &str) -> Result<Typed<f64>, QuantityError> {
-    argument::typed(text, quantity::length_m, "mm", f64::NAN)
+    argument::typed(text, quantity::length_m, f64::NAN)
 }
 
 pub(super) fn material(text: &str) -> Result<Material, String> {

@@ -1,10 +1,11 @@
 //! The failures of a command and their exit codes.
 
+use super::argument::no_unit;
 use super::refusal::Refusal;
 use super::schema::SCHEMA;
 use serde_json::{Value, json};
 use slipline_model::field::simulation::SimulationError;
-use slipline_plate::quantity::{Measure, Range, must_be, show_range};
+use slipline_plate::quantity::{Measure, NotAllowed, Range, must_be, show_range};
 use std::error::Error;
 use std::fmt;
 use std::path::Path;
@@ -60,9 +61,18 @@ impl Failure {
 
     /// An option's value outside its range; `more` follows the range in the message.
     pub(super) fn outside(option: &str, text: &str, range: Range, measure: Measure, more: &str) -> Self {
-        let allowed = show_range(range.low, range.high, measure);
-        let refused = Self::value(option, text, format_args!("{allowed}{more}"));
+        let allowed = format!("{}{more}", show_range(range.low, range.high, measure));
+        let refused = match no_unit(text, measure, (range.low, range.high)) {
+            Some(mistake) => Self::asked(option, text, &NotAllowed { mistake: Some(mistake), allowed }),
+            None => Self::value(option, text, allowed),
+        };
         refused.with_range(Refusal::range(range.low, range.high, range.unit))
+    }
+
+    /// An option's value that may be meant in another way: the mistake asks.
+    pub(super) fn asked(option: &str, text: &str, mistake: &dyn fmt::Display) -> Self {
+        let message = format!("invalid value '{text}' for '{option}': {mistake}");
+        Self::Refused(Box::new(Refusal::new(message, option, text.into())))
     }
 
     /// The same, with the allowed range.

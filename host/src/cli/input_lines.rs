@@ -102,9 +102,11 @@ impl Line {
         if text.len() > LONGEST {
             return Err(Failure::Usage(must_be("a line", format_args!("up to {LONGEST} bytes"))));
         }
-        let mut words = text.split_whitespace();
+        // The mark that some editors and shells put before a text.
+        let mut words = text.strip_prefix('\u{feff}').unwrap_or(text).split_whitespace();
         let Some(word) = words.next() else { return Ok(None) };
-        let values: Vec<&str> = words.collect();
+        let values = with_units(words);
+        let values: Vec<&str> = values.iter().map(String::as_str).collect();
         let places = |kind: PlaceKind| all(word, &values, tone).map(|places| Self::Places(kind, places));
         Ok(Some(match (word, &values[..]) {
             ("felt-edge", [_, ..]) => places(PlaceKind::FeltEdge)?,
@@ -125,6 +127,23 @@ impl Line {
             }
         }))
     }
+}
+
+/// The values of these words: a unit that stands alone belongs to the number before it, as in `0.21 m`.
+fn with_units<'w>(words: impl Iterator<Item = &'w str>) -> Vec<String> {
+    let mut values: Vec<String> = Vec::new();
+    for word in words {
+        match values.last_mut() {
+            Some(number)
+                if word.starts_with(|first: char| first.is_alphabetic() || first == '%')
+                    && number.ends_with(|last: char| last.is_ascii_digit() || ".,".contains(last)) =>
+            {
+                number.push_str(word);
+            }
+            _ => values.push(word.to_owned()),
+        }
+    }
+    values
 }
 
 /// All values of a line.
@@ -159,9 +178,15 @@ mod tests {
         assert_eq!(read("level 0.5 1"), Ok(Some(Line::Levels(vec![0.5, 1.0]))));
         assert_eq!(read("glide 20ms"), Ok(Some(Line::Glide(0.02))));
         assert_eq!(read("stop"), Ok(Some(Line::Stop)));
+        // With a blank before the unit, and with the mark before the text.
+        assert_eq!(read("felt-edge 0.21 m"), Ok(Some(Line::Places(PlaceKind::FeltEdge, places("0.21m")))));
+        let two = [places("12cm:50%"), places("0,1kHz")].concat();
+        let spaced = Line::Places(PlaceKind::TurningPoint, two);
+        assert_eq!(read("\u{feff}turning-point 12 cm:50 % 0,1 kHz"), Ok(Some(spaced)));
+        assert_eq!(read("level -6 dB 50 % 1"), read("level -6dB 50% 1"));
+        assert_eq!(read("glide 20 ms"), read("glide 0.02s"));
         assert_eq!(read(" \t\n"), Ok(None));
     }
-
     #[test]
     fn a_bad_line_is_refused_with_what_is_allowed() {
         for (text, words) in [
@@ -172,7 +197,7 @@ mod tests {
             ("glide 1h", "invalid value '1h' for 'glide'"),
             ("glide 1ms", "5 ms to 10 s"),
             ("level 2", "invalid value '2' for 'level': must be 0 to 1"),
-            ("level 0.5 x", "invalid value 'x' for 'level'"),
+            ("level 0.5 x", "invalid value '0.5x' for 'level'"),
             ("turning-point 160mm:2", "its level"),
             ("\u{1b}[2J", "'\u{fffd}[2J'"),
         ] {

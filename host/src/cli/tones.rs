@@ -103,6 +103,7 @@ impl PlaceKind {
 
     /// What is asked for; an error names `option`. A frequency is the tone of this frequency, whatever its places are.
     fn of(self, at: &PlaceArgument, plate: &Plate, option: &str) -> Result<AskedPlace, Failure> {
+        at.with_unit(plate, option)?;
         Ok(match (self, at.value) {
             (Self::FeltEdge, PlaceOrFrequency::Place(place_m)) => AskedPlace::FeltEdge(place_m),
             (Self::FeltEdge, PlaceOrFrequency::Frequency(_)) | (Self::TurningPoint, _) => {

@@ -35,6 +35,9 @@ impl TouchArgument {
 
     /// The refusal of this touch on a plate.
     pub(super) fn refused(&self, plate: &Plate, error: &FeltEdgeError) -> Failure {
+        if let Err(failure) = self.asked.with_unit(plate, "--touch") {
+            return failure;
+        }
         match error {
             FeltEdgeError::Felt(refused) => {
                 Failure::outside("--touch", &self.felt.text, refused.range, Measure::Length, ", on the plate")

@@ -8,10 +8,15 @@ fn a_number_without_its_unit_is_refused_with_the_unit_that_was_probably_meant() 
     let at = [&drive[..], &["120mm"]].concat();
     let measure = ["measure", "--port", "unix:/no/such/device", "--plate", "al-bending", "--sensor", "34mm"];
     for (arguments, wanted) in [
+        ([&drive[..], &["160"]].concat(), "invalid value '160' for '--turning-point': did you mean 160mm?"),
+        ([&drive[..], &["0.16"]].concat(), "did you mean 0.16m?"),
+        ([&drive[..], &["16"]].concat(), "did you mean 16cm?"),
         (
-            [&drive[..], &["160"]].concat(),
-            "invalid value '160' for '--turning-point <X[:LEVEL]>': did you mean 160mm?",
+            vec!["measure", "--plate", "al-bending", "--sensor", "0.034"],
+            "did you mean 0.034m? (must be 0 m to 340 mm, on the plate)",
         ),
+        (vec!["verify", "--window", "250"], "did you mean 250ms?"),
+        (vec!["drive", "--felt-edge", "0.25"], "did you mean 0.25m?"),
         ([&drive[..], &["160:0.5"]].concat(), "did you mean 160mm?"),
         ([&at[..], &["--for", "5"]].concat(), "did you mean 5s? (must be 0 to 600 s)"),
         ([&at[..], &["--for", "1,000ms"]].concat(), "did you mean 1000ms or 1.000ms? (must be 0 to 600 s)"),
