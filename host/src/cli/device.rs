@@ -85,7 +85,7 @@ impl Device {
     /// The plate's table, made for the device's sample rate.
     pub(super) fn make_table(&self, plate: &Plate) -> Result<Arc<DeviceTable>, Failure> {
         let rate_hz = self.identity()?.sample_rate_hz;
-        Ok(self.during(|| progress::table_for(plate, rate_hz))?.1)
+        Ok(self.during(|| progress::table_for(plate, rate_hz))??.1)
     }
 
     /// Makes and uploads the plate's table.

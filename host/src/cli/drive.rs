@@ -193,10 +193,10 @@ impl<'a> Drive<'a> {
         let (plate_table, table, setup) = if rate_hz == SAMPLE_RATE_HZ {
             made
         } else {
-            device.during(|| arguments.tables_and_setup(wanted, rate_hz))?
+            device.during(|| arguments.tables_and_setup(wanted, rate_hz))??
         };
         let snapshot = device.snapshot();
-        let sounding = device.during(|| wanted.sounding(&setup, &table, &snapshot))?;
+        let sounding = device.during(|| wanted.sounding(&setup, &table, &snapshot))??;
         if arguments.stdin && matches!(sounding, Sounding::Chord(_)) {
             let why = "--stdin: the setup is a chord, whose tones stand still; drive it without --stdin";
             return Err(Failure::usage(why));
@@ -264,7 +264,7 @@ impl<'a> Drive<'a> {
             FollowedDrive::new(device, tables, self.wanted.asked(), self.setup.clone(), self.as_json);
         let mut end = End::Time;
         let Some((at, begin)) = began else { return Ok(Course { driven_s: 0.0, end, followed }) };
-        let lines = self.arguments.stdin.then(|| InputLines::begin(wakes));
+        let lines = self.arguments.stdin.then(|| InputLines::begin(wakes)).transpose()?;
         let mut follow = |wake: Wake| {
             end = match wake {
                 Wake::Signal => return Ok(false),

@@ -59,7 +59,7 @@ impl<'a> FollowedDrive<'a> {
             Err(refusal) => return Ok(self.refused(&refusal)),
         };
         let (asked, setup, table) = (self.asked.clone(), &self.setup, self.plate_table);
-        let changed = self.device.during(|| changed(&line, asked, setup, table));
+        let changed = self.device.during(|| changed(&line, asked, setup, table))?;
         let (asked, setup) = match changed {
             Ok(changed) => changed,
             Err(refusal) => return Ok(self.refused(&refusal)),
@@ -95,7 +95,7 @@ impl<'a> FollowedDrive<'a> {
     /// Reports the drive that begins at `at`.
     fn report(&self, setup: &Setup, at: u64) -> Result<(), Failure> {
         let table = self.plate_table;
-        let places = self.device.during(|| TonePlaces::of_setup(setup, table));
+        let places = self.device.during(|| TonePlaces::of_setup(setup, table))?;
         let tones: Vec<_> = TonePlaces::on_device(&places, self.table).collect();
         let value = json!({
             "line": self.lines,

@@ -17,6 +17,7 @@ use slipline_plate::quantity::must_be;
 use std::fmt::Display;
 use std::io::{self, BufRead, Read as _};
 use std::sync::mpsc::{Sender, SyncSender, sync_channel};
+use std::thread::Builder;
 
 /// Most bytes of a line.
 const LONGEST: usize = 1000;
@@ -39,10 +40,10 @@ pub(super) struct InputLines(SyncSender<()>);
 
 impl InputLines {
     /// Begins with the first line.
-    pub(super) fn begin(wakes: Sender<Wake>) -> Self {
+    pub(super) fn begin(wakes: Sender<Wake>) -> Result<Self, Failure> {
         let (asks, asked) = sync_channel(1);
         // It ends with the input or with the program.
-        std::thread::spawn(move || {
+        let read = move || {
             let mut input = io::stdin().lock();
             loop {
                 let wake = match next(&mut input) {
@@ -55,8 +56,9 @@ impl InputLines {
                     return;
                 }
             }
-        });
-        Self(asks)
+        };
+        Builder::new().spawn(read).map_err(|error| Failure::Failed(said(&error)))?;
+        Ok(Self(asks))
     }
 
     /// Asks for the next line.
@@ -187,6 +189,7 @@ mod tests {
         assert_eq!(read("glide 20 ms"), read("glide 0.02s"));
         assert_eq!(read(" \t\n"), Ok(None));
     }
+
     #[test]
     fn a_bad_line_is_refused_with_what_is_allowed() {
         for (text, words) in [

@@ -14,8 +14,8 @@ use slipline_instrument::measure::{KnownDrive, MeasureError, Measured, POINTS, S
 use slipline_instrument::native;
 use slipline_instrument::requests::{Frequencies, MeasureRequest};
 use slipline_instrument::rig::{PreparedRig, RigOptions};
-use slipline_plate::Plate;
 use slipline_model::atomic_file::said;
+use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind, check_places};
 use slipline_plate::quantity::{Measure, Range, must_be, show_place};
 
@@ -197,7 +197,7 @@ fn put_sensor(device: &Device, rig: Option<&PreparedRig>, place_m: f64) -> Resul
         show_place(place_m)
     ));
     let mut line = String::new();
-    match device.during(|| std::io::stdin().read_line(&mut line)) {
+    match device.during(|| std::io::stdin().read_line(&mut line))? {
         Ok(0) => Err(Failure::failed("the sensor's place was not confirmed: the standard input has ended")),
         Ok(_) => Ok(()),
         Err(error) => Err(Failure::Failed(format!("standard input: {}", said(&error)))),

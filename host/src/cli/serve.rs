@@ -13,6 +13,8 @@ use clap::Args;
 #[cfg(unix)]
 use slipline_instrument::rig::{PreparedRig, RigOptions};
 #[cfg(unix)]
+use slipline_model::atomic_file::said;
+#[cfg(unix)]
 use slipline_plate::Plate;
 use slipline_plate::calibrate::SensorKind;
 use std::path::PathBuf;
@@ -83,12 +85,13 @@ pub(super) fn run(arguments: &ServeArguments, as_json: bool) -> Result<(), Failu
     let device = Arc::new(Mutex::new(device));
     let triggered = Arc::clone(&device);
     // It ends with the input or with the program.
-    std::thread::spawn(move || {
+    let follow = move || {
         for _line in std::io::stdin().lines().map_while(Result::ok) {
             triggered.lock().unwrap_or_else(PoisonError::into_inner).raise_trigger();
         }
-    });
-    server.serve(device, &ended).map_err(Failure::failed)
+    };
+    std::thread::Builder::new().spawn(follow).map_err(|error| Failure::Failed(said(&error)))?;
+    server.serve(device, &ended).map_err(|error| Failure::Failed(said(&error)))
 }
 
 /// The plate under the device, and a sensor on it.

@@ -38,6 +38,8 @@ mod sweep;
 mod terminal;
 mod textures;
 mod trace;
+#[cfg(target_os = "linux")]
+mod threads;
 #[cfg(unix)]
 mod travel;
 #[cfg(unix)]

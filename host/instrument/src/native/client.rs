@@ -169,18 +169,21 @@ impl<W: BlockingLink> Client<W> {
     }
 
     /// Computes on another thread, while this one gives signs of life.
-    pub fn during<R: Send>(&self, compute: impl FnOnce() -> R + Send) -> R {
+    ///
+    /// # Errors
+    /// [`ClientError::Thread`].
+    pub fn during<R: Send>(&self, compute: impl FnOnce() -> R + Send) -> Result<R, ClientError> {
         thread::scope(|scope| {
             let (running, ended) = channel::<()>();
-            let work = scope.spawn(move || {
+            let work = thread::Builder::new().spawn_scoped(scope, move || {
                 let _running = running;
                 compute()
-            });
+            })?;
             self.sign_of_life();
             while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(GLANCE) {
                 self.sign_of_life();
             }
-            work.join().unwrap_or_else(|panic| resume_unwind(panic))
+            Ok(work.join().unwrap_or_else(|panic| resume_unwind(panic)))
         })
     }
 
@@ -428,7 +431,7 @@ mod tests {
             thread::sleep(SIGN_PATIENCE + SIGN_PERIOD);
             7
         });
-        assert_eq!(computed, 7);
+        assert_eq!(computed.unwrap(), 7);
         client.check_attended().unwrap();
     }
 }

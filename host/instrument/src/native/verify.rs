@@ -161,14 +161,14 @@ impl<W: BlockingLink> Client<W> {
                 codes.for_each(|code| crc.update(&code.to_le_bytes()));
                 crc.finalize()
             })
-        });
+        })?;
         crc.ok_or_else(|| ClientError::NotComparable(snapshot.status.and_then(|status| status.first_fault)))
     }
 
     fn follow(&self, replay: &mut Replay) -> Result<Arc<Snapshot>, ClientError> {
         let snapshot = self.snapshot();
         let history = DeviceHistory::of(&snapshot).ok_or(ClientError::Gone)?;
-        self.during(|| replay.follow(&history));
+        self.during(|| replay.follow(&history))?;
         Ok(snapshot)
     }
 }

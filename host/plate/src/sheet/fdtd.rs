@@ -23,6 +23,8 @@ use super::row::Row;
 use super::tiling::{Cells, Plan, plan_of};
 use super::vector::LANES;
 use std::ops::Range;
+use std::sync::Mutex;
+use std::thread::Builder;
 
 /// Steps between two flushes of denormal numbers to zero; blocks never cross a multiple of it.
 const FLUSH_EVERY: u64 = 64;
@@ -58,6 +60,8 @@ impl FdtdGrid {
     pub(super) fn new(plan: Plan, threads: usize) -> Self {
         // There are no threads in a browser.
         let threads = if cfg!(target_family = "wasm") { 1 } else { threads };
+        let fitting = cut(&plan.reach, threads, plan.depth).len();
+        let threads = startable(fitting);
         let cuts = cut(&plan.reach, threads, plan.depth);
         let count = cuts.len();
         let bands = cuts.into_iter().enumerate().map(|(number, rows)| Band::new(&plan, rows, number, count));
@@ -92,7 +96,7 @@ impl FdtdGrid {
     /// driven column and ignores the numbers.
     ///
     /// # Panics
-    /// If the system cannot start a thread. The grid cannot be used after that.
+    /// If the system cannot start as many threads as when the grid was made. The grid cannot be used after that.
     #[cfg_attr(
         not(test),
         expect(
@@ -218,6 +222,25 @@ fn run(band: &mut Band, plan: &Plan, drive: &[f32], mut clock: Clock, exchange: 
         rest = later;
     }
     clock
+}
+
+/// How many of these threads the system runs at once; the caller's is one of them.
+#[cfg_attr(
+    not(test),
+    expect(
+        clippy::disallowed_methods,
+        reason = "threads are started for two and more bands only; on wasm there is one"
+    )
+)]
+fn startable(wanted: usize) -> usize {
+    let gate = Mutex::new(());
+    std::thread::scope(|scope| {
+        let shut = gate.lock();
+        let wait = || drop(gate.lock());
+        let started = (1..wanted).take_while(|_| Builder::new().spawn_scoped(scope, wait).is_ok()).count();
+        drop(shut);
+        1 + started
+    })
 }
 
 /// Divides the rows into bands of about equal work, for blocks of `depth` steps. A band needs `depth` + 2 rows; with

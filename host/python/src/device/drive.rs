@@ -176,7 +176,7 @@ impl Device {
             }
             let at = client.play(sounding.clone().beginning(apply))?;
             let (places, chord_gain_db) =
-                client.during(|| TonePlaces::as_played(setup, Some(&sounding), table));
+                client.during(|| TonePlaces::as_played(setup, Some(&sounding), table))?;
             let tones = TonePlaces::on_device(&places, on_device).map(|(tone, hz)| ToneAnswer::of(tone, hz));
             let answer = DriveAnswer {
                 plate: plate.name(),

@@ -104,7 +104,7 @@ impl Device {
         let plate = Arc::clone(&plate.plate);
         let (loaded, is_limited) = self.call(py, move |client| {
             let rate_hz = client.identity()?.sample_rate_hz;
-            let made = client.during(|| table_for(&plate, rate_hz));
+            let made = client.during(|| table_for(&plate, rate_hz))?;
             let (table, on_device) = made.map_err(|error| Failure::of(&error))?;
             client.use_table(Arc::clone(&on_device))?;
             let is_limited = on_device.travel_limit().is_none() || client.snapshot().can_limit_travel();

@@ -2,15 +2,19 @@
 
 use super::super::failure::Failure;
 use super::contents::Contents;
+use slipline_model::atomic_file::said;
+use std::fmt::Display;
 use std::io::{Cursor, Read};
 use std::net::SocketAddr;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread;
 use tiny_http::{Header, Method, Request, Response, Server, StatusCode};
 
 /// Answers at once: a browser that reads slowly keeps the others from none of these.
 const ANSWERS: usize = 4;
+/// Threads of the server itself: one that accepts, and those that read requests.
+const SERVING: usize = 5;
 /// Digits of the hash in the name of a file that never changes; `.ci/page-assemble` writes it.
 const HASH_DIGITS: usize = 16;
 
@@ -40,7 +44,8 @@ impl Ending {
 impl PageServer {
     /// Takes the address.
     pub(super) fn bind(at: SocketAddr) -> Result<Self, Failure> {
-        let refused = |why: &dyn std::fmt::Display| Failure::Failed(format!("--listen {at}: {why}"));
+        let refused = |why: &dyn Display| Failure::Failed(format!("--listen {at}: {}", said(why)));
+        can_start(SERVING + ANSWERS).map_err(|error| Failure::Failed(said(&error)))?;
         let server = Server::http(at).map_err(|why| refused(&why))?;
         let at = server.server_addr().to_ip().ok_or_else(|| refused(&"no address of the network"))?;
         Ok(Self { server: Arc::new(server), is_ended: Arc::default(), at })
@@ -66,11 +71,23 @@ impl PageServer {
             }
         };
         thread::scope(|scope| {
-            for _ in 0..ANSWERS {
-                scope.spawn(answer);
+            // This thread answers, too: with fewer threads than wanted some wait longer.
+            for _ in 1..ANSWERS {
+                let _ = thread::Builder::new().spawn_scoped(scope, answer);
             }
+            answer();
         });
     }
+}
+
+/// Whether the system runs this many more threads at once: the server itself fails without a word where it does not.
+fn can_start(count: usize) -> std::io::Result<()> {
+    let gate = Mutex::new(());
+    thread::scope(|scope| {
+        let _shut = gate.lock();
+        let wait = || drop(gate.lock());
+        (0..count).try_for_each(|_| thread::Builder::new().spawn_scoped(scope, wait).map(drop))
+    })
 }
 
 /// Answers one request.

@@ -42,13 +42,21 @@ impl Files for SystemFiles {
     fn begin(&mut self, job: FileJob) {
         let sender = self.sender.clone();
         let (perform, wake) = (self.perform, Arc::clone(&self.wake));
-        std::thread::spawn(move || {
+        let act = move |job| {
             if let Some(event) = perform(job) {
                 // The receiver is gone if the window was closed.
                 let _ = sender.send(event);
                 wake();
             }
-        });
+        };
+        let (give, given) = channel();
+        let here = act.clone();
+        let begun = std::thread::Builder::new().spawn(move || given.into_iter().for_each(act));
+        match begun {
+            Ok(_) => drop(give.send(job)),
+            // The system starts no more threads: the window waits.
+            Err(_) => here(job),
+        }
     }
 
     fn take(&mut self) -> Option<FileEvent> {
