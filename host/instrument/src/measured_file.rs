@@ -4,7 +4,7 @@
 //! ```text
 //! bytes -> Opened -+-> Own: complete
 //!                  +-> Foreign: frequencies and responses   -- place, kind, noise --------> Measurement
-//!                  +-> Recording: a WAV file of the sweep   -- place, kind, channel,
+//!                  +-> Recording: of the sweep, lossless    -- place, kind, channel,
 //!                                                              description of the sweep --> Measurement, notes
 //! ```
 
@@ -13,6 +13,7 @@ mod recorded;
 pub use recorded::{RecordingMetadata, recorded};
 
 use crate::measure::HeardError;
+use slipline_model::content::Content;
 use slipline_model::wav::{Wav, WavError};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{
@@ -45,6 +46,12 @@ pub enum OpenError {
     /// It is not a recording.
     #[error(transparent)]
     Wav(#[from] WavError),
+    /// It is a recording of this format, which a browser does not read.
+    #[error("it is a recording as {0}; here: WAV")]
+    NotHere(&'static str),
+    /// It is of another kind: what it is, and what to do.
+    #[error("{0}")]
+    Foreign(&'static str),
 }
 
 impl Opened {
@@ -53,8 +60,14 @@ impl Opened {
     /// # Errors
     /// [`OpenError`]: what is wrong, and the allowed values. No bytes make this function panic.
     pub fn read(bytes: Vec<u8>) -> Result<Self, OpenError> {
-        if Wav::is_one(&bytes) {
-            return Ok(Self::Recording(Wav::read(bytes)?));
+        match Content::of(&bytes) {
+            Content::Wav => return Ok(Self::Recording(Wav::read(bytes)?)),
+            #[cfg(feature = "native")]
+            Content::Lossless(name) => return Ok(Self::Recording(Wav::read_lossless(name, bytes)?)),
+            #[cfg(not(feature = "native"))]
+            Content::Lossless(name) => return Err(OpenError::NotHere(name)),
+            Content::Foreign(what) => return Err(OpenError::Foreign(what)),
+            Content::Other => {}
         }
         Ok(match File::read(&bytes)? {
             File::Own(measurement) => Self::Own(measurement),

@@ -20,6 +20,7 @@ pub mod answer;
 #[cfg_attr(not(test), expect(clippy::disallowed_methods, reason = "the files of this computer"))]
 pub mod atomic_file;
 pub mod colour_map;
+pub mod content;
 pub mod export;
 pub mod field;
 #[cfg(feature = "figures")]

@@ -1,6 +1,8 @@
-//! WAV files: their values, by channels.
+//! Recordings: WAV files and, on this computer, lossless files of other formats; and the values of one channel.
 
 mod head;
+#[cfg(feature = "native")]
+mod lossless;
 
 use head::{Encoding, Format};
 use slipline_plate::quantity::{OutOfRange, Range, must_be};
@@ -51,6 +53,9 @@ pub enum WavError {
     /// It cannot be read as WAV.
     #[error("the WAV file cannot be read: {0}")]
     Form(String),
+    /// It cannot be read as a lossless file of another format, which is named.
+    #[error("the {0} file cannot be read: {1}")]
+    Lossless(&'static str, String),
     /// An unsupported format of values.
     #[error("{0}")]
     Values(String),
@@ -63,12 +68,6 @@ pub enum WavError {
 }
 
 impl Wav {
-    /// Whether bytes are those of a WAV file of any format.
-    #[must_use]
-    pub fn is_one(bytes: &[u8]) -> bool {
-        [b"RIFF", b"RF64", b"BW64", b"RIFX"].iter().any(|name| bytes.starts_with(*name))
-    }
-
     /// Reads a WAV file: integers of 8, 16, 24 or 32 bits or floating point of 32 or 64, with any number of channels, at 8
     /// to 384 kHz.
     ///
@@ -80,6 +79,15 @@ impl Wav {
             format.encoding = Encoding::Signed24;
         }
         Self { bytes, format, values }.checked()
+    }
+
+    /// Reads a lossless file of another format than WAV, which `name` is.
+    ///
+    /// # Errors
+    /// As [`Wav::read`].
+    #[cfg(feature = "native")]
+    pub fn read_lossless(name: &'static str, bytes: Vec<u8>) -> Result<Self, WavError> {
+        lossless::read(name, bytes)?.checked()
     }
 
     fn checked(self) -> Result<Self, WavError> {

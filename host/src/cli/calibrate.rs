@@ -81,8 +81,8 @@ pub struct CalibrateArguments {
 struct MeasuredArgument {
     /// A measurement of the same sensor at one place. Give two files, of two places; a single one needs a
     /// model of the source and is less accurate. A CSV file of PLATES.md is complete by itself. Also read are
-    /// REW's text, .frd, any table of frequency and level, universal files (58), and a WAV file that a phone
-    /// or an audio interface recorded of `slipline sweep`.
+    /// REW's text, .frd, any table of frequency and level, universal files (58), and what a phone or an
+    /// audio interface recorded of `slipline sweep`, as WAV, FLAC, ALAC (M4A) or AIFF.
     #[arg(long, value_name = "FILE")]
     data: Vec<PathBuf>,
     /// Calibrate by the current of the drive instead of a sensor, with nothing on the plate; the file of

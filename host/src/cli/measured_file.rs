@@ -38,11 +38,11 @@ pub(super) struct SensorArgument {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Sensor")]
 pub(super) struct RecordingArgument {
-    /// The description of the recorded sweep, as written by `slipline sweep`: once for all WAV files, or once
+    /// The description of the recorded sweep, as written by `slipline sweep`: once for all recordings, or once
     /// for each, in their order. Record with the same gain at both places.
     #[arg(long, value_name = "SWEEP.toml", requires = "data")]
     played: Vec<PathBuf>,
-    /// The sensor's channel in a WAV file, from 1: once for all WAV files, or once for each. Without it, the first.
+    /// The sensor's channel in a recording, from 1: once for all recordings, or once for each. Without it, the first.
     #[arg(long = "channel", value_name = "N", value_parser = argument::count(1, 65535), allow_hyphen_values = true, requires = "data")]
     channels: Vec<usize>,
 }
@@ -55,7 +55,7 @@ impl RecordingArgument {
             1 => Ok(values.first()),
             each if each == count => Ok(values.get(number)),
             other => {
-                let allowed = format_args!("1, or {count}: one for each WAV file");
+                let allowed = format_args!("1, or {count}: one for each recording");
                 Err(Failure::Usage(must_be(format_args!("{other} {name}"), allowed)))
             }
         }
@@ -95,7 +95,7 @@ pub(super) fn measurements(
     let opened = files.iter().map(|path| read(path)).collect::<Result<Vec<_>, Failure>>()?;
     let recordings = opened.iter().filter(|file| matches!(file, Opened::Recording(_))).count();
     if recordings == 0 && !(sensor.recording.played.is_empty() && sensor.recording.channels.is_empty()) {
-        let why = "--played and --channel describe recordings, but no file of --data is a WAV file";
+        let why = "--played and --channel describe recordings, but no file of --data is a recording";
         return Err(Failure::usage(why));
     }
     let mut places = sensor.places.iter();

@@ -21,6 +21,7 @@ mod numbers;
 mod page;
 mod profile;
 mod progress;
+mod recordings;
 mod refusals;
 mod renamed;
 #[cfg(unix)]
@@ -37,9 +38,9 @@ mod study;
 mod sweep;
 mod terminal;
 mod textures;
-mod trace;
 #[cfg(target_os = "linux")]
 mod threads;
+mod trace;
 #[cfg(unix)]
 mod travel;
 #[cfg(unix)]

@@ -85,7 +85,8 @@ pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 
 /// The extensions of measurements by other programs, which are never a setup or a plate: text of REW, tables, universal files,
 /// recordings of the sweep.
-pub const MEASUREMENT_EXTENSIONS: [&str; 5] = ["txt", "frd", "uff", "unv", "wav"];
+pub const MEASUREMENT_EXTENSIONS: [&str; 10] =
+    ["txt", "frd", "uff", "unv", "wav", "flac", "m4a", "aif", "aiff", "aifc"];
 
 /// The extensions of all that can be opened: setups, plates, recorded drags, measurements. A measurement has all of them, too:
 /// a description of a sweep is TOML and goes with a recording.

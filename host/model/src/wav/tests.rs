@@ -1,6 +1,8 @@
 //! WAV files of all formats, and damaged ones.
 
 mod heads;
+#[cfg(feature = "native")]
+mod lossless;
 
 use super::*;
 use hound::{SampleFormat, WavSpec, WavWriter};

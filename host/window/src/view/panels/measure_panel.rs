@@ -11,7 +11,9 @@ use eframe::egui::{self, Rect, RichText, Sense, pos2, vec2};
 use slipline_model::response::{Entry, Headroom, differs};
 use slipline_plate::quantity::{decibels, show_frequency, show_place};
 
-const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58); or a WAV recorded of `slipline sweep`; or drop it on the window";
+const OPEN_HELP: &str = "A CSV of this page, or what another program measured: a table of frequency and level, text of REW, .frd, a universal file (58)";
+/// The formats of recordings that are read.
+const RECORDINGS: &str = if cfg!(target_arch = "wasm32") { "WAV" } else { "WAV, FLAC, ALAC (M4A) or AIFF" };
 const CALIBRATE_HELP: &str =
     "Fit the plate to what a sensor answers at two places: its speed, its loss, the gain of its drive";
 /// Width of a measurement's colour in the list, in points.
@@ -23,8 +25,11 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     let palette = theme::palette(ui);
     let shelf = scene.measure.shelf;
     ui.horizontal(|ui| {
+        let help = format!(
+            "{OPEN_HELP}; or a recording of `slipline sweep` (here: {RECORDINGS}); or drop it on the window"
+        );
         ui.button("Open measurement…")
-            .on_hover_text(OPEN_HELP)
+            .on_hover_text(help)
             .asks(intents, Intent::Measure(MeasureIntent::OpenFile));
         ui.button("Calibrate…")
             .on_hover_text(CALIBRATE_HELP)
