@@ -76,7 +76,7 @@ fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
     assert!(after.boundary_m < 1e-3 && after.level_db < 2.0, "{after:?}");
     assert!(after.boundary_m < 0.5 * before.boundary_m && after.level_db < 0.5 * before.level_db);
 
-    let Ok(Opened::Recording(wav)) = Opened::read(near.0) else { panic!("a recording") };
+    let Ok(Opened::Recording(wav)) = Opened::read(near.0, &[]) else { panic!("a recording") };
     let sweep = PlayedSweep::from_toml(&near.1).unwrap();
     let stated =
         RecordingMetadata { place_m: bench.places_m()[0], kind: Some(SensorKind::Displacement), channel: 2 };

@@ -20,6 +20,7 @@ use slipline_plate::calibrate::{
     CalibrateError, File, FileError, Foreign, Measurement, POINTS, SNR_DB, SensorKind, band_hz,
 };
 use slipline_plate::quantity::{OutOfRange, Range, show_frequency};
+use slipline_plate::text_table::Chosen;
 use thiserror::Error;
 
 /// Largest size of a measurement's file, bytes: a recording of some minutes, or a universal file of millions
@@ -55,11 +56,12 @@ pub enum OpenError {
 }
 
 impl Opened {
-    /// Reads a measurement in any of the formats, recognized by the file's content.
+    /// Reads a measurement in any of the formats, recognized by the file's content. The columns of a table are those that
+    /// its head names, or those that are chosen.
     ///
     /// # Errors
     /// [`OpenError`]: what is wrong, and the allowed values. No bytes make this function panic.
-    pub fn read(bytes: Vec<u8>) -> Result<Self, OpenError> {
+    pub fn read(bytes: Vec<u8>, columns: &[Chosen]) -> Result<Self, OpenError> {
         match Content::of(&bytes) {
             Content::Wav => return Ok(Self::Recording(Wav::read(bytes)?)),
             #[cfg(feature = "native")]
@@ -69,7 +71,7 @@ impl Opened {
             Content::Foreign(what) => return Err(OpenError::Foreign(what)),
             Content::Other => {}
         }
-        Ok(match File::read(&bytes)? {
+        Ok(match File::read(&bytes, columns)? {
             File::Own(measurement) => Self::Own(measurement),
             File::Foreign(foreign) => Self::Foreign(foreign),
         })
@@ -124,6 +126,9 @@ pub enum ForeignError {
     /// The numbers are not a valid measurement.
     #[error(transparent)]
     Data(#[from] CalibrateError),
+    /// A row of the file cannot be used.
+    #[error(transparent)]
+    File(#[from] FileError),
 }
 
 /// Refuses a place outside the plate, and a sensor whose quantity is not stated.
@@ -150,19 +155,20 @@ pub fn measurement(
     metadata: &ForeignMetadata,
 ) -> Result<Measurement, ForeignError> {
     let kind = sensor(plate, metadata.place_m, metadata.kind)?;
-    let band_hz = band(plate, foreign.points.iter().map(|point| point.0))?;
+    let band_hz = band(plate, foreign.points.iter().map(|point| point.frequency_hz))?;
     Ok(foreign.measurement(metadata.place_m, kind, metadata.snr_db, band_hz)?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use slipline_plate::calibrate::ForeignPoint;
 
     #[test]
     fn a_foreign_file_is_a_measurement_once_its_place_and_kind_are_told() {
         let plate = slipline_plate::preset("membrane").unwrap();
         let lines: String = (60..300).map(|hz| format!("{hz} -20.0 10.0\n")).collect();
-        let Ok(File::Foreign(foreign)) = File::read(lines.as_bytes()) else { panic!("a table") };
+        let Ok(File::Foreign(foreign)) = File::read(lines.as_bytes(), &[]) else { panic!("a table") };
         let metadata = ForeignMetadata::by(&foreign, 0.05);
         assert_eq!(measurement(&plate, &foreign, &metadata), Err(ForeignError::Kind));
         let metadata = ForeignMetadata { kind: Some(SensorKind::Velocity), ..metadata };
@@ -173,7 +179,8 @@ mod tests {
         let refused =
             |metadata: ForeignMetadata| measurement(&plate, &foreign, &metadata).unwrap_err().to_string();
         assert!(refused(ForeignMetadata { place_m: 0.5, ..metadata }).contains("0 to 0.32 m, on the plate"));
-        let high = Foreign { points: vec![(40e3, foreign.points[0].1); 40], sensor: None };
+        let point = ForeignPoint { frequency_hz: 40e3, ..foreign.points[0] };
+        let high = Foreign { points: vec![point; 40], ..foreign.clone() };
         let words = measurement(&plate, &high, &metadata).unwrap_err().to_string();
         assert!(
             words.starts_with("0 of its frequencies are between") && words.contains("at least 8"),

@@ -2,7 +2,7 @@
 
 use slipline_model::setup::MAX_TONES;
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
-use slipline_plate::text_table::{cells, rows};
+use slipline_plate::text_table::{BadLine, Table};
 use std::fmt::Write as _;
 use thiserror::Error;
 
@@ -38,12 +38,9 @@ pub enum RecordingError {
     /// It has no move, or too many.
     #[error(transparent)]
     Moves(WrongCount),
-    /// A line is not three numbers.
-    #[error("line {line}: write TIME,TONE,PLACE in seconds and metres, such as 0.25,1,0.12")]
-    Line {
-        /// The line, from 1.
-        line: usize,
-    },
+    /// A line cannot be read.
+    #[error("{0}. Write TIME,TONE,PLACE in seconds and metres, such as 0.25,1,0.12")]
+    Line(#[from] BadLine),
     /// A value is out of its range.
     #[error("line {line}: {}", error.in_suitable_units())]
     Value {
@@ -58,7 +55,7 @@ pub enum RecordingError {
         /// The line, from 1.
         line: usize,
         /// The number in the file.
-        tone: i64,
+        tone: f64,
     },
     /// A move is earlier than the previous one.
     #[error("line {line}: the times must not fall")]
@@ -109,7 +106,9 @@ impl Recording {
     /// Whether a text is a recording, by its columns.
     #[must_use]
     pub fn is_one(text: &str) -> bool {
-        rows(text).next().is_some_and(|(_, line)| COLUMNS.split(',').eq(cells(line)))
+        let mut lines = text.trim_start_matches('\u{feff}').lines();
+        let head = lines.find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or("");
+        COLUMNS.split(',').eq(head.split([',', ';', '\t']).map(|name| name.trim().trim_matches('"')))
     }
 
     /// Reads a recording as [`Self::to_csv`] writes it.
@@ -118,21 +117,17 @@ impl Recording {
     /// [`RecordingError`], with the line.
     pub fn from_csv(text: &str) -> Result<Self, RecordingError> {
         let mut moves: Vec<Move> = Vec::new();
-        for (line, text) in rows(text).skip(1) {
-            let cells = cells(text);
-            let [time, tone, place] = cells.as_slice() else { return Err(RecordingError::Line { line }) };
-            let (Ok(time_s), Ok(tone), Ok(place_m)) = (time.parse(), tone.parse::<i64>(), place.parse())
-            else {
-                return Err(RecordingError::Line { line });
-            };
+        let table = Table::read(text.trim_start_matches('\u{feff}'))?;
+        for (table, row) in table.iter().flat_map(|table| table.rows().iter().map(move |row| (table, row))) {
+            let line = row.line;
+            let (time_s, tone, place_m) =
+                (table.finite(row, 0)?, table.finite(row, 1)?, table.finite(row, 2)?);
             let value = |error| RecordingError::Value { line, error };
             OutOfRange::check("time_s", time_s, Range::new(0.0, LONGEST_S, "s")).map_err(value)?;
             OutOfRange::check("place_m", place_m, PLACES_M).map_err(value)?;
-            let slot = tone
-                .checked_sub(1)
-                .and_then(|slot| u8::try_from(slot).ok())
-                .filter(|&slot| usize::from(slot) < MAX_TONES);
-            let slot = slot.ok_or(RecordingError::Tone { line, tone })?;
+            let is_slot = tone.fract() == 0.0 && (1.0..=MAX_TONES as f64).contains(&tone);
+            let slot =
+                if is_slot { tone as u8 - 1 } else { return Err(RecordingError::Tone { line, tone }) };
             if moves.last().is_some_and(|before| before.time_s > time_s) {
                 return Err(RecordingError::Order { line });
             }
@@ -196,11 +191,11 @@ mod tests {
     fn a_bad_file_is_refused_with_line_field_and_range() {
         let with = |line: &str| format!("{COLUMNS}\n# a comment\n0.5,1,0.1\n{line}\n");
         for (line, wanted) in [
-            ("0.6,1", "line 4: write TIME,TONE,PLACE"),
-            ("0.6,x,0.1", "line 4: write TIME,TONE,PLACE"),
+            ("0.6,1", "line 4: column 3 *place_m* = : must be a number. Write TIME,TONE,PLACE"),
+            ("0.6,x,0.1", "line 4: column 2: \"x\" is no number"),
             ("601,1,0.1", "line 4: time_s = 601 s: must be 0 to 600 s"),
-            ("nan,1,0.1", "line 4: time_s"),
-            ("0.6,1,inf", "line 4: place_m"),
+            ("nan,1,0.1", "line 4: column 1 *time_s* = nan"),
+            ("0.6,1,inf", "line 4: column 3 *place_m* = inf"),
             ("0.6,17,0.1", "line 4: tone = 17: must be 1 to 16"),
             ("0.6,-9223372036854775808,0.1", "line 4"),
             ("0.4,1,0.1", "line 4: the times must not fall"),

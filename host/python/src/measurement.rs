@@ -7,11 +7,12 @@ use pyo3::prelude::*;
 use pyo3::types::{PyTuple, PyType};
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
 use slipline_instrument::measured_file::{
-    BYTES_MAX, ForeignError, ForeignMetadata, Opened, RecordingMetadata, measurement, recorded,
+    BYTES_MAX, ForeignError, ForeignMetadata, OpenError, Opened, RecordingMetadata, measurement, recorded,
 };
 use slipline_model::atomic_file::{self, read_bytes, read_text, said};
-use slipline_plate::calibrate::{MeasuredPoint, SNR_DB, SensorKind};
+use slipline_plate::calibrate::{FileError, MeasuredPoint, SNR_DB, SensorKind, band_hz};
 use slipline_plate::quantity::must_be;
+use slipline_plate::text_table::{Chosen, chosen};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,11 +25,13 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(crate) struct Measurement {
     pub(crate) inner: Arc<slipline_plate::calibrate::Measurement>,
+    /// What was read of a file by another program.
+    source: Option<String>,
 }
 
 impl From<slipline_plate::calibrate::Measurement> for Measurement {
     fn from(inner: slipline_plate::calibrate::Measurement) -> Self {
-        Self { inner: Arc::new(inner) }
+        Self { inner: Arc::new(inner), source: None }
     }
 }
 
@@ -45,11 +48,13 @@ impl Measurement {
     /// One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
     /// sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
     /// velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
-    /// needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1.
+    /// needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1. ``columns``
+    /// says what the columns of a table are where their names are not clear: ``"frequency=1,level=3:dB,phase=4:rad"``. What
+    /// was read of it is in ``source``.
     ///
     /// Raises ``BadFile`` with what is missing or wrong.
     #[classmethod]
-    #[pyo3(signature = (path, *, plate=None, sensor=None, kind=None, snr=SNR_DB, played=None, channel=1))]
+    #[pyo3(signature = (path, *, plate=None, sensor=None, kind=None, snr=SNR_DB, played=None, channel=1, columns=None))]
     #[expect(clippy::too_many_arguments, reason = "one for each property that a file may lack")]
     fn read(
         _class: &Bound<'_, PyType>,
@@ -61,11 +66,14 @@ impl Measurement {
         snr: f64,
         played: Option<PathBuf>,
         channel: usize,
+        columns: Option<&str>,
     ) -> PyResult<Self> {
         let plate = plate.map(|plate| Arc::clone(&plate.get().plate));
         let kind = kind.map(sensor_kind).transpose()?;
-        let stated = Stated { plate, place_m: sensor, kind, snr_db: snr, played, channel };
-        Ok(py.detach(|| stated.read(&path))?.into())
+        let columns = columns.map(chosen).transpose().map_err(Failure::refused)?.unwrap_or_default();
+        let stated = Stated { plate, place_m: sensor, kind, snr_db: snr, played, channel, columns };
+        let (measurement, source) = py.detach(|| stated.read(&path))?;
+        Ok(Self { source, ..measurement.into() })
     }
 
     /// Writes it into a file of this package's format, CSV; an existing file is replaced.
@@ -117,6 +125,13 @@ impl Measurement {
     #[getter]
     fn sample_rate_hz(&self) -> Option<f64> {
         self.inner.sample_rate_hz
+    }
+
+    /// What was read of a file by another program: its rows, and what its columns were understood as; ``None`` for others. It
+    /// is not kept in a file or a pickle.
+    #[getter]
+    fn source(&self) -> Option<&str> {
+        self.source.as_deref()
     }
 
     /// Frequencies, Hz, rising: an array of shape (points,), as are the others.
@@ -174,15 +189,22 @@ struct Stated {
     snr_db: f64,
     played: Option<PathBuf>,
     channel: usize,
+    columns: Vec<Chosen>,
 }
 
 impl Stated {
-    fn read(&self, path: &Path) -> Result<slipline_plate::calibrate::Measurement, Failure> {
+    /// The measurement of a file, and what was read of one by another program.
+    fn read(&self, path: &Path) -> Result<(slipline_plate::calibrate::Measurement, Option<String>), Failure> {
         let bad = |why: &dyn std::fmt::Display| Failure::bad_file(path.display(), why);
         let bytes = read_bytes(path, BYTES_MAX).map_err(|error| bad(&said(&error)))?;
-        let opened = Opened::read(bytes).map_err(|error| bad(&error))?;
+        let opened = Opened::read(bytes, &self.columns).map_err(|error| match error {
+            OpenError::File(FileError::Columns(unclear)) => {
+                bad(&format_args!("{unclear}: say what they are, such as columns=\"frequency=1,level=2:dB\""))
+            }
+            error => bad(&error),
+        })?;
         if let Opened::Own(measurement) = opened {
-            return Ok(measurement);
+            return Ok((measurement, None));
         }
         let (Some(plate), Some(place_m)) = (&self.plate, self.place_m) else {
             return Err(bad(&"it does not state its place: add plate and sensor"));
@@ -192,11 +214,12 @@ impl Stated {
             error => bad(&error),
         };
         match opened {
-            Opened::Own(measurement) => Ok(measurement),
+            Opened::Own(measurement) => Ok((measurement, None)),
             Opened::Foreign(foreign) => {
                 let kind = self.kind.or(foreign.sensor);
                 let stated = ForeignMetadata { place_m, kind, snr_db: self.snr_db };
-                measurement(plate, &foreign, &stated).map_err(untold)
+                let read = foreign.read(band_hz(plate)).to_string();
+                measurement(plate, &foreign, &stated).map(|it| (it, Some(read))).map_err(untold)
             }
             Opened::Recording(wav) => {
                 let played = self.played.as_ref().ok_or_else(|| bad(&"a recording: add played"))?;
@@ -205,7 +228,7 @@ impl Stated {
                 let sweep = PlayedSweep::from_toml(&text);
                 let sweep = sweep.map_err(|error| Failure::bad_file(played.display(), error))?;
                 let stated = RecordingMetadata { place_m, kind: self.kind, channel: self.channel };
-                recorded(plate, &wav, &sweep, &stated).map(|(measurement, _)| measurement).map_err(untold)
+                recorded(plate, &wav, &sweep, &stated).map(|(it, _)| (it, None)).map_err(untold)
             }
         }
     }

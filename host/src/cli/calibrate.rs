@@ -13,6 +13,7 @@ use super::rig::PortArgument;
 use super::touch::{TouchArgument, touch};
 use super::{progress, sensor_places};
 use clap::{ArgGroup, Args, ValueEnum};
+use serde_json::Value;
 use slipline_instrument::calipers::{complete_calipers, with_calipers};
 use slipline_instrument::requests::{self, FeltEdgesRequest};
 use slipline_model::answer::calibrate::{
@@ -179,9 +180,11 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         let asked = asked_places(&nominal, &arguments.sensor)?;
         return sensor_places::print(&nominal, &placing, asked, as_json);
     }
+    let mut understood = Vec::new();
     let found = match &arguments.measured.touches[..] {
         [] => {
-            let measured = measured(&nominal, arguments)?;
+            let measured;
+            (measured, understood) = read_or_measured(&nominal, arguments)?;
             let current = arguments.measured.current.map(CurrentOf::transducer);
             let measured = requests::measured(&measured, current)
                 .ok_or_else(|| Failure::usage("--data names no file"))?;
@@ -193,7 +196,7 @@ pub(super) fn run(arguments: &CalibrateArguments, as_json: bool) -> Result<(), F
         let text = feeling::write(&felt);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    finish(&file, found, out.as_ref(), feeling_out.as_ref(), as_json)
+    finish(&file, found, &understood, out.as_ref(), feeling_out.as_ref(), as_json)
 }
 
 /// The two sensor places given with --plan.
@@ -208,13 +211,16 @@ fn asked_places(nominal: &Plate, sensor: &SensorArgument) -> Result<Option<[f64;
     }
 }
 
-/// The measurements of the same sensor, at one place or at two: by a device or from files.
-fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measurement>, Failure> {
+/// The measurements of the same sensor, at one place or at two: by a device or from files, with what was read of these.
+fn read_or_measured(
+    nominal: &Plate,
+    arguments: &CalibrateArguments,
+) -> Result<(Vec<Measurement>, Vec<Value>), Failure> {
     let data = &arguments.measured.data;
     let Some(port) = &arguments.port else {
         if arguments.measured.current.is_some() {
             return match &data[..] {
-                [file] => Ok(vec![current_of(nominal, file, &arguments.sensor)?]),
+                [file] => current_of(nominal, file, &arguments.sensor).map(|(it, read)| (vec![it], read)),
                 more => {
                     let given = format_args!("{} files of --data with --current", more.len());
                     Err(Failure::Usage(must_be(given, "1: the current, with nothing on the plate")))
@@ -232,10 +238,11 @@ fn measured(nominal: &Plate, arguments: &CalibrateArguments) -> Result<Vec<Measu
     }
     let request = arguments.band.request(arguments.level, arguments.known.stated()?);
     let by = ByDevice { port, request, arming: &arguments.arming };
-    match arguments.measured.current {
-        Some(_) => Ok(vec![current(nominal, &by)?]),
-        None => at_places(nominal, &by, &arguments.sensor),
-    }
+    let measured = match arguments.measured.current {
+        Some(_) => vec![current(nominal, &by)?],
+        None => at_places(nominal, &by, &arguments.sensor)?,
+    };
+    Ok((measured, Vec::new()))
 }
 
 /// The calibration by felt edges.

@@ -4,7 +4,7 @@ use super::destination::Destination;
 use super::failure::Failure;
 use super::output;
 use super::schema::with_files;
-use serde_json::json;
+use serde_json::{Value, json};
 use slipline_instrument::calibration::named_calibrated;
 use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, Way};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
@@ -34,22 +34,28 @@ const fn reaches(way: Way) -> &'static str {
     }
 }
 
-/// Prints the calibration and writes the plate file. A refused calibration ends the command with exit code 1
+/// Prints the calibration with what was `understood` of files by other programs, and writes the plate file. A refused calibration ends the command with exit code 1
 /// and the reason.
 pub(super) fn finish(
     file: &Plate,
     found: Result<CalibrationReport, CalibrateError>,
+    understood: &[Value],
     out: Option<&Destination>,
     feeling_out: Option<&Destination>,
     as_json: bool,
 ) -> Result<(), Failure> {
+    let with_read = |answer: CalibrateAnswer<'_>| {
+        let mut value = json!(answer);
+        value["read"] = json!(understood);
+        value
+    };
     let found = match found {
         Ok(found) => found,
         Err(error) => {
             if as_json {
                 output::print(
                     true,
-                    &with_files(json!(CalibrateAnswer::refused(file, &error)), Vec::new()),
+                    &with_files(with_read(CalibrateAnswer::refused(file, &error)), Vec::new()),
                     |_| Ok(()),
                 )?;
             }
@@ -62,7 +68,7 @@ pub(super) fn finish(
         out.write_measured(&text)?;
     }
     let files = Destination::names(out.into_iter().chain(feeling_out));
-    let value = with_files(json!(CalibrateAnswer::of(file, &found, &before)), files);
+    let value = with_files(with_read(CalibrateAnswer::of(file, &found, &before)), files);
     output::print(as_json, &value, |writer| output::lines(writer, &lines(file, &found, &before, out)))
 }
 

@@ -5,14 +5,16 @@ use super::failure::Failure;
 use super::output;
 use super::source::{bytes_of, text_of};
 use clap::Args;
+use serde_json::{Value, json};
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
 use slipline_instrument::measured_file::{
-    BYTES_MAX, ForeignError, ForeignMetadata, Opened, RecordingMetadata, measurement, recorded,
+    BYTES_MAX, ForeignError, ForeignMetadata, OpenError, Opened, RecordingMetadata, measurement, recorded,
 };
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{Foreign, Measurement, SNR, SNR_DB, SensorKind};
+use slipline_plate::calibrate::{FileError, Foreign, Measurement, SNR, SNR_DB, SensorKind, band_hz};
 use slipline_plate::quantity::{Measure, QuantityError, Range, must_be, only, plain};
+use slipline_plate::text_table::{Chosen, chosen};
 use std::path::{Path, PathBuf};
 
 /// Properties that a file of another program does not state.
@@ -30,8 +32,21 @@ pub(super) struct SensorArgument {
     /// Signal-to-noise ratio of a file that states no noise, 0 to 140 dB.
     #[arg(long, value_name = "RATIO", value_parser = argument::within(decibel, Measure::Plain("dB"), (SNR.low, SNR.high)), allow_hyphen_values = true, default_value_t = SNR_DB)]
     snr: f64,
+    /// The columns of a table by their numbers from 1, where their names are not clear: frequency; level, magnitude,
+    /// displacement, velocity, acceleration or strain with an optional phase, or real and imaginary; each with its unit if
+    /// need be (frequency=1,level=3:dB,phase=4:rad). Once for all tables, or once for each file of --data.
+    #[arg(long = "columns", value_name = "COLUMNS", value_parser = columns, requires = "data")]
+    columns: Vec<ChosenColumns>,
     #[command(flatten)]
     recording: RecordingArgument,
+}
+
+/// The columns of a table.
+#[derive(Debug, Clone)]
+struct ChosenColumns(Vec<Chosen>);
+
+fn columns(text: &str) -> Result<ChosenColumns, String> {
+    chosen(text).map(ChosenColumns)
 }
 
 /// Properties that a recording of a sweep does not state.
@@ -55,7 +70,7 @@ impl RecordingArgument {
             1 => Ok(values.first()),
             each if each == count => Ok(values.get(number)),
             other => {
-                let allowed = format_args!("1, or {count}: one for each recording");
+                let allowed = format_args!("1, or {count}: one for each file that it describes");
                 Err(Failure::Usage(must_be(format_args!("{other} {name}"), allowed)))
             }
         }
@@ -86,13 +101,15 @@ pub(super) fn kind(text: &str) -> Result<SensorKind, String> {
     found.ok_or_else(|| only(format_args!("one of {}", words.join(", "))))
 }
 
-/// Reads the files of the same sensor at several places of a plate.
+/// Reads the files of the same sensor at several places of a plate; and what was read of those by other programs.
 pub(super) fn measurements(
     plate: &Plate,
     files: &[PathBuf],
     sensor: &SensorArgument,
-) -> Result<Vec<Measurement>, Failure> {
-    let opened = files.iter().map(|path| read(path)).collect::<Result<Vec<_>, Failure>>()?;
+) -> Result<(Vec<Measurement>, Vec<Value>), Failure> {
+    let opened = files.iter().enumerate().map(|(at, path)| read(path, sensor, at, files.len()));
+    let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
+    let mut understood = Vec::new();
     let recordings = opened.iter().filter(|file| matches!(file, Opened::Recording(_))).count();
     if recordings == 0 && !(sensor.recording.played.is_empty() && sensor.recording.channels.is_empty()) {
         let why = "--played and --channel describe recordings, but no file of --data is a recording";
@@ -110,6 +127,7 @@ pub(super) fn measurements(
         match opened {
             Opened::Own(measurement) => Ok(measurement),
             Opened::Foreign(foreign) => {
+                understood.push(report(plate, &foreign, path));
                 foreign_measurement(plate, &foreign, place("by another program")?, sensor, path)
             }
             Opened::Recording(wav) => {
@@ -122,7 +140,7 @@ pub(super) fn measurements(
     });
     let read = read.collect::<Result<Vec<_>, Failure>>()?;
     match places.count() {
-        0 => Ok(read),
+        0 => Ok((read, understood)),
         more => {
             let given = format_args!("{} --sensor", sensor.places.len());
             let allowed = sensor.places.len() - more;
@@ -137,10 +155,12 @@ pub(super) fn current_of(
     plate: &Plate,
     path: &Path,
     sensor: &SensorArgument,
-) -> Result<Measurement, Failure> {
-    match read(path)? {
+) -> Result<(Measurement, Vec<Value>), Failure> {
+    let mut understood = Vec::new();
+    let measured = match read(path, sensor, 0, 1)? {
         Opened::Own(measurement) => Ok(measurement),
         Opened::Foreign(foreign) => {
+            understood.push(report(plate, &foreign, path));
             let stated =
                 ForeignMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), snr_db: sensor.snr };
             measurement(plate, &foreign, &stated).map_err(|error| Failure::of_file(path, error))
@@ -150,11 +170,31 @@ pub(super) fn current_of(
             let stated = RecordingMetadata { place_m: 0.0, kind: Some(SensorKind::Displacement), channel };
             recorded_measurement(plate, &wav, &sweep, &stated, path)
         }
-    }
+    };
+    Ok((measured?, understood))
 }
 
-fn read(path: &Path) -> Result<Opened, Failure> {
-    Opened::read(bytes_of(path, BYTES_MAX)?).map_err(|error| Failure::of_file(path, error))
+/// Opens file `number` of `count`.
+fn read(path: &Path, sensor: &SensorArgument, number: usize, count: usize) -> Result<Opened, Failure> {
+    let columns = RecordingArgument::of("--columns", &sensor.columns, number, count)?;
+    let columns = columns.map_or(&[][..], |columns| &columns.0);
+    Opened::read(bytes_of(path, BYTES_MAX)?, columns).map_err(|error| match error {
+        OpenError::File(FileError::Columns(unclear)) => {
+            let how =
+                "say what they are with --columns, such as --columns frequency=1,level=2:dB,phase=3:deg";
+            Failure::of_file(path, format_args!("{unclear}: {how}"))
+        }
+        error => Failure::of_file(path, error),
+    })
+}
+
+/// What was read of a file by another program, as fields; it is printed before it is used.
+fn report(plate: &Plate, foreign: &Foreign, path: &Path) -> Value {
+    let read = foreign.read(band_hz(plate));
+    output::note(format_args!("slipline: {}: {read}", path.display()));
+    let mut fields = json!(read);
+    fields["file"] = json!(path.display().to_string());
+    fields
 }
 
 /// The measurement of a recording; its notes are printed to stderr.

@@ -189,7 +189,7 @@ fn files_of_other_programs_calibrate_as_well_as_the_own_form() {
     refused(
         &calibrate(&[&frd_near, &frd_far], &displacement),
         2,
-        &["near.frd: line 1: the line above the first row: must be frequency_hz,level_db"],
+        &["near.frd: line 1: no line names the columns, and nothing shows whether the second is in dB"],
     );
 }
 

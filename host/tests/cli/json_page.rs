@@ -23,6 +23,10 @@ const MORE: &[(&str, &str)] = &[
     ("simulate", "simulate --plate membrane --turning-point 160mm --sheet --for 50ms"),
     ("check", "check --plate al-sh"),
     ("texture", "texture --plate al-bending --profile profile.csv"),
+    (
+        "calibrate",
+        "calibrate --plate membrane --kind displacement --data near.txt --sensor 32mm --data far.txt --sensor 176mm",
+    ),
     ("calibrate --plan", "calibrate --plate membrane --plan --sensor 32mm --sensor 310mm"),
     ("profile", "profile write coil.toml"),
 ];
@@ -143,6 +147,9 @@ fn fields_of_all() -> Vec<(&'static str, Fields)> {
     }
     std::fs::write(folder.join("profile.csv"), "0,0\n0.1,1\n0.25,1\n0.3,0\n").unwrap();
     std::fs::write(folder.join("coil.toml"), COIL).unwrap();
+    std::fs::write(folder.join("near.txt"), include_str!("../../plate/tests/cases/table_ok_near.txt"))
+        .unwrap();
+    std::fs::write(folder.join("far.txt"), include_str!("../../plate/tests/cases/table_ok_far.txt")).unwrap();
     let board = Served::new("json-page.sock", Options::default());
     for (label, line) in MORE {
         // Pressed since the device has started.

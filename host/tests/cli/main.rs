@@ -8,6 +8,7 @@ mod figures;
 mod files;
 #[cfg(unix)]
 mod following;
+mod foreign;
 mod held_up;
 mod help;
 mod holding;

@@ -29,7 +29,9 @@ fn a_measurement_has_a_response_its_noise_and_the_headroom_at_each_frequency() {
     assert_eq!(value["headroom_colour"], "green");
     assert!((6.0..40.0).contains(&number(&value, "least_headroom_db")));
 
-    let Ok(File::Own(written)) = File::read(&std::fs::read(&out).unwrap()) else { panic!("the own form") };
+    let Ok(File::Own(written)) = File::read(&std::fs::read(&out).unwrap(), &[]) else {
+        panic!("the own form")
+    };
     assert_eq!(written.points.len(), 32);
     assert_eq!((written.place_m, written.points[3].frequency_hz), (0.034, hertz[3]));
     assert_eq!(written.points[3].response.re, number(&responses[3], "re"));

@@ -10,8 +10,8 @@ use slipline_model::scenes::Thumbnail;
 use std::ops::Deref;
 
 pub use slipline_instrument::{
-    Asked, AskedContent, Background, CalibrateScene, DesignState, HoldScene, LiveScene, MeasureScene, Notice,
-    TextureScene, Waiting,
+    Asked, AskedContent, AskedTable, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
+    MeasureScene, Notice, TextureScene, Waiting,
 };
 
 /// Everything the views show.

@@ -4,6 +4,7 @@ use crate::measure::KnownDrive;
 use crate::measure::circuit::TOLERANCE;
 use crate::measured_file::ForeignMetadata;
 use slipline_plate::calibrate::{DriveCircuit, DriveLoad, SensorKind};
+use slipline_plate::text_table::Quantity;
 
 /// Settings of a measurement with the device.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +48,8 @@ pub enum MeasureIntent {
     OpenFile,
     /// Set the metadata that a file by another program lacks.
     Describe(ForeignMetadata),
+    /// Set what a column of that file is, by its number from 0: a quantity and its unit, or left out.
+    Column(usize, Option<(Quantity, &'static str)>),
     /// Set the sensor's channel of a recording.
     Channel(usize),
     /// Accept that file with the stated metadata.

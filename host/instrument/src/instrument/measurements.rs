@@ -1,15 +1,17 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
 use super::Instrument;
-use super::shown::{Asked, AskedContent, LiveScene, MeasureScene};
+use super::shown::{Asked, AskedContent, AskedTable, LiveScene, MeasureScene};
 use super::{MeasureIntent, Output, Page};
 use crate::jobs::recorded::{Recorded, RecordedJob};
 use crate::measure::PlayedSweep;
-use crate::measured_file::{self, ForeignError, ForeignMetadata, Opened, RecordingMetadata};
+use crate::measured_file::{self, ForeignError, ForeignMetadata, OpenError, Opened, RecordingMetadata};
 use slipline_link::Severity;
+use slipline_model::content::Content;
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::response::{Entry, Shelf, ShelfFull};
-use slipline_plate::calibrate::{Measurement, SNR_DB};
+use slipline_plate::calibrate::{ColumnRead, File, FileError, Measurement, SNR_DB};
+use slipline_plate::text_table::Quantity;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -89,6 +91,7 @@ impl Instrument {
                     (asked.metadata, asked.refused) = (metadata, None);
                 }
             }
+            MeasureIntent::Column(at, meaning) => self.choose_column(at, meaning),
             MeasureIntent::Channel(channel) => {
                 if let Some(asked) = &mut self.measures.foreign {
                     (asked.channel, asked.refused) = (channel, None);
@@ -116,7 +119,10 @@ impl Instrument {
         {
             return;
         }
-        match Opened::read(bytes) {
+        // A recording is not copied.
+        let is_text = Content::of(&bytes) == Content::Other;
+        let kept: Arc<[u8]> = if is_text { Arc::from(&bytes[..]) } else { Arc::from([]) };
+        match Opened::read(bytes, &[]) {
             Ok(Opened::Own(measurement)) => {
                 if let Err(error) = self.take_opened(name, measurement) {
                     self.not_opened(name, &error);
@@ -124,7 +130,26 @@ impl Instrument {
             }
             Ok(Opened::Foreign(foreign)) => {
                 let metadata = ForeignMetadata::by(&foreign, self.asked_place_m());
-                self.ask(name, AskedContent::Table(foreign), metadata);
+                let columns = foreign.columns.clone();
+                let table = AskedTable { bytes: kept, columns, foreign: Some(foreign) };
+                self.ask(name, AskedContent::Table(table), metadata);
+            }
+            Err(OpenError::File(FileError::Columns(unclear))) => {
+                let column = |name: &String| ColumnRead {
+                    name: name.trim_matches('*').to_owned(),
+                    quantity: None,
+                    unit: None,
+                };
+                let columns = unclear.columns.iter().map(column).collect();
+                let metadata = ForeignMetadata { place_m: self.asked_place_m(), kind: None, snr_db: SNR_DB };
+                self.ask(
+                    name,
+                    AskedContent::Table(AskedTable { bytes: kept, columns, foreign: None }),
+                    metadata,
+                );
+                if let Some(asked) = &mut self.measures.foreign {
+                    asked.refused = Some(unclear.to_string());
+                }
             }
             Ok(Opened::Recording(wav)) => {
                 let metadata = ForeignMetadata { place_m: self.asked_place_m(), kind: None, snr_db: SNR_DB };
@@ -175,14 +200,43 @@ impl Instrument {
         true
     }
 
+    /// Reads the waiting table with another meaning of a column.
+    fn choose_column(&mut self, at: usize, meaning: Option<(Quantity, &str)>) {
+        let Some(Asked { content: AskedContent::Table(table), metadata, refused, .. }) =
+            &mut self.measures.foreign
+        else {
+            return;
+        };
+        if let Some((of, _)) = meaning {
+            // The column that was it before is left out.
+            for column in table.columns.iter_mut().filter(|column| column.quantity == Some(of.word())) {
+                (column.quantity, column.unit) = (None, None);
+            }
+        }
+        if let Some(column) = table.columns.get_mut(at) {
+            column.quantity = meaning.map(|it| it.0.word());
+            column.unit = meaning.map(|it| it.1.to_owned()).filter(|unit| !unit.is_empty());
+        }
+        let chosen: Vec<_> = table.columns.iter().enumerate().filter_map(|(at, it)| it.chosen(at)).collect();
+        (table.foreign, *refused) = match File::read(&table.bytes, &chosen) {
+            Ok(File::Foreign(foreign)) => (Some(foreign), None),
+            Ok(File::Own(_)) => (None, None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        metadata.kind = metadata.kind.or(table.foreign.as_ref().and_then(|foreign| foreign.sensor));
+    }
+
     /// Accepts the waiting file with the stated metadata; an error is shown beside them.
     fn take_asked(&mut self) {
         let plate = &self.setup.plate;
         let Some(asked) = &mut self.measures.foreign else { return };
         match &mut asked.content {
-            AskedContent::Table(foreign) => {
+            AskedContent::Table(AskedTable { foreign: Some(foreign), .. }) => {
                 let measured = measured_file::measurement(plate, foreign, &asked.metadata);
                 self.take_asked_measurement(measured);
+            }
+            AskedContent::Table(AskedTable { foreign: None, .. }) => {
+                asked.refused = Some("Choose what its columns are first.".to_owned());
             }
             AskedContent::Recording { wav, sweep: Some((_, sweep)), is_read } => {
                 *is_read = true;

@@ -43,7 +43,7 @@ pub use measure_intent::{MeasureDraft, MeasureIntent};
 pub use replay::DragRecorder;
 pub use shell::{Attention, Link, Output, Page};
 pub use shown::{
-    Asked, AskedContent, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
+    Asked, AskedContent, AskedTable, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
     MeasureScene, Notice, Shown, TextureScene, Waiting,
 };
 pub use start::SAFE_MODE;

@@ -26,7 +26,7 @@ use slipline_model::setup::compare::Compare;
 use slipline_model::texture::WishDraft;
 use slipline_model::wav::Wav;
 use slipline_model::waveform::Waveform;
-use slipline_plate::calibrate::{CalibrateError, Comparison, Foreign};
+use slipline_plate::calibrate::{CalibrateError, ColumnRead, Comparison, Foreign};
 use slipline_plate::{DriveTable, Finger};
 use std::fmt;
 use std::sync::Arc;
@@ -197,11 +197,22 @@ pub struct Asked {
     pub refused: Option<String>,
 }
 
+/// Frequencies and responses of a waiting file.
+#[derive(Clone, Debug)]
+pub struct AskedTable {
+    /// The bytes of the file.
+    pub bytes: Arc<[u8]>,
+    /// Its columns, and what each was read as.
+    pub columns: Vec<ColumnRead>,
+    /// What was read; `None` while the columns are not clear.
+    pub foreign: Option<Foreign>,
+}
+
 /// Content of a waiting file.
 #[derive(Clone, Debug)]
 pub enum AskedContent {
     /// Frequencies and responses.
-    Table(Foreign),
+    Table(AskedTable),
     /// A recording of the sweep.
     Recording {
         /// The sound.

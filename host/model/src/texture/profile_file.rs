@@ -1,7 +1,7 @@
 //! Profiles from files: breakpoints as CSV, or a row of grey pixels.
 
-use slipline_plate::quantity::{Count, Counted, WrongCount, must_be};
-use slipline_plate::text_table::{cells, rows};
+use slipline_plate::quantity::{Count, Counted, WrongCount, from_decibels, must_be};
+use slipline_plate::text_table::{BadLine, Quantity, Table, UnclearColumns, Unit};
 use thiserror::Error;
 
 /// The largest profile file that is read, in bytes.
@@ -15,12 +15,12 @@ pub enum ProfileFileError {
     /// The file is too large.
     #[error(transparent)]
     TooBig(WrongCount),
-    /// A line of the CSV is not two numbers.
-    #[error("line {line}: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5")]
-    Line {
-        /// The line, from 1.
-        line: usize,
-    },
+    /// A line of the CSV cannot be read.
+    #[error("{0}. Write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5")]
+    Line(#[from] BadLine),
+    /// Columns of the CSV whose meaning is not clear.
+    #[error("{0}. Write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5")]
+    Columns(#[from] UnclearColumns),
     /// No line of the CSV is a breakpoint.
     #[error(
         "no line is a breakpoint: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5"
@@ -47,29 +47,42 @@ fn check_size(bytes: usize) -> Result<(), ProfileFileError> {
     WrongCount::check("the file", bytes, allowed).map_err(ProfileFileError::TooBig)
 }
 
-/// Breakpoints, one per line: the place in metres from the driven end and the amplitude in any unit,
-/// separated by a comma, a semicolon, a tab or blanks. Lines that are empty or begin with `#`, and a first
-/// line of names, are skipped.
+/// Breakpoints, one per line: the place from the driven end, in metres or in the unit of its name, and the amplitude in any
+/// unit. Lines that begin with `#`, and a line of names, may stand among them; other columns need names.
 ///
 /// # Errors
-/// [`ProfileFileError`]: too big, the first line that is not two numbers, or no line at all.
+/// [`ProfileFileError`]: too big, the first line that is not two numbers, columns that are not clear, or no line at all.
 pub fn from_csv(text: &str) -> Result<Vec<(f64, f64)>, ProfileFileError> {
     check_size(text.len())?;
-    let mut breakpoints = Vec::new();
-    let mut may_be_names = true;
-    for (number, line) in rows(text) {
-        let breakpoint = match cells(line).as_slice() {
-            [place, amplitude] => place.parse().ok().zip(amplitude.parse().ok()),
-            _ => None,
-        };
-        match breakpoint {
-            Some(breakpoint) => breakpoints.push(breakpoint),
-            None if may_be_names && !line.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {}
-            None => return Err(ProfileFileError::Line { line: number }),
+    let table = Table::read(text.trim_start_matches('\u{feff}'))?.ok_or(ProfileFileError::Empty)?;
+    let place = table.find("place", &|of| of == Quantity::Place)?;
+    let amplitude = table.find("amplitude", &|of| matches!(of, Quantity::Level | Quantity::Magnitude))?;
+    let (place, amplitude) = match (place, amplitude) {
+        (Some(place), Some(amplitude)) => (place, amplitude),
+        // Two columns have an order.
+        (None | Some(0), None | Some(1)) if table.columns.len() == 2 => (0, 1),
+        _ => {
+            return Err(table
+                .unclear("none is named as the place, or none as the amplitude".to_owned())
+                .into());
         }
-        may_be_names = false;
-    }
-    if breakpoints.is_empty() { Err(ProfileFileError::Empty) } else { Ok(breakpoints) }
+    };
+    let unit = |at: usize| table.columns[at].unit().map(|it| it.0);
+    let metres = match unit(place) {
+        None => 1.0,
+        Some(Unit::Linear(size, Some(Quantity::Displacement))) => size,
+        Some(_) => return Err(table.unclear(format!("*{}* is no length", table.columns[place].name)).into()),
+    };
+    let rows = table.rows().iter().map(|row| {
+        let value = |at: usize| table.finite(row, at);
+        let amplitude = match unit(amplitude) {
+            Some(Unit::Decibels) => from_decibels(value(amplitude)?),
+            Some(unit) => unit.size() * value(amplitude)?,
+            None => value(amplitude)?,
+        };
+        Ok((metres * value(place)?, amplitude))
+    });
+    rows.collect()
 }
 
 /// The middle row of an image as a profile from 0 to `length_m` metres: black is still, white vibrates most.
@@ -129,15 +142,22 @@ mod tests {
     }
 
     #[test]
-    fn csv_is_read_with_names_comments_and_either_separator() {
-        let text = "\u{feff}place_m, amplitude\n# drawn by hand\n0.01, 1\n\n0.1; 0.25\n";
+    fn csv_is_read_with_names_units_comments_and_either_separator() {
+        let text = "\u{feff}place_m, amplitude\n# drawn by hand\n0.01, 1\n\n0.1, 0.25\n";
         assert_eq!(from_csv(text).unwrap(), [(0.01, 1.0), (0.1, 0.25)]);
-        assert_eq!(from_csv("0,01; 1\n0,1; 0,25\n").unwrap(), [(0.01, 1.0), (0.1, 0.25)], "a decimal comma");
+        for text in [
+            "0,01; 1\n0,1; 0,25\n",
+            "Place (mm);Amplitude\r\n10,0;1\r\n100,0;0,25\r\n",
+            "No.\tAmplitude\tPosition [cm]\n1\t1\t1\n2\t.25\t10\n",
+            "x_mm,rms\n10,1\n100,0.25\n",
+        ] {
+            assert_eq!(from_csv(text).unwrap(), [(0.01, 1.0), (0.1, 0.25)], "{text}");
+        }
     }
 
     #[test]
     fn a_file_without_a_breakpoint_is_refused() {
-        for text in ["", "place_m,rms\n", "# nothing\n", "not a profile at all"] {
+        for text in ["", "place_m,rms\n", "# nothing\n", "not a profile at all", "a,b\nc,d\n"] {
             let error = from_csv(text).unwrap_err().to_string();
             assert!(error.starts_with("no line is a breakpoint"), "{text:?}: {error}");
         }
@@ -145,9 +165,17 @@ mod tests {
 
     #[test]
     fn a_line_that_is_not_two_numbers_is_named() {
-        for (text, line) in [("0.1,1\n0.2\n", 2), ("0.1,1\nname,x\n", 2), ("0.1,\n", 1), ("a,b\nc,d\n", 2)] {
+        for (text, start) in [
+            ("0.1,1\n0.2\n", "line 2: "),
+            ("0.1,\n", "line 1: none is named as the place, or none as the amplitude"),
+            ("0.1,1\nname,x\n", "line 2: "),
+            ("0.1,1\n0.2,nan\n", "line 2: column 2 = nan: must be a number"),
+            ("0.1,1,2\n0.2,2,3\n", "line 1: none is named as the place"),
+            ("place (kg),amplitude\n0.1,1\n", "line 1: *place (kg)* has the unit kg"),
+            ("place (m),level (dB),amplitude\n0.1,1,2\n", "line 1: 2 columns may be the amplitude"),
+        ] {
             let error = from_csv(text).unwrap_err().to_string();
-            assert!(error.starts_with(&format!("line {line}: ")), "{text:?}: {error}");
+            assert!(error.starts_with(start), "{text:?}: {error}");
         }
         let error = from_csv(&"#".repeat(PROFILE_FILE_BYTES_MAX + 1)).unwrap_err().to_string();
         assert!(error.contains("1048576"), "{error}");

@@ -10,12 +10,13 @@
 //! ```
 //!
 //! `place_m` and `sensor` are required; `place_tolerance_m`, `unit_per_response` and `sample_rate_hz` are optional,
-//! and so are the column of the headroom and each number in it. Columns are separated by commas, semicolons or tabs.
+//! and so are the column of the headroom and each number in it. A spreadsheet may have saved it: with another separator, a
+//! decimal comma, and separators behind the fields.
 
 use super::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
 use crate::calibrate::error::CalibrateError;
 use crate::quantity::{WrongCount, must_be, nearest};
-use crate::text_table::{ANY, BadLine, Row, lines, number, shown, wrong};
+use crate::text_table::{ANY, BadLine, Row, Table, lines, number, shown, wrong};
 use num_complex::Complex64;
 use std::fmt::Write;
 use thiserror::Error;
@@ -44,21 +45,27 @@ pub enum CsvError {
 
 /// Whether a text is in this format: it has a required field, or the head of the table.
 pub(crate) fn is_own(text: &str) -> bool {
-    lines(text).any(|(_, line)| match line.strip_prefix('#') {
-        Some(field) => {
-            field.split_once('=').is_some_and(|(name, _)| ["place_m", "sensor"].contains(&name.trim()))
+    lines(text).any(|(_, line)| match field(line) {
+        Some((name, _)) => ["place_m", "sensor"].contains(&name),
+        None => {
+            let cells: Vec<&str> =
+                line.split([',', ';', '\t']).map(|cell| cell.trim().trim_matches('"')).collect();
+            is_head(&cells)
         }
-        None => is_head(&cells(line)),
     })
 }
 
-fn cells(line: &str) -> Vec<&str> {
-    line.split([',', ';', '\t']).map(str::trim).collect()
+/// The name and the value of a line `# name = value`. A spreadsheet ends it with the separators of empty cells.
+fn field(line: &str) -> Option<(&str, &str)> {
+    let line = line.trim_end_matches([',', ';', '\t', ' ']).trim_matches('"');
+    let (name, value) = line.strip_prefix('#')?.split_once('=')?;
+    Some((name.trim(), value.trim()))
 }
 
-/// Whether a line names the columns of the table.
+/// Whether these are the names of the columns of the table.
 fn is_head(cells: &[&str]) -> bool {
-    cells.len() >= 4 && COLUMNS.starts_with(cells)
+    let end = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |at| at + 1);
+    end >= 4 && COLUMNS.starts_with(&cells[..end])
 }
 
 impl Measurement {
@@ -67,49 +74,32 @@ impl Measurement {
     /// # Errors
     /// [`CsvError`] with the line, the field, and the allowed values. No text makes this function panic.
     pub fn from_csv(text: &str) -> Result<Self, CsvError> {
+        let text = text.trim_start_matches('\u{feff}');
         let mut numbers = [None; FIELDS.len()];
         let mut sensor = None;
-        let mut has_header = false;
-        let mut points = Vec::new();
         for (line, content) in lines(text) {
-            if let Some(field) = content.strip_prefix('#') {
-                // A comment has no equals sign.
-                let Some((name, value)) = field.split_once('=') else { continue };
-                let (name, value) = (name.trim(), value.trim());
-                let Some(at) = FIELDS.iter().position(|field| *field == name) else {
-                    let meant =
-                        nearest(name, FIELDS).map_or(String::new(), |it| format!(", did you mean {it}?"));
-                    return Err(wrong(line, format!("a measurement has no field {:?}{meant}", shown(name))));
-                };
-                if FIELDS[at] == "sensor" {
-                    let kind = SensorKind::ALL.into_iter().find(|kind| kind.word() == value);
-                    let words = SensorKind::ALL.map(SensorKind::word).join(", ");
-                    let refused = must_be("sensor", format_args!("one of {words}"));
-                    sensor = Some(kind.ok_or_else(|| -> CsvError { wrong(line, refused) })?);
-                } else {
-                    numbers[at] = Some(number(line, name, value, ANY)?);
-                }
-            } else if !content.is_empty() {
-                let cells = cells(content);
-                if !has_header {
-                    if !is_head(&cells) {
-                        let columns = COLUMNS.join(",");
-                        return Err(wrong(line, must_be("the table's first line", columns)));
-                    }
-                    has_header = true;
-                    continue;
-                }
-                if points.len() == POINTS.most {
-                    return Err(CalibrateError::from(WrongCount {
-                        field: "the measurement",
-                        count: points.len() + 1,
-                        allowed: POINTS,
-                    })
-                    .into());
-                }
-                points.push(point(&Row { line, cells })?);
+            // A comment has no equals sign.
+            let Some((name, value)) = field(content) else { continue };
+            let Some(at) = FIELDS.iter().position(|field| *field == name) else {
+                let meant = nearest(name, FIELDS).map_or(String::new(), |it| format!(", did you mean {it}?"));
+                return Err(wrong(line, format!("a measurement has no field {:?}{meant}", shown(name))));
+            };
+            if FIELDS[at] == "sensor" {
+                let kind = SensorKind::ALL.into_iter().find(|kind| kind.word() == value);
+                let words = SensorKind::ALL.map(SensorKind::word).join(", ");
+                let refused = must_be("sensor", format_args!("one of {words}"));
+                sensor = Some(kind.ok_or_else(|| -> CsvError { wrong(line, refused) })?);
+            } else {
+                numbers[at] = Some(number(line, name, value, ANY)?);
             }
         }
+        let table = Table::read(text)?;
+        let count = table.as_ref().map_or(0, |table| table.rows().len());
+        if count > POINTS.most {
+            let wrong = WrongCount { field: "the measurement", count, allowed: POINTS };
+            return Err(CalibrateError::from(wrong).into());
+        }
+        let points = table.map_or(Ok(Vec::new()), |table| points(&table))?;
         let [place_m, place_tolerance_m, _, unit_per_response, sample_rate_hz] = numbers;
         let place_m = place_m.ok_or(CsvError::Missing { field: "place_m" })?;
         let sensor = sensor.ok_or(CsvError::Missing { field: "sensor" })?;
@@ -144,18 +134,26 @@ impl Measurement {
     }
 }
 
-fn point(row: &Row<&str>) -> Result<MeasuredPoint, BadLine> {
-    let count = row.cells.len();
+fn points(table: &Table) -> Result<Vec<MeasuredPoint>, BadLine> {
+    let names: Vec<&str> = table.columns.iter().map(|column| &*column.name).collect();
+    if !is_head(&names) {
+        let line = table.head().ok().flatten().unwrap_or(table.rows()[0].line);
+        return Err(wrong(line, must_be("the table's first line", COLUMNS.join(","))));
+    }
+    table.rows().iter().map(|row| point(table, row)).collect()
+}
+
+fn point(table: &Table, row: &Row) -> Result<MeasuredPoint, BadLine> {
+    let count = row.filled().len();
     if !(4..=COLUMNS.len()).contains(&count) {
         return Err(wrong(row.line, must_be(format_args!("the row has {count} numbers"), "4 or 5")));
     }
-    let cell = |at: usize| row.number(at, COLUMNS[at], ANY);
-    let headroom = row.cells.get(4).filter(|cell| !cell.is_empty());
+    let cell = |at: usize| table.number(row, at);
     Ok(MeasuredPoint {
         frequency_hz: cell(0)?,
         response: Complex64::new(cell(1)?, cell(2)?),
         noise: cell(3)?,
-        headroom_db: headroom.map(|_| cell(4)).transpose()?,
+        headroom_db: (count > 4).then(|| cell(4)).transpose()?,
     })
 }
 
@@ -197,7 +195,7 @@ mod tests {
                 "im;re",
                 "line 5: the table's first line: must be frequency_hz,re,im,noise,headroom_db",
             ),
-            ("102;1e-3", "102;x", "line 8: re = x: must be a number with a decimal point"),
+            ("102;1e-3", "102;x", "line 8: column 2: \"x\" is no number"),
             ("102;1e-3;-2.5;0.001", "102;1", "line 8: the row has 2 numbers: must be 4 or 5"),
             ("103;", "101;", "frequency_hz = 101 Hz: must be 102.01 to 1e7 Hz"),
             ("0.03", "nan", "place_m = NaN m"),
@@ -209,6 +207,21 @@ mod tests {
         assert!(few.starts_with("the measurement has 0 points"), "{few}");
         let many = Measurement::from_csv(&(GOOD.to_owned() + &rows(10_001))).expect_err("many").to_string();
         assert!(many.starts_with("the measurement has 10001 points"), "{many}");
+    }
+
+    #[test]
+    fn what_a_spreadsheet_saved_of_a_file_is_the_same_measurement() {
+        let text = "# place_m = 0.03\n# sensor = velocity\nfrequency_hz,re,im,noise,headroom_db\n".to_owned()
+            + &(0..9).map(|i| format!("{}.5,0.001,-2.5,0.0625,\n", 100 + i)).collect::<String>();
+        let good = Measurement::from_csv(&text).expect("a measurement");
+        let padded = text.replace("0.03\n", "0.03,,,,\r\n").replace("velocity\n", "velocity,,,,\r\n");
+        let quoted =
+            text.replace("# place_m = 0.03", "\"# place_m = 0.03\",,,,").replace("100.5", "\"100.5\"");
+        let (fields, rows) = text.split_at(text.find("frequency").expect("a head"));
+        let german = fields.replace('\n', ";;;;\n") + &rows.replace(',', ";").replace('.', ",");
+        for saved in [padded, quoted, german] {
+            assert_eq!(Measurement::from_csv(&saved), Ok(good.clone()), "{saved}");
+        }
     }
 
     proptest! {

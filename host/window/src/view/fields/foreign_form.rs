@@ -2,16 +2,17 @@
 
 use crate::intent::{Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
-use crate::scene::{Asked, AskedContent};
+use crate::scene::{Asked, AskedContent, AskedTable};
 use crate::view::fields::field::refusal;
 use crate::view::fields::sensor_fields::{kind, number, place};
 use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, Label, RichText};
 use slipline_instrument::measured_file::ForeignMetadata;
-use slipline_plate::calibrate::SNR;
+use slipline_plate::calibrate::{SNR, band_hz};
 use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::{Range, plain, show_frequency};
+use slipline_plate::text_table::MEANINGS;
 
 /// Shows the form while a file waits for these values; returns whether one waits.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) -> bool {
@@ -23,8 +24,14 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     };
     egui::Frame::group(ui.style()).show(ui, |ui| {
         wrapped(ui, RichText::new(&asked.name).strong());
-        wrapped(ui, RichText::new(sentence(&asked.content)).small().color(palette.weak));
+        let band = band_hz(&scene.setup.plate);
+        wrapped(ui, RichText::new(sentence(&asked.content, band)).small().color(palette.weak));
         ui.add_space(2.0);
+        if let AskedContent::Table(table) = &asked.content
+            && table.foreign.as_ref().is_none_or(|foreign| foreign.is_table)
+        {
+            columns(ui, table, &mut ask);
+        }
         let stated = asked.metadata;
         let mut reason = None;
         ui.horizontal_top(|ui| {
@@ -82,18 +89,50 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
     true
 }
 
+/// What each column was read as; it can be changed.
+fn columns(ui: &mut egui::Ui, table: &AskedTable, ask: &mut impl FnMut(MeasureIntent)) {
+    ui.horizontal_wrapped(|ui| {
+        for (at, column) in table.columns.iter().enumerate() {
+            let now = column.meaning();
+            let number = at + 1;
+            let shown = now.as_deref().unwrap_or("left out");
+            let caption = if column.name.is_empty() { number.to_string() } else { column.name.clone() };
+            ui.label(RichText::new(caption).small());
+            let list =
+                egui::ComboBox::from_id_salt(("column", at)).selected_text(shown).width(108.0).height(400.0);
+            let list = list.show_ui(ui, |ui| {
+                let offered = std::iter::once(None).chain(MEANINGS.map(Some));
+                for meaning in offered {
+                    let word = meaning.map_or("left out".to_owned(), |(of, unit)| match unit {
+                        "" => of.word().to_owned(),
+                        unit => format!("{} in {unit}", of.word()),
+                    });
+                    if ui.selectable_label(word == shown, &word).clicked() {
+                        ask(MeasureIntent::Column(at, meaning));
+                    }
+                }
+            });
+            let name = format!("Column {number}: {shown}");
+            list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
+            list.response.on_hover_text(format!("What column {number}, {}, holds", column.name));
+        }
+    });
+}
+
 /// What the file contains, and what it does not state.
-fn sentence(content: &AskedContent) -> String {
+fn sentence(content: &AskedContent, band_hz: (f64, f64)) -> String {
     match content {
-        AskedContent::Table(foreign) => {
-            let frequencies = || foreign.points.iter().map(|point| point.0);
-            let (low, high) =
-                frequencies().fold((f64::INFINITY, 0.0), |(low, high), hz| (hz.min(low), hz.max(high)));
+        AskedContent::Table(AskedTable { foreign: None, .. }) => {
+            "By another program. Its columns are not clear: choose what they are.".to_owned()
+        }
+        AskedContent::Table(AskedTable { foreign: Some(foreign), .. }) => {
+            let read = foreign.read(band_hz);
             format!(
-                "By another program: {} frequencies from {} to {}. Its file does not state where the sensor stood.",
-                foreign.points.len(),
-                show_frequency(low),
-                show_frequency(high)
+                "By another program: {} frequencies from {} to {}; {}. Its file does not state where the sensor stood.",
+                read.rows,
+                show_frequency(read.low_hz),
+                show_frequency(read.high_hz),
+                read.understood()
             )
         }
         AskedContent::Recording { wav, .. } => format!(
@@ -107,6 +146,9 @@ fn sentence(content: &AskedContent) -> String {
 
 /// What the user must state or wait for before the file can be taken.
 fn missing(asked: &Asked) -> Option<&'static str> {
+    if matches!(&asked.content, AskedContent::Table(AskedTable { foreign: None, .. })) {
+        return Some("Choose what its columns are first");
+    }
     if asked.metadata.kind.is_none() {
         return Some("Choose what the sensor showed first");
     }

@@ -1,149 +1,179 @@
-//! Tables of frequency, level and optional phase, as measuring programs export them: REW's text, `.frd`,
-//! spreadsheets.
+//! Tables of frequency and response, as measuring programs export them: REW's text, `.frd`, spreadsheets.
 //!
-//! A line that does not begin with a number, or that begins with `*`, `#` or a quotation mark, is a comment above the
-//! table; the last one that names a frequency, or has a cell for each column, is the head of the columns: level in dB or
-//! magnitude with an optional phase, or real and imaginary part. A head that is not understood is refused. Without a head,
-//! three columns are those of `.frd` (Hz, dB, degrees), and two are frequency and decibels if one of the levels is
-//! negative.
+//! A response is a level in dB or a magnitude with an optional phase, or real and imaginary part. Without a head, three
+//! columns are those of `.frd` (Hz, dB, degrees), and two are frequency and decibels if one of the levels is negative.
 
-use super::{FileError, Foreign, LEVEL};
-use crate::calibrate::measurement::sensor::Measurement;
+use super::{ColumnRead, FileError, Foreign, ForeignPoint, LEVEL};
+use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::quantity::{Range, decibels, from_decibels, must_be};
-use crate::text_table::{BadLine, FINITE, Row, Separator, cells, lines, wrong};
+use crate::text_table::{BadLine, Chosen, Column, Quantity, Row, Table, UnclearColumns, Unit, wrong};
 use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 
 /// Largest magnitude in a file: its square must not overflow.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 
-/// Whether a line is a row of the table: its first two cells are numbers.
-fn is_row(line: &str) -> bool {
-    let cells = cells(line);
-    cells.len() >= 2 && cells.iter().take(2).all(|cell| cell.parse::<f64>().is_ok())
-}
-
-fn is_comment(line: &str) -> bool {
-    line.starts_with(['*', '#', '%', ';', '"']) && !is_row(line)
-}
-
-/// The columns of the response.
-#[derive(Clone, Copy, PartialEq)]
-enum Form {
-    /// Level in dB, and phase.
-    Decibel(usize, Option<usize>),
-    /// Magnitude and phase.
-    Magnitude(usize, Option<usize>),
-    /// Real and imaginary part.
-    Complex(usize, usize),
-}
-
-/// The columns of a table.
-struct Columns {
-    frequency: usize,
-    form: Form,
-    /// Hertz per unit of the frequency column.
-    hertz: f64,
-}
+/// The columns of a response, each with its unit.
+struct Columns(Vec<(Quantity, usize, Unit, String)>);
 
 impl Columns {
-    /// The columns named by the head of a table; `None` if a required one is missing.
-    fn named(head: &str, separator: Separator) -> Option<Self> {
-        let head = head.trim_start_matches(['*', '#', '%', ' ']);
-        // In some of REW's texts the head is separated by commas and the rows by blanks.
-        let cells = match separator {
-            Separator::Blank if head.contains(',') => Separator::Comma.cells(head),
-            separator => separator.cells(head),
+    /// The columns that the head names.
+    fn named(table: &Table) -> Result<Self, UnclearColumns> {
+        let find = |what: &str, of: fn(Quantity) -> bool| table.find(what, &of);
+        let frequency = find("frequency", |of| of == Quantity::Frequency)?;
+        let frequency =
+            frequency.ok_or_else(|| table.unclear("none is named as the frequency".to_owned()))?;
+        let parts = find("real part", |of| of == Quantity::Real)?
+            .zip(find("imaginary part", |of| of == Quantity::Imaginary)?);
+        let mut all = vec![(Quantity::Frequency, frequency)];
+        if let Some((real, imaginary)) = parts {
+            all.extend([(Quantity::Real, real), (Quantity::Imaginary, imaginary)]);
+        } else {
+            let level = find("level", Quantity::is_level)?;
+            let missing = "none is named as a level in dB, a magnitude, or both a real and an imaginary part";
+            let level = level.ok_or_else(|| table.unclear(missing.to_owned()))?;
+            let by_unit = if matches!(table.columns[level].unit(), Some((Unit::Decibels, _))) {
+                Quantity::Level
+            } else {
+                Quantity::Magnitude
+            };
+            all.push((table.quantity(level).unwrap_or(by_unit), level));
+            all.extend(find("phase", |of| of == Quantity::Phase)?.map(|at| (Quantity::Phase, at)));
+        }
+        all.into_iter()
+            .map(|(of, at)| unit_of(table, of, at).map(|(unit, text)| (of, at, unit, text)))
+            .collect::<Result<_, _>>()
+            .map(Self)
+    }
+
+    /// The columns that the user names.
+    fn chosen(table: &Table, chosen: &[Chosen]) -> Result<Self, UnclearColumns> {
+        let has = |of: fn(Quantity) -> bool| chosen.iter().any(|it| of(it.quantity));
+        let is_whole = has(Quantity::is_level)
+            != (has(|of| of == Quantity::Real) && has(|of| of == Quantity::Imaginary));
+        if !has(|of| of == Quantity::Frequency) || !is_whole {
+            let why = "a frequency is needed, and either a level or magnitude, or both a real and an imaginary part";
+            return Err(table.unclear(why.to_owned()));
+        }
+        if let Some(it) = chosen.iter().find(|it| it.at >= table.columns.len()) {
+            return Err(table.unclear(format!("there is no column {}", it.at + 1)));
+        }
+        let column = |it: &Chosen| {
+            let named = || table.columns[it.at].unit().filter(|(unit, _)| unit.suits(it.quantity));
+            let (unit, text) = it.unit.clone().or_else(named).unwrap_or_else(|| usual(it.quantity));
+            (it.quantity, it.at, unit, text)
         };
-        let cells: Vec<String> = cells.iter().map(|cell| cell.to_lowercase()).collect();
-        let find =
-            |words: &[&str]| cells.iter().position(|cell| words.iter().any(|word| cell.contains(word)));
-        let begins =
-            |word: &str| cells.iter().position(|cell| cell.split([' ', '(', '[']).next() == Some(word));
-        let part = |words: [&str; 3]| words.into_iter().find_map(begins);
-        let frequency = find(&["freq", "hz"]).or_else(|| begins("f"))?;
-        let phase = find(&["phase", "deg"]);
-        let decibel = find(&["db", "spl", "level"]);
-        let magnitude = find(&["magnitude", "amplitude", "linear", "abs"]);
-        let parts = part(["re", "real", "h_re"]).zip(part(["im", "imag", "imaginary"]));
-        let form = match (parts, decibel, magnitude) {
-            (Some((re, im)), ..) => Form::Complex(re, im),
-            (None, Some(level), _) => Form::Decibel(level, phase),
-            (None, None, Some(level)) => Form::Magnitude(level, phase),
-            (None, None, None) => return None,
-        };
-        let hertz = if cells[frequency].contains("khz") { 1e3 } else { 1.0 };
-        Some(Self { frequency, form, hertz })
+        Ok(Self(chosen.iter().map(column).collect()))
     }
 
     /// The columns of a table without a head.
-    fn guessed(line: usize, rows: &[Row<String>]) -> Result<Self, BadLine> {
-        let has_phase = rows.first().is_some_and(|row| row.cells.len() >= 3);
-        let is_negative = |row: &Row<String>| row.cells.get(1).is_some_and(|cell| cell.starts_with('-'));
-        if has_phase || rows.iter().any(is_negative) {
-            let phase = has_phase.then_some(2);
-            return Ok(Self { frequency: 0, form: Form::Decibel(1, phase), hertz: 1.0 });
+    fn guessed(table: &Table) -> Result<Self, UnclearColumns> {
+        let is_negative = |row: &Row| table.number(row, 1).is_ok_and(|level| level < 0.0);
+        let usual = [Quantity::Frequency, Quantity::Level, Quantity::Phase].map(|of| (of, usual(of)));
+        let columns = usual.into_iter().enumerate().map(|(at, (of, (unit, text)))| (of, at, unit, text));
+        match table.columns.len() {
+            3 => Ok(Self(columns.collect())),
+            2 if table.rows().iter().any(is_negative) => Ok(Self(columns.take(2).collect())),
+            2 => Err(table.unclear(
+                "no line names the columns, and nothing shows whether the second is in dB".to_owned(),
+            )),
+            many => Err(table.unclear(format!("no line names the {many} columns"))),
         }
-        let allowed = "frequency_hz,level_db or frequency_hz,magnitude: nothing shows which it is";
-        Err(wrong(line, must_be("the line above the first row", allowed)))
+    }
+
+    fn of(&self, wanted: Quantity) -> Option<(usize, Unit)> {
+        self.0.iter().find(|it| it.0 == wanted).map(|it| (it.1, it.2))
+    }
+
+    fn level(&self) -> Option<(usize, Unit)> {
+        self.0.iter().find(|it| it.0.is_level()).map(|it| (it.1, it.2))
+    }
+
+    /// What the sensor shows, by the name or the unit of the response.
+    fn sensor(&self) -> Option<SensorKind> {
+        let kind = |of: Quantity| SensorKind::ALL.into_iter().find(|kind| kind.word() == of.word());
+        let by_unit = |unit: Unit| if let Unit::Linear(_, of) = unit { of } else { None };
+        let each = self.0.iter().map(|(of, _, unit, _)| kind(*of).or_else(|| by_unit(*unit).and_then(kind)));
+        each.flatten().next()
     }
 }
 
-pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
-    let (mut head, mut last) = (None, None);
-    let mut separator = None;
-    let mut rows: Vec<Row<String>> = Vec::new();
-    for (line, content) in lines(text) {
-        let is_above = rows.is_empty() && !is_row(content);
-        if content.is_empty() || is_comment(content) || is_above {
-            if is_above && content.to_lowercase().contains("freq") {
-                head = Some((line, content));
-            }
-            if is_above && !content.is_empty() {
-                last = Some((line, content));
-            }
-            continue;
-        }
-        let separator = *separator.get_or_insert_with(|| Separator::of(content));
-        rows.push(Row { line, cells: separator.cells(content) });
-    }
-    let (Some(separator), Some(first)) = (separator, rows.first()) else { return Err(FileError::Empty) };
-    // A line of as many cells as the rows names them, whatever its words are; blanks separate the words of a sentence, too.
-    let names = |&(_, line): &(usize, &str)| {
-        separator != Separator::Blank && separator.cells(line).len() == first.cells.len()
+/// The unit of a quantity that states none.
+fn usual(of: Quantity) -> (Unit, String) {
+    let (unit, text) = match of {
+        Quantity::Frequency => (Unit::Hertz(1.0), "Hz"),
+        Quantity::Level => (Unit::Decibels, "dB"),
+        Quantity::Phase => (Unit::Radians(PI / 180.0), "degrees"),
+        _ => (Unit::Linear(1.0, None), ""),
     };
-    let columns = match head.or_else(|| last.filter(names)) {
-        Some((line, content)) => Columns::named(content, separator).ok_or_else(|| {
-            let allowed = "a frequency, and a level in dB, a magnitude, or real and imaginary part (re, im)";
-            wrong::<FileError>(line, must_be("the head of the columns", allowed))
-        })?,
-        None => Columns::guessed(first.line, &rows)?,
-    };
-    let points = rows.iter().map(|row| point(row, &columns)).collect::<Result<_, _>>()?;
-    Ok(Foreign { sensor: None, points })
+    (unit, text.to_owned())
 }
 
-fn point(row: &Row<String>, columns: &Columns) -> Result<(f64, Complex64), BadLine> {
-    let cell = |at: usize, field: &str| row.number(at, field, FINITE);
-    let frequency_hz = cell(columns.frequency, "frequency")? * columns.hertz;
-    let within = |at: usize, field: &str, allowed: Range| {
-        let value = cell(at, field)?;
-        if allowed.contains(value) {
-            Ok(value)
-        } else {
-            Err(wrong(row.line, must_be(format_args!("{field} = {value}"), allowed)))
+/// The unit of a column by its name, or the usual one where the numbers allow no other.
+fn unit_of(table: &Table, of: Quantity, at: usize) -> Result<(Unit, String), UnclearColumns> {
+    if let Some(unit) = table.columns[at].unit() {
+        return Ok(unit);
+    }
+    let values =
+        || table.rows().iter().filter_map(|row| table.number(row, at).ok()).filter(|it| it.is_finite());
+    let (low, high) =
+        values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)));
+    let name = &table.columns[at].name;
+    match of {
+        Quantity::Phase if low < high && low >= -TAU && high <= TAU => {
+            Err(table.unclear(format!("nothing shows whether *{name}* is in degrees or in radians")))
+        }
+        Quantity::Magnitude if low < 0.0 || low >= 10.0 && high < 200.0 && high < 10.0 * low => {
+            Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
+        }
+        of => Ok(usual(of)),
+    }
+}
+
+/// Reads a table; no choice of columns leaves it to the head.
+pub(super) fn read(text: &str, chosen: &[Chosen]) -> Result<Foreign, FileError> {
+    let table = Table::read(text)?.ok_or(FileError::Empty)?;
+    let columns = if !chosen.is_empty() {
+        Columns::chosen(&table, chosen)?
+    } else if table.head()?.is_some() {
+        Columns::named(&table)?
+    } else {
+        Columns::guessed(&table)?
+    };
+    let points = table.rows().iter().map(|row| point(&table, row, &columns)).collect::<Result<_, _>>()?;
+    let read = |(at, column): (usize, &Column)| match columns.0.iter().find(|it| it.1 == at) {
+        Some((of, _, _, unit)) => ColumnRead::new(column.name.clone(), of.word(), unit),
+        None => ColumnRead { name: column.name.clone(), quantity: None, unit: None },
+    };
+    let read = table.columns.iter().enumerate().map(read).collect();
+    Ok(Foreign { sensor: columns.sensor(), points, columns: read, is_table: true })
+}
+
+fn point(table: &Table, row: &Row, columns: &Columns) -> Result<ForeignPoint, BadLine> {
+    let value = |(at, unit): (usize, Unit), allowed: Range| {
+        let value = table.number(row, at)?;
+        if value.is_finite() && !allowed.contains(value) {
+            return Err(wrong(row.line, must_be(format_args!("{} = {value}", table.shown(at)), allowed)));
+        }
+        // The logarithm of nothing is no number.
+        let value = if value.is_finite() { value } else { f64::NAN };
+        Ok(value * unit.size())
+    };
+    let any = Range::new(-MAGNITUDE.high, MAGNITUDE.high, "");
+    let frequency_hz = columns.of(Quantity::Frequency).map_or(Ok(f64::NAN), |it| value(it, any))?;
+    let part = |of: Quantity| columns.of(of).map_or(Ok(0.0), |it| value(it, any));
+    let response = match columns.level() {
+        None => Complex64::new(part(Quantity::Real)?, -part(Quantity::Imaginary)?),
+        Some(level) => {
+            let magnitude = match level.1 {
+                Unit::Decibels => from_decibels(value(level, LEVEL)?),
+                _ => value(level, MAGNITUDE)?,
+            };
+            Complex64::from_polar(magnitude, -part(Quantity::Phase)?)
         }
     };
-    let (magnitude, phase) = match columns.form {
-        Form::Complex(re, im) => {
-            let part = |at, field| within(at, field, Range::new(-MAGNITUDE.high, MAGNITUDE.high, ""));
-            return Ok((frequency_hz, Complex64::new(part(re, "real part")?, -part(im, "imaginary part")?)));
-        }
-        Form::Decibel(level, phase) => (from_decibels(within(level, "level", LEVEL)?), phase),
-        Form::Magnitude(level, phase) => (within(level, "magnitude", MAGNITUDE)?, phase),
-    };
-    let degrees = phase.map_or(Ok(0.0), |at| cell(at, "phase"))?;
-    Ok((frequency_hz, Complex64::from_polar(magnitude, -degrees.to_radians())))
+    Ok(ForeignPoint { line: row.line, frequency_hz, response: Some(response).filter(|it| it.is_finite()) })
 }
 
 pub(super) fn write(measurement: &Measurement) -> String {

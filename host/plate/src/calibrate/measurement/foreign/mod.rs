@@ -13,10 +13,10 @@ mod uff58;
 use super::csv::{self, CsvError};
 use super::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::calibrate::error::CalibrateError;
-use crate::quantity::{OutOfRange, Range, from_decibels};
-use crate::text_table::BadLine;
+use crate::quantity::{OutOfRange, Range, from_decibels, show_frequency};
+use crate::text_table::{BadLine, Chosen, UnclearColumns, chosen, text_of, wrong};
 use num_complex::Complex64;
-use std::borrow::Cow;
+use std::fmt;
 use thiserror::Error;
 
 /// Signal-to-noise ratio assumed where a file does not state it, dB: that of a careful measurement.
@@ -40,11 +40,105 @@ pub enum File {
 /// A measurement by another program: place, kind of sensor and noise are not in its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
-    /// The kind of sensor, if the file states it: a universal file does.
+    /// The kind of sensor, if the file states it.
     pub sensor: Option<SensorKind>,
-    /// Frequency in hertz, in the order of the file, and response; the phase is 0 where the file has magnitudes
-    /// alone.
-    pub points: Vec<(f64, Complex64)>,
+    /// Its rows, in the order of the file.
+    pub points: Vec<ForeignPoint>,
+    /// Its columns, and what was understood of them.
+    pub columns: Vec<ColumnRead>,
+    /// Whether other columns can be chosen: a universal file states them.
+    pub is_table: bool,
+}
+
+/// A row of a file by another program.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForeignPoint {
+    /// Its line in the file, from 1.
+    pub line: usize,
+    /// Frequency, hertz.
+    pub frequency_hz: f64,
+    /// Response; its phase is 0 where the file has magnitudes alone. `None` where the file has no number.
+    pub response: Option<Complex64>,
+}
+
+/// A column of such a file.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct ColumnRead {
+    /// Its name in the file; empty if it has none.
+    pub name: String,
+    /// What it was read as; `None` if it was left out.
+    pub quantity: Option<&'static str>,
+    /// The unit in which it was read.
+    pub unit: Option<String>,
+}
+
+impl ColumnRead {
+    fn new(name: String, quantity: &'static str, unit: &str) -> Self {
+        Self { name, quantity: Some(quantity), unit: Some(unit.to_owned()).filter(|unit| !unit.is_empty()) }
+    }
+
+    /// What it was read as, in words.
+    #[must_use]
+    pub fn meaning(&self) -> Option<String> {
+        let unit = self.unit.as_ref().map_or(String::new(), |unit| format!(" in {unit}"));
+        Some(format!("{}{unit}", self.quantity?))
+    }
+
+    /// The choice of this column, number `at` from 0, for what it was read as.
+    #[must_use]
+    pub fn chosen(&self, at: usize) -> Option<Chosen> {
+        let unit = self.unit.as_ref().map_or(String::new(), |unit| format!(":{unit}"));
+        chosen(&format!("{}={}{unit}", self.quantity?, at + 1)).ok()?.pop()
+    }
+}
+
+/// What was read of a file by another program.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ForeignRead {
+    /// Number of its rows.
+    pub rows: usize,
+    /// Number of rows in the band of the plate.
+    pub rows_in_band: usize,
+    /// Lowest frequency above 0, hertz.
+    pub low_hz: f64,
+    /// Highest frequency, hertz.
+    pub high_hz: f64,
+    /// Its columns.
+    pub columns: Vec<ColumnRead>,
+}
+
+impl ForeignRead {
+    /// What the columns were read as, and how many rows cannot matter, in words.
+    #[must_use]
+    pub fn understood(&self) -> String {
+        let name = |(number, column): (usize, &ColumnRead)| match &*column.name {
+            "" => format!("column {number}"),
+            name => format!("*{name}*"),
+        };
+        let numbered = || (1..).zip(&self.columns);
+        let read = numbered().filter_map(|(number, column)| {
+            let unit = column.unit.as_ref().filter(|unit| !column.name.contains(unit.as_str()));
+            let unit = unit.map_or(String::new(), |unit| format!(" in {unit}"));
+            Some(format!("{} as {}{unit}", name((number, column)), column.quantity?))
+        });
+        let mut text = read.collect::<Vec<_>>().join(", ");
+        let left_out: Vec<String> = numbered().filter(|it| it.1.quantity.is_none()).map(name).collect();
+        if !left_out.is_empty() {
+            text += &format!("; {} left out", left_out.join(", "));
+        }
+        match self.rows - self.rows_in_band {
+            0 => text,
+            1 => text + "; 1 row outside the plate's band left out",
+            rows => text + &format!("; {rows} rows outside the plate's band left out"),
+        }
+    }
+}
+
+impl fmt::Display for ForeignRead {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (low, high) = (show_frequency(self.low_hz), show_frequency(self.high_hz));
+        write!(f, "{} rows, {low} to {high}; {}", self.rows, self.understood())
+    }
 }
 
 /// Why a file is no measurement.
@@ -56,81 +150,145 @@ pub enum FileError {
     /// A line that cannot be read.
     #[error(transparent)]
     Line(#[from] BadLine),
+    /// Columns whose meaning is not clear.
+    #[error(transparent)]
+    Columns(#[from] UnclearColumns),
+    /// A number is out of its range.
+    #[error(transparent)]
+    Value(#[from] CalibrateError),
     /// No line begins with two numbers.
     #[error(
         "no line has a frequency and a level: write one pair on each line, separated by commas, semicolons, tabs or blanks"
     )]
     Empty,
     /// A universal file without a frequency response.
-    #[error("the universal file holds no dataset 58, a function at a nodal degree of freedom")]
-    NoFunction,
+    #[error("the universal file holds no dataset 58, a function at a nodal degree of freedom, but {others}")]
+    NoFunction {
+        /// The numbers of its datasets.
+        others: String,
+    },
     /// A universal file with several functions.
     #[error("the universal file holds more than one function: save the one of this sensor alone")]
     ManyFunctions,
     /// A sound file.
     #[error("the file is a sound and not a table of frequencies")]
     Sound,
+    /// A spreadsheet's own format: a ZIP archive, or an OLE document.
+    #[error("the file is a spreadsheet: save its table as CSV")]
+    Spreadsheet,
+    /// Columns were chosen of a file that states them.
+    #[error("the file's format states its columns: only those of a table can be chosen")]
+    Stated,
+    /// Bytes that are no text.
+    #[error("the file is no text: save the table as CSV")]
+    NoText,
 }
 
 impl File {
-    /// Reads a measurement in any of the formats, recognised by its content.
+    /// Reads a measurement in any of the formats, recognised by its content. The columns of a table are those that its
+    /// head names, unless `columns` names them.
     ///
     /// ```
     /// use slipline_plate::calibrate::File;
     ///
     /// let text = "* Freq(Hz) SPL(dB) Phase(degrees)\n100.0 -20.0 90.0\n101.0 -19.5 80.0\n";
-    /// let Ok(File::Foreign(foreign)) = File::read(text.as_bytes()) else { panic!() };
-    /// let (frequency_hz, response) = foreign.points[0];
-    /// assert!(frequency_hz == 100.0 && (response.norm() - 0.1).abs() < 1e-12 && response.im < 0.0);
+    /// let Ok(File::Foreign(foreign)) = File::read(text.as_bytes(), &[]) else { panic!() };
+    /// let response = foreign.points[0].response.unwrap();
+    /// assert!((response.norm() - 0.1).abs() < 1e-12 && response.im < 0.0);
+    /// assert_eq!(foreign.columns[1].quantity, Some("level"));
     /// ```
     ///
     /// # Errors
     /// [`FileError`], with the line where there is one. No bytes make this function panic.
-    pub fn read(bytes: &[u8]) -> Result<Self, FileError> {
+    pub fn read(bytes: &[u8], columns: &[Chosen]) -> Result<Self, FileError> {
         if bytes.starts_with(b"RIFF") {
             return Err(FileError::Sound);
         }
-        if uff58::binary::has_one(bytes) {
-            return Ok(Self::Foreign(uff58::binary::read(bytes)?));
+        if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xd0\xcf\x11\xe0") {
+            return Err(FileError::Spreadsheet);
+        }
+        let is_stated = || if columns.is_empty() { Ok(()) } else { Err(FileError::Stated) };
+        if uff58::is_one(bytes) {
+            is_stated()?;
+            return Ok(Self::Foreign(uff58::read(bytes)?));
         }
         let text = text_of(bytes);
-        let text = text.trim_start_matches('\u{feff}');
-        if csv::is_own(text) {
-            return Ok(Self::Own(Measurement::from_csv(text)?));
+        if text.contains('\0') {
+            return Err(FileError::NoText);
         }
-        let foreign = if uff58::is_one(text) { uff58::read(text)? } else { frequency_table::read(text)? };
-        Ok(Self::Foreign(foreign))
+        if csv::is_own(&text) {
+            is_stated()?;
+            return Ok(Self::Own(Measurement::from_csv(&text)?));
+        }
+        Ok(Self::Foreign(frequency_table::read(&text, columns)?))
     }
 }
 
-/// The text of a file: UTF-16 where its mark says so, as spreadsheets write it, else UTF-8. A microphone's name may be in
-/// any encoding; only the numbers matter.
-fn text_of(bytes: &[u8]) -> Cow<'_, str> {
-    let from: fn([u8; 2]) -> u16 = match bytes {
-        [0xff, 0xfe, ..] => u16::from_le_bytes,
-        [0xfe, 0xff, ..] => u16::from_be_bytes,
-        _ => return String::from_utf8_lossy(bytes),
-    };
-    let units = bytes[2..].chunks_exact(2).map(|pair| from([pair[0], pair[1]]));
-    char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
-}
-
 impl Foreign {
+    /// What was read, for a plate that is measured within a band of frequencies (Hz).
+    #[must_use]
+    pub fn read(&self, (low_hz, high_hz): (f64, f64)) -> ForeignRead {
+        let frequencies = || self.points.iter().map(|point| point.frequency_hz).filter(|hz| *hz > 0.0);
+        ForeignRead {
+            rows: self.points.len(),
+            rows_in_band: frequencies().filter(|hz| (low_hz..=high_hz).contains(hz)).count(),
+            low_hz: frequencies().fold(f64::INFINITY, f64::min),
+            high_hz: frequencies().fold(0.0, f64::max),
+            columns: self.columns.clone(),
+        }
+    }
+
+    /// The rows within a band, in rising frequency.
+    ///
+    /// # Errors
+    /// The line of a row without a response, of a frequency that is there twice, or that is out of order.
+    fn rising(&self, (low_hz, high_hz): (f64, f64)) -> Result<Vec<(f64, Complex64)>, BadLine> {
+        let inside = || self.points.iter().filter(|point| (low_hz..=high_hz).contains(&point.frequency_hz));
+        let falls = inside().is_sorted_by(|a, b| a.frequency_hz > b.frequency_hz);
+        let mut before = None;
+        for point in inside().filter(|_| !falls) {
+            let hz = point.frequency_hz;
+            match before.replace(hz) {
+                Some(other) if other == hz => {
+                    return Err(wrong(
+                        point.line,
+                        format!("the frequency {hz} Hz is there twice: keep one row of it"),
+                    ));
+                }
+                Some(other) if other > hz => {
+                    let why = format!("the frequency {hz} Hz follows {other} Hz: sort the rows by frequency");
+                    return Err(wrong(point.line, why));
+                }
+                _ => {}
+            }
+        }
+        let number = |point: &ForeignPoint| {
+            let missing =
+                || wrong(point.line, "no finite number for the response: remove the row, or correct it");
+            Ok((point.frequency_hz, point.response.ok_or_else(missing)?))
+        };
+        let mut points = inside().map(number).collect::<Result<Vec<_>, BadLine>>()?;
+        if falls {
+            points.reverse();
+        }
+        Ok(points)
+    }
+
     /// The measurement of a sensor at `place_m` within a band of frequencies (Hz), with noise `snr_db` (0 to 140 dB)
     /// below the root mean square of its magnitudes. More than 400 frequencies are thinned to every second, or fewer.
     ///
     /// # Errors
-    /// [`CalibrateError`]: a number out of its range, or fewer than 8 frequencies in the band.
+    /// [`FileError`]: a row of the band that cannot be used, a number out of its range, or fewer than 8 frequencies in the
+    /// band.
     pub fn measurement(
         &self,
         place_m: f64,
         sensor: SensorKind,
         snr_db: f64,
-        (low_hz, high_hz): (f64, f64),
-    ) -> Result<Measurement, CalibrateError> {
-        OutOfRange::check("snr", snr_db, SNR)?;
-        let inside = |point: &&(f64, Complex64)| (low_hz..=high_hz).contains(&point.0);
-        let points: Vec<&(f64, Complex64)> = self.points.iter().filter(inside).collect();
+        band_hz: (f64, f64),
+    ) -> Result<Measurement, FileError> {
+        OutOfRange::check("snr", snr_db, SNR).map_err(CalibrateError::from)?;
+        let points = self.rising(band_hz)?;
         let points: Vec<_> = points.iter().step_by(points.len().div_ceil(FREQUENCIES_MAX).max(1)).collect();
         let square: f64 =
             points.iter().map(|point| point.1.norm_sqr()).sum::<f64>() / points.len().max(1) as f64;

@@ -3,14 +3,19 @@ use crate::calibrate::fit::pairs::pairs;
 use proptest::prelude::*;
 
 fn foreign(text: &str) -> Foreign {
-    match File::read(text.as_bytes()) {
+    match File::read(text.as_bytes(), &[]) {
         Ok(File::Foreign(foreign)) => foreign,
         other => panic!("{text}: {other:?}"),
     }
 }
 
+/// Its rows as pairs of frequency and response.
+fn pairs_of(found: &Foreign) -> Vec<(f64, Complex64)> {
+    found.points.iter().map(|point| (point.frequency_hz, point.response.expect("a number"))).collect()
+}
+
 fn refused(text: &str) -> String {
-    File::read(text.as_bytes()).expect_err(text).to_string()
+    File::read(text.as_bytes(), &[]).expect_err(text).to_string()
 }
 
 /// Checks that a text gives 100 Hz, -20 dB and 90 degrees, the row that all of these texts share, and a row of 200.5
@@ -18,9 +23,10 @@ fn refused(text: &str) -> String {
 fn check(text: &str, has_phase: bool) {
     let found = foreign(text);
     assert_eq!(found.points.len(), 2, "{text}");
-    assert_eq!((found.points[0].0, found.points[1].0), (100.0, 200.5), "{text}");
+    let [first, second] = [0, 1].map(|at| found.points[at]);
+    assert_eq!((first.frequency_hz, second.frequency_hz), (100.0, 200.5), "{text}");
     let wanted = if has_phase { Complex64::new(0.0, -0.1) } else { Complex64::new(0.1, 0.0) };
-    assert!((found.points[0].1 - wanted).norm() < 1e-12, "{text}: {found:?}");
+    assert!((first.response.expect("a number") - wanted).norm() < 1e-12, "{text}: {found:?}");
 }
 
 #[test]
@@ -56,11 +62,11 @@ fn a_text_in_utf_16_is_read_as_that_in_utf_8() {
         [([0xff, 0xfe], u16::to_le_bytes as fn(u16) -> [u8; 2]), ([0xfe, 0xff], u16::to_be_bytes)]
     {
         let bytes: Vec<u8> = mark.into_iter().chain(text.encode_utf16().flat_map(bytes_of)).collect();
-        let Ok(File::Foreign(found)) = File::read(&bytes) else { panic!("a table") };
+        let Ok(File::Foreign(found)) = File::read(&bytes, &[]) else { panic!("a table") };
         assert_eq!(found, foreign(text));
         // An odd byte at the end, and half of a pair.
-        assert!(File::read(&[&bytes[..], &[0x41]].concat()).is_ok());
-        assert!(File::read(&[&mark[..], &[0xd8, 0xd8]].concat()).is_err());
+        assert!(File::read(&[&bytes[..], &[0x41]].concat(), &[]).is_ok());
+        assert!(File::read(&[&mark[..], &[0xd8, 0xd8]].concat(), &[]).is_err());
     }
 }
 
@@ -90,18 +96,37 @@ fn what_is_no_table_is_refused_by_its_line() {
         ("RIFF....", "the file is a sound"),
         (
             "100 20\n200 30\n",
-            "line 1: the line above the first row: must be frequency_hz,level_db or frequency_hz,magnitude",
+            "line 1: no line names the columns, and nothing shows whether the second is in dB",
         ),
-        ("freq,db\n100,20\n200,loud\n", "line 3: level = loud: must be a finite number"),
-        ("freq,db\n100,20\n200\n", "line 3: the row has 1 cells: must be at least 2"),
-        ("freq,db\n100,20\n200,inf\n", "line 3: level = inf: must be a finite number"),
-        ("freq,db\n100,9999\n", "line 2: level = 9999: must be -400 to 400 dB"),
-        ("freq,magnitude\n100,-0.5\n", "line 2: magnitude = -0.5: must be 0 to 1e30"),
+        (
+            "100 20 3 4\n200 30 5 6\n",
+            "line 1: no line names the 4 columns. Its columns: 1 (100 ..), 2 (20 ..)",
+        ),
+        ("freq,db\n100,20\n200,loud\n", "line 3: column 2: \"loud\" is no number"),
+        ("freq,db\n100,20\n200\n", "line 3: 1 cell, between or below the rows of numbers"),
+        ("freq,db\n100,20\nthe end\n", "line 3: column 1: \"the end\" is no number"),
+        ("freq,db\n100,20\nand\n200,30\n300,20\n", "line 3: column 1: \"and\" is no number"),
+        ("freq,db\n100,9999\n", "line 2: column 2 *db* = 9999: must be -400 to 400 dB"),
+        ("freq,magnitude (lin)\n100,-0.5\n", "line 2: column 2 *magnitude (lin)* = -0.5: must be 0 to 1e30"),
+        ("freq,magnitude\n100,-0.5\n", "line 1: nothing shows whether *magnitude* is in dB"),
+        ("freq,magnitude\n100,40\n101,42\n", "line 1: nothing shows whether *magnitude* is in dB"),
+        (
+            "freq,db,phase\n100,20,1\n101,20,-3\n",
+            "line 1: nothing shows whether *phase* is in degrees or in radians",
+        ),
+        (
+            "freq (Hz),level (dBA)\n100,20\n",
+            "line 1: *level (dBA)* has the unit dBA, which is not known of the level",
+        ),
         ("# place_m = x\n", "line 1: place_m = x: must be a number"),
         // A head that is not understood, whether it names a frequency or not.
-        ("freq,x,y\n100,1,2\n", "line 1: the head of the columns: must be a frequency, and a level in dB"),
-        ("a;b;c\n100;1;2\n", "line 1: the head of the columns: must be"),
-        ("freq,re,im\n100,1,x\n", "line 2: imaginary part = x: must be a finite number"),
+        ("freq,x,y\n100,1,2\n", "line 1: none is named as a level in dB, a magnitude, or both"),
+        ("a;b;c\n100;1;2\n", "line 1: none is named as the frequency. Its columns: 1 *a*, 2 *b*, 3 *c*"),
+        ("freq;level\n100;1;2\n", "line 1: the names are not those of 3 columns"),
+        ("freq,re,im\n100,1,x\n", "line 2: column 3 *im* = x: must be a number"),
+        ("freq;db\n100,5;20.5\n", "line 2: both a decimal point and a decimal comma are in use"),
+        ("freq,db\n100,\"20\n101,20\n102,20\n", "no line has a frequency and a level"),
+        ("freq,db\n100,20\n# a,\"b\n101,20\n102,20\n", "line 3: a quotation mark is not closed"),
     ] {
         let found = refused(text);
         assert!(found.starts_with(message), "{text:?}: {found}");
@@ -135,10 +160,10 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
     let found = foreign(UFF);
     assert_eq!(found.sensor, Some(SensorKind::Acceleration));
     let wanted = [(100.0, 0.0, -0.1), (100.5, 0.2, 0.3), (101.0, 4.0, 5.0)];
-    assert_eq!(found.points, wanted.map(|(hz, re, im)| (hz, Complex64::new(re, im))));
+    assert_eq!(pairs_of(&found), wanted.map(|(hz, re, im)| (hz, Complex64::new(re, im))));
     let real = UFF.replace("         5         3         1", "         2         3         0");
     let magnitudes = [(0.0, 0.1), (0.2, 0.3), (4.0, 5.0)];
-    assert_eq!(foreign(&real).points, magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
+    assert_eq!(pairs_of(&foreign(&real)), magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
     for (from, to, message) in [
         ("    58\n", "    58b\n", "line 6: the order of the bytes = nothing: must be a whole number"),
         ("    58\n", "    55\n", "the universal file holds no dataset 58"),
@@ -185,20 +210,21 @@ fn what_is_exported_is_read_back_in_the_sensors_unit() {
     {
         let found = foreign(&text);
         assert_eq!((found.sensor, found.points.len()), (sensor, 12), "{text}");
-        for (point, (frequency_hz, response)) in measured.points.iter().zip(&found.points) {
+        for (point, (frequency_hz, response)) in measured.points.iter().zip(pairs_of(&found)) {
             assert!((frequency_hz - point.frequency_hz).abs() < 1e-9, "{text}");
             let wanted = 2.0 * point.response;
             assert!((response - wanted).norm() < share * wanted.norm(), "{response} {wanted}: {text}");
         }
     }
-    let Ok(File::Own(own)) = File::read(measured.to_csv().as_bytes()) else { panic!("the own form") };
+    let Ok(File::Own(own)) = File::read(measured.to_csv().as_bytes(), &[]) else { panic!("the own form") };
     assert_eq!(own, measured);
 }
 
 #[test]
 fn a_foreign_measurement_is_thinned_within_the_band_and_has_the_stated_noise() {
-    let points = (0..5000).map(|i| (f64::from(i), Complex64::new(0.0, 2.0))).collect();
-    let found = Foreign { sensor: None, points };
+    let response = Some(Complex64::new(0.0, 2.0));
+    let points = (0..5000).map(|i| ForeignPoint { line: 1, frequency_hz: f64::from(i), response }).collect();
+    let found = Foreign { sensor: None, points, columns: Vec::new(), is_table: true };
     let of = |band_hz: (f64, f64), snr_db: f64| found.measurement(0.03, SensorKind::Strain, snr_db, band_hz);
     let measured = of((100.0, 1099.0), 20.0).expect("a measurement");
     assert_eq!((measured.points.len(), measured.points[1].frequency_hz), (334, 103.0));
@@ -226,7 +252,7 @@ proptest! {
                 _ => bytes.insert(at, byte),
             }
         }
-        if let Ok(File::Foreign(foreign)) = File::read(&bytes) {
+        if let Ok(File::Foreign(foreign)) = File::read(&bytes, &[]) {
             let _ = foreign.measurement(0.03, SensorKind::Velocity, 40.0, (1.0, 1e4));
         }
     }

@@ -1,20 +1,21 @@
-//! Dataset 58 of a universal file, "function at nodal DOF" (I-DEAS; revision of 30 June 1999), as text.
+//! Dataset 58 of a universal file, "function at nodal DOF" (I-DEAS; revision of 30 June 1999), as text or as bytes (58b).
 //!
 //! A dataset stands between lines of -1; its number is on its first line. Of its eleven header lines the sixth has
-//! the function type, the seventh the data format, the eighth and ninth the kinds of abscissa and ordinate.
-//! [`binary`] reads the numbers of dataset 58b.
+//! the function type, the seventh the data format, the eighth and ninth the kinds of abscissa and ordinate. Its numbers
+//! stand in fixed columns, so that they may touch; [`binary`] reads those of dataset 58b.
 
-pub(super) mod binary;
+mod binary;
 
-use super::{FileError, Foreign};
+use super::{ColumnRead, FileError, Foreign, ForeignPoint};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::quantity::must_be;
-use crate::text_table::{BadLine, FINITE, number, shown, wrong};
+use crate::text_table::{BadLine, FINITE, Unit, number, shown, text_of, unit, wrong};
 use num_complex::Complex64;
+use std::borrow::Cow;
 use std::fmt::Write;
 
-/// A line of -1 begins and ends a dataset.
-const MARK: &str = "-1";
+/// Header lines.
+const HEAD: usize = 11;
 /// Function types that are a response over frequency: general, frequency response, transmissibility, spectrum.
 const RESPONSES: [u32; 4] = [0, 4, 5, 12];
 /// Abscissa type of a frequency; 0 is unknown.
@@ -27,23 +28,95 @@ const ORDINATES: [(SensorKind, u32, &str); 4] = [
     (SensorKind::Strain, 3, "m/m"),
 ];
 
-pub(super) fn is_one(text: &str) -> bool {
-    text.lines().map(str::trim).find(|line| !line.is_empty()) == Some(MARK)
+/// A file's bytes, line by line.
+struct Lines<'a> {
+    bytes: &'a [u8],
+    /// Offset of the next byte, and the number of the last line.
+    at: usize,
+    line: usize,
 }
 
-/// The lines of a dataset with their numbers in the file.
-struct Dataset<'a> {
+impl<'a> Lines<'a> {
+    const fn of(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0, line: 0 }
+    }
+
+    /// The next line, without blanks at its end; it is ended by a line feed, a carriage return, or both.
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
+        let length = rest.iter().position(|byte| matches!(byte, b'\n' | b'\r')).unwrap_or(rest.len());
+        let end = if rest[length..].starts_with(b"\r\n") { 2 } else { 1 };
+        self.at += length + end;
+        self.line += 1;
+        Some(rest[..length].trim_ascii_end())
+    }
+
+    fn skip(&mut self, count: usize) -> Option<&'a [u8]> {
+        let taken = self.bytes.get(self.at..)?.get(..count)?;
+        self.at += count;
+        Some(taken)
+    }
+
+    /// Goes behind the next line of -1, to the first line of a dataset, and returns its number.
+    fn dataset(&mut self) -> Option<Cow<'a, str>> {
+        loop {
+            while !is_mark(self.next()?) {}
+            let mut first = self.next()?;
+            while is_mark(first) {
+                first = self.next()?;
+            }
+            if first.trim_ascii_start().first().is_some_and(u8::is_ascii_digit) {
+                return Some(text_of(first));
+            }
+        }
+    }
+}
+
+fn is_mark(line: &[u8]) -> bool {
+    line.trim_ascii() == b"-1"
+}
+
+/// Whether a file has a dataset. Text may stand above the first one.
+pub(super) fn is_one(bytes: &[u8]) -> bool {
+    Lines::of(bytes).dataset().is_some_and(|number| {
+        let word = number.split_whitespace().next().unwrap_or("");
+        word.trim_end_matches(['b', 'B']).parse::<u16>().is_ok()
+    })
+}
+
+/// The header lines of a dataset with the number of the first in the file.
+struct Head {
     first: usize,
-    lines: Vec<&'a str>,
+    lines: Vec<String>,
 }
 
-impl<'a> Dataset<'a> {
-    /// The words of header line `at`, counted from 0, and its number in the file.
-    fn words(&self, at: usize) -> Result<(usize, Vec<&'a str>), BadLine> {
+impl Head {
+    /// Header line `at`, counted from 0, and its number in the file.
+    fn line(&self, at: usize) -> Result<(usize, &str), BadLine> {
         let line = self.first + at;
         let content = self.lines.get(at).ok_or_else(|| wrong(line, "the dataset's head is cut off"))?;
-        Ok((line, content.split_whitespace().collect()))
+        Ok((line, content))
     }
+
+    /// The fields of header line `at`: in columns of these widths if they fill them, else separated by blanks.
+    fn fields(&self, at: usize, widths: &[usize]) -> Result<(usize, Vec<&str>), BadLine> {
+        let (line, content) = self.line(at)?;
+        let words = || content.split_whitespace().collect();
+        Ok((line, columns(content, widths).unwrap_or_else(words)))
+    }
+}
+
+/// The fields of a line in columns of these widths; `None` unless each is filled up to its last letter.
+fn columns<'a>(line: &'a str, widths: &[usize]) -> Option<Vec<&'a str>> {
+    let mut at = 0;
+    let field = |&width: &usize| {
+        let field = line.get(at..at + width)?;
+        at += width;
+        let is_filled =
+            !field.ends_with(char::is_whitespace) && !field.trim_start().contains(char::is_whitespace);
+        is_filled.then(|| field.trim_start())
+    };
+    widths.iter().map(field).collect()
 }
 
 /// A whole number of a header line.
@@ -53,36 +126,36 @@ fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, BadLine> 
         .map_err(|_| wrong(line, must_be(format_args!("{field} = {}", shown(word)), "a whole number")))
 }
 
-/// Whether the first line of a dataset has this number.
-fn is_number(line: &str, number: &str) -> bool {
-    line.split_whitespace().next().is_some_and(|word| word.eq_ignore_ascii_case(number))
-}
-
-/// All datasets with the number 58.
-fn datasets(text: &str) -> Result<Vec<Dataset<'_>>, FileError> {
-    let mut found = Vec::new();
-    let mut lines = (1..).zip(text.lines());
-    while let Some((_, line)) = lines.next() {
-        if line.trim() != MARK {
-            continue;
-        }
-        let Some((at, kind)) = lines.next() else { break };
-        let content: Vec<&str> =
-            lines.by_ref().map(|(_, line)| line).take_while(|line| line.trim() != MARK).collect();
-        if is_number(kind, "58") {
-            found.push(Dataset { first: at + 1, lines: content });
+/// Reads the only function of a universal file.
+pub(super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
+    let mut lines = Lines::of(bytes);
+    let (mut functions, mut others) = (Vec::new(), Vec::new());
+    while let Some(kind) = lines.dataset() {
+        let number = kind.split_whitespace().next().unwrap_or("").to_lowercase();
+        match &*number {
+            "58" => functions.push(function(&mut lines)),
+            "58b" => functions.push(binary::function(&mut lines, &kind)),
+            _ => {
+                others.push(number);
+                while lines.next().is_some_and(|line| !is_mark(line)) {}
+            }
         }
     }
-    Ok(found)
-}
-
-pub(super) fn read(text: &str) -> Result<Foreign, FileError> {
-    let datasets = datasets(text)?;
-    match &datasets[..] {
-        [] => Err(FileError::NoFunction),
-        [dataset] => Ok(function(dataset)?),
+    match functions.len() {
+        0 => {
+            others.dedup();
+            Err(FileError::NoFunction { others: others.join(", ") })
+        }
+        1 => Ok(functions.remove(0)?),
         _ => Err(FileError::ManyFunctions),
     }
+}
+
+/// The eleven lines above a dataset's numbers.
+fn head(lines: &mut Lines<'_>) -> Head {
+    let first = lines.line + 1;
+    let texts = (0..HEAD).map_while(|_| lines.next()).take_while(|line| !is_mark(line));
+    Head { first, lines: texts.map(|line| text_of(line).into_owned()).collect() }
 }
 
 /// The format of a dataset's numbers, from its header.
@@ -97,25 +170,39 @@ struct Form {
     start_hz: f64,
     step_hz: f64,
     sensor: Option<SensorKind>,
+    /// Hertz per unit of the abscissa.
+    hertz: f64,
+    /// What abscissa and ordinate are called.
+    names: [String; 2],
 }
 
 impl Form {
-    fn of(dataset: &Dataset<'_>) -> Result<Self, BadLine> {
-        let (line, words) = dataset.words(5)?;
+    fn of(head: &Head) -> Result<Self, BadLine> {
+        let (line, words) = head.fields(5, &[5, 10])?;
         let kind = whole(line, "the function's type", words.first())?;
         if !RESPONSES.contains(&kind) {
             let allowed = "0, 4, 5 or 12: a response over the frequency";
             return Err(wrong(line, must_be(format_args!("the function's type = {kind}"), allowed)));
         }
-        let (line, abscissa) = dataset.words(7)?;
+        let (line, abscissa) = head.fields(7, &[10, 5])?;
         let is_frequency = whole(line, "the abscissa's type", abscissa.first())?;
         if ![0, FREQUENCY].contains(&is_frequency) {
             let given = format_args!("the abscissa's type = {is_frequency}");
             return Err(wrong(line, must_be(given, "18: a frequency")));
         }
-        let (line, ordinate) = dataset.words(8)?;
+        let (line, ordinate) = head.fields(8, &[10, 5])?;
         let ordinate = whole(line, "the ordinate's type", ordinate.first())?;
-        let (line, form) = dataset.words(6)?;
+        let axis = |at: usize| -> Result<(String, Option<Unit>), BadLine> {
+            let text =
+                |from: usize| head.line(at).map(|it| it.1.chars().skip(from).take(20).collect::<String>());
+            Ok((shown(text(26)?.trim()), unit(&text(47)?)))
+        };
+        let hertz = match axis(7)?.1 {
+            Some(Unit::Hertz(size)) => size,
+            _ => 1.0,
+        };
+        let names = [axis(7)?.0, axis(8)?.0];
+        let (line, form) = head.fields(6, &[10, 10, 10, 13, 13])?;
         let (is_complex, is_double) = match whole(line, "the data's form", form.first())? {
             2 => (false, false),
             4 => (false, true),
@@ -127,7 +214,7 @@ impl Form {
             }
         };
         let real = |at: usize, field: &str| {
-            number(line, field, &exponent(form.get(at).copied().unwrap_or("0")), FINITE)
+            number(line, field, &fortran_number(form.get(at).copied().unwrap_or("0")), FINITE)
         };
         Ok(Self {
             line,
@@ -138,6 +225,8 @@ impl Form {
             start_hz: real(3, "the lowest abscissa")?,
             step_hz: real(4, "the abscissa's increment")?,
             sensor: ORDINATES.iter().find(|(_, number, _)| *number == ordinate).map(|it| it.0),
+            hertz,
+            names,
         })
     }
 
@@ -146,43 +235,79 @@ impl Form {
         if self.is_complex { 2 } else { 1 }
     }
 
-    /// The function with these numbers.
-    fn points(&self, values: &[f64]) -> Result<Foreign, BadLine> {
+    /// The widths of the columns of a line of the text.
+    const fn widths(&self) -> &'static [usize] {
+        match (self.is_double, self.is_even, self.is_complex) {
+            (false, ..) => &[13; 6],
+            (true, true, _) => &[20; 4],
+            (true, false, true) => &[13, 20, 20],
+            (true, false, false) => &[13, 20, 13, 20],
+        }
+    }
+
+    /// The function with these numbers, each with its line.
+    fn points(&self, values: &[(usize, f64)]) -> Result<Foreign, BadLine> {
         let width = usize::from(!self.is_even) + self.ordinates();
-        if Some(values.len()) != self.count.checked_mul(width) {
-            let given = format_args!("the dataset of {} points has {} numbers", self.count, values.len());
+        let wanted = self.count.checked_mul(width).filter(|wanted| *wanted <= values.len());
+        // The last line may be filled with zeros.
+        let (values, padding) = values.split_at(wanted.unwrap_or(0));
+        let last = values.last().map_or(0, |value| value.0);
+        if wanted.is_none() || padding.iter().any(|&(line, value)| line != last || value != 0.0) {
+            let count = values.len() + padding.len();
+            let given = format_args!("the dataset of {} points has {count} numbers", self.count);
             return Err(wrong(self.line, must_be(given, format!("{width} for each point"))));
         }
-        let point = |(i, row): (usize, &[f64])| {
-            let (frequency_hz, row) = match row {
-                [frequency_hz, rest @ ..] if !self.is_even => (*frequency_hz, rest),
+        let point = |(i, row): (usize, &[(usize, f64)])| {
+            let line = row.first().map_or(self.line, |it| it.0);
+            let (frequency, row) = match row {
+                [(_, frequency), rest @ ..] if !self.is_even => (*frequency, rest),
                 row => (self.start_hz + self.step_hz * i as f64, row),
             };
             let response = match row {
-                [re, im, ..] => Complex64::new(*re, -im),
-                [magnitude] => Complex64::new(magnitude.abs(), 0.0),
+                [(_, re), (_, im), ..] => Complex64::new(*re, -im),
+                [(_, magnitude)] => Complex64::new(magnitude.abs(), 0.0),
                 [] => Complex64::ZERO,
             };
-            (frequency_hz, response)
+            ForeignPoint { line, frequency_hz: frequency * self.hertz, response: Some(response) }
         };
         let points = values.chunks_exact(width).enumerate().map(point).collect();
-        Ok(Foreign { sensor: self.sensor, points })
+        let [abscissa, ordinate] = self.names.clone();
+        let of_response =
+            self.sensor.map_or(if self.is_complex { "response" } else { "magnitude" }, SensorKind::word);
+        let columns =
+            vec![ColumnRead::new(abscissa, "frequency", "Hz"), ColumnRead::new(ordinate, of_response, "")];
+        Ok(Foreign { sensor: self.sensor, points, columns, is_table: false })
     }
 }
 
-fn function(dataset: &Dataset<'_>) -> Result<Foreign, BadLine> {
-    let form = Form::of(dataset)?;
+/// The function of a dataset of text, up to the line of -1 behind it.
+fn function(lines: &mut Lines<'_>) -> Result<Foreign, BadLine> {
+    let head = head(lines);
+    let form = Form::of(&head);
     let mut values = Vec::new();
-    for (at, content) in dataset.lines.iter().enumerate().skip(11) {
-        for word in apart(content) {
-            values.push(number(dataset.first + at, "the value", &exponent(&word), FINITE)?);
+    let mut bad = None;
+    while let Some(line) = lines.next().filter(|line| !is_mark(line)) {
+        let (Ok(form), None) = (&form, &bad) else { continue };
+        let text = text_of(line);
+        for word in numbers(&text, form.widths()) {
+            match number(lines.line, "the value", &fortran_number(&word), FINITE) {
+                Ok(value) => values.push((lines.line, value)),
+                Err(error) => bad = bad.or(Some(error)),
+            }
         }
     }
-    form.points(&values)
+    let form = form?;
+    bad.map_or_else(|| form.points(&values), Err)
 }
 
-/// The numbers of a line. A Fortran field fills its whole width, so a sign may touch the number before it.
-fn apart(line: &str) -> Vec<String> {
+/// The numbers of a line: in its columns if they fill them, else separated by blanks, or by the sign of the next one.
+fn numbers(line: &str, widths: &[usize]) -> Vec<String> {
+    let in_columns = |count: usize| {
+        columns(line, &widths[..count]).filter(|_| widths[..count].iter().sum::<usize>() == line.len())
+    };
+    if let Some(fields) = (1..=widths.len()).rev().find_map(in_columns) {
+        return fields.into_iter().map(str::to_owned).collect();
+    }
     let mut words: Vec<String> = Vec::new();
     let mut before = ' ';
     for letter in line.chars() {
@@ -202,9 +327,13 @@ fn apart(line: &str) -> Vec<String> {
     words
 }
 
-/// A number whose exponent may be written with Fortran's D.
-fn exponent(word: &str) -> String {
-    word.replace(['d', 'D'], "E")
+/// A number whose exponent may be written with Fortran's D, or without a letter if it has three digits.
+fn fortran_number(word: &str) -> String {
+    let word = word.replace(['d', 'D'], "E");
+    match word.rfind(['+', '-']) {
+        Some(at) if at > 0 && !word.contains(['e', 'E']) => format!("{}E{}", &word[..at], &word[at..]),
+        _ => word,
+    }
 }
 
 /// A number in Fortran's format E.

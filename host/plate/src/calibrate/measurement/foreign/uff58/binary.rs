@@ -5,80 +5,23 @@
 //! them. The bytes begin directly after the last header line and are in the order of the text's numbers; a line of -1
 //! follows them directly.
 
-use super::super::{FileError, Foreign};
-use super::{Dataset, Form, MARK, is_number, whole};
+use super::{Form, HEAD, Lines, head, is_mark, whole};
+use crate::calibrate::measurement::foreign::Foreign;
 use crate::quantity::must_be;
 use crate::text_table::{BadLine, wrong};
 
-/// Header lines.
-const HEAD: usize = 11;
 /// The only number format that is read.
 const IEEE_754: u32 = 2;
 
-/// A file's bytes, line by line.
-struct Lines<'a> {
-    bytes: &'a [u8],
-    /// Offset of the next byte, and the number of its line in the file.
-    at: usize,
-    line: usize,
+/// The function of a dataset with this first line, up to the line of -1 behind it.
+pub(super) fn function(lines: &mut Lines<'_>, kind: &str) -> Result<Foreign, BadLine> {
+    let function = numbers(lines, kind);
+    while lines.next().is_some_and(|line| !is_mark(line)) {}
+    function
 }
 
-impl<'a> Lines<'a> {
-    /// The next line and its number.
-    fn next(&mut self) -> Option<(usize, &'a [u8])> {
-        let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
-        let length = rest.iter().position(|byte| *byte == b'\n');
-        let line = &rest[..length.unwrap_or(rest.len())];
-        self.at += length.map_or(rest.len(), |length| length + 1);
-        self.line += 1;
-        Some((self.line, line.trim_ascii()))
-    }
-
-    fn skip(&mut self, count: usize) -> Option<&'a [u8]> {
-        let taken = self.bytes.get(self.at..)?.get(..count)?;
-        self.at += count;
-        Some(taken)
-    }
-}
-
-/// Whether a file has a dataset 58b.
-pub(in super::super) fn has_one(bytes: &[u8]) -> bool {
-    let mut lines = Lines { bytes, at: 0, line: 0 };
-    let mut is_marked = false;
-    while let Some((_, line)) = lines.next() {
-        if is_marked && is_number(&String::from_utf8_lossy(line), "58b") {
-            return true;
-        }
-        is_marked = line == MARK.as_bytes();
-    }
-    false
-}
-
-/// Reads the only function of a file with a dataset 58b.
-pub(in super::super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
-    let mut lines = Lines { bytes, at: 0, line: 0 };
-    let mut found = None;
-    while let Some((_, line)) = lines.next() {
-        if line != MARK.as_bytes() {
-            continue;
-        }
-        let Some((at, kind)) = lines.next() else { break };
-        let kind = String::from_utf8_lossy(kind);
-        let is_binary = is_number(&kind, "58b");
-        if (is_binary || is_number(&kind, "58")) && found.is_some() {
-            return Err(FileError::ManyFunctions);
-        }
-        if is_binary {
-            found = Some(function(&mut lines, at, &kind)?);
-        }
-        // Skips to the end of the dataset.
-        while lines.next().is_some_and(|(_, line)| line != MARK.as_bytes()) {}
-    }
-    found.ok_or(FileError::NoFunction)
-}
-
-/// The function of a dataset with its first line at number `at`.
-fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, BadLine> {
+fn numbers(lines: &mut Lines<'_>, kind: &str) -> Result<Foreign, BadLine> {
+    let at = lines.line;
     let words: Vec<&str> = kind.split_whitespace().collect();
     let order = whole(at, "the order of the bytes", words.get(1))?;
     let is_little = match order {
@@ -94,22 +37,16 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Bad
         let allowed = "2: IEEE 754; save it anew on another computer, or as text";
         return Err(wrong(at, must_be(format_args!("the form of the numbers = {form}"), allowed)));
     }
-    let head = whole(at, "the number of lines", words.get(3))? as usize;
-    if head != HEAD {
-        return Err(wrong(at, must_be(format_args!("the number of lines = {head}"), "11")));
+    let stated = whole(at, "the number of lines", words.get(3))? as usize;
+    if stated != HEAD {
+        return Err(wrong(at, must_be(format_args!("the number of lines = {stated}"), "11")));
     }
     let count = whole(at, "the number of bytes", words.get(4))? as usize;
-    let mut texts = Vec::with_capacity(HEAD);
-    for _ in 0..HEAD {
-        let (_, line) = lines.next().ok_or_else(|| wrong(at, "the dataset's head is cut off"))?;
-        texts.push(String::from_utf8_lossy(line).into_owned());
-    }
-    let head = Dataset { first: at + 1, lines: texts.iter().map(String::as_str).collect() };
-    let form = Form::of(&head)?;
+    let form = Form::of(&head(lines))?;
     let data = lines.skip(count).ok_or_else(|| {
         wrong(at, format!("the file ends before the {count} bytes that the dataset is said to have"))
     })?;
-    form.points(&values(data, &form, is_little, at)?)
+    form.points(&values(data, &form, is_little, at)?.into_iter().map(|value| (at, value)).collect::<Vec<_>>())
 }
 
 /// The numbers of a dataset's bytes.

@@ -1,0 +1,105 @@
+//! Numbers of cells: decimal signs, group marks, minus signs of typesetters, and the words for no number.
+
+use super::{BadLine, wrong};
+use std::borrow::Cow;
+
+/// Marks between groups of three digits, beside the one of `.` and `,` that is not the decimal sign.
+const GROUP_MARKS: [char; 5] = ['\u{a0}', '\u{202f}', '\u{2009}', '\'', '’'];
+/// What programs write where they have no number, in lower case.
+const NONE: &[&str] = &[
+    "", "-", "--", "---", "n/a", "na", "null", "none", "#n/a", "#nv", "#num!", "#zahl!", "#div/0!",
+    "#value!", "#wert!", "1.#inf", "-1.#inf", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "∞", "-∞", "+∞",
+];
+
+/// The sign before the decimals of a table's numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Decimal {
+    Point,
+    Comma,
+}
+
+impl Decimal {
+    /// The decimal sign and the group mark.
+    const fn signs(self) -> (char, char) {
+        match self {
+            Self::Point => ('.', ','),
+            Self::Comma => (',', '.'),
+        }
+    }
+
+    /// The number of a cell: not finite where the cell has a word for no number; `None` if it is neither.
+    pub(crate) fn number(self, cell: &str) -> Option<f64> {
+        let (sign, group) = self.signs();
+        let cell: Cow<'_, str> = if cell.is_ascii() {
+            cell.into()
+        } else {
+            cell.replace(['−', '–', '‐', '‑', '‒', '﹣', '－'], "-").into()
+        };
+        let may_be_word = cell.contains('#') || !cell.starts_with(|letter: char| letter.is_ascii_digit());
+        if may_be_word && NONE.contains(&&*cell.to_lowercase()) {
+            return Some(f64::NAN);
+        }
+        if self == Self::Point
+            && let Ok(number) = cell.parse()
+        {
+            return Some(number);
+        }
+        let end = cell.find([sign, 'e', 'E', 'd', 'D']).unwrap_or(cell.len());
+        let (whole, rest) = cell.split_at(end);
+        let is_mark = |letter: char| letter == group || GROUP_MARKS.contains(&letter);
+        if let Some(mark) = whole.chars().find(|&letter| is_mark(letter)) {
+            let mut groups = whole.trim_start_matches(['+', '-']).split(mark);
+            let is_first = groups
+                .next()
+                .is_some_and(|it| (1..=3).contains(&it.len()) && !it.starts_with('0') && all_digits(it));
+            if !is_first || !groups.all(|it| it.len() == 3 && all_digits(it)) {
+                return None;
+            }
+        }
+        if rest == "," || rest.chars().any(is_mark) {
+            return None;
+        }
+        let mut plain: String = whole.chars().filter(|&letter| !is_mark(letter)).collect();
+        plain.extend(rest.chars().map(|letter| if letter == sign { '.' } else { letter }));
+        // Fortran writes exponents with D.
+        plain.parse().or_else(|_| plain.replace(['d', 'D'], "e").parse()).ok()
+    }
+
+    /// The decimal sign of numbered cells, from those that can be read in one way alone.
+    ///
+    /// # Errors
+    /// A line with the other sign, or one that could have either.
+    pub(crate) fn of<'a>(cells: impl Iterator<Item = (usize, &'a str)>) -> Result<Self, BadLine> {
+        let (mut sure, mut maybe) = ([None; 2], [None; 2]);
+        for (line, cell) in cells.filter(|(_, cell)| cell.contains(['.', ','])) {
+            let ways =
+                [Self::Point, Self::Comma].map(|decimal| decimal.number(cell).is_some_and(f64::is_finite));
+            match ways {
+                [true, false] => sure[0] = sure[0].or(Some(line)),
+                [false, true] => sure[1] = sure[1].or(Some(line)),
+                // Three digits behind the only sign: decimals, or a group.
+                [true, true] => {
+                    let way = usize::from(cell.contains(','));
+                    maybe[way] = maybe[way].or(Some(line));
+                }
+                [false, false] => {}
+            }
+        }
+        let both = "both a decimal point and a decimal comma are in use: write all numbers with a point";
+        match (sure, maybe) {
+            ([Some(point), Some(comma)], _) => Err(wrong(point.max(comma), both)),
+            ([Some(_), None], _) | ([None, None], [_, None]) => Ok(Self::Point),
+            ([None, Some(_)], _) | ([None, None], [None, _]) => Ok(Self::Comma),
+            ([None, None], [Some(point), Some(comma)]) => Err(wrong(point.max(comma), both)),
+        }
+    }
+}
+
+fn all_digits(text: &str) -> bool {
+    text.bytes().all(|byte| byte.is_ascii_digit())
+}
+
+/// Whether a cell is a number with either decimal sign, or a word for none.
+pub(super) fn is_number(cell: &str) -> bool {
+    Decimal::Point.number(cell).is_some() || Decimal::Comma.number(cell).is_some()
+}
