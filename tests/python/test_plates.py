@@ -55,6 +55,18 @@ def test_the_file_of_another_program_needs_what_it_does_not_state(plate, tmp_pat
         slipline.Measurement.read(file, plate=plate, sensor=0.03)
     measurement = slipline.Measurement.read(file, plate=plate, sensor=0.03, kind="velocity", snr=30.0)
     assert (measurement.place_m, measurement.sensor) == (0.03, "velocity")
+    assert measurement.source.startswith("36 rows, ") and "column 1 as frequency in Hz" in measurement.source
+    assert pickle.loads(pickle.dumps(measurement)).source is None
+    rows = [f"{hz};1;{0.1 + 0.001 * hz};0.5" for hz in range(80, 260, 5)]
+    file.write_text("\n".join(["f (Hz);Velocity A (m/s);Velocity B (mm/s);Phase (rad)", *rows]))
+    stated = {"plate": plate, "sensor": 0.03}
+    with pytest.raises(slipline.BadFile, match="2 columns may be the level.*columns="):
+        slipline.Measurement.read(file, **stated)
+    measurement = slipline.Measurement.read(file, **stated, columns="frequency=1,velocity=3,phase=4")
+    assert measurement.sensor == "velocity" and "*Velocity A (m/s)* left out" in measurement.source
+    assert measurement.response[0] == pytest.approx(0.18e-3 * np.exp(-0.5j))
+    with pytest.raises(slipline.Refused, match="did you mean frequency"):
+        slipline.Measurement.read(file, **stated, columns="frequenci=1")
 
 
 def test_a_result_has_its_fields_in_every_form(plate):

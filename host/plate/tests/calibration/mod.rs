@@ -4,6 +4,7 @@
 mod air;
 mod bar;
 mod drive_check;
+mod foreign;
 mod levels;
 mod misuse;
 mod one_sensor;

@@ -57,6 +57,7 @@ fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
         open_measure(&mut app);
         drop_file(&mut app, name, text.as_bytes());
         assert!(app.shows("By another program: 60 frequencies from"), "{name}");
+        assert!(app.shows("as frequency") && app.shows("Column 2: level in dB"), "{name}");
         assert!(!app.is_enabled("Take it") && !app.shows("Measured differs"), "{name}");
         type_into(&mut app, "Sensor stood at", "32 mm");
         choose_kind(&mut app, "choose…", "acceleration");
@@ -64,6 +65,32 @@ fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
         assert!(!app.shows("By another program") && app.shows("Measured differs"), "{name}");
         assert!(app.has(name) && app.shows("32.0 mm ±"), "{name}");
     }
+}
+
+#[test]
+fn columns_that_are_not_clear_are_chosen_before_the_file_is_taken() {
+    let frd = near(1.0).to_frd();
+    let rows = frd
+        .lines()
+        .filter(|line| !line.starts_with('*'))
+        .map(|row| row.replacen(' ', ";0;", 1).replace(' ', ";"));
+    let head = "Frequency (Hz);Level A (dB);Level B (dB);Phase (deg)".to_owned();
+    let text: Vec<String> = std::iter::once(head).chain(rows).collect();
+    let mut app = TestApp::driving();
+    open_measure(&mut app);
+    drop_file(&mut app, "two.csv", text.join("\n").as_bytes());
+    assert!(app.shows("Its columns are not clear") && app.shows("2 columns may be the level"));
+    choose_kind(&mut app, "choose…", "acceleration");
+    assert!(!app.is_enabled("Take it"));
+    for (column, meaning) in [(1, "frequency in Hz"), (3, "level in dB"), (4, "phase in deg")] {
+        app.window.get_by_role_and_label(Role::ComboBox, &format!("Column {column}: left out")).click();
+        app.wait(200);
+        app.window.get_by_role_and_label(Role::Button, meaning).click_accesskit();
+        app.wait(200);
+    }
+    assert!(app.shows("By another program: 60 frequencies") && app.shows("*Level A (dB)* left out"));
+    press(&mut app, "Take it");
+    assert!(!app.shows("By another program") && app.shows("The plate's model fits"));
 }
 
 #[test]

@@ -1,3 +1,6 @@
+mod generated;
+mod siblings;
+
 use super::*;
 use crate::calibrate::fit::pairs::pairs;
 use proptest::prelude::*;
