@@ -9,7 +9,7 @@ mod host;
 mod inputs;
 
 pub use device::{decode, program, rx_bytes, session, stored};
-pub use files::{load_plate, load_setup};
+pub use files::{load_measurement, load_plate, load_setup};
 pub use host::connection;
 pub use inputs::inputs;
 
@@ -17,10 +17,11 @@ pub use inputs::inputs;
 pub type Target = (&'static str, fn(&[u8]));
 
 /// Every target, by the name of its binary and of its corpus.
-pub const TARGETS: [Target; 9] = [
+pub const TARGETS: [Target; 10] = [
     ("connection", connection),
     ("decode", decode),
     ("inputs", inputs),
+    ("load_measurement", load_measurement),
     ("load_plate", load_plate),
     ("load_setup", load_setup),
     ("program", program),

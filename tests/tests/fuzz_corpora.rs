@@ -81,3 +81,8 @@ fn a_plate_file_is_an_error_or_a_plate() {
 fn a_setup_file_is_an_error_or_a_setup_that_is_written_as_it_was_read() {
     replay("load_setup");
 }
+
+#[test]
+fn a_measurement_is_an_error_or_rows_that_a_report_counts() {
+    replay("load_measurement");
+}

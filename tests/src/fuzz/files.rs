@@ -2,6 +2,7 @@
 
 use slipline_model::setup::file::{self, Opened};
 use slipline_plate::Plate;
+use slipline_plate::calibrate::{File, Measurement, SensorKind};
 
 /// A plate file: an error or a plate, never a panic; a plate survives being written and read again.
 ///
@@ -31,5 +32,27 @@ pub fn load_setup(data: &[u8]) {
             Ok(Opened::Setup(again)) => assert_eq!(again, setup),
             other => panic!("what was written is read as {other:?}"),
         },
+    }
+}
+
+/// A file of a measurement: an error with a text, or rows that a report counts; never a panic. One of the program's own is read
+/// back from what is written of it.
+///
+/// # Panics
+/// If that does not hold.
+pub fn load_measurement(data: &[u8]) {
+    const BAND_HZ: (f64, f64) = (60.0, 300.0);
+    match File::read(data, &[]) {
+        Err(error) => assert!(!error.to_string().is_empty()),
+        Ok(File::Own(measurement)) => {
+            assert_eq!(Measurement::from_csv(&measurement.to_csv()), Ok(measurement));
+        }
+        Ok(File::Foreign(foreign)) => {
+            let read = foreign.read(BAND_HZ);
+            assert!(read.rows_in_band <= read.rows && !read.to_string().is_empty());
+            if let Ok(measurement) = foreign.measurement(0.03, SensorKind::Velocity, 40.0, BAND_HZ) {
+                assert!(measurement.points.len() <= read.rows_in_band);
+            }
+        }
     }
 }
