@@ -170,12 +170,6 @@ pub enum FileError {
     /// A universal file with several functions.
     #[error("the universal file holds more than one function: save the one of this sensor alone")]
     ManyFunctions,
-    /// A sound file.
-    #[error("the file is a sound and not a table of frequencies")]
-    Sound,
-    /// A spreadsheet's own format: a ZIP archive, or an OLE document.
-    #[error("the file is a spreadsheet: save its table as CSV")]
-    Spreadsheet,
     /// Columns were chosen of a file that states them.
     #[error("the file's format states its columns: only those of a table can be chosen")]
     Stated,
@@ -201,12 +195,6 @@ impl File {
     /// # Errors
     /// [`FileError`], with the line where there is one. No bytes make this function panic.
     pub fn read(bytes: &[u8], columns: &[Chosen]) -> Result<Self, FileError> {
-        if bytes.starts_with(b"RIFF") {
-            return Err(FileError::Sound);
-        }
-        if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"\xd0\xcf\x11\xe0") {
-            return Err(FileError::Spreadsheet);
-        }
         let is_stated = || if columns.is_empty() { Ok(()) } else { Err(FileError::Stated) };
         if uff58::is_one(bytes) {
             is_stated()?;

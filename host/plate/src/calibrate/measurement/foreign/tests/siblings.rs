@@ -225,14 +225,10 @@ fn what_is_not_clear_is_refused_with_its_columns() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_called_what_they_are() {
-    for (bytes, words) in [
-        (&b"PK\x03\x04\x14\0\0\0"[..], "the file is a spreadsheet: save its table as CSV"),
-        (&b"\xd0\xcf\x11\xe0\xa1\xb1"[..], "the file is a spreadsheet"),
-        (&b"Hz\0\0dB"[..], "the file is no text"),
-    ] {
-        let error = read(bytes).expect_err(words);
-        assert!(error.starts_with(words), "{error}");
+fn bytes_that_are_no_text_are_refused() {
+    for bytes in [&b"Hz\0\0dB"[..], b"PK\x03\x04\x14\0\0\0", b"RIFF\x24\0\0\0WAVE"] {
+        let error = read(bytes).expect_err("no text");
+        assert_eq!(error, "the file is no text: save the table as CSV");
     }
 }
 
