@@ -138,7 +138,7 @@ fn each_file_of_the_folder_gives_its_twins_answer_or_is_refused_in_words() {
     assert_eq!(names.collect::<BTreeSet<_>>(), walked);
 }
 
-/// Prints what becomes of each universal file of the folder `SLIPLINE_FILES`.
+/// Prints what becomes of each file of the folder `SLIPLINE_FILES`.
 #[test]
 #[ignore = "tries files that are not in the tree: SLIPLINE_FILES=FOLDER"]
 fn files_of_a_folder_are_read_or_refused_in_words() {
@@ -152,9 +152,8 @@ fn files_of_a_folder_are_read_or_refused_in_words() {
         match File::read(&bytes, &[]) {
             Ok(File::Foreign(foreign)) => {
                 println!("{name}\tread\t{}", foreign.read((0.0, f64::INFINITY)));
-                for point in &foreign.points {
-                    let it = point.response.expect("a number");
-                    println!("\t{:e}\t{:e}\t{:e}", point.frequency_hz, it.re, -it.im);
+                for (hz, it) in foreign.points.iter().filter_map(|it| Some((it.frequency_hz, it.response?))) {
+                    println!("\t{hz:e}\t{:e}\t{:e}", it.re, -it.im);
                 }
             }
             Ok(File::Own(_)) => println!("{name}\town"),

@@ -18,6 +18,17 @@ use std::fmt::Write;
 const HEAD: usize = 11;
 /// Function types that are a response over frequency: general, frequency response, transmissibility, spectrum.
 const RESPONSES: [u32; 4] = [0, 4, 5, 12];
+/// Function types that are none, and what they are.
+const OTHERS: [(u32, &str); 8] = [
+    (1, "a time response"),
+    (2, "an auto spectrum"),
+    (3, "a cross spectrum"),
+    (6, "a coherence"),
+    (7, "an auto-correlation"),
+    (8, "a cross-correlation"),
+    (9, "a power spectral density"),
+    (10, "an energy spectral density"),
+];
 /// Abscissa type of a frequency; 0 is unknown.
 const FREQUENCY: u32 = 18;
 /// Ordinate types of the four kinds of sensor.
@@ -133,8 +144,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
     while let Some(kind) = lines.dataset() {
         let number = kind.split_whitespace().next().unwrap_or("").to_lowercase();
         match &*number {
-            "58" => functions.push(function(&mut lines)),
-            "58b" => functions.push(binary::function(&mut lines, &kind)),
+            "58" => functions.push(of_dataset(&number, function(&mut lines))),
+            "58b" => functions.push(of_dataset(&number, binary::function(&mut lines, &kind))),
             _ => {
                 others.push(number);
                 while lines.next().is_some_and(|line| !is_mark(line)) {}
@@ -149,6 +160,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Foreign, FileError> {
         1 => Ok(functions.remove(0)?),
         _ => Err(FileError::ManyFunctions),
     }
+}
+
+/// A function, or the error with the dataset's number.
+fn of_dataset(number: &str, function: Result<Foreign, BadLine>) -> Result<Foreign, BadLine> {
+    function.map_err(|BadLine { line, reason }| wrong(line, format!("dataset {number}: {reason}")))
 }
 
 /// The eleven lines above a dataset's numbers.
@@ -182,7 +198,9 @@ impl Form {
         let kind = whole(line, "the function's type", words.first())?;
         if !RESPONSES.contains(&kind) {
             let allowed = "0, 4, 5 or 12: a response over the frequency";
-            return Err(wrong(line, must_be(format_args!("the function's type = {kind}"), allowed)));
+            let called = OTHERS.iter().find(|it| it.0 == kind);
+            let called = called.map_or(String::new(), |it| format!(" ({})", it.1));
+            return Err(wrong(line, must_be(format_args!("the function's type = {kind}{called}"), allowed)));
         }
         let (line, abscissa) = head.fields(7, &[10, 5])?;
         let is_frequency = whole(line, "the abscissa's type", abscissa.first())?;
