@@ -16,6 +16,7 @@ mod system;
 #[cfg(not(target_arch = "wasm32"))]
 pub use system::SystemFiles;
 
+use slipline_model::content::Content;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use thiserror::Error;
@@ -85,8 +86,9 @@ pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 
 /// The extensions of measurements by other programs, which are never a setup or a plate: text of REW, tables, universal files,
 /// recordings of the sweep.
-pub const MEASUREMENT_EXTENSIONS: [&str; 10] =
-    ["txt", "frd", "uff", "unv", "wav", "flac", "m4a", "aif", "aiff", "aifc"];
+pub const MEASUREMENT_EXTENSIONS: [&str; 14] = [
+    "txt", "frd", "uff", "unv", "wav", "flac", "m4a", "aif", "aiff", "aifc", "tsv", "dat", "asc", "prn",
+];
 
 /// The extensions of all that can be opened: setups, plates, recorded drags, measurements. A measurement has all of them, too:
 /// a description of a sweep is TOML and goes with a recording.
@@ -99,6 +101,21 @@ pub fn openable_extensions() -> Vec<&'static str> {
 #[must_use]
 pub fn is_measurement(path: &Path) -> bool {
     has_extension(path, &MEASUREMENT_EXTENSIONS)
+}
+
+/// What a file of any kind is: a measurement by its name, or by bytes that are no text, which are then called what they are;
+/// else the text that `text` makes of them.
+pub fn opened(
+    path: PathBuf,
+    bytes: Result<Vec<u8>, FileError>,
+    text: impl FnOnce(Vec<u8>) -> Result<String, FileError>,
+) -> FileEvent {
+    match bytes {
+        Ok(bytes) if is_measurement(&path) || Content::of(&bytes) != Content::Other => {
+            FileEvent::Measurement(path, Ok(bytes))
+        }
+        bytes => FileEvent::Opened(path, bytes.and_then(text)),
+    }
 }
 
 /// Whether the name ends with one of these, in small or capital letters.

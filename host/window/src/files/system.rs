@@ -1,8 +1,7 @@
 //! The dialogs and the disk of the system.
 
 use super::{
-    FileError, FileEvent, FileJob, Files, PROFILE_EXTENSIONS, Save, is_measurement, native,
-    openable_extensions,
+    FileError, FileEvent, FileJob, Files, PROFILE_EXTENSIONS, Save, native, openable_extensions, opened,
 };
 use slipline_instrument::measured_file;
 use slipline_model::atomic_file;
@@ -102,13 +101,11 @@ fn perform(job: FileJob) -> Option<FileEvent> {
     }
 }
 
-/// A file of a measurement by its name, or of anything else.
 fn open(path: PathBuf) -> FileEvent {
-    if is_measurement(&path) {
-        return open_measurement(path);
-    }
-    let text = atomic_file::read_text(&path, FILE_BYTES_MAX).map_err(FileError::from);
-    FileEvent::Opened(path, text)
+    let bytes = atomic_file::read_bytes(&path, measured_file::BYTES_MAX).map_err(FileError::from);
+    opened(path, bytes, |bytes| {
+        Ok(atomic_file::read_limited(&bytes[..], FILE_BYTES_MAX).and_then(atomic_file::text)?)
+    })
 }
 
 fn open_measurement(path: PathBuf) -> FileEvent {

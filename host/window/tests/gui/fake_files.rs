@@ -1,10 +1,10 @@
 //! Files without a disk and dialogs: the test sets the contents and reads what was saved.
 
-use slipline_window::files::{FileError, FileEvent, FileJob, Files, Save};
+use slipline_window::files::{FileError, FileEvent, FileJob, Files, Save, opened};
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// A list that the test and the app both hold.
@@ -34,6 +34,14 @@ fn read<T>(content: Option<Result<T, String>>) -> Result<T, FileError> {
 }
 
 impl FakeFiles {
+    /// The bytes of a profile, or of another content.
+    fn bytes_of(&self, path: &Path) -> Result<Vec<u8>, FileError> {
+        let (profiles, contents) = (self.profiles.borrow(), self.contents.borrow());
+        let dropped = profiles.iter().find(|it| it.0 == path).map(|it| it.1.clone());
+        let typed = || contents.iter().find(|it| it.0 == path).map(|it| it.1.clone());
+        read(dropped.or_else(|| typed().map(|text| text.map(String::into_bytes))))
+    }
+
     fn write(&self, path: PathBuf, save: Save) -> FileEvent {
         self.saved.borrow_mut().push((save.name, save.bytes.to_vec()));
         FileEvent::Saved(path, Ok(()))
@@ -56,12 +64,8 @@ impl Files for FakeFiles {
                 FileEvent::Measurement(path, read(Some(text)).map(String::into_bytes))
             }
             FileJob::OpenMeasurement(path) => {
-                let profiles = self.profiles.borrow();
-                let contents = self.contents.borrow();
-                let dropped = profiles.iter().find(|it| it.0 == path).map(|it| it.1.clone());
-                let typed = || contents.iter().find(|it| it.0 == path).map(|it| it.1.clone());
-                let bytes = dropped.or_else(|| typed().map(|text| text.map(String::into_bytes)));
-                FileEvent::Measurement(path, read(bytes))
+                let bytes = self.bytes_of(&path);
+                FileEvent::Measurement(path, bytes)
             }
             FileJob::ChooseProfile => {
                 let (path, bytes) = self.profiles.borrow()[0].clone();
@@ -73,9 +77,8 @@ impl Files for FakeFiles {
                 FileEvent::Profile(path, read(bytes))
             }
             FileJob::Open(path) => {
-                let contents = self.contents.borrow();
-                let text = contents.iter().find(|(other, _)| *other == path).map(|(_, text)| text.clone());
-                FileEvent::Opened(path, read(text))
+                let bytes = self.bytes_of(&path);
+                opened(path, bytes, |bytes| String::from_utf8(bytes).map_err(|why| io::Error::other(why).into()))
             }
             FileJob::Save(save) => self.write(PathBuf::from(&save.name), save),
             FileJob::SaveAs { path, save, may_replace } => {

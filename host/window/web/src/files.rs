@@ -7,7 +7,7 @@ use slipline_instrument::measured_file;
 use slipline_model::setup::file::FILE_BYTES_MAX;
 use slipline_model::texture::PROFILE_FILE_BYTES_MAX;
 use slipline_window::files::{
-    FileError, FileEvent, FileJob, Files, PROFILE_EXTENSIONS, is_measurement, openable_extensions,
+    self, FileError, FileEvent, FileJob, Files, PROFILE_EXTENSIONS, openable_extensions,
 };
 use std::cell::RefCell;
 use std::collections::VecDeque;
@@ -80,14 +80,10 @@ fn within(bytes: Result<Vec<u8>, FileError>, most: usize) -> Result<Vec<u8>, Fil
 }
 
 fn opened(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
-    let path = PathBuf::from(name);
-    if is_measurement(&path) {
-        return FileEvent::Measurement(path, within(bytes, measured_file::BYTES_MAX));
-    }
-    let text = within(bytes, FILE_BYTES_MAX).and_then(|bytes| {
-        String::from_utf8(bytes).map_err(|_| FileError::Browser("it is no text in UTF-8".to_owned()))
-    });
-    FileEvent::Opened(path, text)
+    files::opened(name.into(), within(bytes, measured_file::BYTES_MAX), |bytes| {
+        String::from_utf8(within(Ok(bytes), FILE_BYTES_MAX)?)
+            .map_err(|_| FileError::Browser("it is no text in UTF-8".to_owned()))
+    })
 }
 
 fn measurement(name: String, bytes: Result<Vec<u8>, FileError>) -> FileEvent {
