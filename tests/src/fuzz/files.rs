@@ -1,8 +1,9 @@
 //! Targets on files that a user opens.
 
+use slipline_instrument::measured_file::Opened as Measured;
 use slipline_model::setup::file::{self, Opened};
 use slipline_plate::Plate;
-use slipline_plate::calibrate::{File, Measurement, SensorKind};
+use slipline_plate::calibrate::{Measurement, SensorKind};
 
 /// A plate file: an error or a plate, never a panic; a plate survives being written and read again.
 ///
@@ -35,19 +36,24 @@ pub fn load_setup(data: &[u8]) {
     }
 }
 
-/// A file of a measurement: an error with a text, or rows that a report counts; never a panic. One of the program's own is read
-/// back from what is written of it.
+/// A file of a measurement or a recording: an error with a text, rows that a report counts, or values of each channel; never a
+/// panic. One of the program's own is read back from what is written of it.
 ///
 /// # Panics
 /// If that does not hold.
 pub fn load_measurement(data: &[u8]) {
     const BAND_HZ: (f64, f64) = (60.0, 300.0);
-    match File::read(data, &[]) {
+    match Measured::read(data.to_vec(), &[]) {
         Err(error) => assert!(!error.to_string().is_empty()),
-        Ok(File::Own(measurement)) => {
+        Ok(Measured::Own(measurement)) => {
             assert_eq!(Measurement::from_csv(&measurement.to_csv()), Ok(measurement));
         }
-        Ok(File::Foreign(foreign)) => {
+        Ok(Measured::Recording(wav)) => {
+            if let Ok(sound) = wav.channel(wav.channels()) {
+                assert!(!sound.values.is_empty() && sound.values.iter().all(|value| value.is_finite()));
+            }
+        }
+        Ok(Measured::Foreign(foreign)) => {
             let read = foreign.read(BAND_HZ);
             assert!(read.rows_in_band <= read.rows && !read.to_string().is_empty());
             if let Ok(measurement) = foreign.measurement(0.03, SensorKind::Velocity, 40.0, BAND_HZ) {
