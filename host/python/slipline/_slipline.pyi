@@ -142,14 +142,16 @@ class Measurement:
         Standard deviation of that place from its mark, metres.
         """
     @classmethod
-    def read(cls, /, path: str | PathLike[str], *, plate: Plate | None = None, sensor: SupportsFloat | SupportsIndex | None = None, kind: str | None = None, snr: SupportsFloat | SupportsIndex = ..., played: str | PathLike[str] | None = None, channel: SupportsIndex = 1) -> Measurement:
+    def read(cls, /, path: str | PathLike[str], *, plate: Plate | None = None, sensor: SupportsFloat | SupportsIndex | None = None, kind: str | None = None, snr: SupportsFloat | SupportsIndex = ..., played: str | PathLike[str] | None = None, channel: SupportsIndex = 1, columns: str | None = None) -> Measurement:
         """
         Reads a measurement's file.
 
         One of this package is complete. One of another program (REW, .frd, a table, a universal file 58) and a recording of a
         sweep (WAV) need the ``plate`` and the place ``sensor``, metres from the driven end; ``kind`` is displacement,
         velocity, acceleration or strain, ``snr`` the signal-to-noise ratio in dB of a file that states no noise. A recording
-        needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1.
+        needs ``played``, the description that ``slipline sweep`` wrote, and has the sensor in ``channel``, from 1. ``columns``
+        says what the columns of a table are where their names are not clear: ``"frequency=1,level=3:dB,phase=4:rad"``. What
+        was read of it is in ``source``.
 
         Raises ``BadFile`` with what is missing or wrong.
         """
@@ -167,6 +169,12 @@ class Measurement:
     def sensor(self, /) -> str:
         """
         What the sensor measures: displacement, velocity, acceleration or strain.
+        """
+    @property
+    def source(self, /) -> str | None:
+        """
+        What was read of a file by another program: its rows, and what its columns were understood as; ``None`` for others. It
+        is not kept in a file or a pickle.
         """
     def to_csv(self, /) -> str:
         """
