@@ -86,9 +86,8 @@ pub const PROFILE_EXTENSIONS: [&str; 2] = ["csv", "png"];
 
 /// The extensions of measurements by other programs, which are never a setup or a plate: text of REW, tables, universal files,
 /// recordings of the sweep.
-pub const MEASUREMENT_EXTENSIONS: [&str; 14] = [
-    "txt", "frd", "uff", "unv", "wav", "flac", "m4a", "aif", "aiff", "aifc", "tsv", "dat", "asc", "prn",
-];
+pub const MEASUREMENT_EXTENSIONS: [&str; 14] =
+    ["txt", "frd", "uff", "unv", "wav", "flac", "m4a", "aif", "aiff", "aifc", "tsv", "dat", "asc", "prn"];
 
 /// The extensions of all that can be opened: setups, plates, recorded drags, measurements. A measurement has all of them, too:
 /// a description of a sweep is TOML and goes with a recording.

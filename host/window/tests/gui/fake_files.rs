@@ -78,7 +78,9 @@ impl Files for FakeFiles {
             }
             FileJob::Open(path) => {
                 let bytes = self.bytes_of(&path);
-                opened(path, bytes, |bytes| String::from_utf8(bytes).map_err(|why| io::Error::other(why).into()))
+                opened(path, bytes, |bytes| {
+                    String::from_utf8(bytes).map_err(|why| io::Error::other(why).into())
+                })
             }
             FileJob::Save(save) => self.write(PathBuf::from(&save.name), save),
             FileJob::SaveAs { path, save, may_replace } => {

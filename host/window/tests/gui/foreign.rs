@@ -127,7 +127,11 @@ fn a_file_that_is_no_measurement_is_refused_by_its_line() {
         ("half.frd", b"100 -20 3\n101 x\n", "line 2"),
         ("voice.wav", b"RIFF....WAVE", "the WAV file cannot be read"),
         ("voice.mp3", b"ID3\x03\0\0\0\0\0\0", "compressed with loss: record as WAV"),
-        ("table.xlsx", b"PK\x03\x04........................[Content_Types].xml", "It is a spreadsheet: save it as CSV"),
+        (
+            "table.xlsx",
+            b"PK\x03\x04........................[Content_Types].xml",
+            "It is a spreadsheet: save it as CSV",
+        ),
         ("near.zip", b"PK\x03\x04........................near.txt", "It is an archive: unpack it"),
     ] {
         drop_file(&mut app, name, bytes);
