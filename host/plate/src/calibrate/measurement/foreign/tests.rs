@@ -167,9 +167,17 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
     let magnitudes = [(0.0, 0.1), (0.2, 0.3), (4.0, 5.0)];
     assert_eq!(pairs_of(&foreign(&real)), magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
     for (from, to, message) in [
-        ("    58\n", "    58b\n", "line 6: dataset 58b: the order of the bytes = nothing: must be a whole number"),
+        (
+            "    58\n",
+            "    58b\n",
+            "line 6: dataset 58b: the order of the bytes = nothing: must be a whole number",
+        ),
         ("    58\n", "    55\n", "the universal file holds no dataset 58"),
-        ("    4         0", "    1         0", "line 12: dataset 58: the function's type = 1 (a time response): must be 0, 4, 5 or 12"),
+        (
+            "    4         0",
+            "    1         0",
+            "line 12: dataset 58: the function's type = 1 (a time response): must be 0, 4, 5 or 12",
+        ),
         (
             "         5         3",
             "         7         3",
@@ -181,8 +189,16 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
             "line 13: dataset 58: the dataset of 4 points has 6 numbers: must be 2 for each point",
         ),
         ("        18 ", "        17 ", "line 14: dataset 58: the abscissa's type = 17: must be 18"),
-        ("4.00000E+00", "4.0000xE+00", "line 18: dataset 58: the value = 4.0000xE+00: must be a finite number"),
-        ("        12    0", "      what    0", "line 15: dataset 58: the ordinate's type = what: must be a whole number"),
+        (
+            "4.00000E+00",
+            "4.0000xE+00",
+            "line 18: dataset 58: the value = 4.0000xE+00: must be a finite number",
+        ),
+        (
+            "        12    0",
+            "      what    0",
+            "line 15: dataset 58: the ordinate's type = what: must be a whole number",
+        ),
     ] {
         assert!(UFF.contains(from));
         let found = refused(&UFF.replace(from, to));

@@ -75,14 +75,20 @@ fn what_is_wrong_with_a_binary_file_is_named() {
             format!(" 3 2 11 {size} 0 0 0 0"),
             "line 2: dataset 58b: the order of the bytes = 3: must be 1 (the lowest first) or 2",
         ),
-        (format!(" 1 3 11 {size} 0 0 0 0"), "line 2: dataset 58b: the form of the numbers = 3: must be 2: IEEE 754"),
+        (
+            format!(" 1 3 11 {size} 0 0 0 0"),
+            "line 2: dataset 58b: the form of the numbers = 3: must be 2: IEEE 754",
+        ),
         (format!(" 1 2 12 {size} 0 0 0 0"), "line 2: dataset 58b: the number of lines = 12: must be 11"),
         (" 1 2 11 999999 0 0 0 0".to_owned(), "line 2: dataset 58b: the file ends before the 999999 bytes"),
         (
             " 1 2 11 32 0 0 0 0".to_owned(),
             "line 2: dataset 58b: the 32 bytes of a dataset of 3 points: must be 12 for each point",
         ),
-        (" 1 2 11 many 0 0 0 0".to_owned(), "line 2: dataset 58b: the number of bytes = many: must be a whole number"),
+        (
+            " 1 2 11 many 0 0 0 0".to_owned(),
+            "line 2: dataset 58b: the number of bytes = many: must be a whole number",
+        ),
         (" 1".to_owned(), "line 2: dataset 58b: the form of the numbers = nothing"),
     ] {
         let message = refused(&bytes(&kind, 5, false, &data));
