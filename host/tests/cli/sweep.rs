@@ -55,7 +55,10 @@ fn a_sweep_is_played_and_described_and_a_recording_needs_the_description_its_pla
             "near.wav: channel 3: must be 1 to 2, the channels of the file",
         ),
         (&all, "near.wav: the recording is shorter than the sweep, or silent"),
-        (&[&all[..], &played, &played].concat(), "3 --played: must be 1, or 2: one for each file that it describes"),
+        (
+            &[&all[..], &played, &played].concat(),
+            "3 --played: must be 1, or 2: one for each file that it describes",
+        ),
         (
             &[&all[..], &["--channel", "1", "--channel", "2", "--channel", "1"]].concat(),
             "3 --channel: must be 1, or 2",
