@@ -8,6 +8,7 @@ mod sheet;
 mod table;
 mod text;
 mod units;
+mod words;
 
 pub use names::Quantity;
 pub use sheet::Row;

@@ -1,7 +1,7 @@
-//! The one table of what columns are called: quantities in the languages and programs that write them, and words that
-//! change nothing, or that make a column another one.
+//! What the name of a column says: a quantity by words of the one table, and a unit.
 
 use super::units::{Unit, unit};
+use super::words::{Word, word_of};
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -69,82 +69,6 @@ impl Quantity {
     }
 }
 
-/// What a word of a name is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Word {
-    Is(Quantity),
-    /// Changes nothing.
-    Plain,
-    /// Makes the column another one, which is left out.
-    Other,
-}
-
-/// Synonyms in English, German, French, Spanish, Italian, Portuguese, Dutch, the Nordic languages, Polish, Czech, Russian,
-/// Chinese, Japanese and Korean, and the abbreviations of programs.
-const WORDS: &[(Word, &str)] = &[
-    (
-        Word::Is(Quantity::Frequency),
-        "frequency frequencies freq freqs frq f fréquence frequence frequenz frequenzen frecuencia frequenza frequência \
-         frequencia frequentie frekvens taajuus częstotliwość frekvence частота 频率 頻率 周波数 주파수",
-    ),
-    (
-        Word::Is(Quantity::Level),
-        "level levels spl dbspl pegel schalldruckpegel niveau nivel nível livello nivå niveauet taso poziom úroveň уровень レベル",
-    ),
-    (
-        Word::Is(Quantity::Magnitude),
-        "magnitude magnitudes mag magn abs amplitude amplitudes ampl amp betrag amplitudengang module modulo módulo modul \
-         magnitud amplitud ampiezza amplituda амплитуда 幅值 振幅 진폭",
-    ),
-    (
-        Word::Is(Quantity::Displacement),
-        "displacement disp deflection deplacement déplacement auslenkung verschiebung weg wegamplitude desplazamiento \
-         spostamento deslocamento verplaatsing",
-    ),
-    (
-        Word::Is(Quantity::Velocity),
-        "velocity vel vitesse geschwindigkeit schnelle velocidad velocità velocidade snelheid",
-    ),
-    (
-        Word::Is(Quantity::Acceleration),
-        "acceleration accel acc accélération beschleunigung aceleración accelerazione aceleração versnelling",
-    ),
-    (Word::Is(Quantity::Strain), "strain dehnung déformation deformación deformazione rek"),
-    (
-        Word::Is(Quantity::Phase),
-        "phase phases phasenwinkel phasengang phasenlage phi φ ϕ angle winkel fase fasen fáze faza vaihe arg argument ang angolo \
-         ángulo hoek фаза 相位 位相 위상",
-    ),
-    (Word::Is(Quantity::Real), "real re réel réelle reell realteil reale reel"),
-    (
-        Word::Is(Quantity::Imaginary),
-        "imaginary imag im img imaginär imaginärteil imaginaerteil imaginaire imaginario imaginaria immaginaria \
-         immaginario",
-    ),
-    (Word::Is(Quantity::Place), "place position pos x distance ort abstand lieu"),
-    (Word::Is(Quantity::Time), "time t zeit temps tiempo tempo"),
-    (Word::Is(Quantity::Tone), "tone ton"),
-    (
-        Word::Plain,
-        "of the and part teil partie parte response antwort réponse respuesta risposta function funktion fonction frf tf \
-         transfer h h1 h2 hv gain verstärkung trace spur channel ch kanal canal voie sensor mic mikrofon microphone \
-         measured signal value wert vib vibration sound pressure schalldruck unwrapped wrapped data frequenzgang",
-    ),
-    (
-        Word::Other,
-        "coherence coh kohärenz kohaerenz cohérence coherencia coerenza γ2 γ² noise rauschen bruit snr thd std stdev sd \
-         sigma error err uncertainty tolerance deviation variance delay temperature date index idx \
-         weight headroom step resolution bandwidth sampling sample samples delta difference diff offset change \
-         quality group samplerate",
-    ),
-];
-
-fn word_of(word: &str) -> Option<Word> {
-    let is_digits = word.bytes().all(|byte| byte.is_ascii_digit());
-    let found = || WORDS.iter().find(|(_, words)| words.split(' ').any(|it| it == word)).map(|it| it.0);
-    if is_digits { Some(Word::Plain) } else { found() }
-}
-
 /// What the name of a column says.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Name {
@@ -153,26 +77,36 @@ pub(super) struct Name {
     pub(super) is_clear: bool,
     /// Whether a word makes it another column.
     pub(super) is_other: bool,
+    /// Whether a word, or a sign before it, turns its numbers into others.
+    pub(super) is_changed: bool,
     /// The text of its unit, and the unit if it is known.
     pub(super) unit: Option<(String, Option<Unit>)>,
 }
 
 impl Name {
-    /// Reads *name (unit)*, *name [unit]*, *name unit* or a unit alone.
+    /// Reads *name (unit)*, *name [unit]*, *name unit*, *name in unit* or a unit alone.
     pub(super) fn of(text: &str) -> Self {
+        let text: String = text.chars().map(narrow).collect();
         if word_of(&text.to_lowercase()).is_none()
-            && let Some(found) = unit(text)
+            && let Some(found) = unit(&text)
         {
             return Self {
                 quantity: None,
                 is_clear: true,
                 is_other: false,
-                unit: Some((text.to_owned(), Some(found))),
+                is_changed: false,
+                unit: Some((text, Some(found))),
             };
         }
         let mut found = None;
         let mut text = text.trim();
-        if let Some((name, last)) = text.rsplit_once(char::is_whitespace)
+        let mut is_changed = ["1/", "1 /", "-", "−"].iter().any(|sign| text.starts_with(sign));
+        if let Some((name, of, known)) = IN.iter().find_map(|word| {
+            let (name, of) = text.rsplit_once(word)?;
+            Some((name, of, unit(of)?))
+        }) {
+            (text, found) = (name, Some((of.to_owned(), Some(known))));
+        } else if let Some((name, last)) = text.rsplit_once(char::is_whitespace)
             && word_of(&last.to_lowercase()).is_none()
             && let Some(of) = unit(last)
         {
@@ -214,8 +148,13 @@ impl Name {
         for word in &words[..named] {
             match word_of(word) {
                 Some(Word::Is(quantity)) => kinds.push(quantity),
+                Some(Word::InUnit(quantity)) => {
+                    kinds.push(quantity);
+                    is_clear &= found.is_some();
+                }
                 Some(Word::Plain) => {}
                 Some(Word::Other) => is_other = true,
+                Some(Word::Changed) => is_changed = true,
                 None => is_clear = false,
             }
         }
@@ -232,11 +171,21 @@ impl Name {
         }
         Self {
             quantity: kinds.first().copied(),
-            is_clear: is_clear && kinds.len() <= 1,
+            is_clear: is_clear && !is_changed && kinds.len() <= 1,
             is_other,
+            is_changed,
             unit: found,
         }
     }
+}
+
+/// Words before a unit, as in "Frequenz in Hz".
+const IN: [&str; 7] = [" in ", " en ", " em ", " i ", " w ", " v ", " в "];
+
+/// The letter of ASCII for a wide one, as Chinese and Japanese programs write brackets.
+fn narrow(letter: char) -> char {
+    let of_ascii = ('\u{ff01}'..='\u{ff5e}').contains(&letter).then(|| u32::from(letter) - 0xfee0);
+    of_ascii.and_then(char::from_u32).unwrap_or(letter)
 }
 
 /// "freqhz" is "freq", "hz".
@@ -251,7 +200,9 @@ fn unglued(word: &str) -> impl Iterator<Item = &str> {
 }
 
 fn words_of(text: &str) -> impl Iterator<Item = &str> {
-    let parts = |letter: char| !letter.is_alphanumeric() && !matches!(letter, '°' | '%' | '²');
+    let parts = |letter: char| {
+        !letter.is_alphanumeric() && !matches!(letter, '°' | '%' | '²' | '\u{300}'..='\u{36f}')
+    };
     text.split(parts).filter(|word| !word.is_empty())
 }
 

@@ -7,9 +7,36 @@ use std::borrow::Cow;
 const GROUP_MARKS: [char; 5] = ['\u{a0}', '\u{202f}', '\u{2009}', '\'', '’'];
 /// What programs write where they have no number, in lower case.
 const NONE: &[&str] = &[
-    "", "-", "--", "---", "n/a", "na", "null", "none", "#n/a", "#nv", "#num!", "#zahl!", "#div/0!",
-    "#value!", "#wert!", "1.#inf", "-1.#inf", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan", "∞", "-∞", "+∞",
+    "",
+    "-",
+    "--",
+    "---",
+    "n/a",
+    "na",
+    "null",
+    "none",
+    "#n/a",
+    "#nv",
+    "∞",
+    "-∞",
+    "+∞",
+    "—",
+    "…",
+    "...",
+    "n. def.",
+    "n/d",
+    "undef",
+    "undefined",
 ];
+
+/// Whether a cell, in lower case, is a word for no number: of the list, an error of a spreadsheet (#DIV/0!, Err:502) or of a
+/// runtime library (-1.#IND00, nan(ind)).
+fn is_none(cell: &str) -> bool {
+    let unsigned = cell.trim_start_matches(['+', '-']);
+    NONE.contains(&cell)
+        || cell.starts_with('#') && cell.ends_with(['!', '?'])
+        || ["1.#", "1,#", "nan(", "err:"].iter().any(|begin| unsigned.starts_with(begin))
+}
 
 /// The sign before the decimals of a table's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,7 +63,7 @@ impl Decimal {
             cell.replace(['−', '–', '‐', '‑', '‒', '﹣', '－'], "-").into()
         };
         let may_be_word = cell.contains('#') || !cell.starts_with(|letter: char| letter.is_ascii_digit());
-        if may_be_word && NONE.contains(&&*cell.to_lowercase()) {
+        if may_be_word && is_none(&cell.to_lowercase()) {
             return Some(f64::NAN);
         }
         if self == Self::Point

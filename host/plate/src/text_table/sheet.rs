@@ -13,7 +13,7 @@ const SEPARATORS: [Separator; 5] = [
     Separator::Blank,
 ];
 /// What a line of comment may begin with.
-pub(super) const COMMENT_MARKS: [char; 5] = ['*', '#', '%', ';', '!'];
+pub(super) const COMMENT_MARKS: [char; 6] = ['*', '#', '%', ';', '!', '/'];
 
 /// Largest number of cells: 350 000 rows of three columns, in some 50 MB.
 const CELLS_MAX: usize = 1 << 20;

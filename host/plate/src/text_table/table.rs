@@ -277,13 +277,16 @@ impl Table {
                     // It is the only one that can be meant if all others are something else.
                     unit if !column.said.is_clear
                         && (unit.is_none()
+                            || column.said.is_changed
                             || !others.is_empty()
                             || !all(&|it| it != column && it.may_be(is_wanted)).is_empty()) =>
                     {
-                        Err(self.unclear(format!(
-                            "not all words of *{}* are known: it may be another {what}",
-                            column.name
-                        )))
+                        let why = if column.said.is_changed {
+                            format!("by its words *{}* is not the {what} itself", column.name)
+                        } else {
+                            format!("not all words of *{}* are known: it may be another {what}", column.name)
+                        };
+                        Err(self.unclear(why))
                     }
                     _ => Ok(Some(at)),
                 }

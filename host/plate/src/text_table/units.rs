@@ -53,9 +53,10 @@ impl Unit {
 pub(crate) fn unit(text: &str) -> Option<Unit> {
     let text = text.trim().trim_matches(['[', ']', '{', '}']);
     let text = text.strip_prefix('(').and_then(|it| it.strip_suffix(')')).unwrap_or(text);
-    let text: String = text.replace(" per ", "/").replace(['µ', 'μ'], "u").replace(['²'], "2");
+    let text = text.replace(" per ", "/").replace(['µ', 'μ'], "u").replace('²', "2").replace('¹', "1");
+    let text = text.replace('⁻', "-");
     let text: String =
-        text.chars().filter(|it| !it.is_whitespace() && !matches!(it, '^' | '.' | '*')).collect();
+        text.chars().filter(|it| !it.is_whitespace() && !matches!(it, '^' | '.' | '*' | '·' | '⋅')).collect();
     match &*text {
         "MHz" => return Some(Unit::Hertz(1e6)),
         "mHz" => return Some(Unit::Hertz(1e-3)),
@@ -63,26 +64,28 @@ pub(crate) fn unit(text: &str) -> Option<Unit> {
     }
     let lower = text.to_lowercase();
     Some(match &*lower {
-        "hz" | "hertz" | "cps" | "гц" => Unit::Hertz(1.0),
+        "hz" | "hertz" | "cps" | "гц" | "герц" | "赫兹" | "ヘルツ" => Unit::Hertz(1.0),
         "khz" | "kilohertz" | "кгц" => Unit::Hertz(1e3),
         "ghz" => Unit::Hertz(1e9),
         "rad/s" | "rad/sec" | "rads/s" | "radian/s" | "radians/s" | "radian/sec" | "radians/sec"
         | "radians/second" => Unit::Hertz(1.0 / TAU),
         "rpm" | "cpm" | "1/min" | "u/min" => Unit::Hertz(1.0 / 60.0),
         "deg" | "degs" | "degree" | "degrees" | "°" | "º" | "˚" | "grad" | "град" | "grados" | "gradi"
-        | "graus" | "degré" | "degrés" | "graden" | "grader" => Unit::Radians(PI / 180.0),
-        "rad" | "rads" | "рад" | "radian" | "radians" | "radianes" | "radianti" | "radiant" => {
-            Unit::Radians(1.0)
+        | "graus" | "degré" | "degrés" | "graden" | "grader" | "grade" | "stopnie" | "stopni" | "fok"
+        | "derece" | "aste" | "astetta" | "градусы" | "градусов" | "度" | "도" => {
+            Unit::Radians(PI / 180.0)
         }
+        "rad" | "rads" | "рад" | "弧度" | "ラジアン" | "radian" | "radians" | "radianes" | "radianti"
+        | "radiant" => Unit::Radians(1.0),
         "mrad" => Unit::Radians(1e-3),
         "s" | "sec" | "seconds" => Unit::Seconds(1.0),
         "ms" => Unit::Seconds(1e-3),
         "us" => Unit::Seconds(1e-6),
-        "дб" => Unit::Decibels,
+        "дб" | "decibel" | "decibels" | "分贝" | "デシベル" => Unit::Decibels,
         "%" => Unit::Linear(1e-2, None),
         "lin" | "linear" | "abs" | "ratio" => Unit::Linear(1.0, None),
         _ => match lower.strip_prefix("db") {
-            Some("" | "spl" | "fs" | "v" | "r") => Unit::Decibels,
+            Some("" | "spl" | "fs" | "v" | "u" | "r") => Unit::Decibels,
             Some(re) if re.starts_with("re") => Unit::Decibels,
             _ => return linear(&text),
         },
@@ -92,6 +95,10 @@ pub(crate) fn unit(text: &str) -> Option<Unit> {
 /// The unit of a magnitude, such as mm/s, g or um/N.
 fn linear(text: &str) -> Option<Unit> {
     let text = text.replace(['(', ')'], "");
+    // Such as m s^-2.
+    let powers = [("s-1", "/s"), ("s-2", "/s2")];
+    let power = powers.iter().find_map(|(end, by)| text.strip_suffix(end).map(|base| format!("{base}{by}")));
+    let text = power.unwrap_or(text);
     let mut parts = text.split('/').peekable();
     let (mut size, mut kind) = base(parts.next()?)?;
     while kind == Some(Quantity::Displacement) || kind == Some(Quantity::Velocity) {

@@ -72,6 +72,8 @@ fn two_more_files_of_each_kind_are_read_to_the_same_rows() {
         // d01: a quantity whose name holds "spl" or "db".
         ("d01", "f (Hz),Displacement amplitude (mm),Phase (deg)\n".to_owned() + &rows(lin), 1e-3),
         ("d01", "Frequency (Hz),Vitesse [mm/s],Phase [°]\n".to_owned() + &rows(lin), 1e-3),
+        ("d01", "f in Hz,Acceleration [m·s⁻²],Phase [°]\n".to_owned() + &rows(lin), 1.0),
+        ("d01", "// by hand\n// Hz,Mobility [(mm/s)/N],deg\n".to_owned() + &rows(lin), 1e-3),
         // d02: names without units, units as names.
         ("d02", "hz,abs,degrees\n".to_owned() + &rows(lin), 1.0),
         (
@@ -114,6 +116,12 @@ fn two_more_files_of_each_kind_are_read_to_the_same_rows() {
                 + &rows(|hz, db, d| format!("{:.9},{db},{:.9}\n", 2.0 * PI * hz, d.to_radians())),
             1.0,
         ),
+        (
+            "d05",
+            "ω (rad/s),Magnitude (dB),Phase (deg)\n".to_owned()
+                + &rows(|hz, db, d| format!("{:.9},{db},{d}\n", 2.0 * PI * hz)),
+            1.0,
+        ),
         // d06: quoted decimal commas.
         (
             "d06",
@@ -135,6 +143,7 @@ fn two_more_files_of_each_kind_are_read_to_the_same_rows() {
             "Frequency (Hz);Level (dB);Phase (deg)\n-1;-∞;0\n0;#NUM!;NaN\n".to_owned() + &rows(semicolons),
             1.0,
         ),
+        ("d20", "Frequency (Hz),Level (dB),Phase (deg)\n0,-1.#INF00,#¡DIV/0!\n".to_owned() + &rows(own), 1.0),
         // d21: falling frequencies.
         (
             "d21",
@@ -163,6 +172,12 @@ fn two_more_files_of_each_kind_are_read_to_the_same_rows() {
         ("d24", "Fréquence (Hz);Niveau (dB);Phase (°)\n".to_owned() + &comma(semicolons), 1.0),
         ("d24", "Frecuencia [Hz]\tMagnitud [dB]\tFase [grados]\n".to_owned() + &rows(tabs), 1.0),
         ("d24", "Частота (Гц);Уровень (дБ);Фаза (град)\n".to_owned() + &comma(semicolons), 1.0),
+        ("d24", "Частота, Гц;Уровень, дБ;Фаза, град\n".to_owned() + &comma(semicolons), 1.0),
+        ("d24", "Frequenz in Hz;Pegel in dB;Phase in Grad\n".to_owned() + &comma(semicolons), 1.0),
+        ("d24", "FREKANS (Hz);GENLİK (dB);FAZ (derece)\n".to_owned() + &comma(semicolons), 1.0),
+        // An accent that is a mark of its own, and brackets as wide as the letters.
+        ("d24", "Fre\u{301}quence (Hz);Niveau (dB);Phase (degrés)\n".to_owned() + &comma(semicolons), 1.0),
+        ("d24", "频率（Hz）;幅值（dB）;相位（度）\n".to_owned() + &rows(semicolons), 1.0),
     ] {
         check(kind, text.as_bytes(), size);
     }
@@ -218,6 +233,23 @@ fn what_is_not_clear_is_refused_with_its_columns() {
             "line 1: not all words of *Reference level (dB)* are known",
         ),
         ("Frequency (Hz),Level (dB),Phase (deg)\n", "line 1: the names are not those of 4 columns"),
+        // Words that turn numbers into others.
+        (
+            "Frequency (Hz),Level (dB),Foo,Phase lag (deg)\n",
+            "line 1: by its words *Phase lag (deg)* is not the phase itself",
+        ),
+        (
+            "Log frequency (Hz),Level (dB),Foo,Phase (deg)\n",
+            "line 1: by its words *Log frequency (Hz)* is not the frequency itself",
+        ),
+        (
+            "Frequency (Hz),1/Magnitude (V),Foo,Phase (deg)\n",
+            "line 1: by its words *1/Magnitude (V)* is not the level itself",
+        ),
+        (
+            "Angular frequency,Level (dB),Foo,Phase (deg)\n",
+            "line 1: not all words of *Angular frequency* are known",
+        ),
     ] {
         let error = read((head.to_owned() + &rows(four)).as_bytes()).expect_err(head);
         assert!(error.starts_with(words), "{head}: {error}");
