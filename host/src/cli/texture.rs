@@ -4,7 +4,7 @@ use super::argument::{self, PlateArgument};
 use super::destination::{Destination, ForceArgument};
 use super::failure::Failure;
 use super::schema::with_files;
-use super::source::{bytes_of, text_of};
+use super::source::bytes_of;
 use super::{output, progress};
 use argument::{Beat, Typed};
 use clap::Args;
@@ -147,12 +147,14 @@ type Breakpoints = Vec<(f64, f64)>;
 fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Path, Breakpoints), Failure> {
     let image = wanted.image.as_deref().unwrap_or(Path::new(""));
     let path = wanted.profile.as_deref().unwrap_or(image);
-    let breakpoints = if wanted.profile.is_some() {
-        textures::from_csv(&text_of(path, PROFILE_FILE_BYTES_MAX)?)
-    } else {
-        textures::from_png(&bytes_of(path, PROFILE_FILE_BYTES_MAX)?, plate.length_m())
-    };
-    Ok((path, breakpoints.map_err(|error| Failure::of_file(path, said(&error)))?))
+    let bytes = bytes_of(path, PROFILE_FILE_BYTES_MAX)?;
+    let refused = |error| Failure::of_file(path, said(&error));
+    if wanted.profile.is_none() {
+        return Ok((path, textures::from_png(&bytes, plate.length_m()).map_err(refused)?));
+    }
+    let table = textures::from_csv(&bytes).map_err(refused)?;
+    output::note(format_args!("slipline: {}: {}", path.display(), table.read));
+    Ok((path, table.breakpoints))
 }
 
 fn lines(

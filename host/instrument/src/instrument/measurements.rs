@@ -10,8 +10,8 @@ use slipline_link::Severity;
 use slipline_model::content::Content;
 use slipline_model::jobs::compare::{CompareJob, Compared};
 use slipline_model::response::{Entry, Shelf, ShelfFull};
-use slipline_plate::calibrate::{ColumnRead, File, FileError, Measurement, SNR_DB};
-use slipline_plate::text_table::Quantity;
+use slipline_plate::calibrate::{File, FileError, Measurement, SNR_DB};
+use slipline_plate::text_table::{ColumnRead, Quantity};
 use std::path::Path;
 use std::sync::Arc;
 

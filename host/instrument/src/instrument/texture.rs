@@ -185,18 +185,18 @@ impl Instrument {
     /// Draws the texture from a profile file, and opens its page.
     pub fn take_profile(&mut self, name: &str, bytes: &[u8]) {
         let profile = if bytes.starts_with(PNG_SIGNATURE) {
-            from_png(bytes, self.setup.plate.length_m())
+            from_png(bytes, self.setup.plate.length_m()).map(|breakpoints| (breakpoints, String::new()))
         } else {
-            from_csv(&String::from_utf8_lossy(bytes))
+            from_csv(bytes).map(|table| (table.breakpoints, format!(": {}", table.read)))
         };
         match profile {
-            Ok(breakpoints) => {
+            Ok((breakpoints, read)) => {
                 self.textures.follow_plate(&self.setup.plate);
                 let mut draft = self.textures.draft.clone();
                 draft.take_profile(&breakpoints);
                 self.draft_texture(draft);
                 self.outputs.push(Output::Open(Page::Texture));
-                self.notices.post(format!("Opened {name}"));
+                self.notices.post(format!("Opened {name}{read}"));
             }
             Err(error) => self.not_opened(name, &error),
         }

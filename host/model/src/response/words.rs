@@ -6,7 +6,8 @@ use slipline_plate::quantity::ticks;
 /// Whether a text has the form of a measurement: the head of its table, or the place of a sensor above it.
 #[must_use]
 pub fn is_measurement(text: &str) -> bool {
-    text.lines().take(100).map(str::trim).any(|line| {
+    // A spreadsheet may have put it in quotation marks.
+    text.lines().take(100).map(|line| line.trim().trim_matches('"')).any(|line| {
         let field = line.strip_prefix('#').and_then(|field| field.split_once('='));
         field.is_some_and(|(name, _)| matches!(name.trim(), "place_m" | "sensor"))
             || line.starts_with("frequency_hz")
@@ -71,6 +72,7 @@ mod tests {
     fn a_measurement_is_known_by_its_head_and_other_tables_are_not_taken_for_one() {
         assert!(is_measurement("# place_m = 0.03\n# sensor = velocity\nfrequency_hz,re,im,noise\n"));
         assert!(is_measurement("\n  frequency_hz;re;im;noise\n") && is_measurement("#sensor=speed\n"));
+        assert!(is_measurement("\"# place_m = 0.03\",,,\n") && is_measurement("\"frequency_hz\",\"re\"\n"));
         for other in ["0,0.3\n0.1,1\n", "time_s,slot,place_m\n0,0,0.1\n", "# a comment\n", ""] {
             assert!(!is_measurement(other), "{other}");
         }

@@ -1,7 +1,8 @@
 //! Profiles from files: breakpoints as CSV, or a row of grey pixels.
 
+use crate::content::Content;
 use slipline_plate::quantity::{Count, Counted, WrongCount, from_decibels, must_be};
-use slipline_plate::text_table::{BadLine, Quantity, Table, UnclearColumns, Unit};
+use slipline_plate::text_table::{BadLine, Quantity, Table, UnclearColumns, Unit, text_of, understood};
 use thiserror::Error;
 
 /// The largest profile file that is read, in bytes.
@@ -21,6 +22,9 @@ pub enum ProfileFileError {
     /// Columns of the CSV whose meaning is not clear.
     #[error("{0}. Write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5")]
     Columns(#[from] UnclearColumns),
+    /// It is no text: what it is, and what to do.
+    #[error("{0}")]
+    Foreign(&'static str),
     /// No line of the CSV is a breakpoint.
     #[error(
         "no line is a breakpoint: write PLACE,AMPLITUDE, the place in metres from the driven end, such as 0.12,0.5"
@@ -47,42 +51,65 @@ fn check_size(bytes: usize) -> Result<(), ProfileFileError> {
     WrongCount::check("the file", bytes, allowed).map_err(ProfileFileError::TooBig)
 }
 
+/// A profile of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProfileTable {
+    /// Places in metres from the driven end, each with its amplitude.
+    pub breakpoints: Vec<(f64, f64)>,
+    /// What was read, in words: the number of rows, and what each column was understood as.
+    pub read: String,
+}
+
 /// Breakpoints, one per line: the place from the driven end, in metres or in the unit of its name, and the amplitude in any
 /// unit. Lines that begin with `#`, and a line of names, may stand among them; other columns need names.
 ///
 /// # Errors
-/// [`ProfileFileError`]: too big, the first line that is not two numbers, columns that are not clear, or no line at all.
-pub fn from_csv(text: &str) -> Result<Vec<(f64, f64)>, ProfileFileError> {
-    check_size(text.len())?;
-    let table = Table::read(text.trim_start_matches('\u{feff}'))?.ok_or(ProfileFileError::Empty)?;
+/// [`ProfileFileError`]: too big, no text, the first line that is not two numbers, columns that are not clear, or no line at
+/// all.
+pub fn from_csv(bytes: &[u8]) -> Result<ProfileTable, ProfileFileError> {
+    check_size(bytes.len())?;
+    if let Content::Foreign(what) = Content::of(bytes) {
+        return Err(ProfileFileError::Foreign(what));
+    }
+    let table = Table::read(&text_of(bytes))?.ok_or(ProfileFileError::Empty)?;
+    let is_amplitude = |of| matches!(of, Quantity::Level | Quantity::Magnitude);
     let place = table.find("place", &|of| of == Quantity::Place)?;
-    let amplitude = table.find("amplitude", &|of| matches!(of, Quantity::Level | Quantity::Magnitude))?;
+    let amplitude = table.find("amplitude", &is_amplitude)?;
+    // Two columns have an order, unless their names say that they are something else.
+    let are_two = table.columns.len() == 2
+        && table.quantity(0).is_none_or(|of| of == Quantity::Place)
+        && table.quantity(1).is_none_or(is_amplitude);
     let (place, amplitude) = match (place, amplitude) {
         (Some(place), Some(amplitude)) => (place, amplitude),
-        // Two columns have an order.
-        (None | Some(0), None | Some(1)) if table.columns.len() == 2 => (0, 1),
+        (None | Some(0), None | Some(1)) if are_two => (0, 1),
         _ => {
             return Err(table
                 .unclear("none is named as the place, or none as the amplitude".to_owned())
                 .into());
         }
     };
-    let unit = |at: usize| table.columns[at].unit().map(|it| it.0);
+    let unit = |at: usize| table.columns[at].unit();
     let metres = match unit(place) {
         None => 1.0,
-        Some(Unit::Linear(size, Some(Quantity::Displacement))) => size,
+        Some((Unit::Linear(size, Some(Quantity::Displacement)), _)) => size,
         Some(_) => return Err(table.unclear(format!("*{}* is no length", table.columns[place].name)).into()),
     };
+    let of_amplitude = unit(amplitude).map(|it| it.0);
     let rows = table.rows().iter().map(|row| {
         let value = |at: usize| table.finite(row, at);
-        let amplitude = match unit(amplitude) {
+        let amplitude = match of_amplitude {
             Some(Unit::Decibels) => from_decibels(value(amplitude)?),
             Some(unit) => unit.size() * value(amplitude)?,
             None => value(amplitude)?,
         };
         Ok((metres * value(place)?, amplitude))
     });
-    rows.collect()
+    let breakpoints = rows.collect::<Result<Vec<_>, BadLine>>()?;
+    let in_words = |at: usize, usual: &str| unit(at).map_or(usual.to_owned(), |it| it.1);
+    let units = [in_words(place, "m"), in_words(amplitude, "")];
+    let columns = table.columns_read(&[(place, "place", &units[0]), (amplitude, "amplitude", &units[1])]);
+    let read = format!("{} rows; {}", breakpoints.len(), understood(&columns));
+    Ok(ProfileTable { breakpoints, read })
 }
 
 /// The middle row of an image as a profile from 0 to `length_m` metres: black is still, white vibrates most.
@@ -144,21 +171,37 @@ mod tests {
     #[test]
     fn csv_is_read_with_names_units_comments_and_either_separator() {
         let text = "\u{feff}place_m, amplitude\n# drawn by hand\n0.01, 1\n\n0.1, 0.25\n";
-        assert_eq!(from_csv(text).unwrap(), [(0.01, 1.0), (0.1, 0.25)]);
+        assert_eq!(from_csv(text.as_bytes()).unwrap().breakpoints, [(0.01, 1.0), (0.1, 0.25)]);
         for text in [
             "0,01; 1\n0,1; 0,25\n",
             "Place (mm);Amplitude\r\n10,0;1\r\n100,0;0,25\r\n",
             "No.\tAmplitude\tPosition [cm]\n1\t1\t1\n2\t.25\t10\n",
             "x_mm,rms\n10,1\n100,0.25\n",
         ] {
-            assert_eq!(from_csv(text).unwrap(), [(0.01, 1.0), (0.1, 0.25)], "{text}");
+            let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+            for bytes in [text.as_bytes(), &[b"\xff\xfe", &wide[..]].concat()] {
+                assert_eq!(from_csv(bytes).unwrap().breakpoints, [(0.01, 1.0), (0.1, 0.25)], "{text}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_read_is_reported() {
+        for (text, read) in [
+            ("0.1,1\n0.2,2\n", "2 rows; column 1 as place in m, column 2 as amplitude"),
+            (
+                "No.;Place (mm);Level (dB)\n1;1;-1\n",
+                "1 rows; *Place (mm)* as place, *Level (dB)* as amplitude; *No.* left out",
+            ),
+        ] {
+            assert_eq!(from_csv(text.as_bytes()).unwrap().read, read);
         }
     }
 
     #[test]
     fn a_file_without_a_breakpoint_is_refused() {
-        for text in ["", "place_m,rms\n", "# nothing\n", "not a profile at all", "a,b\nc,d\n"] {
-            let error = from_csv(text).unwrap_err().to_string();
+        for text in ["place_m,rms\n", "# nothing\n", "not a profile at all", "a,b\nc,d\n"] {
+            let error = from_csv(text.as_bytes()).unwrap_err().to_string();
             assert!(error.starts_with("no line is a breakpoint"), "{text:?}: {error}");
         }
     }
@@ -172,12 +215,15 @@ mod tests {
             ("0.1,1\n0.2,nan\n", "line 2: column 2 = nan: must be a number"),
             ("0.1,1,2\n0.2,2,3\n", "line 1: none is named as the place"),
             ("place (kg),amplitude\n0.1,1\n", "line 1: *place (kg)* has the unit kg"),
+            ("frequency,level\n0.1,1\n", "line 1: none is named as the place"),
+            ("", "the file is empty"),
+            ("PK\x03\x04", "it is an archive: unpack it"),
             ("place (m),level (dB),amplitude\n0.1,1,2\n", "line 1: 2 columns may be the amplitude"),
         ] {
-            let error = from_csv(text).unwrap_err().to_string();
+            let error = from_csv(text.as_bytes()).unwrap_err().to_string();
             assert!(error.starts_with(start), "{text:?}: {error}");
         }
-        let error = from_csv(&"#".repeat(PROFILE_FILE_BYTES_MAX + 1)).unwrap_err().to_string();
+        let error = from_csv("#".repeat(PROFILE_FILE_BYTES_MAX + 1).as_bytes()).unwrap_err().to_string();
         assert!(error.contains("1048576"), "{error}");
     }
 

@@ -1,6 +1,7 @@
 //! The one reader of tables that others wrote: their text, cells, names, units and numbers, and the error that names a line.
 //! Which columns a kind of file needs is decided by its own reader.
 
+mod column_read;
 mod head;
 mod names;
 mod numbers;
@@ -10,6 +11,7 @@ mod text;
 mod units;
 mod words;
 
+pub use column_read::{ColumnRead, understood};
 pub use names::Quantity;
 pub use sheet::Row;
 pub use table::{Chosen, Column, MEANINGS, Table, UnclearColumns, chosen};

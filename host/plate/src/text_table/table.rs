@@ -298,7 +298,8 @@ impl Table {
     }
 
     /// What the column's name says.
-    pub(crate) fn quantity(&self, at: usize) -> Option<Quantity> {
+    #[must_use]
+    pub fn quantity(&self, at: usize) -> Option<Quantity> {
         self.columns.get(at).and_then(|column| column.said.quantity)
     }
 }

@@ -9,6 +9,7 @@ use crate::view::Tab;
 use eframe::egui;
 use slipline_instrument::profile_file;
 use slipline_link::Severity;
+use slipline_model::content::Content;
 use slipline_model::export::csv_wav;
 use slipline_model::export::figures::plate::{FigureJob, Subject};
 use slipline_model::export::report;
@@ -17,6 +18,7 @@ use slipline_model::setup::edit::Edit;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_model::setup::fragment;
 use slipline_plate::design::Design;
+use slipline_plate::text_table::text_of;
 use std::fmt::Display;
 use std::path::Path;
 use std::sync::Arc;
@@ -343,8 +345,8 @@ impl App {
                 let name = name_of(&path);
                 match bytes {
                     Ok(bytes) => {
-                        let text = str::from_utf8(&bytes).unwrap_or_default();
-                        if !self.instrument.opened_table(&name, text) {
+                        let is_text = Content::of(&bytes) == Content::Other;
+                        if !(is_text && self.instrument.opened_table(&name, &text_of(&bytes))) {
                             self.instrument.open_measurement(&name, bytes);
                         }
                     }
@@ -352,8 +354,8 @@ impl App {
                 }
             }
             FileEvent::Profile(path, bytes) => {
-                let text = bytes.as_ref().ok().and_then(|bytes| str::from_utf8(bytes).ok());
-                if text.is_some_and(|text| self.instrument.opened_table(&name_of(&path), text)) {
+                let text = bytes.as_ref().ok().map(|bytes| text_of(bytes));
+                if text.is_some_and(|text| self.instrument.opened_table(&name_of(&path), &text)) {
                     return;
                 }
                 match bytes {

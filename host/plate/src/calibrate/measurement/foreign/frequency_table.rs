@@ -3,10 +3,10 @@
 //! A response is a level in dB or a magnitude with an optional phase, or real and imaginary part. Without a head, three
 //! columns are those of `.frd` (Hz, dB, degrees), and two are frequency and decibels if one of the levels is negative.
 
-use super::{ColumnRead, FileError, Foreign, ForeignPoint, LEVEL};
+use super::{FileError, Foreign, ForeignPoint, LEVEL};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::quantity::{Range, decibels, from_decibels, must_be};
-use crate::text_table::{BadLine, Chosen, Column, Quantity, Row, Table, UnclearColumns, Unit, wrong};
+use crate::text_table::{BadLine, Chosen, Quantity, Row, Table, UnclearColumns, Unit, wrong};
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
@@ -142,12 +142,8 @@ pub(super) fn read(text: &str, chosen: &[Chosen]) -> Result<Foreign, FileError> 
         Columns::guessed(&table)?
     };
     let points = table.rows().iter().map(|row| point(&table, row, &columns)).collect::<Result<_, _>>()?;
-    let read = |(at, column): (usize, &Column)| match columns.0.iter().find(|it| it.1 == at) {
-        Some((of, _, _, unit)) => ColumnRead::new(column.name.clone(), of.word(), unit),
-        None => ColumnRead { name: column.name.clone(), quantity: None, unit: None },
-    };
-    let read = table.columns.iter().enumerate().map(read).collect();
-    Ok(Foreign { sensor: columns.sensor(), points, columns: read, is_table: true })
+    let read: Vec<_> = columns.0.iter().map(|(of, at, _, unit)| (*at, of.word(), &**unit)).collect();
+    Ok(Foreign { sensor: columns.sensor(), points, columns: table.columns_read(&read), is_table: true })
 }
 
 fn point(table: &Table, row: &Row, columns: &Columns) -> Result<ForeignPoint, BadLine> {

@@ -14,7 +14,7 @@ use super::csv::{self, CsvError};
 use super::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::calibrate::error::CalibrateError;
 use crate::quantity::{OutOfRange, Range, from_decibels, show_frequency};
-use crate::text_table::{BadLine, Chosen, UnclearColumns, chosen, text_of, wrong};
+use crate::text_table::{BadLine, Chosen, ColumnRead, UnclearColumns, text_of, understood, wrong};
 use num_complex::Complex64;
 use std::fmt;
 use thiserror::Error;
@@ -61,37 +61,6 @@ pub struct ForeignPoint {
     pub response: Option<Complex64>,
 }
 
-/// A column of such a file.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-pub struct ColumnRead {
-    /// Its name in the file; empty if it has none.
-    pub name: String,
-    /// What it was read as; `None` if it was left out.
-    pub quantity: Option<&'static str>,
-    /// The unit in which it was read.
-    pub unit: Option<String>,
-}
-
-impl ColumnRead {
-    fn new(name: String, quantity: &'static str, unit: &str) -> Self {
-        Self { name, quantity: Some(quantity), unit: Some(unit.to_owned()).filter(|unit| !unit.is_empty()) }
-    }
-
-    /// What it was read as, in words.
-    #[must_use]
-    pub fn meaning(&self) -> Option<String> {
-        let unit = self.unit.as_ref().map_or(String::new(), |unit| format!(" in {unit}"));
-        Some(format!("{}{unit}", self.quantity?))
-    }
-
-    /// The choice of this column, number `at` from 0, for what it was read as.
-    #[must_use]
-    pub fn chosen(&self, at: usize) -> Option<Chosen> {
-        let unit = self.unit.as_ref().map_or(String::new(), |unit| format!(":{unit}"));
-        chosen(&format!("{}={}{unit}", self.quantity?, at + 1)).ok()?.pop()
-    }
-}
-
 /// What was read of a file by another program.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ForeignRead {
@@ -111,21 +80,7 @@ impl ForeignRead {
     /// What the columns were read as, and how many rows cannot matter, in words.
     #[must_use]
     pub fn understood(&self) -> String {
-        let name = |(number, column): (usize, &ColumnRead)| match &*column.name {
-            "" => format!("column {number}"),
-            name => format!("*{name}*"),
-        };
-        let numbered = || (1..).zip(&self.columns);
-        let read = numbered().filter_map(|(number, column)| {
-            let unit = column.unit.as_ref().filter(|unit| !column.name.contains(unit.as_str()));
-            let unit = unit.map_or(String::new(), |unit| format!(" in {unit}"));
-            Some(format!("{} as {}{unit}", name((number, column)), column.quantity?))
-        });
-        let mut text = read.collect::<Vec<_>>().join(", ");
-        let left_out: Vec<String> = numbered().filter(|it| it.1.quantity.is_none()).map(name).collect();
-        if !left_out.is_empty() {
-            text += &format!("; {} left out", left_out.join(", "));
-        }
+        let text = understood(&self.columns);
         match self.rows - self.rows_in_band {
             0 => text,
             1 => text + "; 1 row outside the plate's band left out",

@@ -6,10 +6,10 @@
 
 mod binary;
 
-use super::{ColumnRead, FileError, Foreign, ForeignPoint};
+use super::{FileError, Foreign, ForeignPoint};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::quantity::must_be;
-use crate::text_table::{BadLine, FINITE, Unit, number, shown, text_of, unit, wrong};
+use crate::text_table::{BadLine, ColumnRead, FINITE, Unit, number, shown, text_of, unit, wrong};
 use num_complex::Complex64;
 use std::borrow::Cow;
 use std::fmt::Write;
