@@ -29,6 +29,11 @@ fn entries() -> BTreeSet<String> {
     found
 }
 
+/// The text of a file of the tree.
+fn text(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
 /// The text between backticks, line by line, outside of code blocks.
 fn code_spans(text: &str) -> Vec<&str> {
     let mut spans = Vec::new();
@@ -166,8 +171,8 @@ fn wrong_files(commands: &[&str]) -> Vec<String> {
 
 #[test]
 fn the_readmes_commands_find_their_files_and_write_each_once() {
-    let page = fs::read_to_string(root().join("README.md")).expect("the page is there");
-    // `.ci/run readme` runs these.
+    // `.ci/run readme` runs the commands of these pages, in this order.
+    let page = ["README.md", "host/COMMANDS.md"].map(text).concat();
     let commands: Vec<&str> = page
         .split("```sh\n")
         .skip(1)
@@ -183,6 +188,13 @@ fn the_readmes_commands_find_their_files_and_write_each_once() {
     assert!(
         wrong_files(&["design --out d", "check --plate d/plate.toml", "check --plate membrane"]).is_empty()
     );
+}
+
+#[test]
+fn the_readme_stays_short() {
+    let page = text("README.md");
+    let lines = page.lines().count();
+    assert!(lines <= 200, "{lines} lines: move what is not for a first reader");
 }
 
 #[test]
