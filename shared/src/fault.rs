@@ -68,7 +68,7 @@ impl Fault {
             Self::BrownOut => "the supply voltage dipped",
             Self::StoreDamaged => "the stored configuration was damaged",
             Self::StoreFellBack => {
-                "one copy of the stored table was damaged, the other is in use and may be older; store the table anew"
+                "one copy of the stored table was damaged, the other is in use and may be older; store the table again"
             }
             Self::DeskStop => {
                 "stopped at the device, by its button or its stop input; it can be cleared 2 s after the button is released"

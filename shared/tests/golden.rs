@@ -102,7 +102,7 @@ fn golden_bytes_have_not_changed() {
     }
 }
 
-/// Writes the files that are open anew.
+/// Rewrites the files of open minors.
 fn renew_what_is_open() {
     for number in 1..=MINOR {
         let text = std::fs::read_to_string(file_of(number)).unwrap_or_default();

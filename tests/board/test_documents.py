@@ -86,7 +86,7 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.capture(1, 1000)
     host.live(0.008)
     assert len(listened(host, 0).answers) == 16 and len(host.captured()[2]) == 1000
-    # Then the lock-ins are a hold's, of a sensor that hears half of what is played; all levels fall.
+    # Then the lock-ins are a hold's, of a sensor that receives half of the drive; all levels fall.
     board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
     host.hold([(slot, 8) for slot in range(16)], 20)
     host.live(0.03)

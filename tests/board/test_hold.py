@@ -31,7 +31,7 @@ DEAD_MAN, HOST_LOST_RAMP = RATE_HZ, 50 * MILLISECOND
 @pytest.fixture(scope="module")
 def holding(facts, image):
     """All tones sound, of the largest table and with a travel that is judged, and are held; the first window is over. The sensor
-    hears half of what is played."""
+    receives half of the drive."""
     rig = Rig(facts, image)
     host, board = rig.host, rig.board
     host.connect()

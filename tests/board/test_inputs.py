@@ -125,7 +125,7 @@ def silence(rig):
 
 
 def starve(rig):
-    """The DAC's DMA does not deliver: its ring, and so the ADCs', begins anew."""
+    """The DAC's DMA does not deliver: its ring, and so the ADCs', restarts."""
     controller, stream = rig.facts.dma
     rig.board.run(37 / RATE_HZ)
     rig.board.dma[controller].blocked.add(stream)

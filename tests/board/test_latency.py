@@ -143,7 +143,7 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
         copy.host.sequence = STOPS_SEQUENCE
         sequence, played = send(copy, "EmergencyStop")
         blocks = (accepted(copy, sequence) - played) / BLOCK
-        # Whether the command before it was still done does not matter: a new session counts anew.
+        # Whether the command before it was still done does not matter: a new session counts from the start.
         copy.host.forget()
         copy.host.hello()
         check_blocks(copy.host)

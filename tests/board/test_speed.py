@@ -279,7 +279,7 @@ def test_a_line_that_is_full_both_ways_costs_no_block_and_no_lock_in_while_all_c
 
 @on_f407
 def test_a_block_is_rendered_while_levels_are_held_in_little_enough_of_its_time(armed):
-    """R-68: the lock-ins never rest, and with each window all levels begin to glide anew."""
+    """R-68: the lock-ins never rest, and with each window all levels begin to glide again."""
     board, host = armed.board, armed.host
     board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
     glide(host, 0, 10)

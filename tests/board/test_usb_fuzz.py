@@ -17,11 +17,11 @@ FOUND = {
         ("control", (0x00, 9, 0, 0, 0), [], 0, 0, 1e-3), ("bulk", 2, [64, 64]), ("control", (0x00, 9, 2, 0, 0), [], 0, 0, 1e-3),
         ("control", (0x00, 9, 1, 0, 0), [], 0, 0, 1e-3),
     ],
-    "status of an endpoint that there is not": [("control", (0x82, 0, 0, 15, 2), [], 1, 0, 1e-3)],
-    "halt of an endpoint that there is not": [("control", (0x02, 3, 0, 0x8F, 0), [], 0, 0, 1e-3)],
+    "status of an endpoint that does not exist": [("control", (0x82, 0, 0, 15, 2), [], 1, 0, 1e-3)],
+    "halt of an endpoint that does not exist": [("control", (0x02, 3, 0, 0x8F, 0), [], 0, 0, 1e-3)],
     "more data than announced": [("control", (0x21, 0x20, 0, 0, 7), [64], 0, 0, 1e-3)],
     "data where none is announced": [("control", (0x00, 9, 0, 0, 0), [8], 0, 0, 1e-3)],
-    "a reset in a suspension that is not told yet": [
+    "a reset in a suspension that is not reported yet": [
         ("setups", [(0x80, 6, 0xE03, 0, 64), (0x82, 0, 0, 0x82, 8)], 3e-4), ("unplug", 4e-3),
     ],
     "data where none belongs": [("control", (0x80, 6, 0x100, 0, 18), [], 1, 64, 1e-3)],

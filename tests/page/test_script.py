@@ -20,7 +20,7 @@ RELATIVE = 1e-8
 
 
 def lines(text):
-    """The script's lines. The checksum of a table tells no more than its entries."""
+    """The script's lines. The checksum of a table adds nothing to its entries."""
     return [re.sub(r"crc: \d+", "crc", line) for line in text.splitlines() if LINE.fullmatch(line)]
 
 

@@ -182,7 +182,7 @@ class Client:
         self, blocks: int, *, slots: int = 0xFFFF, input: int = 0, shape: Choice = RECTANGULAR, start: Optional[int] = None
     ) -> list[Optional[complex]]:
         """The answer of an input to each slot's tone over `blocks` blocks from the index `start` on: a complex amplitude in
-        codes against the tone's sine, None for a tone that stopped or began anew. Waits until the window is over. Raises
+        codes against the tone's sine, None for a tone that stopped or restarted. Waits until the window is over. Raises
         `SliplineError` with a device older than 1.3, and if a block was lost.
         """
         begin = self._accepted("Listen", Listen(start, blocks, shape, slots, input))

@@ -54,7 +54,7 @@ class Sessions(DeviceCase):
             beat += 1
             time.sleep(0.05)
         self.assertEqual(state, "Idle")
-        # A new session begins anew.
+        # A new session starts from the beginning.
         client.hello()
         client.arm()
         self.assertEqual(client.channel.request("KeepAlive", KeepAlive(0))[1].state.name, "Armed")

@@ -23,7 +23,7 @@ import zarr
 from conftest import PROGRAM
 from line import Program
 
-#: A field far from 1 refuses some plates, so that the reasons are there, too.
+#: A field far from 1 refuses some plates, so that reasons occur, too.
 SPEC = {
     "plate": "membrane",
     "seed": 7,

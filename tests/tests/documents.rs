@@ -207,7 +207,7 @@ fn a_name_of_a_file_that_is_not_there_is_found() {
     assert_eq!(links("[a](b/c.md#d) [e](https://f.rs) [g](#h)"), ["b/c.md"]);
 }
 
-/// What is wrong with the files of commands that are run in order: one that is written twice, one that is read and not there.
+/// What is wrong with the files of commands that are run in order: one written twice, one read that does not exist.
 fn wrong_files(commands: &[&str]) -> Vec<String> {
     let mut written: BTreeSet<&str> = BTreeSet::new();
     let mut wrong = Vec::new();
@@ -218,12 +218,12 @@ fn wrong_files(commands: &[&str]) -> Vec<String> {
             let folder = file.split('/').next().unwrap_or(file);
             match *option {
                 "--out" | "--figure" | "--csv" | "--wav" if !written.insert(file) => {
-                    wrong.push(format!("{file} is there already: {command}"));
+                    wrong.push(format!("{file} exists already: {command}"));
                 }
                 "--plate" | "--actual-plate" | "--setup" | "--data" | "--played"
                     if file.contains('.') && !written.contains(file) && !written.contains(folder) =>
                 {
-                    wrong.push(format!("{file} is not there: {command}"));
+                    wrong.push(format!("{file} does not exist: {command}"));
                 }
                 _ => {}
             }

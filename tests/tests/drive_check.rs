@@ -117,7 +117,7 @@ fn a_measurement_begins_only_after_its_drive_was_found_on() {
             combs[usize::from(!is_checking)] +=
                 u32::from(matches!(asked, Some(Request::Play(Sounding::Comb(_)))));
             let now = after.progress(loopback.samples());
-            // A check that needs more effort begins anew.
+            // A check that needs more effort restarts.
             assert!(now >= share || is_checking, "{now} after {share}");
             share = now;
         });

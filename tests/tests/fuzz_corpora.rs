@@ -14,7 +14,7 @@ fn replay(target: &str) {
     let (_, run) = TARGETS.iter().find(|(name, _)| *name == target).expect("a target");
     let folder = root().join("tests/corpus").join(target);
     let mut count = 0;
-    for entry in fs::read_dir(&folder).expect("the corpus is there") {
+    for entry in fs::read_dir(&folder).expect("the corpus exists") {
         let path = entry.expect("a file of the corpus").path();
         println!("{}", path.display());
         run(&fs::read(&path).expect("a file of the corpus"));

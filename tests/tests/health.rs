@@ -198,7 +198,7 @@ fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
     rig.live_ms(MAX_DRIVE_MS / 2);
     let again = rig.accepted(&Command::Drive(drive(&[(0, 0.6, 0.5)], 100)));
     rig.live_ms(MAX_DRIVE_MS - 1000);
-    assert_eq!(rig.status().state, State::Driving, "a command from the user starts the time anew");
+    assert_eq!(rig.status().state, State::Driving, "a command from the user restarts the time");
     rig.live_ms(2000);
     let status = rig.status();
     assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::DriveTime)));

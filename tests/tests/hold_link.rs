@@ -12,7 +12,7 @@ use slipline_link::{
 };
 use slipline_tests::rig::{BLOCK, MID, RATE_HZ};
 
-/// The sensor hears half of what is played, and a half of that while a finger is on the plate.
+/// The sensor receives half of the drive, and half of that while a finger is on the plate.
 #[derive(Clone, Default)]
 struct Finger(Arc<AtomicBool>);
 

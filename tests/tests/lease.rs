@@ -195,7 +195,7 @@ fn an_armed_device_takes_a_new_lease_and_arming_without_one_changes_nothing() {
     rig.accepted(&arm_for(1000));
     rig.accepted(&Command::Arm);
     disarmed(&mut rig, 1400);
-    // The lease ends with it: armed anew without one the device stays armed.
+    // The lease ends with it: armed again without one the device stays armed.
     rig.accepted(&Command::Arm);
     rig.live_ms(5000);
     assert_eq!(rig.status().state, State::Armed);

@@ -1,4 +1,4 @@
-//! The host's link while the device is there: replies that are lost, requests that overtake each other, in virtual time.
+//! The host's link with a present device: replies that are lost, requests that overtake each other, in virtual time.
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! What the device hears: its inputs, measured through the protocol.
+//! The device's inputs, measured through the protocol.
 
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};

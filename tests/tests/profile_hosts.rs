@@ -495,7 +495,7 @@ proptest! {
     }
 }
 
-/// A sensor that hears this share of the codes.
+/// A sensor that receives this share of the codes.
 struct Slipped(f64);
 
 impl SimulatedInputs for Slipped {
@@ -540,7 +540,7 @@ proptest! {
             blocks,
             max_rise: CentiDecibel(asked),
             slew: CentiDecibel(602),
-            // All of the drive, of which the sensor hears a part.
+            // The whole drive; the sensor receives a part of it.
             tones: [HoldTone { slot: 0, amplitude: (FULL * level * 256.0) as u32 }].into_iter().collect(),
         });
         rig.record();
@@ -558,7 +558,7 @@ proptest! {
         prop_assert!(found <= most, "{found} of {most}");
         let lost = -20.0 * heard.log10();
         if asked <= max_rise && f64::from(asked) / 100.0 > lost {
-            // There it is given back: the test hears a hold at work.
+            // There it is given back: the test sees a hold at work.
             prop_assert!(found > 0.97 * FULL * level / heard, "{found}");
         }
     }

@@ -236,7 +236,7 @@ fn a_table_that_was_forgotten_does_not_hide_one_that_has_decayed() {
     rig.accepted(&Command::Forget);
     rig.accepted(&Command::Store);
     let mut flash = rig.device.flash();
-    // The first slot holds the newest record, a table; the second one says that there is none.
+    // The first slot holds the newest record, a table; the second one marks the absence of a table.
     flash.slots[0][0] ^= 1;
     let mut rig = Rig::new(Options { flash, ..Options::default() });
     assert_eq!(stored(&mut rig), StoredConfig::Damaged);

@@ -246,7 +246,7 @@ fn a_plate_without_a_limit_lifts_that_of_the_plate_before() {
     let mut rig = driving(&limited());
     rig.done(Request::Upload(Arc::new(table())), 200);
     assert_eq!(rig.view().travel_limit, None);
-    // The knots are the same: they were not sent again, nor was the limit that was there.
+    // The knots are the same: neither they nor the existing limit were sent again.
     rig.done(Request::Upload(Arc::new(table())), 200);
     let count = |which: fn(&Command) -> bool| {
         rig.ports().commands.iter().filter(|(_, command)| which(command)).count()

@@ -1,7 +1,7 @@
 //! The rig that drives the inputs of the simulated device. Without a rig the inputs are at mid-scale.
 //!
 //! A plate costs a tenth of a core, so while nobody listens the rig rests and the inputs are at mid-scale, too. The latest
-//! codes are kept meanwhile: the rig plays them before it is heard again, so its plate has settled on the present drive.
+//! codes are kept meanwhile: the rig plays them before it is sampled again, so its plate has settled on the present drive.
 
 mod elsewhere;
 
@@ -79,7 +79,7 @@ impl Bench {
         rigs.pass_over_to(rig.inputs(), sample_rate_hz);
     }
 
-    /// Lets the rig rest, or has it heard again.
+    /// Lets the rig rest, or resumes its sampling.
     pub fn rest(&self, is_resting: bool) {
         let mut rigs = self.rigs();
         if let Some(elsewhere) = &mut rigs.elsewhere {

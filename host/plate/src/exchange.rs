@@ -12,7 +12,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Plates that are kept; older ones are sent anew.
+/// Plates that are kept; older ones are sent again.
 const KEPT: usize = 64;
 
 /// The plates that one side has sent to the other.
@@ -93,7 +93,7 @@ pub mod by_number {
     }
 }
 
-/// The serde form of a plate that nobody tells from an equal one: the text of its file.
+/// The serde form of a plate that needs no identity: the text of its file.
 pub mod by_text {
     use super::Plate;
     use serde::{Deserialize as _, Deserializer, Serializer, de};

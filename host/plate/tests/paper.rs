@@ -165,7 +165,7 @@ fn from_30_to_40_hz_the_rubber_boundary_moves_62_mm_and_in_bending_half_as_far()
 fn the_same_two_frequencies_on_rubber_put_the_peak_62_mm_further() {
     let rubber = preset("paper-rubber").expect("a preset");
     let response = |frequency: f64| respond(&rubber, frequency, 601, Equation::Corrected).expect("enters");
-    // At 30 Hz the Airy peak would lie before the driven end: the response states that there is no peak.
+    // At 30 Hz the Airy peak would lie before the driven end: the response reports no peak.
     assert!(response(30.0).peak.is_none());
     let peak = response(40.0).peak.expect("a peak");
     assert!((peak.position_m - rubber.airy_peak_m(40.0).expect("enters")).abs() < 2e-3);

@@ -20,7 +20,7 @@ the settings file, else sim and membrane. slipline info shows them, each with it
 
 Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was \
 checked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they end any other; \
-serve, page and watch, whose only end they are, end with 0.
+serve, page and watch, which nothing else ends, end with 0.
 
 A file named - is standard input or standard output; ./- is a file of this name.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
@@ -130,7 +130,7 @@ impl Cli {
     /// The arguments, if they belong together: a file and a port without a command are for the window.
     ///
     /// # Errors
-    /// [`Failure::Usage`]: the argument that does not belong here, or the file that is not there.
+    /// [`Failure::Usage`]: the argument that does not belong here, or the file that does not exist.
     pub fn checked(self) -> Result<Self, Failure> {
         if self.command.is_some() && (self.file.is_some() || self.port.is_some()) {
             let text = "FILE and --port before a command are for the window: give a command's own after it";

@@ -1,7 +1,7 @@
 //! Defaults of `--port` and `--plate`: the environment, the settings file, what is built in.
 //!
 //! ```text
-//! option -> environment -> settings file -> built-in      the first that is there
+//! option -> environment -> settings file -> built-in      the first that exists
 //! ```
 //! The settings file is `settings.toml` in the platform's folder for the configuration of programs.
 
@@ -62,7 +62,7 @@ impl Chosen {
 pub(super) struct Defaults {
     pub(super) port: Chosen,
     pub(super) plate: Chosen,
-    /// The settings file, whether it is there or not; `None` on a system without a folder for it.
+    /// The settings file, whether or not it exists; `None` on a system without a folder for it.
     pub(super) file: Option<PathBuf>,
     /// Why a variable or the file is refused; then the built-in values stand.
     refused: Option<Failure>,

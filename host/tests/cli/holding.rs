@@ -1,4 +1,4 @@
-//! `slipline drive --hold`: the device keeps what the simulated sensor hears.
+//! `slipline drive --hold`: the device keeps the level at the simulated sensor.
 
 use super::{failure, json, number};
 
@@ -28,7 +28,7 @@ fn what_cannot_be_held_is_refused() {
     assert!(of(&["--hold", "--max-rise", "21"], 2).contains("0 to 20 dB"));
     assert!(of(&["--hold", "--sensor", "1m"], 2).contains("--sensor"));
     assert!(of(&["--sensor", "30mm"], 2).contains("--hold"));
-    // Full silence is heard by no sensor.
+    // No sensor receives full silence.
     let message = of(&["--level", "0.00002", "--hold"], 1);
     assert!(message.contains("codes only"), "{message}");
 }

@@ -107,7 +107,7 @@ fn a_sweep_measures_the_current_and_the_plate_is_calibrated_by_it_alone() {
     let more = ["--input", "current", "--sweep", "--out", out.to_str().unwrap()];
     let value = json(&[&["measure"], &ALUMINIUM[..], &more].concat());
     assert_eq!((&value["input"], &value["kind"]), (&Value::from("current"), &Value::Null), "{value}");
-    assert_eq!(value["drive"], "The drive is connected and takes the current that it should.");
+    assert_eq!(value["drive"], "The drive is connected and takes the expected current.");
     let responses = value["response"].as_array().unwrap();
     // The shunt's range is 1.25 times the largest current of the band.
     let largest = responses.iter().map(|it| number(it, "re").hypot(number(it, "im"))).fold(0.0, f64::max);

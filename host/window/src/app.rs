@@ -205,7 +205,7 @@ impl App {
         let revision = self.instrument.snapshot().revision;
         self.instrument.take_reports();
         if self.instrument.snapshot().revision != revision {
-            // The link's word counts, but not before it has heard what the user has just chosen.
+            // The link decides, but only after it has received what the user has just chosen.
             self.settings.auto_reconnect = self.instrument.snapshot().auto_reconnect;
         }
         self.take_results();

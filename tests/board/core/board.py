@@ -71,7 +71,7 @@ class Board(Processor):
     # --- reset and power
 
     def reset(self, cause):
-        """Everything but flash and RAM begins anew; power-on leaves noise in the RAM as well."""
+        """Everything but flash and RAM restarts; power-on leaves noise in the RAM as well."""
         self.resets.append(cause)
         if cause == "power":
             noise = random.Random(len(self.resets))

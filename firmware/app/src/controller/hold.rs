@@ -256,7 +256,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 
     /// Drops the hold's own levels that have not begun, before a drive is planned: were they to begin meanwhile, it would have to be
-    /// planned anew. Returns whether there were any.
+    /// planned again. Returns whether there were any.
     pub(super) fn hold_back_levels<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> bool {
         self.refresh_hold(mailbox);
         if self.holding.is_on() && self.lead.get() > 0 {

@@ -143,7 +143,7 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Begins the measurement that `window` makes for the first index that is not rendered yet, and forgets the last one. One
-    /// step, so that the window has not begun when the renderer hears of it. Returns the window's first sample.
+    /// step, so that the window has not begun when the renderer sees it. Returns the window's first sample.
     ///
     /// # Errors
     /// What `window` says.

@@ -22,7 +22,7 @@ pub struct Report {
     /// The most cycles a block took.
     pub max_cycles: u32,
     /// The thermal fold-back; the present period began at [`limit_since`](crate::Timing::limit_since) this block's end.
-    /// `None` before the first block that heard of the coil.
+    /// `None` before the first block after the coil's data arrived.
     pub foldback: Option<Foldback>,
 }
 

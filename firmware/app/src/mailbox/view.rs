@@ -43,7 +43,7 @@ impl View {
         self.pending.is_some_and(|pending| pending.waits)
     }
 
-    /// Whether a new program can be published: none is pending, or one that gives way.
+    /// Whether a new program can be published: none is pending, or the pending one may be replaced.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.pending.is_none_or(|pending| pending.yields)

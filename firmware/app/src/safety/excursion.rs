@@ -82,7 +82,7 @@ impl Excursion {
         self.limit = None;
     }
 
-    /// A slot is about to be written anew.
+    /// A slot is about to be written again.
     pub const fn begin(&mut self, slot: SlotIndex) {
         *self.groups_of(slot) = Groups::NONE;
     }

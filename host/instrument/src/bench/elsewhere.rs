@@ -167,7 +167,7 @@ mod tests {
             act(&elsewhere, &there, step);
             for change in elsewhere.take_changes() {
                 let bytes = postcard::to_extend(&change, Vec::new()).expect("plain data");
-                // A browser copies it several times, and the worker that reads it hears no STOP meanwhile.
+                // A browser copies it several times, and the worker that reads it receives no STOP meanwhile.
                 assert!(bytes.len() < 100_000, "{} bytes", bytes.len());
                 device.carry_out(postcard::from_bytes(&bytes).expect("the same data"), &mut known);
             }

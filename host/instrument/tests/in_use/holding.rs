@@ -137,7 +137,7 @@ fn a_sensor_or_a_device_that_is_unplugged_ends_it_with_the_reason() {
     wait_for(&mut session, "Not held any more: every tone was lost");
     assert!(!is_on(&session) && session.is_driving());
     assert!(session.notice().contains("the sensor's input does not move"), "{}", session.notice());
-    // Nothing to hear from the beginning.
+    // No signal from the beginning.
     switch(&mut session, true);
     wait_for(&mut session, "Not held any more: the sensor's input does not move");
     shows.store(Partial::FREE, Ordering::Relaxed);
@@ -145,7 +145,7 @@ fn a_sensor_or_a_device_that_is_unplugged_ends_it_with_the_reason() {
     session.plug(false, 1500);
     session.plug(true, 2000);
     assert!(!is_on(&session));
-    assert_eq!(standing(&session), "Not held any more: the device went away");
+    assert_eq!(standing(&session), "Not held any more: the device disconnected");
 }
 
 #[test]

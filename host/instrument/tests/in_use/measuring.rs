@@ -10,7 +10,7 @@ use slipline_plate::calibrate::{Comparison, SensorKind};
 use slipline_plate::quantity::show_place;
 
 /// What is said after a measurement that has ended a drive.
-const DRIVE_ENDED: &str = "The drive was stopped for it: press Drive to go on.";
+const DRIVE_ENDED: &str = "The drive was stopped for it: press Drive to resume.";
 
 fn begin(session: &mut Session) {
     session.instrument.perform_measure(MeasureIntent::Begin(None));
@@ -103,7 +103,7 @@ fn a_device_that_goes_away_ends_it_with_a_reason() {
     session.plug(false, 2000);
     assert!(!session.is_measuring() && names(&session).is_empty());
     let failed = session.instrument.shown().measure.live.failed.unwrap().to_owned();
-    assert!(failed.starts_with("Not measured: the device went away."), "{failed}");
+    assert!(failed.starts_with("Not measured: the device disconnected."), "{failed}");
 }
 
 #[test]

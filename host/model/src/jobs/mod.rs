@@ -133,7 +133,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         Self::new(Runner::Inline(Box::new(work), finished), done)
     }
 
-    /// Hands every job on, with its number and its task; whoever does it sends the number and the result, or `None`, to
+    /// Forwards each numbered job; the executor sends back the number and the result, or `None`, to
     /// the sender. A task that is over says that its result is no longer wanted.
     #[must_use]
     pub fn elsewhere(

@@ -288,7 +288,7 @@ mod tests {
         let falls = Wish::Profile(vec![(0.01, 1.0), (0.28, 0.1)]);
         assert_eq!(made(&falls, 16).lack(16), None);
         let rises = made(&Wish::Profile(vec![(0.01, 0.1), (0.25, 1.0)]), 16);
-        let Some(Lack::Reach(sentence)) = rises.lack(16) else { panic!("it can be had") };
+        let Some(Lack::Reach(sentence)) = rises.lack(16) else { panic!("it is within reach") };
         assert!(
             sentence.starts_with("The target cannot be reached exactly: any number of tones leaves"),
             "{sentence}"

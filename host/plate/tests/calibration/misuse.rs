@@ -112,7 +112,7 @@ fn how_far_a_misplaced_sensor_shifts_the_boundary_is_stated_in_a_sentence() {
     let most_mm = found.boundary_per_place.iter().copied().fold(0.0, f64::max);
     assert!((0.5..2.0).contains(&most_mm), "{most_mm}");
     let sentence = found.caution().expect("two sensors");
-    let wanted = format!("moves the boundary by up to {most_mm:.1} mm, and nothing here shows it");
+    let wanted = format!("moves the boundary by up to {most_mm:.1} mm, and this fit cannot tell");
     assert!(sentence.contains(&wanted), "{sentence} for {wanted}");
 }
 

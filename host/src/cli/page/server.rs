@@ -79,7 +79,7 @@ fn respond(request: Request, contents: &Contents) {
         Method::Get | Method::Head => file(request.url(), contents),
         _ => plain(405, "GET and HEAD are answered.\n", "Allow: GET, HEAD"),
     };
-    // The browser may have gone: nobody is left to be told.
+    // The browser may have closed the connection; the answer is then dropped.
     let _ = request.respond(answer);
 }
 

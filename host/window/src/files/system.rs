@@ -210,7 +210,7 @@ mod tests {
         else {
             panic!("it was replaced")
         };
-        assert_eq!(reason.to_string(), "x.svg is there already: choose another folder");
+        assert_eq!(reason.to_string(), "x.svg exists already: choose another folder");
         assert_eq!(std::fs::read_to_string(folder.join("x.svg")).unwrap(), "<svg/>");
         assert!(!folder.join("new.svg").exists(), "all or none");
         std::fs::remove_dir_all(&folder).unwrap();

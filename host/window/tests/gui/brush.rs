@@ -1,4 +1,4 @@
-//! The brush: the wanted amplitude is drawn over the envelope; the tones follow, and what cannot be had is shaded.
+//! The brush draws the wanted amplitude over the envelope; the tones follow, and it shades what is out of reach.
 
 use crate::test_app::{TestApp, opened};
 use crate::textures::open_textures;
@@ -54,7 +54,7 @@ fn loudness(setup: &Setup) -> f64 {
     setup.tones.iter().map(|tone| tone.level).sum()
 }
 
-/// The area of the shade over what cannot be had, in square points.
+/// The area of the shade over what is out of reach, in square points.
 fn shaded(app: &TestApp) -> f32 {
     let ink = Color32::from_rgb(0x96, 0x5a, 0x00).gamma_multiply(0.35);
     let meshes = app.window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
@@ -75,7 +75,7 @@ fn shaded(app: &TestApp) -> f32 {
         .sum()
 }
 
-/// An even amplitude that falls: it can be had.
+/// An even amplitude that falls: it is within reach.
 const FALLS: [(f32, f32); 3] = [(0.06, 0.1), (0.5, 0.1), (0.8, 0.01)];
 
 #[test]
@@ -182,7 +182,7 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
         assert_eq!(setup(&app).tones.len(), 1, "{way}: that draws nothing");
         assert!(!has(&app, "Drawing area") && !has(&app, "End drawing"), "{way}");
         if way == "Esc" {
-            assert!(has(&app, "Esc ended the drawing and stopped the drive. Press Drive to go on."));
+            assert!(has(&app, "Esc ended the drawing and stopped the drive. Press Drive to resume."));
             assert!(!app.is_driving());
             app.click_button("Drive", 200);
         }

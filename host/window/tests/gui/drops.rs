@@ -20,7 +20,7 @@ impl DroppedFile for Dropped {
     }
 }
 
-/// Drops a file with these bytes, which is there under its name.
+/// Drops a file with these bytes, which exists under its name.
 fn drop_file(app: &mut TestApp, name: &str, bytes: &[u8]) {
     let path = PathBuf::from(name);
     *app.files.profiles.borrow_mut() = vec![(path.clone(), Ok(bytes.to_vec()))];

@@ -129,7 +129,7 @@ fn the_calibration_takes_such_files_at_the_places_of_its_pages() {
     assert!(app.shows("Boundary off by"));
 }
 
-/// A sweep over the membrane's band, and what a recorder hears of it at the end of a wire, in the second of two channels.
+/// A sweep over the membrane's band, and what a recorder at the end of a wire records, in the second of two channels.
 fn swept() -> (PlayedSweep, Vec<u8>) {
     const RATE_HZ: f64 = 8e3;
     let plate = membrane(1.0);

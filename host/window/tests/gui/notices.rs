@@ -309,7 +309,7 @@ fn every_message_of_the_link_is_in_the_log_whole() {
     app.hang(1100);
     app.wait(100);
     is_logged(&app, "The window did not respond for 1 s");
-    // A port that is not there.
+    // A port that does not exist.
     let mut app = TestApp::unplugged();
     app.wait(1500);
     is_logged(&app, "There is no port sim");

@@ -45,8 +45,8 @@ fn a_file_that_is_there_is_replaced_only_by_the_button_that_says_so() {
         type_into(&mut app, "File path", "/tmp/mine.toml");
         app.wait(200);
     }
-    assert_eq!(app.files.saved.borrow().len(), 1, "the second time it is there");
-    assert!(app.has_part("There is a file of that name"));
+    assert_eq!(app.files.saved.borrow().len(), 1, "the second time it exists");
+    assert!(app.has_part("A file of that name exists"));
     app.key(Key::Enter, 200);
     assert_eq!(app.files.saved.borrow().len(), 1, "Enter alone replaces nothing");
     app.click("Replace", 200);

@@ -238,7 +238,7 @@ fn a_weak_drive_is_magnified_by_a_written_factor_that_stays_while_something_is_d
     app.wait(600);
     assert_eq!(factor(&app).as_deref(), Some("×20"));
     assert!(painted(&app, "µm").is_some() || painted(&app, "nm").is_some(), "{first}");
-    // While the pointer holds the line nothing is scaled anew, unless it would be cut.
+    // While the pointer holds the line nothing is scaled again, unless it would be cut.
     let line = line_rect(&app).center();
     app.grab(line, 50);
     app.hover(line + vec2(60.0, 0.0), 100);

@@ -211,7 +211,7 @@ fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
     assert!(app.has("Esc closes it, too, and always stops the drive"));
     app.key(Key::Escape, 400);
     assert!(!app.is_driving());
-    let message = "Esc closed the page and stopped the drive. Press Drive to go on.";
+    let message = "Esc closed the page and stopped the drive. Press Drive to resume.";
     assert!(app.has(message));
     // Later, and with nothing to stop, by the same key.
     app.wait(1200);

@@ -1,4 +1,4 @@
-//! The finger of a first start: it is there, the strip is its track, and it is heard from the user's first move on.
+//! The finger of a first start: it is shown, the strip is its track, and the user hears it from the first move on.
 
 use crate::finger::{choose, finger_mm};
 use crate::test_app::TestApp;

@@ -21,7 +21,7 @@ pub(crate) enum FromDevice {
     Update(Box<SnapshotUpdate>),
     /// The bench has passed over to another rig.
     PassedOver,
-    /// The ports that there are now.
+    /// The ports that exist now.
     Ports(Vec<PortInfo>),
     /// The user has chosen this port in the browser's list.
     Chosen(Port),

@@ -71,7 +71,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             Err(Refusal::Headroom { .. }) => Some(hold.refused(Limit::Headroom)),
             Err(Refusal::Travel { .. }) => Some(hold.refused(Limit::Travel)),
-            // A stop has come, or the last levels are not in force yet: the next window proposes anew.
+            // A stop has come, or the last levels are not in force yet: the next window proposes again.
             Err(_) => {
                 hold.dropped();
                 None

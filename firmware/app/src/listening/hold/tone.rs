@@ -175,18 +175,18 @@ impl Tone {
         matches!(self.state, LoopState::Lost(_))
     }
 
-    /// What is proposed is in force.
+    /// The proposed level is in force.
     pub(super) fn accept(&mut self) {
         self.accepted = self.proposed;
     }
 
-    /// What is proposed did not come into force, for a reason that says nothing about the tones.
+    /// The proposed level did not come into force, for a reason that says nothing about the tones.
     pub(super) fn drop_proposal(&mut self) {
         self.proposed = self.accepted;
     }
 
-    /// A limit has refused what is proposed: a rise is taken back, and none is proposed for a while. Returns whether it
-    /// was one.
+    /// A limit refused the proposed level: revert the rise and pause before proposing another. Returns whether it was a
+    /// rise.
     pub(super) fn refuse(&mut self, limit: Limit) -> bool {
         if self.proposed.correction <= self.accepted.correction {
             return false;

@@ -67,7 +67,7 @@ fn what_is_stored_is_held_and_anything_else_is_not() {
     assert!(!is_held(&mut flash, &other), "another knot");
     let other = (TableHeader { span_end_um: 2001, ..kept.0 }, kept.1.clone());
     assert!(!is_held(&mut flash, &other), "another span");
-    // What has decayed is written anew.
+    // What has decayed is written again.
     for at in 0..FLASH_WORD * 4 {
         let mut rotten = flash.clone();
         rotten.slots[0][at] ^= 1;

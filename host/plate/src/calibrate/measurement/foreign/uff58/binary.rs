@@ -91,7 +91,7 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Bad
     };
     let form = whole(at, "the form of the numbers", words.get(2))?;
     if form != IEEE_754 {
-        let allowed = "2: IEEE 754; save it anew on another computer, or as text";
+        let allowed = "2: IEEE 754; save it again on another computer, or as text";
         return Err(wrong(at, must_be(format_args!("the form of the numbers = {form}"), allowed)));
     }
     let head = whole(at, "the number of lines", words.get(3))? as usize;
@@ -107,7 +107,7 @@ fn function(lines: &mut Lines<'_>, at: usize, kind: &str) -> Result<Foreign, Bad
     let head = Dataset { first: at + 1, lines: texts.iter().map(String::as_str).collect() };
     let form = Form::of(&head)?;
     let data = lines.skip(count).ok_or_else(|| {
-        wrong(at, format!("the file ends before the {count} bytes that the dataset is said to have"))
+        wrong(at, format!("the file ends before the {count} bytes that the dataset declares"))
     })?;
     form.points(&values(data, &form, is_little, at)?)
 }
