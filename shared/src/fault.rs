@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_text_of_the_drive_time_fault_tells_its_limit() {
+    fn the_text_of_the_drive_time_fault_reports_its_limit() {
         let minutes = crate::limits::MAX_DRIVE_MS / 60_000;
         assert!(Fault::DriveTime.text().starts_with(&std::format!("{minutes} minutes ")));
     }

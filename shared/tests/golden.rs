@@ -128,7 +128,7 @@ fn only_the_latest_minor_may_be_open() {
 }
 
 #[test]
-fn the_fingerprint_is_that_of_the_frozen_frames() {
+fn the_fingerprint_matches_the_frozen_frames() {
     let mut crc = CRC.digest();
     for (_, frame) in frozen(FROZEN) {
         crc.update(&frame);

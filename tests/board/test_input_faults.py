@@ -174,7 +174,7 @@ def loudness(rig, at=None):
 
 
 @pytest.mark.parametrize("fails, cause", [(hear_noise, "TooWeak"), (stick, "Stuck"), (clip, "Clipped"), (overrun, "Broken")])
-def test_a_held_input_that_fails_gives_the_drives_levels_back_and_is_told(cool, fails, cause):
+def test_a_held_input_that_fails_gives_the_drives_levels_back_and_is_reported(cool, fails, cause):
     """R-71, R-72, R-73: the hold has turned all tones down. They never get louder than the drive, and are the drive's again."""
     host, dac = cool.host, cool.board.dac
     host.accept("Drive", drive([(slot, (slot + 0.5) / 17, 0.05) for slot in range(16)], 5 * MILLISECOND))

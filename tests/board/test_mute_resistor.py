@@ -56,7 +56,7 @@ def test_a_capacitor_is_no_resistor_and_a_bare_pin_is_none(rig):
         assert on_copy(rig, lambda copy: looked(copy, wiring))[0] == expected, name
 
 
-def test_what_an_amplifiers_enable_sees_of_the_look_is_what_the_documents_say(rig):
+def test_the_look_at_the_amplifiers_enable_matches_the_documents(rig):
     """R-82."""
     strongest, weakest = pull_ups(rig.facts)
     _, seconds, highest = on_copy(rig, lambda copy: looked(copy, Wiring(pull_up=strongest)))

@@ -41,7 +41,7 @@ def is_undisturbed(rig):
     return status
 
 
-def test_a_receiver_at_the_senders_rate_hears_its_bytes():
+def test_a_receiver_at_the_senders_rate_receives_its_bytes():
     data = bytes(range(256))
     for rate in (0.98, 1.0, 1.02):
         heard = sampled(levels(data), 921_600, 921_600 * rate)
@@ -50,7 +50,7 @@ def test_a_receiver_at_the_senders_rate_hears_its_bytes():
     assert not any(errors for *_, errors in sampled(levels(data), 921_600, 921_600))
 
 
-def test_a_receiver_at_another_rate_hears_errors_and_a_line_that_is_low_is_one_frame():
+def test_a_receiver_at_another_rate_sees_errors_and_a_low_line_is_one_frame():
     # At twice the rate each bit counts twice: after the start bit 0, 1 1, 0 0, 1 1, 0, and the stop bit is low.
     (_, byte, errors), *_ = sampled(levels(b"\x55"), 921_600, 1_843_200)
     assert (byte, errors) == (0b0110_0110, FRAMING)

@@ -198,7 +198,7 @@ def test_a_block_is_rendered_and_measured_in_little_enough_of_its_time(armed):
 
 @on(G474)
 @pytest.mark.every_image
-def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(armed):
+def test_the_worst_block_with_the_link_full_both_ways_matches_the_page(armed):
     """R-68: of the link's interrupts those count that lie above the renderer's (R-44). Their cycles are what they are, whatever a
     block does."""
     board, cable = armed.board, armed.cable

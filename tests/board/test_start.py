@@ -137,7 +137,7 @@ def test_the_lamp_tells_muted_from_sounding(armed):
     assert flashes(1.6) == 2, "a flash every 0.8 s while it is muted"
 
 
-def test_the_lamp_tells_that_the_brown_out_level_is_not_set(rig):
+def test_the_lamp_reports_that_the_brown_out_level_is_not_set(rig):
     """R-56: as chips leave the factory. Only the lamp shows it."""
     mask, delivered = rig.facts.brown_out
     rig.board.flash.options = rig.board.flash.options & ~mask | delivered

@@ -89,7 +89,7 @@ def holds(rig, case, seed):
 @on_usb
 @pytest.mark.every_image
 @pytest.mark.parametrize("found", FOUND)
-def test_what_found_a_fault_once_finds_none_any_more(sounding, found):
+def test_inputs_that_once_found_a_fault_find_none(sounding, found):
     survives(sounding, FOUND[found])
 
 
@@ -108,6 +108,6 @@ def test_no_host_of_a_thousand_is_not_survived(sounding):
 
 @on_usb
 @pytest.mark.fuzz
-def test_after_no_host_of_a_hundred_the_drive_goes_on(sounding):
+def test_a_drive_ends_after_each_of_a_hundred_hosts(sounding):
     for seed in range(NIGHT // 10):
         holds(sounding, is_followed_by_silence, seed)

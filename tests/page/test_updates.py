@@ -274,7 +274,7 @@ class Lacking(unittest.TestCase):
                 page.wait_for_timeout(1000)
                 self.assertTrue(page.get_by_text(sentence).is_visible())
 
-    def test_a_page_whose_script_is_not_there_says_so(self):
+    def test_a_page_without_its_script_says_so(self):
         with contextlib.closing(self.browser.new_context(service_workers="block")) as context:
             page = context.new_page()
             page.route("**/page.*.js", lambda route: route.abort())

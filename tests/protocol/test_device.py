@@ -341,7 +341,7 @@ class AtSocket(DriveCase):
         self.assert_refused(Choice("NotSupported"), self.client.held)
         self.assert_refused(Choice("NotSupported"), self.client.end_hold)
 
-    def test_a_plate_is_heard(self) -> None:
+    def test_a_plate_is_measured_through_the_inputs(self) -> None:
         server = self.enter(Server(False, "--plate", "membrane", "--sensor", "30mm"))
         client = self.client = self.enter(Client.at_socket(server.path))
         told = client.inputs()
@@ -417,7 +417,7 @@ class AtSocket(DriveCase):
         with self.assertRaisesRegex(FieldError, "sample_rate_hz"):
             self.client.upload(Table.from_frequencies((0, 1000), rate + 1, [900, 800], [1, 1]))
 
-    def test_the_device_goes_away(self) -> None:
+    def test_the_device_disconnects(self) -> None:
         self.server.__exit__()
         began = time.monotonic()
         with self.assertRaises(Closed):

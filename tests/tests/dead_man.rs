@@ -62,7 +62,7 @@ proptest! {
 }
 
 #[test]
-fn the_dead_mans_times_are_those_of_the_safety_page() {
+fn the_dead_mans_times_match_the_safety_page() {
     // the other tests follow the constants, whatever they are.
     assert_eq!((KEEP_ALIVE_PERIOD_MS, DEAD_MAN_MS, DEAD_MAN_RAMP_MS), (200, 1000, 50));
     let page =

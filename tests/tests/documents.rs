@@ -196,7 +196,7 @@ fn the_readme_stays_short() {
 }
 
 #[test]
-fn a_name_of_a_file_that_is_not_there_is_found() {
+fn a_missing_file_that_a_page_names_is_found() {
     let entries: BTreeSet<String> = ["shared", "shared/src", "shared/src/frame.rs"].map(str::to_owned).into();
     // Written with another quote, for this file is read by the test above, too.
     let spans = |text: &str| text.replace('\'', "`");

@@ -51,17 +51,17 @@ fn every_state(name: &str, others: &[f64]) {
 }
 
 #[test]
-fn each_state_of_a_piezo_is_told_in_its_sentence() {
+fn each_state_of_a_piezo_is_reported_in_its_sentence() {
     every_state("al-bending", &[0.3, 2.5]);
 }
 
 #[test]
-fn each_state_of_a_coil_is_told_in_its_sentence() {
+fn each_state_of_a_coil_is_reported_in_its_sentence() {
     every_state("membrane", &[2.0]);
 }
 
 #[test]
-fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
+fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_reported() {
     let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let DriveLoad::Piezo { capacitance_f } = known.circuit.load else { panic!("a piezo") };

@@ -44,7 +44,7 @@ fn a_program_that_answers_drives_on_and_is_asked_four_times_a_second() {
 }
 
 #[test]
-fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_told() {
+fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_reported() {
     // Every 50 ms of the period, so that the latest sign is of every age.
     for phase_ms in (0..250).step_by(50) {
         let mut rig = driving();

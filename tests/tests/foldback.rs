@@ -69,7 +69,7 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
 }
 
 #[test]
-fn a_limit_that_is_told_after_its_time_makes_the_mirror_untrue() {
+fn a_limit_that_is_reported_after_its_time_makes_the_mirror_untrue() {
     let mut mirror = Mirror::new(RATE_HZ, 0);
     mirror.acknowledge_limit(1000, 0).unwrap();
     let step = Timing::at(RATE_HZ).limit_period;
@@ -150,7 +150,7 @@ fn a_lost_status_leaves_the_replay_exact() {
 }
 
 #[test]
-fn after_more_lost_steps_than_a_status_tells_the_replay_is_inexact_until_the_fold_back_is_known() {
+fn after_more_lost_steps_than_a_status_holds_the_replay_is_inexact_until_the_fold_back_is_known() {
     let (mut rig, mut replay) = replayed();
     // Seven steps more than the host knows, as after a gap longer than what a status covers.
     rig.ports().rewrite = |event| match as_real(event) {

@@ -58,7 +58,7 @@ fn whatever_a_user_drives_is_the_mirrors_and_never_clips() {
 }
 
 #[test]
-fn what_is_measured_is_what_the_inputs_sampled_whatever_comes_between() {
+fn measurements_match_the_sampled_inputs_despite_interruptions() {
     replay("inputs");
 }
 

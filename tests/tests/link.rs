@@ -60,7 +60,7 @@ fn at_rest_the_link_wakes_only_for_its_keep_alives() {
 }
 
 #[test]
-fn a_status_that_is_requested_after_a_sleep_is_none_of_before() {
+fn a_status_that_is_requested_after_a_sleep_is_new() {
     let mut rig = LinkRig::armed();
     rig.ask_and_pass(drive(0.05), 100);
     // The device answers a keep-alive, and the host sleeps before it reads the answer.

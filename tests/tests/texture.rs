@@ -27,7 +27,7 @@ fn rms_m(simulated: &Simulated, x_m: f64) -> f64 {
 }
 
 #[test]
-fn what_is_said_to_be_in_reach_is_reached_on_the_plate() {
+fn a_texture_within_reach_is_reached_on_the_plate() {
     let plate = preset("membrane").unwrap();
     let (table, _) = table_for(&plate, SAMPLE_RATE_HZ).unwrap();
     let palette = Palette::new(&plate, &table);

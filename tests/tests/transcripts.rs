@@ -203,7 +203,7 @@ fn session_in_bytes() -> Vec<(u64, Command)> {
 }
 
 #[test]
-fn the_session_in_bytes_on_the_protocols_page_is_what_a_device_answers() {
+fn the_session_on_the_protocols_page_matches_a_devices_answers() {
     let path = root().join("shared/tests/protocol_page/session.txt");
     let stands = std::fs::read_to_string(&path).expect("the page's session");
     let mut device = device();

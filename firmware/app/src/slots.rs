@@ -179,7 +179,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_extremes_are_those_of_every_knot_on_the_way_in_whatever_order_they_were_written(
+        fn the_extremes_match_every_knot_on_the_way_in_any_order_of_writing(
             old in prop::collection::vec(any::<(u32, u32)>(), MAX_KNOTS),
             new in prop::collection::vec(any::<(u32, u32)>(), 2..=MAX_KNOTS),
             is_backwards: bool,

@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rig_that_rests_costs_nothing_and_plays_what_it_has_missed_before_it_is_heard() {
+    fn a_resting_rig_costs_nothing_and_catches_up_before_it_is_sampled() {
         let mut rigs = Rigs { present: Some(Box::new(Counting(0))), ..Rigs::default() };
         assert_eq!(run(&mut rigs, 3000), [1, 3000]);
         rigs.is_resting = true;

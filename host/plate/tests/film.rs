@@ -58,7 +58,7 @@ fn frequency_hz(k: f64, edge_m: f64) -> f64 {
 }
 
 #[test]
-fn cut_offs_are_those_of_the_exact_strip() {
+fn cut_offs_match_the_exact_strip() {
     let mut spec = stretched(polyester(50e-6), 1390.0);
     spec.turning_width = TurningWidth::Plain;
     let plate = Plate::new(spec).expect("a plate");
@@ -194,7 +194,7 @@ fn integrated(plate: &Plate, edge_m: f64, frequency_hz: f64, steps: usize) -> Ve
 }
 
 #[test]
-fn the_response_is_that_of_the_equation_with_the_width_of_the_exact_strip() {
+fn the_response_matches_the_equation_with_the_width_of_the_exact_strip() {
     let mut spec = stretched(polyester(50e-6), 1390.0);
     (spec.turning_width, spec.drive_end) = (TurningWidth::Plain, DriveEnd::Displacement);
     let plate = Plate::new(spec).expect("a plate");

@@ -5,7 +5,7 @@ use super::{failure, json, number};
 const DRIVE: [&str; 7] = ["drive", "--port", "sim", "--plate", "al-bending", "--turning-point", "247mm"];
 
 #[test]
-fn a_drive_that_is_held_tells_each_tones_state_and_correction() {
+fn a_drive_that_is_held_reports_each_tones_state_and_correction() {
     let value =
         json(&[&DRIVE[..], &["--level", "0.3", "--hold", "--sensor", "210mm", "--for", "1s"]].concat());
     let hold = &value["hold"];

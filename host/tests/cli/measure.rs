@@ -138,7 +138,7 @@ fn one_place_of_a_sensor_calibrates_with_a_model_of_the_source_and_says_so() {
 }
 
 #[test]
-fn a_drive_that_is_another_one_is_told_before_anything_loud() {
+fn another_drive_than_stated_is_reported_before_anything_loud() {
     let wrong = ["--amplifier", "60V", "--piezo", "1nF", "--shunt", "1mA"];
     for command in [&["measure", "--sensor", "34mm"][..], &["calibrate", "--sensor", "34mm"]] {
         refused(&[command, &ALUMINIUM[..], &wrong].concat(), 1, &["The piezo has", "where 1 nF are stated"]);

@@ -20,7 +20,7 @@ fn taken(path: impl AsRef<Path>) -> String {
 }
 
 #[test]
-fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_is_that_of_the_library() {
+fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_matches_the_library() {
     let text = EXAMPLE.replace("count = 1000", "count = 200");
     let spec = written("study.toml", &text);
     let outs = ["1", "2"].map(|threads| {

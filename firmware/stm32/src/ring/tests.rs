@@ -250,7 +250,7 @@ fn asking_whether_the_ring_is_full_does_not_hide_a_late_block() {
 }
 
 #[test]
-fn a_ring_that_is_filled_anew_goes_to_mid_scale_from_the_code_that_the_pin_holds() {
+fn a_ring_that_is_filled_again_goes_to_mid_scale_from_the_code_that_the_pin_holds() {
     let model = Model::silent();
     model.halves.refill(&Interrupt(&model), 4095);
     for _ in 0..6 {

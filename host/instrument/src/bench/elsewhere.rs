@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_done_at_a_bench_elsewhere_is_heard_where_the_device_is() {
+    fn a_change_at_a_bench_elsewhere_reaches_the_device() {
         let options = RigOptions { place_m: 0.03, ..RigOptions::default() };
         let rig =
             || PreparedRig::new(&preset("membrane").expect("a plate"), &options, RATE_HZ).expect("a rig");

@@ -101,7 +101,7 @@ fn it_listens_holds_and_says_what_a_finger_takes() {
 }
 
 #[test]
-fn a_drag_ends_it_and_where_the_line_rests_it_begins_anew() {
+fn a_drag_ends_it_and_where_the_line_rests_it_restarts() {
     let (mut session, _) = held();
     session.attention.is_dragging = true;
     let there_mm = session.line_mm();
@@ -194,7 +194,7 @@ fn another_plate_ends_it() {
 }
 
 #[test]
-fn the_largest_rise_is_a_limit_that_is_told() {
+fn the_largest_rise_is_reported_as_a_limit() {
     let (mut session, shows) = held();
     session.instrument.choose_max_rise(3.0);
     wait_for(&mut session, "Listening for ");

@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_said() {
+    fn the_report_says_what_is_unknown() {
         let text = text(&Snapshot::default(), &setup(), &TableState::Waiting);
         for part in ["not connected", "not known", "waiting for a device", "Port:", "== log"] {
             assert!(text.contains(part), "{part}");

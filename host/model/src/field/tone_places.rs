@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn both_places_of_a_chord_are_those_of_its_louder_tones() {
+    fn both_places_of_a_chord_match_its_louder_tones() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let table = DriveTable::build(&plate, 400e3, 65).unwrap();
         let mut setup = Setup::new(plate);

@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_job_ends_and_nothing_comes_of_it() {
+    fn a_cancelled_job_ends_without_a_result() {
         let (half_way, reported) = channel();
         let (woken, waking) = channel();
         let work = move |forever: bool, task: &Task| {

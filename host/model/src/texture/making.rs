@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_had_is_said_and_nothing_else_is() {
+    fn only_what_is_out_of_reach_is_reported() {
         let falls = Wish::Profile(vec![(0.01, 1.0), (0.28, 0.1)]);
         assert_eq!(made(&falls, 16).lack(16), None);
         let rises = made(&Wish::Profile(vec![(0.01, 0.1), (0.25, 1.0)]), 16);
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn an_area_that_nobody_wants_any_more_is_given_up() {
+    fn an_area_that_is_no_longer_wanted_is_cancelled() {
         let (plate, table) = membrane();
         let palette = Palette::new(&plate, &table);
         let mut reports = 0;

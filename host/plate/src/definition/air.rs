@@ -326,7 +326,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     #[test]
-    fn the_standard_atmosphere_is_that_of_its_tables() {
+    fn the_standard_atmosphere_matches_its_tables() {
         // ISO 2533: height, temperature, density, speed of sound.
         for (height_m, kelvin, density, speed) in [
             (0.0, 288.15, 1.2250, 340.29),

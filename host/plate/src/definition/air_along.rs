@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wave_is_that_of_the_coefficient_at_its_turning_point_and_of_1_where_the_plate_is_wide() {
+    fn the_wave_has_the_coefficient_of_its_turning_point_and_1_where_the_plate_is_wide() {
         let (plate, wide) = (in_air("membrane", 2.0), in_air("membrane", 1.0));
         let (mode, frequency_hz) = (plate.width_mode(1), 150.0);
         let air = mode.air(frequency_hz).expect("a membrane in air");

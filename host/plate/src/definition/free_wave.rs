@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn the_dilution_is_what_a_change_of_the_stiffness_does() {
+    fn the_dilution_matches_a_change_of_the_stiffness() {
         for model in models().into_iter().take(4) {
             let load = AirLoad::of(Some(&air(1.9)), &model);
             for omega in [600.0, 6e3, 6e4] {

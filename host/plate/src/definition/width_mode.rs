@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn between_clamped_edges_the_wavenumber_is_that_of_the_strips_exact_law() {
+    fn between_clamped_edges_the_wavenumber_matches_the_strips_exact_law() {
         let plate = clamped();
         let width_mode = plate.width_mode(1);
         let frequency_hz = plate.frequency_for_boundary_hz(0.24);

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_that_other_fields_move_is_told_with_what_moves_it() {
+    fn a_range_that_other_fields_move_is_printed_with_its_cause() {
         let sampled = |points: &[[f64; 2]]| {
             let taper = Taper::Sampled { points: points.to_vec() };
             refusal("membrane", |spec| spec.taper = taper)
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_from_a_number_is_told_with_what_it_is_here() {
+    fn a_derived_limit_is_printed_with_its_value_here() {
         let exponential = |half_width_m, rate_per_m, span: (f64, f64)| {
             move |spec: &mut PlateSpec| {
                 spec.taper = Taper::Exponential { half_width_m, rate_per_m };

@@ -260,7 +260,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kernel_is_that_of_its_limits_near_and_far() {
+    fn the_kernel_matches_its_limits_near_and_far() {
         // Far away the width's volume is at a point: h = (8/pi^3)/r.
         let far = (reach(100.0) - reach(50.0)) / std::f64::consts::LN_2;
         assert!((far / (8.0 / PI.powi(3)) - 1.0).abs() < 1e-3, "{far}");

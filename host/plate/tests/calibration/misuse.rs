@@ -266,7 +266,7 @@ fn twenty_decibels(name: &str) {
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run statistics"]
-fn what_goes_wrong_with_two_places_is_refused_or_stated_on_aluminium_too() {
+fn mistakes_with_two_places_are_refused_or_reported_on_aluminium_too() {
     finger(SECOND);
     another_place(SECOND);
     nothing_to_be_seen(SECOND);

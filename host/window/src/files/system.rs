@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dialog_that_stays_open_holds_nobody_up() {
+    fn a_dialog_that_stays_open_blocks_nothing() {
         static OPEN: Mutex<()> = Mutex::new(());
         // Held by this test: begin() would wait for itself if it did not return while the dialog is open.
         let is_open = OPEN.lock().unwrap();
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_there_is_replaced_only_when_that_was_said() {
+    fn an_existing_file_is_replaced_only_on_request() {
         let folder = folder("replaced");
         let save = |text: &str| Save {
             name: String::new(),

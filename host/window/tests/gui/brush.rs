@@ -125,7 +125,7 @@ fn what_is_drawn_half_as_high_is_half_as_loud() {
 }
 
 #[test]
-fn what_cannot_be_had_is_shaded_where_it_is_and_what_can_be_is_not() {
+fn only_what_is_out_of_reach_is_shaded() {
     let shade = |path: &[(f32, f32)]| {
         let mut app = TestApp::driving();
         with_brush(&mut app);
@@ -143,7 +143,7 @@ fn what_cannot_be_had_is_shaded_where_it_is_and_what_can_be_is_not() {
 }
 
 #[test]
-fn a_stroke_goes_through_lines_and_brings_none() {
+fn a_stroke_passes_lines_and_moves_none() {
     let mut app = TestApp::driving();
     with_brush(&mut app);
     let line = line_rect(&app).center().x;

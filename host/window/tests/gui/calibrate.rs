@@ -135,7 +135,7 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
 }
 
 #[test]
-fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_offered() {
+fn exchanged_or_foreign_responses_are_refused_with_a_remedy() {
     let mut app = TestApp::driving();
     let [near, far] = answers(1.03);
     // Each file states the other's place.

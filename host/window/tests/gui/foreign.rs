@@ -67,7 +67,7 @@ fn what_another_program_measured_is_asked_for_its_place_and_its_sensor() {
 }
 
 #[test]
-fn a_universal_file_tells_its_sensor_and_what_cannot_be_is_said_where_it_was_told() {
+fn a_universal_file_states_its_sensor_and_an_impossible_one_is_refused_in_place() {
     let mut app = TestApp::driving();
     // Dropped on any page: its name says what it is.
     drop_file(&mut app, "hammer.UFF", near(1.0).to_uff58().as_bytes());

@@ -25,7 +25,7 @@ fn is_told(app: &TestApp, code: &str) -> bool {
 }
 
 #[test]
-fn a_name_that_no_font_can_show_is_told_once_and_the_rest_goes_on() {
+fn a_name_that_no_font_can_show_is_reported_once_and_the_rest_works() {
     let mut app = driving();
     open_named(&mut app, "Größe \u{00b5} Ж");
     assert!(!is_told(&app, ""), "the window's own fonts have these");

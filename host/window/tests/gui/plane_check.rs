@@ -46,7 +46,7 @@ fn the_button_takes_the_finger_with_it_until_that_moves() {
 }
 
 #[test]
-fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
+fn the_button_reports_where_two_dimensions_differ_until_the_boundary_moves() {
     let mut app = TestApp::driving();
     open_page(&mut app, "Validity");
     assert!(!app.has_part("In two dimensions the peak"));
@@ -61,7 +61,7 @@ fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
 }
 
 #[test]
-fn what_is_refused_tells_the_reason_and_the_button_waits_for_another_boundary() {
+fn a_refusal_gives_its_reason_and_the_button_waits_for_another_boundary() {
     let mut app = TestApp::driving();
     open_page(&mut app, "Validity");
     assert!(!app.window.get_by_label(BUTTON).accesskit_node().is_disabled());

@@ -113,7 +113,7 @@ fn the_points_of_the_drive_before_stay_while_the_line_is_dragged() {
 }
 
 #[test]
-fn the_plate_in_time_is_not_begun_anew_for_every_move_of_a_drag_and_follows_its_end() {
+fn the_plate_in_time_is_not_restarted_for_every_move_of_a_drag_and_follows_its_end() {
     let mut app = TestApp::driving();
     let line = line_rect(&app).center();
     app.grab(line, 50);
@@ -367,7 +367,7 @@ fn a_press_that_is_held_or_moves_takes_the_line_at_once_in_one_step_of_undo() {
 }
 
 #[test]
-fn a_press_brings_the_selected_tones_line_and_none_where_a_handle_takes_it() {
+fn a_press_moves_the_selected_tones_line_unless_a_handle_takes_it() {
     let mut app = TestApp::driving();
     add_tone(&mut app);
     let places = |app: &TestApp| -> Vec<f64> {

@@ -92,7 +92,7 @@ struct Case {
 }
 
 #[test]
-fn a_drive_that_waits_for_the_trigger_input_is_told_as_that() {
+fn a_drive_that_waits_for_the_trigger_input_is_shown_as_waiting() {
     let driving = driving();
     let (window, _) = show(in_state(&driving, State::Waiting, false), [1280.0, 800.0]);
     assert!(window.query_by_label("State: waiting").is_some());
@@ -313,7 +313,7 @@ fn a_press_of_drive_before_arming_does_not_drive_after_arming() {
 }
 
 #[test]
-fn a_fault_that_stands_after_it_was_cleared_is_told() {
+fn a_fault_that_persists_after_clearing_is_reported() {
     let driving = driving();
     let (mut window, link) = show(in_state(&driving, State::Fault, false), [1280.0, 800.0]);
     window.get_by_label("Clear fault").click();

@@ -84,7 +84,7 @@ fn a_profile_is_drawn_played_undone_and_saved() {
 }
 
 #[test]
-fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
+fn what_is_out_of_reach_is_reported_at_once_and_nothing_else() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
     open_profile(&mut app, "rising.csv", Ok(b"0.01,0.1\n0.25,1\n".to_vec()));
@@ -111,7 +111,7 @@ fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
 }
 
 #[test]
-fn an_area_stripes_and_a_beat_are_typed_and_what_is_out_of_range_is_told() {
+fn an_area_stripes_and_a_beat_are_typed_and_bad_values_are_reported() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
     choose(&mut app, "Solid");

@@ -160,7 +160,7 @@ fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
 }
 
 #[test]
-fn the_device_panel_tells_whether_the_actuators_travel_is_limited() {
+fn the_device_panel_reports_whether_the_actuators_travel_is_limited() {
     let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
     for (minor, limit, wanted) in [
         (1, Some(limit), "limited by the device"),

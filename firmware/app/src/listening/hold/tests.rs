@@ -54,7 +54,7 @@ fn parts(step: HoldAction, slots: [usize; 2]) -> [f64; 2] {
 }
 
 #[test]
-fn an_amplitude_is_what_the_lock_in_has_measured() {
+fn an_amplitude_matches_the_lock_ins_measurement() {
     const STEP: u64 = 0x0123_4567_89AB_CDEF;
     for codes in [40.5, 333.0, 1500.0] {
         let (mut lock_in, mut history) = (LockIn::new(), History::new());

@@ -245,7 +245,7 @@ impl SenseStream for Unheard {
 }
 
 #[test]
-fn while_nobody_listens_blocks_are_counted_and_not_copied() {
+fn without_a_listener_blocks_are_counted_and_not_copied() {
     let values = Values::new();
     let mut listener = Listener::starting_at(256, &values);
     let mut stream = Unheard(5);

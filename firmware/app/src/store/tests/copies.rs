@@ -20,7 +20,7 @@ fn is_held(flash: &mut Flash, (header, knots): &Kept) -> bool {
 }
 
 #[test]
-fn a_store_that_was_cut_short_is_told_and_counted_if_it_left_a_trace() {
+fn a_store_that_was_cut_short_is_reported_and_counted_if_it_left_a_trace() {
     let (old, new) = (table(9, 7), table(6, 1_000_000));
     let (mut traces, mut none) = (0, 0);
     for times in 1..=3 {

@@ -159,7 +159,7 @@ mod tests {
     use crate::definition::clamped_strip::{CUT_OFF, StripLaw};
 
     #[test]
-    fn the_propagating_wave_is_that_of_the_exact_law() {
+    fn the_propagating_wave_matches_the_exact_law() {
         for (ratio, loss, allowed) in [(1.02_f64, 0.0, 1e-6), (1.5, 0.05, 1e-6), (3.0, 0.0, 1e-4)] {
             let steps = 40;
             let law = (1..=steps).fold(StripLaw::at_cut_off(), |law, i| {

@@ -50,7 +50,7 @@ fn the_turns_to_the_pairs_of_sub_blocks_are_1_4e_7_off_at_most() {
 }
 
 #[test]
-fn the_constants_part_is_that_of_a_block_of_constant_codes() {
+fn the_constants_part_matches_a_block_of_constant_codes() {
     for step in steps() {
         let mut basis = Basis::NONE;
         basis.rebuild(step);

@@ -57,7 +57,7 @@ fn nothing_outside_the_window_counts_and_everything_inside_does() {
 }
 
 #[test]
-fn the_sums_are_those_of_the_definition() {
+fn the_sums_match_the_definition() {
     let mut seed = 3_u64;
     let mut draw = || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -162,7 +162,7 @@ fn a_tone_that_is_silent_or_jumps_is_not_followed() {
 }
 
 #[test]
-fn the_span_of_the_codes_tells_a_clipped_input() {
+fn the_span_of_the_codes_reveals_a_clipped_input() {
     let (mut lock_in, mut history) = waiting(2);
     let mut codes = [2048; BLOCK];
     (codes[3], codes[127]) = (17, 3000);
