@@ -242,7 +242,7 @@ choices! {
         } or Self::NotSupported,
         /// The command needs the board's user button, pressed within the last 30 s and still held.
         27 since 3 HoldButton or Self::NotSupported,
-        /// So many tables were stored or forgotten in a row that the flash is spared for a while.
+        /// Too many tables were stored or forgotten in a row, and the flash is spared for a while.
         28 since 3 StoresSpent {
             /// The time after which one more is stored.
             wait_s: u16 ["s"],

@@ -60,7 +60,7 @@ def test_no_image_keeps_zeros_for_its_variables_in_the_flash(board):
 
 
 @on_f407
-def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
+def test_the_stack_in_the_documents_matches_the_image(rig):
     """Each part by itself, so that it does not matter where an interrupt falls."""
     board, host = rig.board, rig.host
     board.watches_stacks = True
@@ -134,7 +134,7 @@ def test_the_rule_is_for_this_device_and_this_user_only():
 
 
 def test_the_rule_comes_before_the_one_that_grants_what_it_asks_for():
-    """systemd's 73-seat-late.rules acts on the tag; a later file would ask in vain."""
+    """systemd's 73-seat-late.rules acts on the tag; a later file has no effect."""
     (rule,) = (ROOT / "firmware").glob("*.rules")
     assert int(rule.name[:2]) < 73
 

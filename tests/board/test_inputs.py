@@ -31,7 +31,7 @@ def capture(rig, input=0, values=1000):
 
 
 def check(rig, input=0, values=1000):
-    """The codes of an input are what the DAC played under the same indices; returns the first one and the codes."""
+    """The codes of an input equal the DAC's under the same indices; returns the first one and the codes."""
     progress, begin, codes = capture(rig, input, values)
     played = rig.codes(begin, begin + values)
     assert (progress, codes) == ("finished", [4095 - code for code in played] if input else played)

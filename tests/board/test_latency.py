@@ -19,7 +19,7 @@ STOP_PHASES, STOP_PHASES_LISTENING = 10, 40
 STOP_BLOCKS_APART = 5
 MILLISECOND = RATE_HZ // 1000
 DRIVE_BLOCKS, STOP_BLOCKS = 4, 2
-# While sixteen lock-ins measure, which leaves the thread less than half of its time. A stop is as soon as ever.
+# While sixteen lock-ins measure, which leaves the thread less than half of its time. A stop comes as soon as otherwise.
 DRIVE_BLOCKS_LISTENING = 8
 LONGEST_WINDOW = 65_535
 # Of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5 (per mille), and

@@ -19,7 +19,7 @@ TONES = [(39 + 150 * n + n % 3, 0.05, 0.37 * n) for n in range(16)]
 
 class Plate:
     """A resonance of 26.5 kHz with a loss of a tenth, two samples late, 40 codes above mid-scale, with a code of noise. The shunt
-    sees half of the DAC's code. `codes` are what both have sampled, from the index `first` on."""
+    sees half of the DAC's code. `codes` are the samples of both, from the index `first` on."""
 
     POLE = cmath.exp(complex(-0.05, 1) * 2 * math.pi * 26_500 / 400_000)
     LATE = 2

@@ -35,7 +35,8 @@ def looked(rig, wiring):
     load = rig.board.pins.loads[rig.facts.unmute]
     rig.board.run_until(lambda: load.driven == 0, 0.1, step=1e-3)
     seconds = load.driven_at - load.pulled_at
-    # Only a pin that stays low is watched to the end; `test_without_the_resistor_the_mute_pin_never_rises` has what follows.
+    # Only a pin that stays low is watched to the end; `test_without_the_resistor_the_mute_pin_never_rises` shows what
+    # follows.
     return "present" if seconds > 5e-3 else "missing", seconds, load.highest
 
 

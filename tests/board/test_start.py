@@ -123,7 +123,7 @@ def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(rig):
     rig.host.arm()
 
 
-def test_the_lamp_tells_muted_from_sounding(armed):
+def test_the_lamp_shows_whether_the_device_is_muted(armed):
     def flashes(seconds):
         armed.board.log.clear()
         armed.host.live(seconds)

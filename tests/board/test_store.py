@@ -85,14 +85,14 @@ def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(kept, words):
     the record's header, which the next start reads: the G474 gets its NMI and the H743 its bus fault then."""
     stored = cut(kept, operation_at(kept.facts, words))
     # Half an erasure of what was blank leaves no trace, where no word can become unreadable.
-    is_told = words > 0 or kept.facts.word_bytes > 4
-    assert stored == ("fell back" if is_told else "loaded")
-    assert kept.host.status()["faults"] == ({"store fell back"} if is_told else set())
+    is_reported = words > 0 or kept.facts.word_bytes > 4
+    assert stored == ("fell back" if is_reported else "loaded")
+    assert kept.host.status()["faults"] == ({"store fell back"} if is_reported else set())
     # A table limits nothing, so a host alone may go on with the older one.
     kept.host.accept("ClearFaults")
     assert kept.host.status()["faults"] == set()
     assert kept.stored_crc() == kept.old
-    stores_again(kept, erasures=2 + is_told)
+    stores_again(kept, erasures=2 + is_reported)
 
 
 def operations(rig):

@@ -28,22 +28,22 @@ for (const name of ["keydown", "pointerdown", "visibilitychange", "freeze", "pag
 # In front of the workers' script: each worker reports to other pages that it lives; the device's also its state.
 TELLING = b"""
 {
-  const channel = new BroadcastChannel("told");
-  const tell = (state) => channel.postMessage({ name: self.name, origin: performance.timeOrigin, now: performance.now(), state });
+  const channel = new BroadcastChannel("reports");
+  const report = (state) => channel.postMessage({ name: self.name, origin: performance.timeOrigin, now: performance.now(), state });
   const post = self.postMessage.bind(self);
   self.postMessage = (message, ...more) => {
     if (message.state) {
-      tell(message.state);
+      report(message.state);
     }
     post(message, ...more);
   };
-  setInterval(tell, 20);
+  setInterval(report, 20);
 }
 """
 # A page that receives that: the time of each worker's latest report, by its own clock, and the device's latest state.
 HEARING = b"""<!DOCTYPE html><title>Heard</title><script>
 window.heard = {};
-new BroadcastChannel("told").onmessage = ({ data: { name, origin, now, state } }) => {
+new BroadcastChannel("reports").onmessage = ({ data: { name, origin, now, state } }) => {
   heard[name] = { origin, at: origin + now, state: state ? JSON.parse(state) : heard[name]?.state };
 };
 </script>"""

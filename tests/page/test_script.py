@@ -1,4 +1,4 @@
-"""A user's script of four minutes, in virtual time: what a browser computes of it is what this computer does.
+"""A user's script of four minutes, in virtual time: a browser computes the same as this computer.
 
 `SLIPLINE_SCRIPT` is the output of `cargo test --test in_use -- --ignored --nocapture`.
 """

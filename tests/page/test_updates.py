@@ -109,8 +109,8 @@ class Updates(unittest.TestCase):
         self.case.close()
 
     def publish(self, build):
-        """Puts a build on the server in place of the present one, at once; its files are of now, by which the browser tells
-        them."""
+        """Puts a build on the server in place of the present one, at once; its files are dated now, by which the browser
+        recognises them."""
         fresh, link = (pathlib.Path(tempfile.mkdtemp(dir=self.site.parent)) for _ in range(2))
         shutil.copytree(build, fresh, copy_function=shutil.copy, dirs_exist_ok=True)
         link /= "site"

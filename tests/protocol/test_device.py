@@ -333,8 +333,8 @@ class AtSocket(DriveCase):
             client.profile()
 
     def test_a_device_without_inputs_says_so(self) -> None:
-        told = self.client.inputs()
-        self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (0, 0, 0))
+        inputs = self.client.inputs()
+        self.assertEqual((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (0, 0, 0))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.listen(10))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.capture(10))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.hold([HoldTone(0, 1000)], 400))
@@ -344,8 +344,8 @@ class AtSocket(DriveCase):
     def test_a_plate_is_measured_through_the_inputs(self) -> None:
         server = self.enter(Server(False, "--plate", "membrane", "--sensor", "30mm"))
         client = self.client = self.enter(Client.at_socket(server.path))
-        told = client.inputs()
-        self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (2, 16, 0))
+        inputs = client.inputs()
+        self.assertEqual((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (2, 16, 0))
         self.make_ready()
         tones = [CombTone(harmonic, 15000, 0) for harmonic in (8, 12, 20)]
         start = client.comb(40, tones)

@@ -1,4 +1,4 @@
-//! Chords through the protocol: what is accepted is what sounds, code by code, and what does not fit is refused.
+//! Chords through the protocol: an accepted chord sounds code by code; one that does not fit is refused.
 
 use slipline_link::chord::extent;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};

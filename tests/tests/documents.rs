@@ -105,7 +105,7 @@ fn every_file_that_a_document_or_a_comment_names_exists() {
             );
         }
     }
-    assert!(wrong.is_empty(), "named, and not there:\n{}", wrong.join("\n"));
+    assert!(wrong.is_empty(), "named, but missing:\n{}", wrong.join("\n"));
 }
 
 /// What a crate's page must name, below its `src/`, without an ending: each file beside the root file, and each folder

@@ -29,8 +29,8 @@ fn sweep(bench: &mut MeasuringBench, sensor: Sensor) -> Measured {
     bench.run(sweeping, |_, _, _, _| ()).unwrap()
 }
 
-/// How far responses are from others, each over its own noise and 0.4 % of its size, which is what 6 time constants leave of a
-/// ring: the root of the mean square, and the largest relative error.
+/// Distance of responses from others, each over its own noise and 0.4 % of its size (the rest of a ring after 6 time
+/// constants): the root of the mean square, and the largest relative error.
 fn departure(measured: &Measured, truth: &[Complex64]) -> (f64, f64) {
     let points = &measured.measurement.points;
     let errors = || points.iter().zip(truth).map(|(point, p)| (point, (point.response - p).norm(), p.norm()));

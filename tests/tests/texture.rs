@@ -1,4 +1,4 @@
-//! A texture through the protocol, the device and the plate in time: what was fitted is what the plate does.
+//! A texture through the protocol, the device and the plate in time: the plate does what was fitted.
 
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, Solver, table_for};
 use slipline_plate::texture::{Figures, Palette, Target, Texture};

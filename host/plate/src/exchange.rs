@@ -47,7 +47,7 @@ impl Exchange {
     }
 
     fn keep(&mut self, number: u64, plate: Arc<Plate>) {
-        // Whoever gives the next number has read all numbers so far.
+        // The side that gives the next number has read all numbers so far.
         self.latest = self.latest.max(number);
         if self.plates.len() == KEPT {
             self.plates.pop_front();

@@ -35,7 +35,7 @@ fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_matches_the_library()
     let whole = study.run_range(0..200);
     assert_eq!(outs[0].0, csv::head(&study) + &csv::rows(&study, &whole));
 
-    // What is printed is what is in the file.
+    // The printed numbers match the file.
     let value = &outs[0].1;
     assert_eq!(value["plates"][0]["status"], "done");
     assert_eq!(value["plates"][0]["count"], 200);

@@ -1,5 +1,5 @@
-//! The app: the shell around an [`Instrument`]. It hands on what keys, pointer and views ask for, and has what a window alone
-//! has: settings, files, pages, sound, pictures.
+//! The app: the shell around an [`Instrument`]. It hands on the requests of keys, pointer and views, and owns what only
+//! a window has: settings, files, pages, sound, pictures.
 //!
 //! ```text
 //! views --Intent--> App --calls--> Instrument --Request--> link worker --> device

@@ -176,8 +176,8 @@ impl Excursion {
     }
 }
 
-/// The shortest glide of a drive with a limit, in samples: [`PERIODS`] of the resonance, at most the longest glide that
-/// there is. The host makes its drives by the same rule.
+/// The shortest glide of a drive with a limit, in samples: [`PERIODS`] of the resonance, at most the longest possible
+/// glide. The host makes its drives by the same rule.
 #[must_use]
 pub fn shortest_glide(limit: &TravelLimit, timing: &Timing) -> u32 {
     let samples = PERIODS

@@ -105,7 +105,7 @@ pub(crate) fn tune_adcs() {
     });
 }
 
-/// The sampling time of one of the channels 0 to 9; 12 bits are what a reset leaves.
+/// The sampling time of one of the channels 0 to 9; a reset sets 12 bits.
 pub(crate) fn tune_adc(adc: Adc, channel: u8) {
     adc.smpr().write(|w| w.set_smp(channel.into(), SampleTime::CYCLES47_5));
 }

@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_waits_is_not_told_as_one_that_sounds() {
+    fn a_drive_that_waits_is_not_reported_as_one_that_sounds() {
         let status = Status { state: State::Waiting, ..Status::default() };
         let waiting = Snapshot { status: Some(status), ..Snapshot::default() };
         let text = text(&waiting, &setup(), &TableState::Waiting);

@@ -233,7 +233,7 @@ impl Gas {
 }
 
 impl Air {
-    /// Air of a room around a plate in a bare frame, which is what a frame on a table is nearest to.
+    /// Air of a room around a plate in a bare frame, which comes nearest to a frame on a table.
     pub const ROOM: Self = Self::Around { gas: Gas::ROOM, mounting: AirMounting::BareFrame };
 
     /// How the plate stands in the air; `None` in a vacuum.

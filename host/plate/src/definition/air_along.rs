@@ -15,7 +15,7 @@
 
 use super::air::AirLoad;
 
-/// b: beyond the turning point alpha - alpha_w rises to (1 + b)/b of what it is there.
+/// b: beyond the turning point alpha - alpha_w rises to (1 + b)/b of its value at the turning point.
 const SATURATION: f64 = 0.5;
 /// The most that the turning point's alpha is over that of a wide plate. With more a wave could turn twice.
 const GROWTH_MAX: f64 = 2.5;
@@ -133,7 +133,7 @@ mod tests {
         for width_square in [10.0, 1e3, 1e5] {
             let here = air.at(width_square);
             assert!((here.wavenumber_squared / plate.wavenumber_squared(150.0) - 1.0).abs() < 1e-12);
-            // The air's share of the power is what the loss is diluted by.
+            // The air's share of the power dilutes the loss.
             assert!((here.weight * plate.dilution(150.0) - 1.0).abs() < 1e-9, "{}", here.weight);
         }
         assert!(in_air("al-bending", 2.0).width_mode(1).air(30e3).is_none());

@@ -167,7 +167,7 @@ impl Plate {
         Complex64::new(1.0, self.wave_loss_at(frequency_hz))
     }
 
-    /// 1 + j eta of the plate's own stiffness, 1/(1 + j eta) of which is what it is without loss.
+    /// 1 + j eta of the plate's own stiffness; without loss it is 1.
     pub(crate) fn lossy_compliance(&self) -> Complex64 {
         Complex64::new(1.0, self.wave_loss())
     }

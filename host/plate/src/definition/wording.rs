@@ -87,7 +87,7 @@ fn allowed(notation: &dyn Notation, field: &str, range: Range, origin: Option<Or
     }
 }
 
-/// What a field must be for something else to be allowed, in words that follow "must be". What there is now is rounded
+/// What a field must be for something else to be allowed, in words that follow "must be". The present value is rounded
 /// away from what is allowed, so that the two never read the same.
 fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
     let frequency = |hertz: f64| notation.frequency(hertz);

@@ -27,7 +27,7 @@ impl App {
         let is_typing = is_left || ctx.text_edit_focused();
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
-        // The line is what the window is for; the controls follow it.
+        // The line comes first, because the window exists for it; the controls follow.
         self.view.begins_by_tab = focused.is_none()
             && self.dialog.is_none()
             && ctx.input(|input| input.modifiers.is_none() && input.key_pressed(Key::Tab));

@@ -152,7 +152,7 @@ fn a_stroke_passes_lines_and_moves_none() {
     // It begins on the line.
     stroke(&mut app, &[(along, 0.08), (along - 0.3, 0.08)]);
     assert!(setup(&app).tones.len() > 1);
-    // On the plate a press brings the line as ever.
+    // On the plate a press moves the line as usual.
     let plate = app.window.get_by_label("Plate from above").rect();
     let before = setup(&app);
     app.grab(pos2(plate.left() + 0.4 * plate.width(), plate.top() + 8.0), 1000);

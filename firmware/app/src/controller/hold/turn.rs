@@ -21,7 +21,7 @@ const PATIENCE_BLOCKS: u64 = 64;
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// Takes a window of the hold that is over. Calls `is_stopped` repeatedly, since this takes as long as a drive.
     ///
-    /// Never inlined, nor is what it calls: it would lie on the stack under every command.
+    /// Neither this nor its callees are inlined: they would lie on the stack under every command.
     #[inline(never)]
     pub(in crate::controller) fn turn_hold<M: RawMutex>(
         &mut self,

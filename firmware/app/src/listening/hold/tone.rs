@@ -106,7 +106,7 @@ impl Tone {
 
     /// Proposes a correction; returns whether a higher one was wanted than the ceiling.
     ///
-    /// The integral never leaves the range of the corrections, whose upper end is what is in force where a rise has been
+    /// The integral never leaves the range of the corrections, whose upper end is the level in force where a rise has been
     /// refused, and waits while the slew holds the correction back: so there is nothing to unwind when the error changes
     /// its sign.
     fn control(&mut self, error: Octaves, ceiling: i64, law: &Law) -> bool {

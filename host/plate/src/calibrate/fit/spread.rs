@@ -115,7 +115,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// `deviations` are what was known of the coordinates beforehand; of these, `places_of_sensors` are of sensors'
+    /// `deviations` are the prior deviations of the coordinates; of these, `places_of_sensors` are of sensors'
     /// places. `carried` is the gain to the peak at each frequency for given coordinates, and `here` for those of the fit.
     pub(crate) fn of(
         fitted: &Plate,
