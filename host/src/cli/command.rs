@@ -108,8 +108,8 @@ pub enum Command {
     /// Rate the sharpness, speed and number of a plate's boundaries over their turning points: contrast, ripple, edge,
     /// switching, bits per second.
     Merit(merit::MeritArguments),
-    /// Draw many plates around one by the tolerances of its fields, and drive each by the table of that one: how far its lines
-    /// land from their places, and how loud.
+    /// Draw many plates within the tolerances of a plate's fields, drive each with the nominal plate's table, and
+    /// report how far its lines land from their places, and how loud.
     Study(study::StudyArguments),
     /// Measure the response of a sensor on the plate, or of the drive's current, to the device's tones.
     Measure(measure::MeasureArguments),
@@ -122,7 +122,7 @@ pub enum Command {
     Trim(trim::TrimArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(figures::FiguresArguments),
-    /// Print the script by which a shell completes words of this program.
+    /// Print the script with which a shell completes the words of this program.
     Completions(completions::CompletionsArguments),
 }
 

@@ -20,8 +20,8 @@ pub struct PageArguments {
     /// Folder of the built page. Without this option: the page in the program, which releases have, else target/page.
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
-    /// Where browsers find it: an address of this computer for itself, 127.0.0.0 to 127.255.255.255 or [::1], and a port;
-    /// with port 0 the system chooses one.
+    /// Address of the page: a loopback address, 127.0.0.0 to 127.255.255.255 or [::1], and a port; with port 0 the
+    /// system chooses one.
     #[arg(long, value_name = "ADDRESS", value_parser = loopback, default_value = "127.0.0.1:8765")]
     listen: SocketAddr,
 }
