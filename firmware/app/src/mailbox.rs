@@ -10,7 +10,7 @@
 //!   write_knot(slot, knot)   --->  table slots             ---->  evaluate
 //!   start_measurement() ...  --->  listening               <--->  take_listen_orders(), set_reading() ...
 //! ```
-//! What must agree lies under one lock, which on a board masks all interrupts. So nothing long happens under it: it
+//! State that must agree lies under one lock, which on a board masks all interrupts. So nothing long happens under it: it
 //! guards copies of a few words. The renderer's index moves on under that lock, so what is published for the next block
 //! begins at the next block, exactly.
 //!
@@ -287,7 +287,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.digest.set(DigestState::None));
     }
 
-    /// How the digest stands.
+    /// State of the digest.
     pub fn digest(&self) -> DigestState {
         self.shared.lock(|shared| shared.digest.get())
     }

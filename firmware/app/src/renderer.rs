@@ -66,7 +66,7 @@ pub struct Renderer {
     /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
     limit: u32,
     limit_goal: u32,
-    /// Where it may change next.
+    /// The earliest index of its next change.
     limit_due: SampleIndex,
     /// Blocks of mid-scale since the last that was not.
     quiet_blocks: u64,

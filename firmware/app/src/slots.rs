@@ -157,7 +157,7 @@ impl TableSlots {
     }
 }
 
-/// Which knots the way between two positions touches, first and last, both included.
+/// First and last knot on the way between two positions, both included.
 #[expect(clippy::cast_possible_truncation, reason = "at most 1024 after the shift and the division")]
 pub(crate) fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
     let last = table.knots.saturating_sub(1);

@@ -2,7 +2,7 @@
 //!
 //! A pattern is eight steps of 100 ms, played again and again; a set bit is light, the highest bit comes first.
 
-/// What the lamp shows, in the order of urgency, the most urgent last.
+/// The lamp's patterns by urgency, the most urgent last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lamp {
     /// No fault, amplifier muted: one short flash.

@@ -33,7 +33,7 @@ pub(crate) enum Search {
 pub(crate) struct Sampled {
     /// The trigger after the last code's, modulo 2^32.
     pub(crate) until: u32,
-    /// How many there are before it.
+    /// The number of blocks before it.
     pub(crate) count: u32,
 }
 

@@ -42,7 +42,8 @@ impl Received {
         is_late
     }
 
-    /// How many bytes lie between the first unread one and a place; more than there are if the place is ahead of the last look.
+    /// Number of bytes between the first unread one and a place; more than the ring holds if the place is ahead of the
+    /// last look.
     pub(crate) fn until(&self, place: usize) -> usize {
         (RING + place + self.count - self.end) % RING
     }

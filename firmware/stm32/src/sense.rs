@@ -160,7 +160,7 @@ impl Inputs {
         (count, since.wrapping_sub(stored) % RING as u32, fetched, since)
     }
 
-    /// How far the DMA is; `None` if it does not follow the triggers.
+    /// The DMA's position; `None` if it does not follow the triggers.
     fn follow(&self) -> Option<Sampled> {
         let (mut before, mut seen) = ((self.fetched)(), self.look());
         // A look between two triggers is exact. The next trigger is far right after one.
@@ -203,7 +203,7 @@ impl Inputs {
     /// between, it is tried again with the next block.
     fn begin_anew(&self) {
         adc::disarm();
-        // What was being converted is over: it takes less than a period, and was begun in this one at the latest.
+        // The conversion under way is over: it takes less than a period, and began in this one at the latest.
         let Some(now) = self.next_settled(PERIOD, |_| true) else { return };
         let Some(_) = self.next_settled(PERIOD, |fetched| fetched != now) else { return };
         prepare();

@@ -86,7 +86,7 @@ impl FromHost {
             *self = Self::begin();
         }
         if is_late || flags.failed {
-            // Where an error was is unknown now.
+            // The place of an error is now unknown.
             LOST_AT.store(NOWHERE, Ordering::Relaxed);
             *damage = DAMAGE;
             return DAMAGE.len();

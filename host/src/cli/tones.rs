@@ -20,7 +20,7 @@ use slipline_plate::quantity::{
 use slipline_plate::{DriveTable, Plate};
 use std::sync::Arc;
 
-/// What an option begins with; the words of lines have no dashes.
+/// The prefix of an option; the words of lines have no dashes.
 const OPTION: &str = "--";
 
 /// The tones.

@@ -63,9 +63,9 @@ pub struct Parts {
     pub link: Box<dyn Link>,
     /// The instrument's work.
     pub jobs: Jobs,
-    /// What the simulated device's inputs are wired to.
+    /// The rig at the simulated device's inputs.
     pub bench: Bench,
-    /// What is the window's own.
+    /// The window's own state.
     pub desk: Desk,
 }
 
@@ -104,7 +104,7 @@ pub struct App {
     desk: Desk,
     settings: Settings,
     grab: Option<Grab>,
-    /// How many times larger than to the table's full scale the stage shows displacements.
+    /// Magnification of displacements on the stage, relative to the table's full scale.
     magnification: f64,
     ports: Vec<PortInfo>,
     hearing: sound::Hearing,

@@ -24,13 +24,13 @@ use slipline_model::sound::Sound;
 /// Whether there is any sound to choose: not in a browser.
 pub(crate) const IS_THERE: bool = cfg!(not(target_arch = "wasm32"));
 
-/// What is played.
+/// The played sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SoundChoice {
     /// Nothing.
     #[default]
     Off,
-    /// What the finger meets.
+    /// The vibration at the finger.
     Finger,
     /// The drive, for a voice coil at the sound card's output.
     Drive,

@@ -7,7 +7,7 @@
 use super::block::{BLOCK, TONES, ToneBlock};
 use super::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
 
-/// What the tones of a block need.
+/// The kind of computation that the tones of a block need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Survey {
     /// Every tone is steady at a step that the basis is made for.

@@ -38,7 +38,7 @@ pub struct Recipe {
     pub input: u8,
     /// A value is the sum of two to this power of codes, `0..=`[`MAX_LOG2_CODES`].
     pub log2_codes: u8,
-    /// How many values, `1..=`[`MAX_VALUES`].
+    /// Number of values, `1..=`[`MAX_VALUES`].
     pub values: u16,
 }
 
@@ -77,7 +77,7 @@ pub enum CaptureError {
     },
     /// The board has no such input.
     NoSuchInput {
-        /// How many it has.
+        /// Number of inputs that it has.
         inputs: u8,
     },
     /// `log2_codes` is above [`MAX_LOG2_CODES`].

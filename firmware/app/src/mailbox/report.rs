@@ -2,7 +2,7 @@
 
 use crate::safety::foldback::Foldback;
 
-/// What the renderer says at the end of a block.
+/// The renderer's report at the end of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
     /// Nothing sounds from the next block on, until a program says so.

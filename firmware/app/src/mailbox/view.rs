@@ -14,7 +14,7 @@ pub struct View {
     pub next: SampleIndex,
     /// The motion in force.
     pub motion: Motion,
-    /// How often that has changed; wraps.
+    /// Number of its changes; wraps.
     pub changes: u32,
     /// The program that has not begun.
     pub pending: Option<Pending>,

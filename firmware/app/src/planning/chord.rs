@@ -169,7 +169,7 @@ impl ChordTones {
         Ok(())
     }
 
-    /// Where each slot goes.
+    /// The goal of each slot.
     #[must_use]
     pub(crate) const fn targets(&self) -> &[Option<Target>; MAX_TONES] {
         &self.targets

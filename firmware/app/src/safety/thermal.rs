@@ -34,7 +34,7 @@ pub struct CoilConstants {
 }
 
 impl CoilConstants {
-    /// Those of a device without a profile.
+    /// The numbers of a device without a profile.
     pub const DEFAULT: Self = Self { winding_s: WINDING_S, body_s: BODY_S, full_sine: FULL_SINE };
 
     /// Those of a profile.

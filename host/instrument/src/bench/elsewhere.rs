@@ -9,7 +9,7 @@ use super::Bench;
 use crate::rig::{RigCopy, RigState};
 use serde::{Deserialize, Serialize};
 
-/// What the bench of the device must do.
+/// A change that the device's bench must make.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub enum BenchChange {
     /// As [`Bench::put`].
@@ -83,7 +83,7 @@ impl Bench {
         bench
     }
 
-    /// What has changed since the last call, in order.
+    /// The changes since the last call, in order.
     #[must_use]
     pub fn take_changes(&self) -> Vec<BenchChange> {
         self.rigs().elsewhere.as_mut().map(Elsewhere::take_changes).unwrap_or_default()

@@ -18,7 +18,7 @@ pub const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
 /// Allowed standard deviation of calipers, metres.
 pub const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 
-/// What was measured of a plate.
+/// The measurements of a plate.
 #[derive(Clone, Copy, Debug)]
 pub enum Measured<'a> {
     /// One sensor at two places.

@@ -26,7 +26,7 @@ pub struct TonePlaces {
     pub frequency_hz: f64,
     /// Level, 0 to 1, with the setup's master level and the gain of a chord.
     pub level: f64,
-    /// Where the tone alone ends to be felt.
+    /// Where a finger stops feeling the tone alone.
     pub felt_edge: FeltEdge,
     /// The same for persons at both ends of [`slipline_plate::feeling::PERSONS_DB`].
     pub by_person: EdgesByPerson,

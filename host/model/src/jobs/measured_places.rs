@@ -1,4 +1,4 @@
-//! How far the plate moves at the places where a sensor has stood, over its model, in the background.
+//! The motion of the plate at the sensor's measured places, relative to its model, computed in the background.
 
 use crate::field::steady_field::SteadyField;
 use crate::jobs::Task;

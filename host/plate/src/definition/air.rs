@@ -236,7 +236,7 @@ impl Air {
     /// Air of a room around a plate in a bare frame, which comes nearest to a frame on a table.
     pub const ROOM: Self = Self::Around { gas: Gas::ROOM, mounting: AirMounting::BareFrame };
 
-    /// How the plate stands in the air; `None` in a vacuum.
+    /// The mounting of the plate in the air; `None` in a vacuum.
     #[must_use]
     pub fn mounting(&self) -> Option<AirMounting> {
         match self {

@@ -146,7 +146,7 @@ impl FilmEdge {
         (along + bent) / (along - bent)
     }
 
-    /// By how much the wavenumber of the law is too small just before the place where a wave turns, %.
+    /// Deficit of the law's wavenumber just before the turning point of a wave, %.
     pub(crate) fn missed_percent(self) -> f64 {
         100.0 * (self.slope().sqrt() - 1.0)
     }

@@ -18,7 +18,7 @@ impl fmt::Display for PlateError {
 }
 
 impl PlateError {
-    /// What is wrong, as a sentence without a full stop.
+    /// The error as a sentence without a full stop.
     #[must_use]
     pub fn worded(&self, notation: &dyn Notation) -> String {
         let name = |field: &str| notation.field(field);

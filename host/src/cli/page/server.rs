@@ -117,7 +117,7 @@ fn answer<'a>(
     bytes: Box<dyn Read + Send>,
     length: usize,
 ) -> Answer {
-    // What is no header is none of those above.
+    // A line that is no header is none of those above.
     let headers =
         headers.chain(["X-Content-Type-Options: nosniff"]).filter_map(|line| line.parse::<Header>().ok());
     // With its length, however long it is.

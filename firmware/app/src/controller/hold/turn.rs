@@ -60,7 +60,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Some(self.holding.hold.take(answers.as_ref(), room))
     }
 
-    /// What is left to publish after the levels were published, or refused.
+    /// The rest to publish after the levels were published or refused.
     fn answer_proposal(&mut self, published: Result<SampleIndex, Refusal>) -> Option<HoldAction> {
         let hold = &mut self.holding.hold;
         match published {

@@ -26,7 +26,7 @@ pub(super) struct Tone {
     /// The drive's level, and how far above it level 1 lies.
     level: Gain,
     below_full: i64,
-    /// What is in force, and what is proposed in its place.
+    /// The level in force, and the proposed one.
     accepted: Stand,
     proposed: Stand,
     /// Windows in which it was too weak, one after the other.

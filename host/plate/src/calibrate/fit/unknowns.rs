@@ -79,7 +79,7 @@ impl Priors {
     }
 }
 
-/// How many coordinates this plate has.
+/// Number of coordinates of this plate.
 pub(crate) fn of_plate(nominal: &PlateSpec) -> usize {
     match (mounting_of(nominal), &nominal.model) {
         (None, _) => OF_PLATE,

@@ -38,7 +38,7 @@ const STEPS_OF_LENGTH: f64 = 300.0;
 pub struct Placing {
     /// What the sensor measures.
     pub sensor: SensorKind,
-    /// How many frequencies are measured (8 to 10 000).
+    /// Number of measured frequencies (8 to 10 000).
     pub points: usize,
     /// Whether the drive acts beside the centre line: it excites the second width mode, too.
     pub off_centre: bool,

@@ -58,7 +58,7 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     gas_numbers(ui, numbers, gas, mounting);
 }
 
-/// What air it is.
+/// Temperature and height, or density and speed of sound.
 fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mounting: AirMounting) {
     let (density_kg_per_m3, sound_speed_m_per_s) = (gas.density_kg_per_m3(), gas.sound_speed_m_per_s());
     let (given, atmosphere) = match gas {
