@@ -93,7 +93,7 @@ def test_codes_that_are_lost_do_not_move_the_others(sounding, mirror, loss, samp
 
     codes, lost, underruns = on_copy(sounding, case)
     assert codes == sounding.expected[: len(codes)] and underruns == 0
-    # Those in the ring, of four blocks, are not whole either.
+    # The blocks in the ring, of four, are not whole either.
     assert samples // BLOCK <= lost <= samples // BLOCK + 6, lost
 
 

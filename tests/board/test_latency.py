@@ -22,8 +22,8 @@ DRIVE_BLOCKS, STOP_BLOCKS = 4, 2
 # While sixteen lock-ins measure, which leaves the thread less than half of its time. A stop comes as soon as otherwise.
 DRIVE_BLOCKS_LISTENING = 8
 LONGEST_WINDOW = 65_535
-# Of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5 (per mille), and
-# the smallest share at rest (ppm).
+# The limit of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5
+# (per mille), and the smallest share at rest (ppm).
 TRAVEL_LIMIT = SetTravelLimit(TravelLimit(10_000_000_000, 2500, 1))
 # Unlike every numbered command's.
 STOPS_SEQUENCE = 0xFFFF

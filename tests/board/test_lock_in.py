@@ -67,7 +67,7 @@ def check(reading, codes, mirrored):
 
 
 @pytest.mark.every_image
-def test_the_lock_ins_of_a_comb_are_the_hosts_bit_for_bit_and_what_the_plate_is(sounding, mirrored_lock_ins):
+def test_the_lock_ins_of_a_comb_match_the_hosts_bit_for_bit_and_the_plate(sounding, mirrored_lock_ins):
     """Sixteen tones, at one input and then at the other, each time over a period of the comb."""
 
     def case(rig):

@@ -16,7 +16,7 @@ RECEIVES, SENDS = 2, 3
 BYTE = 10 / SerialHost.BAUD
 BLOCK_SECONDS = BLOCK / RATE_HZ
 
-# Of the rates that a host's program may have been set to, those that the gate tries.
+# The rates that the gate tries, of those that a host's program may use.
 SOME, OTHERS = [115_200, 1_000_000], [9_600, 57_600, 230_400, 460_800, 1_500_000, 1_843_200, 2_000_000, 3_000_000]
 RATES = [pytest.param(rate, marks=pytest.mark.every_image) for rate in SOME] + OTHERS
 TRIES = 0.012

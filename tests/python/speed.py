@@ -17,7 +17,7 @@ from scipy.linalg import solve_banded
 import slipline
 
 POINTS, FREQUENCIES, RUNS = 2000, 64, 60
-# Of two threads beside one: many against what it takes to begin a thread.
+# Rounds of two threads beside one: enough to hide the start of a thread.
 CALLS = 16
 
 

@@ -171,7 +171,7 @@ fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
 }
 
 #[test]
-fn what_has_not_reached_the_device_by_then_never_does() {
+fn an_order_that_has_not_reached_the_device_by_then_is_dropped() {
     let mut rig = driving();
     rig.ask_and_pass(Request::Stop, 250);
     rig.is_driver_alive = false;

@@ -185,7 +185,7 @@ fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
         Some((status.first_fault_at, Change::Stop, false))
     );
 
-    // Those of the user are, whatever the status says first.
+    // The user's requests are, whatever the status says first.
     for request in [Request::ClearFaults, Request::Arm, drive(0.05)] {
         rig.ask_and_pass(request, 100);
     }

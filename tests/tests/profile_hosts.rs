@@ -150,7 +150,7 @@ impl Bench {
                 self.play(&Command::Drive(drive), glide, false, level * 0.1);
             }
             2 | 8 => {
-                // Of 390.6 Hz at 400 kS/s: 20 to 60 kHz.
+                // Multiples of 390.6 Hz at 400 kS/s: 20 to 60 kHz.
                 let harmonic = 52 + (place * 100.0) as u16;
                 let tones = [(harmonic, level, 0.0), (52 + (other * 100.0) as u16, other, 0.5)];
                 let chord = Chord { apply: self.apply(act), ..chord(10, &tones) };

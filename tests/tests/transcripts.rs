@@ -243,7 +243,7 @@ fn the_session_on_the_protocols_page_matches_a_devices_answers() {
     for (recorded, line) in recorded.iter().zip(&lines) {
         match (recorded, line) {
             (Line::Device(recorded), Line::Device(answer)) if parts(answer).header.id == 0x81 => {
-                // Of the hello's answer the firmware's version and build are those of the day.
+                // In the hello's answer, the firmware's version and build are those of the day.
                 let identity = |bytes: &[u8]| match Event::decode(0x81, &parts(bytes).body) {
                     Ok(Event::Hello(identity)) => {
                         Identity { firmware: (0, 0, 0), build: heapless::String::new(), ..identity }

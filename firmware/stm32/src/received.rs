@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_that_is_late_by_half_of_the_ring_has_all_and_a_later_one_what_came_last() {
+    fn a_reader_late_by_half_the_ring_loses_nothing_and_a_later_one_keeps_the_newest() {
         for (late, kept) in [(LATE, LATE), (LATE + 1, KEPT), (RING, KEPT), (RING + 3, KEPT), (5 * RING, KEPT)]
         {
             let mut writer = Writer { ring: [0; RING], written: 0, half: false, whole: false };

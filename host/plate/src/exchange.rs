@@ -101,7 +101,7 @@ pub mod by_text {
     /// Writes the text.
     ///
     /// # Errors
-    /// That of the serialiser.
+    /// The serialiser's error.
     pub fn serialize<S: Serializer>(plate: &Plate, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&plate.to_toml())
     }

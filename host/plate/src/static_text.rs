@@ -19,7 +19,7 @@ static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 /// Writes the text.
 ///
 /// # Errors
-/// That of the serialiser.
+/// The serialiser's error.
 pub fn serialize<S: Serializer>(text: &&'static str, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(text)
 }

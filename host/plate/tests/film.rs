@@ -90,7 +90,7 @@ fn exact_square(axial: f64, half_width_m: f64, edge_m: f64) -> f64 {
 /// Golden numbers of PHYSICS.md, section 11, for each film: the edge length, the excess of its cut-offs over those of
 /// the ideal membrane, and the shift of its turning points towards the drive, mm; then the errors of the law.
 #[test]
-fn the_table_of_films_is_the_pages() {
+fn the_table_of_films_matches_the_page() {
     let page = include_str!("../PHYSICS.md");
     for (name, film, density_kg_per_m3) in [
         ("polyester, 25 µm", polyester(25e-6), 1390.0),

@@ -70,7 +70,7 @@ pub(super) struct Defaults {
 
 static DEFAULTS: OnceLock<Defaults> = OnceLock::new();
 
-/// Those of this run.
+/// The defaults of this run.
 pub(super) fn defaults() -> &'static Defaults {
     DEFAULTS.get_or_init(|| {
         let file = folder().map(|folder| folder.join("slipline").join("settings.toml"));

@@ -18,7 +18,7 @@ pub(super) enum Survey {
     Gliding,
 }
 
-/// What a block's codes come to.
+/// The totals of a block's codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Converted {
     /// Whether any sample had to be clamped.

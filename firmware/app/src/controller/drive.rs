@@ -48,7 +48,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let (least, most) = limits::LEASE_MS;
         in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
         let ready = self.arm(mailbox)?;
-        // Of an armed device only the lease begins again: the longest drive counts from what the user drives.
+        // In an armed device only the lease restarts: the longest drive counts from the user's own drive.
         mailbox.lease(self.timing.samples(lease_ms));
         Ok(ready)
     }

@@ -32,7 +32,7 @@ impl Outline {
         Self { start, glide, sample, table, begins_silent: true, ends_silent: true }
     }
 
-    /// Of a ramp to silence of the tones that are at `here`.
+    /// The outline of a ramp to silence of the tones that are at `here`.
     pub(crate) fn fading(
         here: &[Placement; MAX_TONES],
         start: SampleIndex,

@@ -138,7 +138,7 @@ pub fn make(
         Wish::Beat { place_m, beat_hz } => {
             let table = palette.table();
             let band_hz = table.frequency_hz(table.span_end_m) - table.frequency_hz(table.span_start_m);
-            // Of such a beat no place would be left.
+            // Such a beat would leave no place.
             if beat_hz > band_hz {
                 let range = Range::new(BEAT_RANGE_HZ.0, BEAT_RANGE_HZ.1.min(band_hz), "Hz");
                 OutOfRange::check("beat frequency", beat_hz, range)?;

@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn with_the_coefficient_of_a_plane_wave_the_air_is_the_same_all_along() {
+    fn the_air_of_a_plane_wave_is_constant_along_the_plate() {
         let plate = in_air("membrane", 1.0);
         let air = plate.width_mode(1).air(150.0).expect("a membrane in air");
         for width_square in [10.0, 1e3, 1e5] {

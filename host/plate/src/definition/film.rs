@@ -83,7 +83,8 @@ fn ratio(x: f64, y: f64) -> [f64; 3] {
 }
 
 impl FilmEdge {
-    /// That of a strip whose half-width is `widths` times s: the root of x - pi/2 - atan(x/(y tanh y)), y^2 = x^2 + widths^2.
+    /// The root for a strip whose half-width is `widths` times s: the root of x - pi/2 - atan(x/(y tanh y)), y^2 = x^2
+    /// + widths^2.
     pub(crate) fn new(widths: f64) -> Self {
         let (mut low, mut high) = (FRAC_PI_2, CLAMPED);
         let mut x = if widths > 4.0 { FRAC_PI_2 * widths / (widths - 1.0) } else { 0.5 * (low + high) };

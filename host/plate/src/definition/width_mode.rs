@@ -166,9 +166,9 @@ pub(crate) struct ModeWave<'a> {
 /// K along the plate.
 #[derive(Debug, Clone, Copy)]
 enum Law {
-    /// That of the clamped strip, with ln K^2.
+    /// The law of the clamped strip, with ln K^2.
     Strip { log_wavenumber: f64 },
-    /// That of a membrane in air.
+    /// The law of a membrane in air.
     Air(AirAlong),
     /// a K^2 at the driven end, over which the thickness alone decides.
     Uniform { axial: f64 },

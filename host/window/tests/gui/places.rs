@@ -52,11 +52,11 @@ fn places(app: &TestApp) -> Places {
 /// Which controls may move when one is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum May {
-    /// Those of the panel's page, but not its tabs.
+    /// The controls of the panel's page without its tabs.
     Page,
-    /// Those of the wizard's page, but not the buttons under it.
+    /// The controls of the wizard's page without the buttons under it.
     Step,
-    /// Those under the one that is pressed, in the same column.
+    /// The controls under the pressed one, in the same column.
     Below,
     /// All that is not in the top bar.
     Room,

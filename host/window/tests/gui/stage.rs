@@ -169,7 +169,7 @@ fn the_outputs_counters_stay_in_the_window_below_a_heading_level_with_the_others
         heading("Spectrum")
     );
     let last = app.window.get_by_label("Errors").rect();
-    // Of the panel, which ends before the window of the test does.
+    // The panel ends before the test's window does.
     assert!(last.bottom() <= 792.0 - 8.0, "{last}");
 }
 

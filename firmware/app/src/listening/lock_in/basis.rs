@@ -93,7 +93,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Of a tone that has `phase` at the block's first sample.
+    /// The place of a tone that has `phase` at the block's first sample.
     #[inline(always)]
     pub(super) fn new(phase: u64, tone: &ToneBlock) -> Self {
         let change = change(tone);

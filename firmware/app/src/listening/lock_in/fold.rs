@@ -30,9 +30,9 @@ impl Pair {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Folds {
-    /// Of `x[tau] + x[-tau]`, from the outermost pair to the innermost.
+    /// The sums `x[tau] + x[-tau]`, from the outermost pair to the innermost.
     pub(super) even: [Pair; PAIRS],
-    /// Of `x[tau] - x[-tau]`, from the innermost pair to the outermost.
+    /// The differences `x[tau] - x[-tau]`, from the innermost pair to the outermost.
     pub(super) odd: [Pair; PAIRS],
 }
 

@@ -104,7 +104,7 @@ impl Nodes {
 
 /// Standard deviations of the boundary, the largest over the span, and what those of the levels need.
 pub(crate) struct Spread {
-    /// Of the boundary at a given frequency, metres.
+    /// The spread of the boundary at a given frequency, metres.
     pub(crate) boundary_m: f64,
     /// The relative error of the wave speed that would move the boundary by as much.
     pub(crate) speed: f64,

@@ -213,7 +213,7 @@ impl SensorPlaces {
         Ok(Self { plate: near, placing, deviations, frequencies_hz, noise, nearest_m, limit, best, pairs })
     }
 
-    /// Of the pairs with the same first place, the best; in rising places.
+    /// The best of the pairs with the same first place, in the order of that place.
     pub fn best_of_each_first(&self) -> impl Iterator<Item = PairReach> {
         let pairs = self.pairs.chunk_by(|a, b| a.places_m[0] == b.places_m[0]);
         pairs.filter_map(best_of)

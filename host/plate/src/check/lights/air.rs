@@ -53,7 +53,7 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
             let words = with_decimals(off, if off.abs() < 0.1 { 2 } else { 1 });
             if spec.calibration.is_some() {
                 let sentence =
-                    format!("Air moves a peak by up to {words} mm here; what was measured holds it.");
+                    format!("Air moves a peak by up to {words} mm here; the measurement includes it.");
                 return light(None, Colour::Green, sentence);
             }
             let (colour, sentence) = graded(

@@ -15,7 +15,7 @@ fn near(light: &Light, from_m: f64, to_m: f64) {
 }
 
 #[test]
-fn what_fails_has_a_place_on_the_plate_and_what_holds_has_none() {
+fn a_failing_light_has_a_place_on_the_plate_and_a_green_one_has_none() {
     // The steps of the DAC and the sound level have no place on the plate, and neither has a felt edge that does not exist.
     const NO_PLACE: [&str; 3] = ["DAC resolution", "sound level", "felt edge"];
     let mut seen = std::collections::BTreeSet::new();

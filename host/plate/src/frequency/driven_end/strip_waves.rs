@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mode_at_the_cut_off_is_the_clamped_beams() {
+    fn the_mode_at_the_cut_off_equals_the_clamped_beams() {
         let section = section();
         // Mean square of the mode that is 1 on the centre line: 0.793/2.
         assert!((section.mode.norm_squared() - 0.792_97).abs() < 1e-4, "{}", section.mode.norm_squared());

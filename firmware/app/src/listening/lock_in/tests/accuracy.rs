@@ -114,7 +114,7 @@ fn the_fastest_glide_costs_3e_5_of_the_amplitude_and_no_phase() {
 }
 
 #[test]
-fn of_a_tone_of_full_scale_a_slot_that_measures_another_sees_nothing_within_90_db() {
+fn a_slot_rejects_another_full_scale_tone_by_90_db() {
     let mut all = answers(2, 2_000.0);
     all[1].codes = 0.0;
     for (loud, silent) in [(10_000.0, 25_013.0), (40_011.0, 3_127.0), (97.0, 110_003.0)] {
