@@ -293,7 +293,7 @@ impl core::fmt::Display for Refusal {
             Self::NoUpload => f.write_str("no table upload is under way"),
             Self::ChunkOrder { expected } => write!(f, "the table upload continues at knot {expected}"),
             Self::UploadIncomplete { received } => {
-                write!(f, "the table is incomplete: {received} knots came")
+                write!(f, "the table is incomplete: {received} knots arrived")
             }
             Self::TableCrc => f.write_str("the table was damaged on the way (its CRC is wrong)"),
             Self::NotMonotonic { knot } => {

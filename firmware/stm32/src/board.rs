@@ -124,7 +124,7 @@ impl MutedPin {
     }
 }
 
-/// Waits, by the cycle counter. One that stood still would make it some times as long, and no longer.
+/// Waits by the cycle counter. If the counter stands still, the wait takes a few times as long, but it ends.
 fn wait_us(us: u32) {
     let (start, cycles) = (DWT::cycle_count(), us * (CORE_HZ / 1_000_000));
     // A Cortex-M7 does two of these a cycle.

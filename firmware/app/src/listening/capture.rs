@@ -32,7 +32,7 @@ pub const MAX_LOG2_CODES: u8 = 10;
 /// Parameters of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipe {
-    /// The first code's index; any.
+    /// Index of the first code; any index is allowed.
     pub begin: SampleIndex,
     /// The input, from 0.
     pub input: u8,

@@ -51,7 +51,7 @@ fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
 }
 
 #[test]
-fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more() {
+fn a_board_with_its_brown_out_level_and_one_that_does_not_report_it_ask_nothing() {
     for maintenance in [None, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })] {
         let link = telling(State::Idle, maintenance);
         let mut window = opened(link.clone(), [1280.0, 800.0]);

@@ -87,8 +87,8 @@ fn the_sums_match_the_definition() {
 
 #[test]
 fn the_largest_sums_do_not_overflow() {
-    // Constant phases and square waves in phase with the tone: nothing is larger. And the same in the fastest glides, which
-    // lead away from the largest phase on both sides, or over the ends of the range.
+    // Constant phases and square waves in phase with the tone: nothing is larger. Then the same in the fastest glides,
+    // which lead away from the largest phase on both sides, or over the ends of the range.
     let steady = [(0_u64, 1_u64 << 62), (0, 1 << 61), (0, 3 << 62), (1 << 56, 0), (1 << 58, 1 << 57)];
     let cases = steady.into_iter().flat_map(|(step, phase)| {
         [0, MAX_STEP_CHANGE, MAX_STEP_CHANGE.wrapping_neg()].map(|change| {
