@@ -225,7 +225,7 @@ fn a_lease_out_of_range_is_refused_and_arms_nothing() {
 }
 
 #[test]
-fn the_link_says_that_a_lease_is_over_and_no_more_of_it() {
+fn the_link_reports_that_a_lease_is_over_once() {
     //
     let mut rig = LinkRig::armed_at(RATE_HZ);
     rig.ask_and_pass(Request::Disarm, 500);

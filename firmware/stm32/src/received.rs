@@ -116,7 +116,7 @@ mod tests {
             let mut writer = Writer { ring: [0; RING], written: 0, half: false, whole: false };
             let (mut received, mut next) = (Received::new(), 0);
             for (count, between, most) in steps {
-                // Mostly a reader that is in time.
+                // In most cases the reader is in time.
                 writer.write(if count > 300 { count } else { count / 4 });
                 let is_lost = writer.look(&mut received, between);
                 if is_lost {

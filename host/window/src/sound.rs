@@ -39,7 +39,7 @@ pub enum SoundChoice {
 /// The state of the system's sound.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum SpeakerState {
-    /// Nothing was to be played yet, or not for a while.
+    /// Nothing has been played yet, or nothing for a while.
     #[default]
     Closed,
     /// It is being opened.

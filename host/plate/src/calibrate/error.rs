@@ -191,7 +191,7 @@ pub enum CalibrateError {
     )]
     NotCalibrated,
     /// A measurement of another sensor than that of the trim's begin.
-    #[error("the sensor at {} is another one than at the beginning, or at another place: {} there", show_place(*.place_m), show_place(*.begin_m))]
+    #[error("the sensor at {} differs from that at the beginning, which was at {}: use the same sensor at the same place", show_place(*.place_m), show_place(*.begin_m))]
     AnotherSensor {
         /// Its place, metres.
         place_m: f64,

@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_at_the_cut_off_matches_the_strip_and_goes_to_the_clamped_plates() {
+    fn the_slope_at_the_cut_off_matches_the_strip_and_approaches_the_clamped_plates() {
         for widths in [0.5, 3.0, 5.0, 9.0, 20.0] {
             let edge = FilmEdge::new(widths);
             let (axial, h) = (edge.number.powi(2), 1e-4);

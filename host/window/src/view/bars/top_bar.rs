@@ -362,5 +362,5 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
     let response = response.inner;
     let name = format!("Device: {label}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-    response.response.on_hover_text(format!("{label}: what is driven. Press to choose another port"))
+    response.response.on_hover_text(format!("{label} is the driven device. Press to choose another port"))
 }

@@ -174,7 +174,7 @@ fn the_span_of_the_codes_reveals_a_clipped_input() {
 }
 
 #[test]
-fn an_input_that_is_measured_alone_has_the_sums_that_it_has_beside_the_others() {
+fn an_input_has_the_same_sums_alone_and_beside_others() {
     let sensed = [core::array::from_fn(|n| 1000 + n as u16), core::array::from_fn(|n| 3000 - 7 * n as u16)];
     let measured = |input| {
         let (mut lock_in, mut history) = (LockIn::new(), History::new());
