@@ -18,7 +18,8 @@
 //! - `board.rs`: what differs between boards, one file each; its memory map: `firmware/stm32/memory/`.
 //!   `firmware/BOARDS.md`, "Another STM32"
 //! - `main.rs`, `device.rs`: the start, and the tasks
-//! - `dac.rs`, `ring.rs`: codes to the DAC: timer, DMA and one interrupt
+//! - `dac.rs`, `ring.rs`: codes to the DAC: timer, DMA and one interrupt. A second channel begins at its port in
+//!   `firmware/app/src/ports.rs`
 //! - `sense.rs`, `places.rs`: the ADCs of the inputs. Tests: `tests/board/test_inputs.py`
 //! - `dma.rs`, `received.rs`: DMA to and from a register of a peripheral
 //! - `uart_link.rs`, `usb_link.rs`, `usb_control.rs`: the links, their baud rate and the control pipe. Tests:
