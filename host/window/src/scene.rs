@@ -72,7 +72,7 @@ impl Scene<'_> {
 
 /// What is heard, and why not.
 pub struct SoundScene {
-    /// What is played.
+    /// The played sound.
     pub choice: SoundChoice,
     /// The state of the system's sound.
     pub speaker: SpeakerState,

@@ -58,7 +58,7 @@ use self::tone::Tone;
 use crate::bank::TONES;
 use slipline_protocol::units::Gain;
 
-/// What keeps a tone from rising or falling further.
+/// The limit that keeps a tone from rising or falling further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
     /// [`LoopSetting::max_rise`].

@@ -143,7 +143,7 @@ pub enum CalibrateError {
     /// Felt edges that are too few or too close to separate wave speed and threshold.
     #[error("{count} felt edges up to {} apart cannot separate the wave speed from the threshold: at least two are needed, {} apart", show_place(*.apart_m), show_place(*.least_m))]
     CloseMarks {
-        /// How many there are.
+        /// Number of felt edges.
         count: usize,
         /// Distance of the nearest and the farthest mark, metres.
         apart_m: f64,
