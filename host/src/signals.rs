@@ -277,7 +277,7 @@ mod tests {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
     #[test]
-    fn an_ignored_signal_is_told_from_the_others() {
+    fn an_ignored_signal_is_distinguished_from_the_others() {
         let nohup = "SigBlk:\t0000000000000003\nSigIgn:\t0000000000001001\nSigCgt:\t0000000000000002\n";
         assert!(is_ignored(SIGHUP, nohup) && !is_ignored(SIGINT, nohup));
         for status in ["", "SigIgn:\n", "SigIgn:\tnonsense\n", "SigIgn:\t0000000000001000\n"] {
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn the_numbers_are_those_of_the_system() {
+    fn the_numbers_match_the_system() {
         let numbers = [Signal::Interrupt, Signal::Terminate, Signal::HangUp].map(Signal::number);
         assert_eq!(numbers, [SIGINT, SIGTERM, SIGHUP]);
     }

@@ -9,9 +9,9 @@ choices! {
         /// There is no such pin, or the device does not look.
         #[default]
         0 since 0 NotLooked,
-        /// It was there at the start.
+        /// It was present at the start.
         1 since 0 Present,
-        /// It was not there at the start: the amplifier stays muted until a reset finds it.
+        /// It was absent at the start: the amplifier stays muted until a reset finds it.
         2 since 0 Missing,
     }
 }

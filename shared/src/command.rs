@@ -66,7 +66,8 @@ messages! {
         0x1a since 3 Comb(Comb) -> Accepted,
         /// As `Arm`, on a lease: where no drive, chord or comb is accepted and no rise of the trigger input begins one for so long,
         /// the device ramps to silence as by a stop, mutes and accepts no more drives, without a fault. The time begins with this
-        /// command, and anew where each drive begins. An armed device takes the new lease in the place of the old one, or of none.
+        /// command, and again where each drive begins. An armed device takes the new lease in the place of the old one,
+        /// or of none.
         0x1b since 3 ArmFor(ArmLease) -> Accepted,
         /// Begins to upload a turning-point table. The drive continues by the table in force.
         0x20 since 0 TableBegin(TableHeader) -> Accepted,

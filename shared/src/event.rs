@@ -268,7 +268,7 @@ body! {
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct Maintenance {
         /// How often the two places of the kept table have been erased, both together. One that a power failure cut short
-        /// counts only if it left a trace. It counts anew when both places have become unreadable.
+        /// counts only if it left a trace. It counts from the start when both places have become unreadable.
         pub erasures: u32 [""],
         /// The erasures that the chip's data sheet promises, both places together; 0 where the device keeps nothing.
         pub erasures_promised: u32 [""],
@@ -319,7 +319,7 @@ body! {
     /// The body of [`Event::Table`].
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct TableReport {
-        /// The header of the table in force, with a CRC computed anew from the knots; `None` when there is no table.
+        /// The header of the table in force, with a CRC computed again from the knots; `None` when there is no table.
         pub active: Option<TableHeader> [""],
         /// Knots received of an upload under way.
         pub staged: u16 [""],

@@ -68,7 +68,7 @@ impl Fault {
             Self::BrownOut => "the supply voltage dipped",
             Self::StoreDamaged => "the stored configuration was damaged",
             Self::StoreFellBack => {
-                "one copy of the stored table was damaged, the other is in use and may be older; store the table anew"
+                "one copy of the stored table was damaged, the other is in use and may be older; store the table again"
             }
             Self::DeskStop => {
                 "stopped at the device, by its button or its stop input; it can be cleared 2 s after the button is released"
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_text_of_the_drive_time_fault_tells_its_limit() {
+    fn the_text_of_the_drive_time_fault_reports_its_limit() {
         let minutes = crate::limits::MAX_DRIVE_MS / 60_000;
         assert!(Fault::DriveTime.text().starts_with(&std::format!("{minutes} minutes ")));
     }

@@ -53,7 +53,7 @@ choices! {
 }
 
 choices! {
-    /// What keeps a tone from rising or falling further.
+    /// The limit that keeps a tone from rising or falling further.
     pub enum HoldLimit {
         /// The largest rise that the host allows.
         0 since 0 Rise,

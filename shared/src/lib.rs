@@ -8,6 +8,27 @@
 //! Types, bytes, units and the arithmetic of the turning-point table; no behaviour, no allocation, no floats. Both
 //! sides use this crate, so they cannot disagree. `PROTOCOL.md` beside it is made from the message tables here, and
 //! `wire/v1.snap` holds the frozen frames of every message.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `command.rs`, `event.rs`: the messages and their bodies. Tests: `shared/tests/golden.rs`,
+//!   `tests/tests/minor_versions.rs`
+//! - `board.rs`, `hold.rs`, `listen.rs`, `profile.rs`: bodies of the messages about a board, a level hold, the inputs,
+//!   an actuator
+//! - `message.rs`, `schema.rs`: the macro that defines messages from a table, and their schema, from which
+//!   `PROTOCOL.md` is made
+//! - `frame.rs`: messages as bytes on a link. Tests: `tests/tests/frames.rs`
+//! - `version.rs`, `minor.rs`: what two sides of different ages may send to each other
+//! - `limits.rs`: limits that both ends know, such as times, ramps and sizes (`MAX_DRIVE_MS`). Tests:
+//!   `tests/tests/limits.rs`
+//! - `refusal.rs`: refusals and their ranges; `slipline-app` checks them, `slipline-link` words them. Tests:
+//!   `tests/tests/limits.rs`
+//! - `fault.rs`: faults; `slipline-app` raises them in `safety`. Tests: `tests/tests/health.rs`
+//! - `table.rs`, `units.rs`: the arithmetic of the turning-point table, and the integer units
+//!
+//! The Python client (`tests/protocol/`) is written from `PROTOCOL.md`, never from this code.
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

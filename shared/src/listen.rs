@@ -10,7 +10,7 @@ body! {
     /// The body of [`Event::Inputs`](crate::Event::Inputs).
     #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
     pub struct InputsReport {
-        /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
+        /// Number of inputs: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
         pub inputs: u8 [""],
         /// Tones that can be measured at once at one input. Of several inputs at once: this number divided by theirs.
         pub lock_ins: u8 [""],

@@ -242,7 +242,7 @@ choices! {
         } or Self::NotSupported,
         /// The command needs the board's user button, pressed within the last 30 s and still held.
         27 since 3 HoldButton or Self::NotSupported,
-        /// So many tables were stored or forgotten in a row that the flash is spared for a while.
+        /// Too many tables were stored or forgotten in a row, and the flash is spared for a while.
         28 since 3 StoresSpent {
             /// The time after which one more is stored.
             wait_s: u16 ["s"],
@@ -293,7 +293,7 @@ impl core::fmt::Display for Refusal {
             Self::NoUpload => f.write_str("no table upload is under way"),
             Self::ChunkOrder { expected } => write!(f, "the table upload continues at knot {expected}"),
             Self::UploadIncomplete { received } => {
-                write!(f, "the table is incomplete: {received} knots came")
+                write!(f, "the table is incomplete: {received} knots arrived")
             }
             Self::TableCrc => f.write_str("the table was damaged on the way (its CRC is wrong)"),
             Self::NotMonotonic { knot } => {

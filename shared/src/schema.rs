@@ -86,7 +86,7 @@ pub struct MessageRow {
     pub doc: &'static [&'static str],
     /// Its body; `None` if it is empty.
     pub body: Option<&'static Shape>,
-    /// Of a command, the event that answers it when it is not refused.
+    /// For a command, the event that answers it when it is not refused.
     pub answer: Option<&'static str>,
 }
 

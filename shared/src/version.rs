@@ -36,7 +36,7 @@ body! {
 }
 
 impl Version {
-    /// What this build speaks.
+    /// The version that this build speaks.
     pub const OURS: Self = Self { major: MAJOR, minor: MINOR, schema: SCHEMA.to_le_bytes() };
 
     /// What a host of this version should do about a device of that version.

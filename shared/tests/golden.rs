@@ -102,7 +102,7 @@ fn golden_bytes_have_not_changed() {
     }
 }
 
-/// Writes the files that are open anew.
+/// Rewrites the files of open minors.
 fn renew_what_is_open() {
     for number in 1..=MINOR {
         let text = std::fs::read_to_string(file_of(number)).unwrap_or_default();
@@ -128,7 +128,7 @@ fn only_the_latest_minor_may_be_open() {
 }
 
 #[test]
-fn the_fingerprint_is_that_of_the_frozen_frames() {
+fn the_fingerprint_matches_the_frozen_frames() {
     let mut crc = CRC.digest();
     for (_, frame) in frozen(FROZEN) {
         crc.update(&frame);

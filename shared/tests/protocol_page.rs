@@ -510,7 +510,7 @@ fn the_reference_page_is_up_to_date() {
         std::fs::write(&path, page()).unwrap();
     }
     let stands = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(stands == page(), "PROTOCOL.md is not what the tables say: write it anew with SLIPLINE_BLESS=1");
+    assert!(stands == page(), "PROTOCOL.md is not what the tables say: write it again with SLIPLINE_BLESS=1");
 }
 
 #[test]

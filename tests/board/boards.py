@@ -12,7 +12,7 @@ from core.usb import UsbHost
 
 # On all three chips: UART5, whose vector the renderer has, the DAC's underrun, and the time's timer.
 RENDERER_IRQ, DAC_IRQ, TIME_IRQ = 53, 54, 50
-# An OUT packet of an endpoint that there is not (`UsbHost.push`).
+# An OUT packet of an endpoint that does not exist (`UsbHost.push`).
 UNKNOWN_ENDPOINT = 2, 9, b"\0"
 
 

@@ -126,7 +126,7 @@ def wait(chip, status):
         pass
 
 
-def test_the_g4s_flash_takes_double_words_once_and_tells_otherwise(g474):
+def test_the_g4s_flash_takes_double_words_once_and_reports_other_writes(g474):
     with pytest.raises(AssertionError, match="locked"):
         g474.store(SLOT, 1)
     unlock(g474, G4_KEYR, G4_CR, 1)

@@ -110,7 +110,7 @@ def test_without_the_resistor_the_mute_pin_never_rises(rig):
     rig.host.accept("DigestStart", DigestStart(first, count))
     rig.host.live(0.05)
     assert rig.host.status()["state"] == "driving" and max(rig.board.dac.codes) > MID + 300
-    # What the device says that it plays is what its pin has played.
+    # The device reports the codes that its pin has played.
     digest = rig.host.ask("DigestRead", answer="Digest")
     codes = b"".join(code.to_bytes(2, "little") for code in rig.codes(first, first + count))
     assert (digest.from_, digest.count, digest.crc) == (first, count, zlib.crc32(codes))

@@ -60,7 +60,7 @@ def test_no_image_keeps_zeros_for_its_variables_in_the_flash(board):
 
 
 @on_f407
-def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
+def test_the_stack_in_the_documents_matches_the_image(rig):
     """Each part by itself, so that it does not matter where an interrupt falls."""
     board, host = rig.board, rig.host
     board.watches_stacks = True
@@ -86,7 +86,7 @@ def test_the_stack_in_the_documents_is_what_the_image_needs(rig):
     host.capture(1, 1000)
     host.live(0.008)
     assert len(listened(host, 0).answers) == 16 and len(host.captured()[2]) == 1000
-    # Then the lock-ins are a hold's, of a sensor that hears half of what is played; all levels fall.
+    # Then the lock-ins are a hold's, of a sensor that receives half of the drive; all levels fall.
     board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
     host.hold([(slot, 8) for slot in range(16)], 20)
     host.live(0.03)
@@ -134,7 +134,7 @@ def test_the_rule_is_for_this_device_and_this_user_only():
 
 
 def test_the_rule_comes_before_the_one_that_grants_what_it_asks_for():
-    """systemd's 73-seat-late.rules acts on the tag; a later file would ask in vain."""
+    """systemd's 73-seat-late.rules acts on the tag; a later file has no effect."""
     (rule,) = (ROOT / "firmware").glob("*.rules")
     assert int(rule.name[:2]) < 73
 

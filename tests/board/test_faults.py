@@ -53,7 +53,7 @@ def test_a_pulled_cable_ends_in_silence_and_a_new_session(armed):
     assert armed.board.resets == [], "no watchdog, no crash"
 
 
-def test_a_panic_mutes_first_and_is_told_at_the_next_hello(armed):
+def test_a_panic_mutes_first_and_is_reported_at_the_next_hello(armed):
     """R-51."""
     start(armed)
     armed.facts.break_program(armed)
@@ -78,7 +78,7 @@ def test_mute_and_mid_scale_come_before_the_reset(armed):
     assert seen == [(0, MID)]
 
 
-def test_a_wild_jump_is_a_hard_fault_that_is_told(armed):
+def test_a_wild_jump_is_a_hard_fault_that_is_reported(armed):
     start(armed)
     armed.board.pc = 0x60000001
     armed.board.run_until(lambda: armed.board.resets, 0.01, step=0.0001)
@@ -126,7 +126,7 @@ OVERFLOWS = [
 
 
 @pytest.mark.parametrize("code, above, variable, message", OVERFLOWS)
-def test_a_stack_that_overflows_is_caught_and_told(armed, code, above, variable, message):
+def test_a_stack_that_overflows_is_caught_and_reported(armed, code, above, variable, message):
     """The guard refuses the first write below the stack, and would if there were memory; nothing is written there."""
     start(armed)
     board, bottom = armed.board, armed.board.STACK[0]
@@ -143,7 +143,7 @@ def test_a_stack_that_overflows_is_caught_and_told(armed, code, above, variable,
 
 @pytest.mark.every_image
 @pytest.mark.parametrize("code, offset", [(LOAD, 0), (STORE, 0xFFC)], ids=["read", "write"])
-def test_an_access_through_a_null_pointer_is_caught_and_told(armed, code, offset):
+def test_an_access_through_a_null_pointer_is_caught_and_reported(armed, code, offset):
     """Nothing is read or written there, though there is memory at address 0 on every chip."""
     start(armed)
     board = armed.board
@@ -153,7 +153,7 @@ def test_an_access_through_a_null_pointer_is_caught_and_told(armed, code, offset
     assert board.cpu.mem_read(0, 0x1000) == before
 
 
-def test_an_interrupt_without_a_handler_mutes_and_is_told(armed):
+def test_an_interrupt_without_a_handler_mutes_and_is_reported(armed):
     """The window watchdog's: nothing of the firmware enables it."""
     start(armed)
     seen = at_each_reset(armed)
@@ -200,7 +200,7 @@ def test_a_frozen_task_is_reset_by_the_watchdog(armed, frozen):
     assert armed.board.pin(armed.facts.unmute) == 0
 
 
-def test_a_dip_of_the_supply_mutes_and_is_told(armed):
+def test_a_dip_of_the_supply_mutes_and_is_reported(armed):
     """R-56: at the threshold that the board's file derives."""
     start(armed)
     register, shift, level = armed.facts.detector

@@ -31,7 +31,7 @@ DEAD_MAN, HOST_LOST_RAMP = RATE_HZ, 50 * MILLISECOND
 @pytest.fixture(scope="module")
 def holding(facts, image):
     """All tones sound, of the largest table and with a travel that is judged, and are held; the first window is over. The sensor
-    hears half of what is played."""
+    receives half of the drive."""
     rig = Rig(facts, image)
     host, board = rig.host, rig.board
     host.connect()
@@ -92,7 +92,7 @@ def in_a_turn(holding, case, moments=8, after=0):
 
 
 @pytest.mark.parametrize("message", ["EmergencyStop", "Stop"], ids=["an emergency stop", "a stop"])
-def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_as_soon_as_ever(holding, message):
+def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_at_once(holding, message):
     """R-77: and nothing of the hold starts after it."""
 
     def case(rig):
@@ -112,7 +112,7 @@ def test_a_stop_while_a_hold_plans_its_levels_is_at_the_pin_as_soon_as_ever(hold
     assert max(seen) + step <= STOP_BLOCKS
 
 
-def test_a_drive_ends_a_hold_as_soon_as_ever(holding):
+def test_a_drive_ends_a_hold_at_once(holding):
     """R-77: before a turn, while it plans its levels, and until these have begun."""
 
     def case(rig):

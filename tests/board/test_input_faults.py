@@ -100,8 +100,8 @@ FULL_SCALE, LATE = 2048, 3
     [pytest.param(0.5, (0.05, 1.0), 0.3, id="half a code"), pytest.param(0.0, (0.2, None), 1.0, id="none", marks=pytest.mark.nightly)],
 )
 def test_tones_at_40_and_80_db_below_full_scale_are_measured_through_the_noise(sounding, noise, most_db, most_degrees):
-    """R-73: the sensor hears what the DAC plays, three samples late and so weak that the first tone has -40 dBFS and the second
-    one -80. The shunt hears all of it, so that what the DAC's 12 bits do to the tones is known."""
+    """R-73: the sensor receives what the DAC plays, three samples late and so weak that the first tone has -40 dBFS and the second
+    one -80. The shunt receives all of it, so that what the DAC's 12 bits do to the tones is known."""
     draw = random.Random(11)
 
     def case(rig):
@@ -145,7 +145,7 @@ PERIOD = (WINDOW_BLOCKS + PAUSE_BLOCKS) * BLOCK / RATE_HZ
 
 
 def hear_noise(rig):
-    """Of one code: what an input hears to which nothing is connected."""
+    """Of one code: the signal of an unconnected input."""
     draw = random.Random(9)
     rig.board.adc.at_pins = lambda: (MID + draw.randint(-1, 1), MID)
 
@@ -174,7 +174,7 @@ def loudness(rig, at=None):
 
 
 @pytest.mark.parametrize("fails, cause", [(hear_noise, "TooWeak"), (stick, "Stuck"), (clip, "Clipped"), (overrun, "Broken")])
-def test_a_held_input_that_fails_gives_the_drives_levels_back_and_is_told(cool, fails, cause):
+def test_a_held_input_that_fails_gives_the_drives_levels_back_and_is_reported(cool, fails, cause):
     """R-71, R-72, R-73: the hold has turned all tones down. They never get louder than the drive, and are the drive's again."""
     host, dac = cool.host, cool.board.dac
     host.accept("Drive", drive([(slot, (slot + 0.5) / 17, 0.05) for slot in range(16)], 5 * MILLISECOND))

@@ -31,7 +31,7 @@ def capture(rig, input=0, values=1000):
 
 
 def check(rig, input=0, values=1000):
-    """The codes of an input are what the DAC played under the same indices; returns the first one and the codes."""
+    """The codes of an input equal the DAC's under the same indices; returns the first one and the codes."""
     progress, begin, codes = capture(rig, input, values)
     played = rig.codes(begin, begin + values)
     assert (progress, codes) == ("finished", [4095 - code for code in played] if input else played)
@@ -93,7 +93,7 @@ def test_codes_that_are_lost_do_not_move_the_others(sounding, mirror, loss, samp
 
     codes, lost, underruns = on_copy(sounding, case)
     assert codes == sounding.expected[: len(codes)] and underruns == 0
-    # Those in the ring, of four blocks, are not whole either.
+    # The blocks in the ring, of four, are not whole either.
     assert samples // BLOCK <= lost <= samples // BLOCK + 6, lost
 
 
@@ -125,7 +125,7 @@ def silence(rig):
 
 
 def starve(rig):
-    """The DAC's DMA does not deliver: its ring, and so the ADCs', begins anew."""
+    """The DAC's DMA does not deliver: its ring, and so the ADCs', restarts."""
     controller, stream = rig.facts.dma
     rig.board.run(37 / RATE_HZ)
     rig.board.dma[controller].blocked.add(stream)

@@ -19,11 +19,11 @@ STOP_PHASES, STOP_PHASES_LISTENING = 10, 40
 STOP_BLOCKS_APART = 5
 MILLISECOND = RATE_HZ // 1000
 DRIVE_BLOCKS, STOP_BLOCKS = 4, 2
-# While sixteen lock-ins measure, which leaves the thread less than half of its time. A stop is as soon as ever.
+# While sixteen lock-ins measure, which leaves the thread less than half of its time. A stop comes as soon as otherwise.
 DRIVE_BLOCKS_LISTENING = 8
 LONGEST_WINDOW = 65_535
-# Of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5 (per mille), and
-# the smallest share at rest (ppm).
+# The limit of a stiff actuator, far from what any drive here needs: a resonance of 10 kHz (in uHz), a quality of 2.5
+# (per mille), and the smallest share at rest (ppm).
 TRAVEL_LIMIT = SetTravelLimit(TravelLimit(10_000_000_000, 2500, 1))
 # Unlike every numbered command's.
 STOPS_SEQUENCE = 0xFFFF
@@ -143,7 +143,7 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
         copy.host.sequence = STOPS_SEQUENCE
         sequence, played = send(copy, "EmergencyStop")
         blocks = (accepted(copy, sequence) - played) / BLOCK
-        # Whether the command before it was still done does not matter: a new session counts anew.
+        # Whether the command before it was still done does not matter: a new session counts from the start.
         copy.host.forget()
         copy.host.hello()
         check_blocks(copy.host)

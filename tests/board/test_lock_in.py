@@ -19,7 +19,7 @@ TONES = [(39 + 150 * n + n % 3, 0.05, 0.37 * n) for n in range(16)]
 
 class Plate:
     """A resonance of 26.5 kHz with a loss of a tenth, two samples late, 40 codes above mid-scale, with a code of noise. The shunt
-    sees half of the DAC's code. `codes` are what both have sampled, from the index `first` on."""
+    sees half of the DAC's code. `codes` are the samples of both, from the index `first` on."""
 
     POLE = cmath.exp(complex(-0.05, 1) * 2 * math.pi * 26_500 / 400_000)
     LATE = 2
@@ -67,7 +67,7 @@ def check(reading, codes, mirrored):
 
 
 @pytest.mark.every_image
-def test_the_lock_ins_of_a_comb_are_the_hosts_bit_for_bit_and_what_the_plate_is(sounding, mirrored_lock_ins):
+def test_the_lock_ins_of_a_comb_match_the_hosts_bit_for_bit_and_the_plate(sounding, mirrored_lock_ins):
     """Sixteen tones, at one input and then at the other, each time over a period of the comb."""
 
     def case(rig):

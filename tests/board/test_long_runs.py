@@ -132,4 +132,4 @@ def test_the_hosts_beat_counts_to_its_end_and_a_host_that_begins_again_there_is_
     host.hello()
     host.accept("ClearFaults")
     host.arm()
-    assert host.status()["state"] == "armed", "a new session counts anew"
+    assert host.status()["state"] == "armed", "a new session counts from the start"

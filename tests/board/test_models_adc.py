@@ -85,7 +85,7 @@ def test_a_word_that_is_not_taken_is_an_overrun_and_ends_the_requests_until_it_i
         (dict(trigger=9 << 24 | RISING), "EXTSEL 9"), (dict(trigger=TIM8_TRIGGER | RISING | 1 << 1), "not modelled"),
     ],
 )  # fmt: skip
-def test_what_the_f407s_adcs_must_not_be_told_is_a_failure(chip, facts, sentence):
+def test_a_forbidden_setting_of_the_f407s_adcs_is_a_failure(chip, facts, sentence):
     with pytest.raises(AssertionError, match=sentence):
         set_up(chip, **facts)
 

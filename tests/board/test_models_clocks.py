@@ -51,7 +51,7 @@ def test_a_register_that_is_not_modelled_is_a_failure(chip):
             chip.read(address)
 
 
-def test_the_clock_security_system_falls_back_and_raises_the_nmi_until_it_is_told(chip):
+def test_the_clock_security_system_falls_back_and_raises_the_nmi_until_it_is_cleared(chip):
     chip.write(RCC, chip.read(RCC) | CSSON)
     chip.write(TIM6 + ARR, 0xFFFF)
     chip.write(TIM6 + CR1, CEN)

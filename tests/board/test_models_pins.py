@@ -44,7 +44,7 @@ def test_another_sequence_locks_nothing(chip, values):
     assert chip.read(GPIOB + MODER) == 0
 
 
-def test_a_debugger_stops_the_timers_that_it_is_told_to_stop_and_no_other(chip):
+def test_a_debugger_stops_the_chosen_timers_and_no_other(chip):
     """RM0090 38.16.4: and then the outputs of a timer with a break are off, as if MOE were 0."""
     chip.write(DBGMCU_APB1, 1 << 4)
     chip.write(TIM6 + ARR, 0xFFFF)

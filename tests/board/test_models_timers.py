@@ -77,7 +77,7 @@ def test_a_pulse_that_is_begun_again_in_time_does_not_end(chip):
         (CC3E | CC3P, 0, None), (CC3NE | CC3NP, None, 0), (CC3E | CC3NE | CC3NP, 1, 1),
     ],
 )  # fmt: skip
-def test_the_outputs_are_those_of_the_table(chip, enables, output, complement):
+def test_the_outputs_match_the_table(chip, enables, output, complement):
     chip.timer(0, compare=0, reload=99, mode=FORCED_HIGH, enables=enables)
     assert (chip.output("3"), chip.output("3N")) == (output, complement)
     chip.write(TIM1 + BDTR, MOE | BKP | OSSR)

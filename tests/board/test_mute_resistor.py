@@ -35,7 +35,8 @@ def looked(rig, wiring):
     load = rig.board.pins.loads[rig.facts.unmute]
     rig.board.run_until(lambda: load.driven == 0, 0.1, step=1e-3)
     seconds = load.driven_at - load.pulled_at
-    # Only a pin that stays low is watched to the end; `test_without_the_resistor_the_mute_pin_never_rises` has what follows.
+    # Only a pin that stays low is watched to the end; `test_without_the_resistor_the_mute_pin_never_rises` shows what
+    # follows.
     return "present" if seconds > 5e-3 else "missing", seconds, load.highest
 
 
@@ -56,7 +57,7 @@ def test_a_capacitor_is_no_resistor_and_a_bare_pin_is_none(rig):
         assert on_copy(rig, lambda copy: looked(copy, wiring))[0] == expected, name
 
 
-def test_what_an_amplifiers_enable_sees_of_the_look_is_what_the_documents_say(rig):
+def test_the_look_at_the_amplifiers_enable_matches_the_documents(rig):
     """R-82."""
     strongest, weakest = pull_ups(rig.facts)
     _, seconds, highest = on_copy(rig, lambda copy: looked(copy, Wiring(pull_up=strongest)))

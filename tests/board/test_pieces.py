@@ -33,6 +33,6 @@ def test_the_tests_on_a_board_stay_together():
 
 
 @pytest.mark.parametrize("number", ["0/2", "3/2"])
-def test_a_piece_that_there_is_not_is_refused(number):
+def test_a_missing_piece_is_refused(number):
     with pytest.raises(pytest.UsageError):
         piece(items(), number)

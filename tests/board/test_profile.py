@@ -138,7 +138,7 @@ def test_of_a_damaged_one_the_older_limits_until_a_hand_on_the_board_accepts_it(
 
 
 def test_a_button_that_is_held_through_the_start_is_a_hand_for_thirty_seconds_after_its_release(rig):
-    """R-79: its level at the start counts as that at rest, so its release is an edge like a press, which nothing tells from one."""
+    """R-79: its level at the start counts as that at rest, so its release is an edge like a press, and nothing can distinguish the two."""
     rig.board.pins.drive(rig.facts.button, 1)
     rig.host.connect()
     rig.host.live(0.01)

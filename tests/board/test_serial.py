@@ -16,7 +16,7 @@ RECEIVES, SENDS = 2, 3
 BYTE = 10 / SerialHost.BAUD
 BLOCK_SECONDS = BLOCK / RATE_HZ
 
-# Of the rates that a host's program may have been set to, those that the gate tries.
+# The rates that the gate tries, of those that a host's program may use.
 SOME, OTHERS = [115_200, 1_000_000], [9_600, 57_600, 230_400, 460_800, 1_500_000, 1_843_200, 2_000_000, 3_000_000]
 RATES = [pytest.param(rate, marks=pytest.mark.every_image) for rate in SOME] + OTHERS
 TRIES = 0.012
@@ -41,7 +41,7 @@ def is_undisturbed(rig):
     return status
 
 
-def test_a_receiver_at_the_senders_rate_hears_its_bytes():
+def test_a_receiver_at_the_senders_rate_receives_its_bytes():
     data = bytes(range(256))
     for rate in (0.98, 1.0, 1.02):
         heard = sampled(levels(data), 921_600, 921_600 * rate)
@@ -50,7 +50,7 @@ def test_a_receiver_at_the_senders_rate_hears_its_bytes():
     assert not any(errors for *_, errors in sampled(levels(data), 921_600, 921_600))
 
 
-def test_a_receiver_at_another_rate_hears_errors_and_a_line_that_is_low_is_one_frame():
+def test_a_receiver_at_another_rate_sees_errors_and_a_low_line_is_one_frame():
     # At twice the rate each bit counts twice: after the start bit 0, 1 1, 0 0, 1 1, 0, and the stop bit is low.
     (_, byte, errors), *_ = sampled(levels(b"\x55"), 921_600, 1_843_200)
     assert (byte, errors) == (0b0110_0110, FRAMING)

@@ -198,9 +198,8 @@ def test_a_block_is_rendered_and_measured_in_little_enough_of_its_time(armed):
 
 @on(G474)
 @pytest.mark.every_image
-def test_the_worst_block_with_the_link_full_both_ways_is_what_the_readme_says(armed):
-    """R-68: of the link's interrupts those count that lie above the renderer's (R-44). Their cycles are what they are, whatever a
-    block does."""
+def test_the_worst_block_with_the_link_full_both_ways_matches_the_page(armed):
+    """R-68: of the link's interrupts those count that lie above the renderer's (R-44). Their cycles do not depend on the block's."""
     board, cable = armed.board, armed.cable
     above = [irq for irq in (*G474.urgent_link_irqs, *G474.waking_link_irqs) if board.priorities[irq] <= board.priorities[RENDERER_IRQ]]
     cable.send(full_line(armed) * 40)
@@ -279,7 +278,7 @@ def test_a_line_that_is_full_both_ways_costs_no_block_and_no_lock_in_while_all_c
 
 @on_f407
 def test_a_block_is_rendered_while_levels_are_held_in_little_enough_of_its_time(armed):
-    """R-68: the lock-ins never rest, and with each window all levels begin to glide anew."""
+    """R-68: the lock-ins never rest, and with each window all levels begin to glide again."""
     board, host = armed.board, armed.host
     board.adc.at_pins = lambda: ((board.dac.output + 2048) // 2, 2048)
     glide(host, 0, 10)

@@ -35,7 +35,7 @@ def reaches(graph, root, name):
 
 
 @pytest.mark.parametrize("board", BOARDS, ids=lambda board: board.name)
-def test_no_call_and_no_interrupt_can_need_more_stack_than_there_is(board):
+def test_no_call_and_no_interrupt_can_need_more_stack_than_the_board_has(board):
     graph = CallGraph(firmware(board.feature))
 
     def needs(vector, indirect=INDIRECT):

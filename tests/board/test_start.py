@@ -123,7 +123,7 @@ def test_the_program_runs_when_the_rom_bootloader_starts_it_by_a_jump(rig):
     rig.host.arm()
 
 
-def test_the_lamp_tells_muted_from_sounding(armed):
+def test_the_lamp_shows_whether_the_device_is_muted(armed):
     def flashes(seconds):
         armed.board.log.clear()
         armed.host.live(seconds)
@@ -137,7 +137,7 @@ def test_the_lamp_tells_muted_from_sounding(armed):
     assert flashes(1.6) == 2, "a flash every 0.8 s while it is muted"
 
 
-def test_the_lamp_tells_that_the_brown_out_level_is_not_set(rig):
+def test_the_lamp_reports_that_the_brown_out_level_is_not_set(rig):
     """R-56: as chips leave the factory. Only the lamp shows it."""
     mask, delivered = rig.facts.brown_out
     rig.board.flash.options = rig.board.flash.options & ~mask | delivered

@@ -31,7 +31,7 @@ def test_a_board_without_its_brown_out_level_says_so(rig):
 
 
 # The application's matter, not the chip's: the other images have it at night.
-def test_sixteen_stores_in_a_row_and_the_flash_is_spared(rig):
+def test_after_sixteen_stores_in_a_row_the_flash_is_spared(rig):
     """R-89: what is stored and forgotten in turn is erased each time."""
     host = rig.host
     host.connect()
@@ -85,14 +85,14 @@ def test_a_power_cut_while_storing_leaves_the_old_or_the_new_table(kept, words):
     the record's header, which the next start reads: the G474 gets its NMI and the H743 its bus fault then."""
     stored = cut(kept, operation_at(kept.facts, words))
     # Half an erasure of what was blank leaves no trace, where no word can become unreadable.
-    is_told = words > 0 or kept.facts.word_bytes > 4
-    assert stored == ("fell back" if is_told else "loaded")
-    assert kept.host.status()["faults"] == ({"store fell back"} if is_told else set())
+    is_reported = words > 0 or kept.facts.word_bytes > 4
+    assert stored == ("fell back" if is_reported else "loaded")
+    assert kept.host.status()["faults"] == ({"store fell back"} if is_reported else set())
     # A table limits nothing, so a host alone may go on with the older one.
     kept.host.accept("ClearFaults")
     assert kept.host.status()["faults"] == set()
     assert kept.stored_crc() == kept.old
-    stores_again(kept, erasures=2 + is_told)
+    stores_again(kept, erasures=2 + is_reported)
 
 
 def operations(rig):
@@ -122,7 +122,7 @@ def test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_table(kept, miss
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("seed", range(4))
-def test_cut_after_cut_the_old_table_is_still_there(kept, seed):
+def test_the_old_table_survives_cut_after_cut(kept, seed):
     """Each next try begins with what the last one has torn."""
     chance, total = random.Random(seed), on_copy(kept, operations)
     headers = HEADER_BYTES // kept.facts.word_bytes

@@ -77,7 +77,7 @@ def test_a_program_that_is_not_played_raises_nothing(sounding):
 
 
 @pytest.mark.parametrize("stall_us", [20, pytest.param(299, marks=pytest.mark.nightly), 300, 301.5])
-def test_the_pin_keeps_in_step_with_the_ring_when_that_has_begun_anew(sounding, mirror, stall_us):
+def test_the_pin_keeps_in_step_with_the_ring_when_that_has_restarted(sounding, mirror, stall_us):
     """R-43: the DMA does not deliver: the stream is set up again, and the block timer with it. The codes' places are no longer
     the device's indices then, so the begin of the program is found in the codes themselves. The inputs' codes have the places
     of the DAC's, too."""

@@ -68,7 +68,7 @@ def test_a_drive_begins_within_two_blocks_of_the_rise_and_is_the_mirrors(soundin
 
 
 @pytest.mark.every_image
-def test_what_came_before_or_is_too_short_counts_for_nothing(sounding):
+def test_an_earlier_or_too_short_rise_does_not_count(sounding):
     def case(rig):
         host, edges = rig.host, Edges(rig)
         rise(rig)

@@ -17,11 +17,11 @@ FOUND = {
         ("control", (0x00, 9, 0, 0, 0), [], 0, 0, 1e-3), ("bulk", 2, [64, 64]), ("control", (0x00, 9, 2, 0, 0), [], 0, 0, 1e-3),
         ("control", (0x00, 9, 1, 0, 0), [], 0, 0, 1e-3),
     ],
-    "status of an endpoint that there is not": [("control", (0x82, 0, 0, 15, 2), [], 1, 0, 1e-3)],
-    "halt of an endpoint that there is not": [("control", (0x02, 3, 0, 0x8F, 0), [], 0, 0, 1e-3)],
+    "status of an endpoint that does not exist": [("control", (0x82, 0, 0, 15, 2), [], 1, 0, 1e-3)],
+    "halt of an endpoint that does not exist": [("control", (0x02, 3, 0, 0x8F, 0), [], 0, 0, 1e-3)],
     "more data than announced": [("control", (0x21, 0x20, 0, 0, 7), [64], 0, 0, 1e-3)],
     "data where none is announced": [("control", (0x00, 9, 0, 0, 0), [8], 0, 0, 1e-3)],
-    "a reset in a suspension that is not told yet": [
+    "a reset in a suspension that is not reported yet": [
         ("setups", [(0x80, 6, 0xE03, 0, 64), (0x82, 0, 0, 0x82, 8)], 3e-4), ("unplug", 4e-3),
     ],
     "data where none belongs": [("control", (0x80, 6, 0x100, 0, 18), [], 1, 64, 1e-3)],
@@ -89,7 +89,7 @@ def holds(rig, case, seed):
 @on_usb
 @pytest.mark.every_image
 @pytest.mark.parametrize("found", FOUND)
-def test_what_found_a_fault_once_finds_none_any_more(sounding, found):
+def test_inputs_that_once_found_a_fault_find_none(sounding, found):
     survives(sounding, FOUND[found])
 
 
@@ -108,6 +108,6 @@ def test_no_host_of_a_thousand_is_not_survived(sounding):
 
 @on_usb
 @pytest.mark.fuzz
-def test_after_no_host_of_a_hundred_the_drive_goes_on(sounding):
+def test_a_drive_ends_after_each_of_a_hundred_hosts(sounding):
     for seed in range(NIGHT // 10):
         holds(sounding, is_followed_by_silence, seed)

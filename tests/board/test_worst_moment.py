@@ -143,7 +143,7 @@ def test_a_usb_core_that_never_ends_a_flush_costs_the_deadline_and_not_the_finge
     assert resets == ["watchdog"] and reported == "watchdog" and "watchdog" in faults
 
 
-def test_a_crystal_that_stops_mutes_in_hardware_and_is_told(sounding):
+def test_a_crystal_that_stops_mutes_in_hardware_and_is_reported(sounding):
     """The break clears the main output enable before an instruction of the NMI has run."""
 
     def case(rig):
@@ -198,7 +198,7 @@ def test_a_halted_core_holds_its_code_and_stays_muted_when_it_goes_on(sounding):
     assert on_copy(sounding, case) == (pytest.approx(0, abs=1e-4), "underrun")
 
 
-def test_an_amplifier_that_has_muted_itself_comes_on_again_only_when_the_device_is_armed_anew(sounding):
+def test_an_amplifier_that_has_muted_itself_comes_on_again_only_when_the_device_is_armed_again(sounding):
     def case(rig):
         board, host = rig.board, rig.host
         board.enabled.discard(RENDERER_IRQ)

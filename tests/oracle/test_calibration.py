@@ -18,7 +18,7 @@ MODEL_ERROR = 0.015
 
 
 class Membrane:
-    """The preset `membrane`; a coordinate is what the calibration fits."""
+    """The preset `membrane`; the calibration fits its coordinates."""
 
     name, length, frequencies = "membrane", 0.32, np.geomspace(82.0, 233.0, 60)
     bend = 1.0

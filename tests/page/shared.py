@@ -25,25 +25,25 @@ for (const name of ["keydown", "pointerdown", "visibilitychange", "freeze", "pag
 }
 """
 
-# In front of the workers' script: each worker tells other pages that it lives, and the device's what its state is.
+# In front of the workers' script: each worker reports to other pages that it lives; the device's also its state.
 TELLING = b"""
 {
-  const channel = new BroadcastChannel("told");
-  const tell = (state) => channel.postMessage({ name: self.name, origin: performance.timeOrigin, now: performance.now(), state });
+  const channel = new BroadcastChannel("reports");
+  const report = (state) => channel.postMessage({ name: self.name, origin: performance.timeOrigin, now: performance.now(), state });
   const post = self.postMessage.bind(self);
   self.postMessage = (message, ...more) => {
     if (message.state) {
-      tell(message.state);
+      report(message.state);
     }
     post(message, ...more);
   };
-  setInterval(tell, 20);
+  setInterval(report, 20);
 }
 """
-# A page that hears that: when each worker has told something last, by the time of its origin, and the device's latest state.
+# A page that receives that: the time of each worker's latest report, by its own clock, and the device's latest state.
 HEARING = b"""<!DOCTYPE html><title>Heard</title><script>
 window.heard = {};
-new BroadcastChannel("told").onmessage = ({ data: { name, origin, now, state } }) => {
+new BroadcastChannel("reports").onmessage = ({ data: { name, origin, now, state } }) => {
   heard[name] = { origin, at: origin + now, state: state ? JSON.parse(state) : heard[name]?.state };
 };
 </script>"""
@@ -55,7 +55,7 @@ class Quiet(http.server.SimpleHTTPRequestHandler):
 
 
 class Telling(Quiet):
-    """Serves the page with workers that tell of themselves, and the page that hears it."""
+    """Serves the page with workers that report their state, and the page that receives it."""
 
     def do_GET(self):
         name = self.path.split("/")[-1]
@@ -100,7 +100,7 @@ def state(page):
 
 
 def until(page, holds, what, patience_s=PATIENCE_S):
-    """The first state that holds; polled, because nothing tells of it."""
+    """The first state that holds; polled, because no event reports it."""
     end = time.monotonic() + patience_s
     while True:
         seen = state(page)
@@ -201,9 +201,9 @@ def has_names(page):
 
 
 def need_names(test, page):
-    """Leaves a test out in a build that tells no names."""
+    """Skips a test in a build without names."""
     if not has_names(page):
-        test.skipTest("this build tells no names: PAGE_FEATURES=tests .ci/page")
+        test.skipTest("this build has no names: PAGE_FEATURES=tests .ci/page")
 
 
 def nodes(page):

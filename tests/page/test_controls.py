@@ -105,7 +105,7 @@ class Controls(unittest.TestCase):
         # The place that is measured already, and another.
         shared.press(page, "30.0 mm, run 1 at 30.0 mm")
         shared.press(page, "Next", "Button")
-        # Measured anew, should STOP be pressed again: what was fitted is not fitted once more.
+        # Measured again, should STOP be pressed again: what was fitted is not fitted once more.
         def begin(page):
             if "5 of 5" in shared.words(page):
                 shared.press(page, "Back", "Button")
@@ -175,7 +175,7 @@ class Controls(unittest.TestCase):
             shared.press(page, "Dismiss", "Button")
         for fragment, sentence in [
             ("setup=1.AAAA", "the setup in the address is damaged"),
-            ("setup=2.AAAA", "load it anew"),
+            ("setup=2.AAAA", "load it again"),
             ("setup=1." + "A" * 17_000, "more than the 16000 that are read"),
         ]:
             page.evaluate("fragment => { location.hash = fragment; }", fragment)

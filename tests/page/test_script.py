@@ -1,4 +1,4 @@
-"""A user's script of four minutes, in virtual time: what a browser computes of it is what this computer does.
+"""A user's script of four minutes, in virtual time: a browser computes the same as this computer.
 
 `SLIPLINE_SCRIPT` is the output of `cargo test --test in_use -- --ignored --nocapture`.
 """
@@ -20,7 +20,7 @@ RELATIVE = 1e-8
 
 
 def lines(text):
-    """The script's lines. The checksum of a table tells no more than its entries."""
+    """The script's lines. The checksum of a table adds nothing to its entries."""
     return [re.sub(r"crc: \d+", "crc", line) for line in text.splitlines() if LINE.fullmatch(line)]
 
 

@@ -133,7 +133,7 @@ class Serial(unittest.TestCase):
         self.play(page)
         self.bridge.unplug()
         seen = shared.until(page, lambda seen: seen["link"] == "reconnecting", "missed")
-        self.assertEqual(seen["error"], "the device went away: unplugged or restarted")
+        self.assertEqual(seen["error"], "the device disconnected: unplugged or restarted")
         self.picture(page, "board-unplugged")
         self.bridge.plug()
         shared.until(page, lambda seen: seen["link"] == "connected", "found again")

@@ -109,8 +109,8 @@ class Updates(unittest.TestCase):
         self.case.close()
 
     def publish(self, build):
-        """Puts a build on the server in place of what is there, at once; its files are of now, by which the browser tells
-        them."""
+        """Puts a build on the server in place of the present one, at once; its files are dated now, by which the browser
+        recognises them."""
         fresh, link = (pathlib.Path(tempfile.mkdtemp(dir=self.site.parent)) for _ in range(2))
         shutil.copytree(build, fresh, copy_function=shutil.copy, dirs_exist_ok=True)
         link /= "site"
@@ -274,7 +274,7 @@ class Lacking(unittest.TestCase):
                 page.wait_for_timeout(1000)
                 self.assertTrue(page.get_by_text(sentence).is_visible())
 
-    def test_a_page_whose_script_is_not_there_says_so(self):
+    def test_a_page_without_its_script_says_so(self):
         with contextlib.closing(self.browser.new_context(service_workers="block")) as context:
             page = context.new_page()
             page.route("**/page.*.js", lambda route: route.abort())

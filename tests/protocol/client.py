@@ -182,29 +182,29 @@ class Client:
         self, blocks: int, *, slots: int = 0xFFFF, input: int = 0, shape: Choice = RECTANGULAR, start: Optional[int] = None
     ) -> list[Optional[complex]]:
         """The answer of an input to each slot's tone over `blocks` blocks from the index `start` on: a complex amplitude in
-        codes against the tone's sine, None for a tone that stopped or began anew. Waits until the window is over. Raises
+        codes against the tone's sine, None for a tone that stopped or restarted. Waits until the window is over. Raises
         `SliplineError` with a device older than 1.3, and if a block was lost.
         """
         begin = self._accepted("Listen", Listen(start, blocks, shape, slots, input))
         self._wait_for_index(begin + 128 * blocks)
         answers: list[Optional[complex]] = []
         for first in (0, 8):
-            told = self._until_over(lambda: self._request("ListenRead", "Listened", ListenRead(input, first))[1])
-            scale = 4 / (16383 * 128 * told.weight)
-            for slot, sums in enumerate(told.answers, first):
+            read_out = self._until_over(lambda: self._request("ListenRead", "Listened", ListenRead(input, first))[1])
+            scale = 4 / (16383 * 128 * read_out.weight)
+            for slot, sums in enumerate(read_out.answers, first):
                 heard = complex(sums.in_phase, sums.quadrature) * scale
-                answers.append(heard if told.followed >> slot & 1 else None)
+                answers.append(heard if read_out.followed >> slot & 1 else None)
         return answers
 
     def capture(self, values: int, *, input: int = 0, log2_codes: int = 0, start: Optional[int] = None) -> list[float]:
         """`values` means of `2**log2_codes` codes of an input from the index `start` on; 2048 is mid-scale. Waits until they
-        are there. Raises `SliplineError` with a device older than 1.3, and if a block was lost."""
+        exist. Raises `SliplineError` with a device older than 1.3, and if a block was lost."""
         begin = self._accepted("Capture", Capture(start, input, log2_codes, values))
         self._wait_for_index(begin + (values << log2_codes))
         sums: list[int] = []
         while len(sums) < values:
-            told = self._until_over(lambda: self._request("CaptureRead", "Captured", CaptureRead(len(sums)))[1])
-            sums.extend(told.values)
+            read_out = self._until_over(lambda: self._request("CaptureRead", "Captured", CaptureRead(len(sums)))[1])
+            sums.extend(read_out.values)
         return [value / 2**log2_codes for value in sums]
 
     def hold(
@@ -356,13 +356,13 @@ class Client:
     def _until_over(self, read: Callable[[], Any]) -> Any:
         """Reads a measurement that should be over until it is; the device takes its last block a moment later."""
         until = time.monotonic() + 5
-        while (told := read()).progress.name == "Running":
+        while (read_out := read()).progress.name == "Running":
             if time.monotonic() > until:
                 raise NoAnswer("the measurement is not over in time")
             time.sleep(0.01)
-        if told.progress.name != "Finished":
-            raise SliplineError(f"the measurement has ended early: {told.progress}")
-        return told
+        if read_out.progress.name != "Finished":
+            raise SliplineError(f"the measurement has ended early: {read_out.progress}")
+        return read_out
 
     def _accepted(self, command: str, value: Any = None) -> int:
         accepted: Accepted = self._request(command, "Accepted", value, or_answer="AcceptedUntil")[1]

@@ -333,19 +333,19 @@ class AtSocket(DriveCase):
             client.profile()
 
     def test_a_device_without_inputs_says_so(self) -> None:
-        told = self.client.inputs()
-        self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (0, 0, 0))
+        inputs = self.client.inputs()
+        self.assertEqual((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (0, 0, 0))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.listen(10))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.capture(10))
         self.assert_refused(Choice("NotSupported"), lambda: self.client.hold([HoldTone(0, 1000)], 400))
         self.assert_refused(Choice("NotSupported"), self.client.held)
         self.assert_refused(Choice("NotSupported"), self.client.end_hold)
 
-    def test_a_plate_is_heard(self) -> None:
+    def test_a_plate_is_measured_through_the_inputs(self) -> None:
         server = self.enter(Server(False, "--plate", "membrane", "--sensor", "30mm"))
         client = self.client = self.enter(Client.at_socket(server.path))
-        told = client.inputs()
-        self.assertEqual((told.inputs, told.lock_ins, told.lost_blocks), (2, 16, 0))
+        inputs = client.inputs()
+        self.assertEqual((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (2, 16, 0))
         self.make_ready()
         tones = [CombTone(harmonic, 15000, 0) for harmonic in (8, 12, 20)]
         start = client.comb(40, tones)
@@ -417,7 +417,7 @@ class AtSocket(DriveCase):
         with self.assertRaisesRegex(FieldError, "sample_rate_hz"):
             self.client.upload(Table.from_frequencies((0, 1000), rate + 1, [900, 800], [1, 1]))
 
-    def test_the_device_goes_away(self) -> None:
+    def test_the_device_disconnects(self) -> None:
         self.server.__exit__()
         began = time.monotonic()
         with self.assertRaises(Closed):

@@ -54,12 +54,12 @@ class Sessions(DeviceCase):
             beat += 1
             time.sleep(0.05)
         self.assertEqual(state, "Idle")
-        # A new session begins anew.
+        # A new session starts from the beginning.
         client.hello()
         client.arm()
         self.assertEqual(client.channel.request("KeepAlive", KeepAlive(0))[1].state.name, "Armed")
 
-    def test_a_second_program_hears_that_the_device_is_in_use_and_its_stop_is_taken(self) -> None:
+    def test_a_second_program_is_refused_and_its_stop_is_taken(self) -> None:
         client = self.client
         self.make_ready()
         client.drive([Tone(0, 32768, 40000, 0)])
@@ -86,7 +86,7 @@ class Sessions(DeviceCase):
                 self.assertLess(time.monotonic(), until)
         self.assertNotEqual(frame.session, 0)
 
-    def test_a_device_that_is_sent_into_its_bootloader_starts_anew(self) -> None:
+    def test_a_device_that_is_sent_into_its_bootloader_restarts(self) -> None:
         client = self.client
         client.keeps_alive = False
         session = client.channel.session

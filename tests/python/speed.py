@@ -17,7 +17,7 @@ from scipy.linalg import solve_banded
 import slipline
 
 POINTS, FREQUENCIES, RUNS = 2000, 64, 60
-# Of two threads beside one: many against what it takes to begin a thread.
+# Rounds of two threads beside one: enough to hide the start of a thread.
 CALLS = 16
 
 
@@ -43,7 +43,7 @@ def banded(frequencies_hz):
 
 
 def calls(plate, frequencies_hz, count):
-    """Begins a thread that makes so many calls."""
+    """Begins a thread that makes this number of calls."""
 
     def respond():
         for _ in range(count):
@@ -55,7 +55,7 @@ def calls(plate, frequencies_hz, count):
 
 
 def in_threads(plate, frequencies_hz, count):
-    """All calls, shared out among so many threads."""
+    """All calls, distributed over this number of threads."""
     threads = [calls(plate, frequencies_hz, CALLS // count) for _ in range(count)]
     for thread in threads:
         thread.join()

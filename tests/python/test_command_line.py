@@ -74,7 +74,7 @@ def test_the_field_of_each_option_is_the_command_lines(command, options, argumen
     plate = slipline.Plate("membrane")
     found = plate.respond(126.0, points=101, **options)
     same(found, asked.answer(), "membrane")
-    # Of several frequencies each number is an array, and the fields are one.
+    # With several frequencies each number is an array, and the fields are one.
     several = plate.respond([126.0, 140.0, 126.0], points=101, **options)
     assert several.amplitude.shape == (3, 101)
     for row in (0, 2):

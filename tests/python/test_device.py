@@ -55,7 +55,7 @@ def test_it_is_armed_and_driven_inside_the_block_only(plate: slipline.Plate) -> 
             call()
 
 
-def test_a_drive_begins_now_or_at_a_sample_index_and_tells_its_tones(device: slipline.Device) -> None:
+def test_a_drive_begins_now_or_at_a_sample_index_and_reports_its_tones(device: slipline.Device) -> None:
     first = device.drive(felt_edge_m=0.21, level=0.5)
     assert device.status().state == "Driving"
     assert [tone.level for tone in first.tones] == [0.5]
@@ -197,7 +197,7 @@ def test_a_device_without_inputs_neither_measures_nor_holds(device: slipline.Dev
         device.hold()
 
 
-def test_its_codes_are_those_of_the_mirror(device: slipline.Device) -> None:
+def test_its_codes_match_the_mirror(device: slipline.Device) -> None:
     verified = device.verify(tones=3, window_s=0.05)
     assert verified.equal and [window.equal for window in verified.windows] == [True] * 4
     assert device.status().state == "Idle"

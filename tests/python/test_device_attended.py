@@ -78,7 +78,7 @@ def test_after_it_was_unattended_the_device_can_be_armed_again() -> None:
         assert program.end() == (0, "")
 
 
-def test_an_interactive_program_that_has_armed_nothing_is_not_unattended() -> None:
+def test_an_interactive_program_that_has_armed_nothing_counts_as_attended() -> None:
     body = """
     import sys, time
     import slipline

@@ -148,7 +148,7 @@ def test_a_thread_that_is_abandoned_while_the_program_runs_on_is_unattended() ->
 def test_a_c_call_that_keeps_the_interpreter_ends_the_drive_within_a_second() -> None:
     then = """
     import ctypes
-    # Of this library calls keep the interpreter's lock.
+    # Calls of this library keep the interpreter's lock.
     ctypes.PyDLL(None).sleep(3)
     print(device.status().state)
     device.drive(turning_point_m=0.16)

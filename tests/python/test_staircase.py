@@ -14,7 +14,7 @@ from slipline.staircase import Staircase
 OBSERVERS = int(os.environ.get("SLIPLINE_OBSERVERS", "10"))
 
 
-def test_every_place_and_the_posterior_are_those_of_questplus():
+def test_every_place_and_the_posterior_match_questplus():
     ours = Staircase(0.1, 0.2, points=21, spreads=[1e-3, 3e-3, 1e-2], guess=0.05, lapse=0.03)
     theirs = questplus.QuestPlus(
         stim_domain={"intensity": ours.places},

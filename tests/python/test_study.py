@@ -23,7 +23,7 @@ import zarr
 from conftest import PROGRAM
 from line import Program
 
-#: A field far from 1 refuses some plates, so that the reasons are there, too.
+#: A field far from 1 refuses some plates, so that reasons occur, too.
 SPEC = {
     "plate": "membrane",
     "seed": 7,
@@ -143,7 +143,7 @@ def test_a_chunk_that_is_computed_alone_has_its_bits(here: xarray.Dataset, tmp_p
     assert (store / "level_db" / "c" / "2" / "0").stat().st_mtime_ns == before, "it alone"
 
 
-def test_a_plate_of_a_study_is_what_its_row_was_computed_of(here: xarray.Dataset) -> None:
+def test_a_plate_of_a_study_is_the_one_of_its_row(here: xarray.Dataset) -> None:
     i = int(np.flatnonzero(here.status.values == 1)[-1])
     drawn = slipline.study.plate(SPEC, i)
     file = tomllib.loads(drawn.to_toml())

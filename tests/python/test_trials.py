@@ -147,7 +147,7 @@ def test_a_seed_orders_the_trials_and_stands_in_every_row(tmp_path):
 
 
 def answers(stop_after=None):
-    """An observer whose place is 143.1 mm, who leaves after so many answers."""
+    """An observer whose place is 143.1 mm, who leaves after this number of answers."""
     count = 0
 
     def respond(trial):

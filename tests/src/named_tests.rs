@@ -1,4 +1,4 @@
-//! The tests that a document names, and those that there are.
+//! The tests that a document names, and the tests that exist.
 
 use crate::source_tree::root;
 use std::collections::BTreeSet;

@@ -97,7 +97,7 @@ impl Emulator {
         let terminal = (line == Line::Terminal).then(|| {
             let open =
                 File::options().read(true).write(true).open(&link).expect("the terminal can be opened");
-            // QEMU looks once a second whether somebody has opened it; a board's port is there at once.
+            // QEMU looks once a second whether somebody has opened it; a board's port exists at once.
             std::thread::sleep(Duration::from_millis(1500));
             open
         });

@@ -57,7 +57,7 @@ impl Tape {
         Box::new(Tapped { inputs, tape: self.clone() })
     }
 
-    /// Begins anew.
+    /// Starts a new recording.
     pub fn rewind(&self) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }

@@ -225,7 +225,7 @@ impl Rig {
         Self::of(SimulatedDevice::new(options))
     }
 
-    /// A client for this device, which has not heard of it yet.
+    /// A client that has not connected to this device yet.
     #[must_use]
     pub fn of(device: SimulatedDevice) -> Self {
         Self {

@@ -79,7 +79,7 @@ impl Client for Soak {
 
 impl Soak {
     /// A device at this rate in Hz, connected, with a table, armed.
-    /// Its inputs hear what it plays.
+    /// Its inputs receive what it plays.
     #[must_use]
     pub fn new(sample_rate_hz: u32, seed: u64) -> Self {
         let tables = [

@@ -6,7 +6,7 @@
 //! > 000aa500...      what the host writes at once, in hexadecimal
 //! < 0a5a0102...      a frame of the device
 //! ```
-//! The files lie in `transcripts/`. They are never edited and never made anew: later code must understand them.
+//! The files lie in `transcripts/`. They are never edited and never made again: later code must understand them.
 
 use std::collections::VecDeque;
 use std::io;

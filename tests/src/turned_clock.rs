@@ -27,7 +27,7 @@ pub struct TurnedClock(Arc<Time>);
 
 struct Time {
     us: AtomicU64,
-    /// How often the link's thread has looked at it.
+    /// Number of times that the link's thread has read it.
     looks: AtomicU64,
 }
 

@@ -1,4 +1,4 @@
-//! Chords through the protocol: what is accepted is what sounds, code by code, and what does not fit is refused.
+//! Chords through the protocol: an accepted chord sounds code by code; one that does not fit is refused.
 
 use slipline_link::chord::extent;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
@@ -85,7 +85,7 @@ fn the_peak_that_the_device_proves_is_the_one_that_the_host_computes_and_the_one
 }
 
 #[test]
-fn what_claims_to_be_a_chord_and_is_none_is_refused_and_makes_no_sound() {
+fn a_false_chord_is_refused_and_makes_no_sound() {
     let mut rig = Rig::armed();
     rig.record();
     let range = |field, min, max, got| Refusal::OutOfRange { field, min, max, got };

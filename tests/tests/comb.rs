@@ -113,7 +113,7 @@ fn accepted_next(rig: &Rig) -> slipline_protocol::event::Accepted {
 }
 
 #[test]
-fn the_travel_is_that_of_each_tones_own_frequency() {
+fn the_travel_matches_each_tones_own_frequency() {
     // A mass on a spring with its resonance at 50 Hz, Q = 4, far above: the travel falls with the square of the frequency. The
     // table ends at 1 kHz.
     let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 1_000_000 };
@@ -181,7 +181,7 @@ fn a_drive_takes_its_tones_along_and_the_mirror_plays_all_of_it() {
 }
 
 #[test]
-fn a_comb_waits_for_the_trigger_and_gives_way_to_a_newer_drive() {
+fn a_comb_waits_for_the_trigger_and_a_newer_drive_replaces_it() {
     let mut rig = Rig::armed();
     rig.accepted(&Command::Comb(Comb { apply: Apply::AtTrigger, ..example() }));
     rig.live_ms(5);

@@ -62,7 +62,7 @@ proptest! {
 }
 
 #[test]
-fn the_dead_mans_times_are_those_of_the_safety_page() {
+fn the_dead_mans_times_match_the_safety_page() {
     // the other tests follow the constants, whatever they are.
     assert_eq!((KEEP_ALIVE_PERIOD_MS, DEAD_MAN_MS, DEAD_MAN_RAMP_MS), (200, 1000, 50));
     let page =
@@ -90,7 +90,7 @@ fn after_the_dead_man_nothing_sounds_until_the_fault_is_cleared_and_the_device_i
 
 #[test]
 fn nothing_but_a_new_keep_alive_feeds_the_dead_man() {
-    // not drives, not questions, not a beat that was heard before, be it the last.
+    // not drives, not questions, not a beat that was received before, even the last.
     let mut rig = driving();
     let beat = rig.beat();
     let heard = [1, beat].map(|beat| rig.frame(&Command::KeepAlive(KeepAlive { beat })));

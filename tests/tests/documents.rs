@@ -29,6 +29,11 @@ fn entries() -> BTreeSet<String> {
     found
 }
 
+/// The text of a file of the tree.
+fn text(path: &str) -> String {
+    fs::read_to_string(root().join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
 /// The text between backticks, line by line, outside of code blocks.
 fn code_spans(text: &str) -> Vec<&str> {
     let mut spans = Vec::new();
@@ -100,35 +105,98 @@ fn every_file_that_a_document_or_a_comment_names_exists() {
             );
         }
     }
-    assert!(wrong.is_empty(), "named, and not there:\n{}", wrong.join("\n"));
+    assert!(wrong.is_empty(), "named, but missing:\n{}", wrong.join("\n"));
 }
 
-/// The folders of the product's and the tests' sources that hold two files or more, one or two levels below `src/`.
-fn folders_of_sources() -> BTreeSet<String> {
+/// What a crate's page must name, below its `src/`, without an ending: each file beside the root file, and each folder
+/// one or two levels down that holds two files or more.
+fn rooms(sources: &Path) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
     let mut files: BTreeMap<String, usize> = BTreeMap::new();
-    for top in PRODUCT.into_iter().chain(["tests/src"]) {
-        for file in rust_files(&root().join(top)) {
-            let folder = file.parent().expect("a file lies in a folder").strip_prefix(root()).expect("below");
-            let depth = folder.components().count() - Path::new(top).components().count();
-            if (1..=2).contains(&depth) {
-                *files.entry(folder.display().to_string()).or_default() += 1;
+    for file in rust_files(sources) {
+        let name = file.strip_prefix(sources).expect("below").with_extension("");
+        let name = name.to_string_lossy().replace('\\', "/");
+        match name.rsplit_once('/') {
+            Some((folder, _)) if folder.split('/').count() <= 2 => {
+                *files.entry(folder.to_owned()).or_default() += 1;
             }
+            None if name != "lib" && name != "main" => {
+                found.insert(name);
+            }
+            _ => {}
         }
     }
-    files.into_iter().filter(|&(_, count)| count > 1).map(|(folder, _)| folder).collect()
+    found.extend(files.into_iter().filter(|&(_, count)| count > 1).map(|(folder, _)| folder));
+    found
+}
+
+/// The names, without endings, at the begin of the items below "Rooms" on a crate's page: those before the first colon.
+fn named_rooms(page: &str) -> BTreeSet<String> {
+    let lines = page.lines().take_while(|line| line.starts_with("//!"));
+    let page = lines.map(|line| line.trim_start_matches("//!").trim()).collect::<Vec<_>>().join("\n");
+    let rooms = page.split("# Rooms\n").nth(1).unwrap_or_default().replace("`,\n`", "`, `");
+    let lists = rooms.split("\n- `").skip(1).filter_map(|item| item.split("`: ").next());
+    lists
+        .flat_map(|names| names.split("`, `"))
+        .map(|name| name.trim_end_matches('/').trim_end_matches(".rs").to_owned())
+        .collect()
+}
+
+/// The file that a crate's page stands in: that of its library, or of its program.
+fn root_file(sources: &str) -> String {
+    let library = format!("{sources}/lib.rs");
+    if root().join(&library).exists() { library } else { format!("{sources}/main.rs") }
 }
 
 #[test]
-fn every_folder_of_sources_has_a_row_in_the_map() {
-    let page = fs::read_to_string(root().join("CONTRIBUTING.md")).expect("the page is there");
-    let rows: String = page.lines().filter(|line| line.starts_with("| ")).collect();
-    let missing: Vec<_> =
-        folders_of_sources().into_iter().filter(|folder| !rows.contains(&format!("`{folder}"))).collect();
-    assert!(missing.is_empty(), "no row of CONTRIBUTING.md leads there:\n{}", missing.join("\n"));
+fn the_page_of_each_crate_names_its_files_and_folders() {
+    for sources in PRODUCT.into_iter().chain(["tests/src"]) {
+        let page = text(&root_file(sources));
+        let named = named_rooms(&page);
+        let rooms = rooms(&root().join(sources));
+        let is_below = |folder: &String| page.contains(&format!("`{folder}/"));
+        let missing: Vec<_> = rooms.iter().filter(|room| !named.contains(*room) && !is_below(room)).collect();
+        assert!(missing.is_empty(), "{} names no room {missing:?}", root_file(sources));
+        let exists = |room: &String| {
+            let path = root().join(sources).join(room);
+            path.exists() || path.with_extension("rs").exists()
+        };
+        let gone: Vec<_> = named.iter().filter(|room| !exists(room)).collect();
+        assert!(gone.is_empty(), "{} names {gone:?}, which do not exist", root_file(sources));
+    }
 }
 
 #[test]
-fn a_name_of_a_file_that_is_not_there_is_found() {
+fn the_rooms_of_a_page_are_the_names_before_the_colon() {
+    let page = "//! - `no.rs`: above\n//! # Rooms\n//!\n//! - `a.rs`,\n//!   `b/`: see `c.rs`: it\n//! - `d/e/`: `f`\n";
+    assert_eq!(named_rooms(page), ["a", "b", "d/e"].map(str::to_owned).into());
+}
+
+#[test]
+fn the_table_of_the_contributors_leads_to_the_page_of_each_crate_and_stays_short() {
+    let page = text("CONTRIBUTING.md");
+    let table = page.split("| I want to change |").nth(1).and_then(|rest| rest.split("\n\n").next());
+    let rows: Vec<&str> = table.expect("the table").lines().skip(2).collect();
+    assert!(rows.len() <= 20, "{} rows", rows.len());
+    for row in &rows {
+        assert!(row.chars().count() <= 120, "{row}");
+    }
+    // The program that writes the page's script is one file.
+    for sources in PRODUCT.into_iter().chain(["tests/src"]).filter(|sources| !sources.contains("bindgen")) {
+        let root_file = format!("`{}`", root_file(sources));
+        assert!(rows.iter().any(|row| row.contains(&root_file)), "no row leads to {root_file}");
+    }
+}
+
+#[test]
+fn the_readme_stays_short() {
+    let page = text("README.md");
+    let lines = page.lines().count();
+    assert!(lines <= 200, "{lines} lines: move what is not for a first reader");
+}
+
+#[test]
+fn a_missing_file_that_a_page_names_is_found() {
     let entries: BTreeSet<String> = ["shared", "shared/src", "shared/src/frame.rs"].map(str::to_owned).into();
     // Written with another quote, for this file is read by the test above, too.
     let spans = |text: &str| text.replace('\'', "`");
@@ -139,7 +207,7 @@ fn a_name_of_a_file_that_is_not_there_is_found() {
     assert_eq!(links("[a](b/c.md#d) [e](https://f.rs) [g](#h)"), ["b/c.md"]);
 }
 
-/// What is wrong with the files of commands that are run in order: one that is written twice, one that is read and not there.
+/// What is wrong with the files of commands that are run in order: one written twice, one read that does not exist.
 fn wrong_files(commands: &[&str]) -> Vec<String> {
     let mut written: BTreeSet<&str> = BTreeSet::new();
     let mut wrong = Vec::new();
@@ -150,12 +218,12 @@ fn wrong_files(commands: &[&str]) -> Vec<String> {
             let folder = file.split('/').next().unwrap_or(file);
             match *option {
                 "--out" | "--figure" | "--csv" | "--wav" if !written.insert(file) => {
-                    wrong.push(format!("{file} is there already: {command}"));
+                    wrong.push(format!("{file} exists already: {command}"));
                 }
                 "--plate" | "--actual-plate" | "--setup" | "--data" | "--played"
                     if file.contains('.') && !written.contains(file) && !written.contains(folder) =>
                 {
-                    wrong.push(format!("{file} is not there: {command}"));
+                    wrong.push(format!("{file} does not exist: {command}"));
                 }
                 _ => {}
             }
@@ -166,8 +234,8 @@ fn wrong_files(commands: &[&str]) -> Vec<String> {
 
 #[test]
 fn the_readmes_commands_find_their_files_and_write_each_once() {
-    let page = fs::read_to_string(root().join("README.md")).expect("the page is there");
-    // `.ci/run readme` runs these.
+    // `.ci/run readme` runs the commands of these pages, in this order.
+    let page = ["README.md", "host/COMMANDS.md"].map(text).concat();
     let commands: Vec<&str> = page
         .split("```sh\n")
         .skip(1)

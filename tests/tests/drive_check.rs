@@ -51,17 +51,17 @@ fn every_state(name: &str, others: &[f64]) {
 }
 
 #[test]
-fn each_state_of_a_piezo_is_told_in_its_sentence() {
+fn each_state_of_a_piezo_is_reported_in_its_sentence() {
     every_state("al-bending", &[0.3, 2.5]);
 }
 
 #[test]
-fn each_state_of_a_coil_is_told_in_its_sentence() {
+fn each_state_of_a_coil_is_reported_in_its_sentence() {
     every_state("membrane", &[2.0]);
 }
 
 #[test]
-fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_told() {
+fn a_drive_of_the_wrong_kind_and_one_that_is_too_quiet_are_reported() {
     let mut bench = MeasuringBench::near("al-bending", 4, 32);
     let known = bench.rig.known_drive();
     let DriveLoad::Piezo { capacitance_f } = known.circuit.load else { panic!("a piezo") };
@@ -117,7 +117,7 @@ fn a_measurement_begins_only_after_its_drive_was_found_on() {
             combs[usize::from(!is_checking)] +=
                 u32::from(matches!(asked, Some(Request::Play(Sounding::Comb(_)))));
             let now = after.progress(loopback.samples());
-            // A check that needs more effort begins anew.
+            // A check that needs more effort restarts.
             assert!(now >= share || is_checking, "{now} after {share}");
             share = now;
         });

@@ -44,7 +44,7 @@ fn a_program_that_answers_drives_on_and_is_asked_four_times_a_second() {
 }
 
 #[test]
-fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_told() {
+fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_reported() {
     // Every 50 ms of the period, so that the latest sign is of every age.
     for phase_ms in (0..250).step_by(50) {
         let mut rig = driving();
@@ -171,7 +171,7 @@ fn the_link_wants_to_be_called_when_a_question_or_the_stop_is_due() {
 }
 
 #[test]
-fn what_has_not_reached_the_device_by_then_never_does() {
+fn an_order_that_has_not_reached_the_device_by_then_is_dropped() {
     let mut rig = driving();
     rig.ask_and_pass(Request::Stop, 250);
     rig.is_driver_alive = false;

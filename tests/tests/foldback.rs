@@ -69,7 +69,7 @@ fn the_mirror_of_a_hot_coil_folds_back_with_it_code_for_code() {
 }
 
 #[test]
-fn a_limit_that_is_told_after_its_time_makes_the_mirror_untrue() {
+fn a_limit_that_is_reported_after_its_time_makes_the_mirror_untrue() {
     let mut mirror = Mirror::new(RATE_HZ, 0);
     mirror.acknowledge_limit(1000, 0).unwrap();
     let step = Timing::at(RATE_HZ).limit_period;
@@ -79,7 +79,7 @@ fn a_limit_that_is_told_after_its_time_makes_the_mirror_untrue() {
     assert!(mirror.acknowledge_limit(990, step).is_err());
     assert!(!mirror.is_true());
     mirror.silence(3 * step);
-    assert!(mirror.is_true(), "silence begins anew, with the limit that was reported last");
+    assert!(mirror.is_true(), "after silence it starts with the limit that was reported last");
 }
 
 /// The steps that the link notes of a device that cools down, when the answers at these times, in ms, are lost.
@@ -150,9 +150,9 @@ fn a_lost_status_leaves_the_replay_exact() {
 }
 
 #[test]
-fn after_more_lost_steps_than_a_status_tells_the_replay_is_inexact_until_the_fold_back_is_known() {
+fn after_more_lost_steps_than_a_status_holds_the_replay_is_inexact_until_the_fold_back_is_known() {
     let (mut rig, mut replay) = replayed();
-    // Seven steps more than the host has heard of, as after a gap longer than what a status covers.
+    // Seven steps more than the host knows, as after a gap longer than what a status covers.
     rig.ports().rewrite = |event| match as_real(event) {
         Event::Status(status) => {
             Event::Status(Status { foldback_changes: status.foldback_changes + 7, ..status })

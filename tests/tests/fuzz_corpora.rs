@@ -14,7 +14,7 @@ fn replay(target: &str) {
     let (_, run) = TARGETS.iter().find(|(name, _)| *name == target).expect("a target");
     let folder = root().join("tests/corpus").join(target);
     let mut count = 0;
-    for entry in fs::read_dir(&folder).expect("the corpus is there") {
+    for entry in fs::read_dir(&folder).expect("the corpus exists") {
         let path = entry.expect("a file of the corpus").path();
         println!("{}", path.display());
         run(&fs::read(&path).expect("a file of the corpus"));
@@ -58,7 +58,7 @@ fn whatever_a_user_drives_is_the_mirrors_and_never_clips() {
 }
 
 #[test]
-fn what_is_measured_is_what_the_inputs_sampled_whatever_comes_between() {
+fn measurements_match_the_sampled_inputs_despite_interruptions() {
     replay("inputs");
 }
 

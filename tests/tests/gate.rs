@@ -11,7 +11,7 @@ fn counted(log: &str) -> String {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("gate-{}.log", std::process::id()));
     std::fs::write(&path, log).expect("a file");
     let output = Command::new("bash").arg(".ci/run").arg("--count").arg(&path).current_dir(root()).output();
-    std::fs::remove_file(path).expect("it is there");
+    std::fs::remove_file(path).expect("it exists");
     String::from_utf8(output.expect("bash runs").stdout).expect("text")
 }
 

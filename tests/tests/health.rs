@@ -51,7 +51,7 @@ fn each_task_has_a_pulse_of_its_own() {
 }
 
 #[test]
-fn a_panic_is_told_at_the_next_hello_and_the_third_in_a_row_is_safe_mode() {
+fn a_panic_is_reported_at_the_next_hello_and_the_third_in_a_row_is_safe_mode() {
     //
     let mut rig = Rig::armed();
     for n in 1..=4 {
@@ -192,13 +192,13 @@ fn driving_at_8_khz() -> Rig {
 }
 
 #[test]
-fn a_drive_that_nobody_touches_ends_after_its_longest_time() {
+fn an_untouched_drive_ends_after_its_longest_time() {
     //
     let mut rig = driving_at_8_khz();
     rig.live_ms(MAX_DRIVE_MS / 2);
     let again = rig.accepted(&Command::Drive(drive(&[(0, 0.6, 0.5)], 100)));
     rig.live_ms(MAX_DRIVE_MS - 1000);
-    assert_eq!(rig.status().state, State::Driving, "a command from the user starts the time anew");
+    assert_eq!(rig.status().state, State::Driving, "a command from the user restarts the time");
     rig.live_ms(2000);
     let status = rig.status();
     assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::DriveTime)));

@@ -344,7 +344,7 @@ fn window() -> ListenWindow {
 }
 
 #[test]
-fn whatever_changes_what_sounds_ends_it_and_the_codes_are_those_of_a_device_without() {
+fn any_change_of_the_tones_ends_it_and_the_codes_match_a_device_without() {
     let levels = [(2, 0.1), (5, 0.2)];
     let other = || sounds(&[(2, 0.3), (7, 0.1)]);
     let later = Command::Drive(slipline_protocol::command::Drive {

@@ -12,7 +12,7 @@ use slipline_link::{
 };
 use slipline_tests::rig::{BLOCK, MID, RATE_HZ};
 
-/// The sensor hears half of what is played, and a half of that while a finger is on the plate.
+/// The sensor receives half of the drive, and half of that while a finger is on the plate.
 #[derive(Clone, Default)]
 struct Finger(Arc<AtomicBool>);
 
@@ -101,7 +101,7 @@ fn the_snapshot_says_how_the_hold_stands_for_as_long_as_it_is_on() {
 }
 
 #[test]
-fn a_window_under_way_gives_way_to_a_hold_and_one_that_comes_later_is_refused() {
+fn a_hold_replaces_a_window_under_way_and_refuses_a_later_one() {
     let (mut loopback, _) = connected();
     loopback.perform(drive(), |_| ()).unwrap();
     pass(&mut loopback, 0.05);

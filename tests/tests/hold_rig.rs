@@ -20,7 +20,7 @@ use slipline_tests::rig::{BLOCK, MID};
 
 const RATE_HZ: f64 = 400e3;
 
-/// What a person does, and what the sensor has heard since it was last asked.
+/// A person's actions, and the sensor's codes since the last query.
 #[derive(Default)]
 struct Person {
     touches: AtomicBool,

@@ -99,7 +99,7 @@ fn one_drag_a_second_keeps_the_shortest_lease_but_one() {
 }
 
 #[test]
-fn chords_combs_and_rises_of_the_trigger_input_begin_it_anew() {
+fn chords_combs_and_rises_of_the_trigger_input_restart_it() {
     //
     let tone = [(300, 0.3, 0.0)];
     for command in [
@@ -195,7 +195,7 @@ fn an_armed_device_takes_a_new_lease_and_arming_without_one_changes_nothing() {
     rig.accepted(&arm_for(1000));
     rig.accepted(&Command::Arm);
     disarmed(&mut rig, 1400);
-    // The lease ends with it: armed anew without one the device stays armed.
+    // The lease ends with it: armed again without one the device stays armed.
     rig.accepted(&Command::Arm);
     rig.live_ms(5000);
     assert_eq!(rig.status().state, State::Armed);
@@ -225,7 +225,7 @@ fn a_lease_out_of_range_is_refused_and_arms_nothing() {
 }
 
 #[test]
-fn the_link_says_that_a_lease_is_over_and_no_more_of_it() {
+fn the_link_reports_that_a_lease_is_over_once() {
     //
     let mut rig = LinkRig::armed_at(RATE_HZ);
     rig.ask_and_pass(Request::Disarm, 500);

@@ -183,7 +183,7 @@ fn one_tone_may_fade_while_another_rises_at_full_level() {
 }
 
 #[test]
-fn a_digest_is_that_of_the_codes_in_its_window() {
+fn a_digest_matches_the_codes_in_its_window() {
     let mut rig = Rig::driving(&[(0, 0.4, 0.9)], 2000, 20);
     assert_eq!(rig.refused(&Command::DigestRead), Refusal::NoDigest);
     for count in [0, MAX_DIGEST_SAMPLES + 1] {

@@ -1,4 +1,4 @@
-//! The host's link while the device is there: replies that are lost, requests that overtake each other, in virtual time.
+//! The host's link with a present device: replies that are lost, requests that overtake each other, in virtual time.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -60,7 +60,7 @@ fn at_rest_the_link_wakes_only_for_its_keep_alives() {
 }
 
 #[test]
-fn a_status_that_is_requested_after_a_sleep_is_none_of_before() {
+fn a_status_that_is_requested_after_a_sleep_is_new() {
     let mut rig = LinkRig::armed();
     rig.ask_and_pass(drive(0.05), 100);
     // The device answers a keep-alive, and the host sleeps before it reads the answer.
@@ -185,7 +185,7 @@ fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
         Some((status.first_fault_at, Change::Stop, false))
     );
 
-    // Those of the user are, whatever the status says first.
+    // The user's requests are, whatever the status says first.
     for request in [Request::ClearFaults, Request::Arm, drive(0.05)] {
         rig.ask_and_pass(request, 100);
     }

@@ -1,4 +1,4 @@
-//! What the device hears: its inputs, measured through the protocol.
+//! The device's inputs, measured through the protocol.
 
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
@@ -214,7 +214,7 @@ fn a_lost_block_ends_what_is_measured_and_is_counted() {
 }
 
 #[test]
-fn what_the_inputs_are_is_told_and_what_they_cannot_do_is_refused() {
+fn the_inputs_are_described_and_what_they_cannot_do_is_refused() {
     let mut rig = wired(Options::default());
     let now = rig.device.now();
     assert_eq!(

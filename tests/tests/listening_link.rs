@@ -155,7 +155,7 @@ fn a_newer_window_takes_the_place_of_one_under_way_and_commands_pass_both() {
 }
 
 #[test]
-fn lost_codes_and_a_device_without_inputs_are_told() {
+fn lost_codes_and_a_device_without_inputs_are_reported() {
     let mut loopback = connected();
     let ticket = loopback.hand_over(Request::Listen(WINDOW));
     loopback.pass(1280, |_| ());

@@ -10,7 +10,7 @@ use slipline_tests::bench::{MeasuringBench, RATE_HZ, predicted};
 use slipline_tests::truths::{self, Noise};
 
 #[test]
-fn the_responses_are_those_of_the_frequency_domain_in_level_and_phase() {
+fn the_responses_match_the_frequency_domain_in_level_and_phase() {
     for name in ["al-bending", "membrane"] {
         let mut bench = MeasuringBench::near(name, 3, 32);
         let place_m = bench.places_m()[0];
@@ -96,7 +96,7 @@ fn calibrates<const N: usize>(presets: [(&str, std::ops::Range<u64>); N]) {
 }
 
 #[test]
-fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards() {
+fn a_failed_measurement_is_reported_and_leaves_the_plate_still() {
     let silent = |bench: &mut MeasuringBench| {
         let mut codes = Vec::new();
         bench.loopback.pass(20_000, |block| codes = block.to_vec());
@@ -130,7 +130,7 @@ fn what_goes_wrong_while_it_measures_is_told_and_the_plate_is_still_afterwards()
 }
 
 #[test]
-fn an_unplugged_and_a_clipped_sensor_are_told() {
+fn an_unplugged_and_a_clipped_sensor_are_reported() {
     let mut bench = MeasuringBench::near("al-bending", 1, 32);
     let place_m = bench.places_m()[0];
     let good = bench.measure(place_m, |_, _, _, _| ()).unwrap();

@@ -161,7 +161,7 @@ fn a_port_that_never_comes_back_from_a_write_does_not_keep_the_program_from_endi
 }
 
 #[test]
-fn a_file_or_a_folder_is_told_to_be_no_serial_port() {
+fn a_file_or_a_folder_is_refused_as_no_serial_port() {
     for path in [concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"), env!("CARGO_MANIFEST_DIR")] {
         let error = slipline_link::native::serial::open(path).err();
         assert_eq!(error, Some(LinkError::NotSerial(Port::Serial(path.to_owned()))));

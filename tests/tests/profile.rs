@@ -1,4 +1,4 @@
-//! The actuator's profile: the device's own limits, whoever drives it.
+//! The actuator's profile: the device's own limits for every host.
 
 use proptest::prelude::*;
 use slipline_link::simulator::{MemoryFlash, Options};
@@ -250,7 +250,7 @@ fn its_travel_holds_beside_a_sessions_and_longer_than_it() {
     assert!(matches!(rig.refused(&quiet), Refusal::Travel { .. }), "the session's is tighter");
     rig.send(&Command::SetTravelLimit(TravelSetting { limit: None }));
     rig.accepted(&quiet);
-    // A table that was there before the profile is judged by it, too.
+    // The profile also limits a table that was stored before it.
     let mut rig = Rig::greeted();
     rig.upload(&Table::usual());
     rig.live_ms(20);

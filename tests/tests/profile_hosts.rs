@@ -150,7 +150,7 @@ impl Bench {
                 self.play(&Command::Drive(drive), glide, false, level * 0.1);
             }
             2 | 8 => {
-                // Of 390.6 Hz at 400 kS/s: 20 to 60 kHz.
+                // Multiples of 390.6 Hz at 400 kS/s: 20 to 60 kHz.
                 let harmonic = 52 + (place * 100.0) as u16;
                 let tones = [(harmonic, level, 0.0), (52 + (other * 100.0) as u16, other, 0.5)];
                 let chord = Chord { apply: self.apply(act), ..chord(10, &tones) };
@@ -495,7 +495,7 @@ proptest! {
     }
 }
 
-/// A sensor that hears this share of the codes.
+/// A sensor that receives this share of the codes.
 struct Slipped(f64);
 
 impl SimulatedInputs for Slipped {
@@ -540,7 +540,7 @@ proptest! {
             blocks,
             max_rise: CentiDecibel(asked),
             slew: CentiDecibel(602),
-            // All of the drive, of which the sensor hears a part.
+            // The whole drive; the sensor receives a part of it.
             tones: [HoldTone { slot: 0, amplitude: (FULL * level * 256.0) as u32 }].into_iter().collect(),
         });
         rig.record();
@@ -558,7 +558,7 @@ proptest! {
         prop_assert!(found <= most, "{found} of {most}");
         let lost = -20.0 * heard.log10();
         if asked <= max_rise && f64::from(asked) / 100.0 > lost {
-            // There it is given back: the test hears a hold at work.
+            // There it is given back: the test sees a hold at work.
             prop_assert!(found > 0.97 * FULL * level / heard, "{found}");
         }
     }

@@ -62,7 +62,7 @@ impl Drop for Driving {
 
 #[test]
 #[ignore = "needs qemu-system-arm"]
-fn info_tells_who_the_emulated_board_is() {
+fn info_identifies_the_emulated_board() {
     let emulator = Emulator::start(Line::Terminal);
     let (output, answer) = run(&emulator.link().display().to_string(), &["info"]);
     assert!(output.status.success(), "{output:?}");

@@ -91,7 +91,7 @@ fn a_missing_port_is_waited_for_until_the_user_gives_it_up() {
 }
 
 #[test]
-fn a_missing_port_that_appears_but_cannot_be_used_tells_why_and_is_still_waited_for() {
+fn a_missing_port_that_appears_but_cannot_be_used_reports_why_and_is_still_waited_for() {
     let (mut rig, _) = waiting();
     let port = Port::Serial("A".to_owned());
     rig.ports().listed = vec![board("A")];
@@ -141,7 +141,7 @@ fn a_port_that_opens_later_is_greeted_then() {
 }
 
 #[test]
-fn an_opening_that_fails_later_tells_why_and_one_that_never_ends_can_be_given_up() {
+fn an_opening_that_fails_later_reports_why_and_one_that_never_ends_can_be_given_up() {
     let port = Port::Serial("A".to_owned());
     let mut rig = LinkRig::new();
     rig.ports().is_opening = true;

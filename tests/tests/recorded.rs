@@ -58,7 +58,7 @@ fn calibrated([near, far]: [&(Vec<u8>, String); 2]) -> Plate {
 }
 
 #[test]
-fn recordings_by_a_phone_calibrate_a_plate_that_nobody_knows() {
+fn recordings_by_a_phone_calibrate_an_unknown_plate() {
     let nominal = preset("membrane").unwrap();
     let truth = secret(&nominal, 1).unwrap();
     let tape = Tape::default();

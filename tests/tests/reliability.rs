@@ -1,4 +1,4 @@
-//! tests/RELIABILITY.md is true to the tree: its rows are there, and each test that it names is a test.
+//! tests/RELIABILITY.md is true to the tree: it has its rows, and each test that it names exists.
 
 use slipline_tests::named_tests::{all_tests, quoted, rows};
 use slipline_tests::source_tree::root;

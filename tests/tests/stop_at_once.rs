@@ -120,7 +120,7 @@ fn of_two_stops_in_a_block_the_quicker_one_holds_in_the_mirror_too() {
 }
 
 #[test]
-fn a_digest_is_that_of_the_codes_that_are_played() {
+fn a_digest_matches_the_codes_that_are_played() {
     // the window ends in the block that waits, in the one before it, after it; or begins in it.
     for (first, count) in [(-300, 428), (-300, 400), (-300, 300), (-300, 2000), (0, 5), (100, 600)] {
         let (mut rig, mut mirror) = armed();
@@ -166,7 +166,7 @@ fn codes_that_come_too_late_for_the_block_that_waits_are_an_underrun() {
 }
 
 #[test]
-fn in_silence_a_stop_changes_nothing_and_is_told_with_the_next_block() {
+fn in_silence_a_stop_changes_nothing_and_is_reported_with_the_next_block() {
     let (mut rig, _) = armed();
     let at = rig.accepted(&Command::Stop);
     assert_eq!(at, rig.device.now() + BLOCK);

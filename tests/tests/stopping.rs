@@ -73,7 +73,7 @@ fn a_drive_with_a_wrong_number_is_not_sent_again_after_a_stop() {
 }
 
 #[test]
-fn a_drive_told_only_after_the_stop_that_ended_it_does_not_count_as_sounding() {
+fn a_drive_reported_after_the_stop_that_ended_it_does_not_count_as_sounding() {
     let mut rig = LinkRig::armed();
     rig.ports().drop_replies = 1;
     rig.ask_and_pass(drive(0.05), 20);

@@ -81,7 +81,7 @@ fn the_flash_is_written_only_while_nothing_sounds() {
 }
 
 #[test]
-fn what_the_flash_holds_already_is_not_written_again_and_the_reply_tells_it() {
+fn a_table_that_the_flash_holds_is_not_written_again_and_the_reply_says_so() {
     let mut rig = disarmed();
     assert!(matches!(rig.send(&Command::Forget), Event::Unchanged(_)), "nothing is kept");
     assert_eq!(maintenance(&mut rig).erasures, 0);
@@ -145,7 +145,7 @@ fn two_tables_stored_in_turn_wear_the_flash_by_16_erasures_and_one_a_minute() {
 }
 
 #[test]
-fn a_host_of_1_0_hears_of_a_refused_or_needless_store_in_the_words_of_1_0() {
+fn a_host_of_1_0_gets_its_own_answer_to_a_refused_or_needless_store() {
     let mut rig = Rig::armed();
     rig.hello_of_minor(0);
     rig.arm();
@@ -159,7 +159,7 @@ fn a_host_of_1_0_hears_of_a_refused_or_needless_store_in_the_words_of_1_0() {
 }
 
 #[test]
-fn the_wear_is_counted_across_starts_and_told_with_what_the_data_sheet_promises() {
+fn the_wear_is_counted_across_starts_and_reported_with_what_the_data_sheet_promises() {
     let mut flash = MemoryFlash::default();
     for start in 0..5 {
         let mut rig = Rig::greeted_with(Options { flash, ..Options::default() });
@@ -176,7 +176,7 @@ fn the_wear_is_counted_across_starts_and_told_with_what_the_data_sheet_promises(
 }
 
 #[test]
-fn a_device_tells_whether_its_brown_out_level_is_set() {
+fn a_device_reports_whether_its_brown_out_level_is_set() {
     for brown_out_guarded in [false, true] {
         let mut rig = Rig::greeted_with(Options { brown_out_guarded, ..Options::default() });
         assert_eq!(maintenance(&mut rig).brown_out_guarded, brown_out_guarded);
@@ -220,7 +220,7 @@ fn an_older_table_is_not_used_in_silence_when_the_newer_one_has_decayed() {
 }
 
 #[test]
-fn a_host_of_1_0_hears_of_a_decayed_store_as_of_a_damaged_one() {
+fn a_host_of_1_0_sees_a_decayed_store_as_a_damaged_one() {
     let mut rig = decayed();
     let hello = rig.hello_of_minor(0);
     assert!(matches!(hello.event, Event::Hello(identity) if identity.stored == StoredConfig::Loaded));
@@ -236,7 +236,7 @@ fn a_table_that_was_forgotten_does_not_hide_one_that_has_decayed() {
     rig.accepted(&Command::Forget);
     rig.accepted(&Command::Store);
     let mut flash = rig.device.flash();
-    // The first slot holds the newest record, a table; the second one says that there is none.
+    // The first slot holds the newest record, a table; the second one marks the absence of a table.
     flash.slots[0][0] ^= 1;
     let mut rig = Rig::new(Options { flash, ..Options::default() });
     assert_eq!(stored(&mut rig), StoredConfig::Damaged);
@@ -259,7 +259,7 @@ fn an_erase_that_stalls_the_processor_is_no_fault_and_no_sound() {
 }
 
 #[test]
-fn what_was_stored_is_there_after_a_reset_and_what_was_forgotten_is_not() {
+fn a_stored_table_survives_a_reset_and_a_forgotten_one_does_not() {
     let mut rig = Rig::new(Options { flash: kept(), ..Options::default() });
     assert_eq!(stored(&mut rig), StoredConfig::Loaded);
     assert_eq!(rig.status().table_crc, Table::usual().header.crc);

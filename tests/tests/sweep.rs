@@ -29,8 +29,8 @@ fn sweep(bench: &mut MeasuringBench, sensor: Sensor) -> Measured {
     bench.run(sweeping, |_, _, _, _| ()).unwrap()
 }
 
-/// How far responses are from others, each over its own noise and 0.4 % of its size, which is what 6 time constants leave of a
-/// ring: the root of the mean square, and the largest relative error.
+/// Distance of responses from others, each over its own noise and 0.4 % of its size (the rest of a ring after 6 time
+/// constants): the root of the mean square, and the largest relative error.
 fn departure(measured: &Measured, truth: &[Complex64]) -> (f64, f64) {
     let points = &measured.measurement.points;
     let errors = || points.iter().zip(truth).map(|(point, p)| (point, (point.response - p).norm(), p.norm()));
@@ -46,7 +46,7 @@ fn frequencies(measured: &Measured) -> Vec<f64> {
 }
 
 #[test]
-fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
+fn the_responses_match_the_frequency_domain_and_the_stepped_comb() {
     let mut bench = MeasuringBench::near("al-bending", 3, 48);
     let sensor = sensor(&bench);
     let swept = sweep(&mut bench, sensor);
@@ -71,7 +71,7 @@ fn the_responses_are_those_of_the_frequency_domain_and_of_the_stepped_comb() {
 }
 
 #[test]
-fn the_current_is_that_of_the_rig_within_what_a_ring_leaves() {
+fn the_current_matches_the_rig_within_what_a_ring_leaves() {
     for (name, points) in [("membrane", 24), ("al-bending", 24)] {
         let mut bench = MeasuringBench::near(name, 2, points);
         let swept = sweep(&mut bench, CURRENT);
@@ -121,7 +121,7 @@ fn lost_samples_and_a_slow_host_are_made_good_and_a_lower_level_is_kept() {
 }
 
 #[test]
-fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
+fn a_failed_sweep_is_reported_and_leaves_the_device_still_with_its_table() {
     let mut bench = MeasuringBench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
     let mut ended = |change: &dyn Fn(&mut Loopback, &mut Run<Sweeping>)| {
@@ -149,7 +149,7 @@ fn what_goes_wrong_is_told_and_the_device_is_still_and_has_its_table_again() {
 }
 
 #[test]
-fn an_unplugged_and_a_clipped_sensor_are_told() {
+fn an_unplugged_and_a_clipped_sensor_are_reported() {
     let mut bench = MeasuringBench::near("al-bending", 1, 24);
     let sensor = sensor(&bench);
     let loud = |it: &Measured| it.measurement.points.iter().map(|p| p.response.norm()).fold(0.0, f64::max);

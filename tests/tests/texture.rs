@@ -1,4 +1,4 @@
-//! A texture through the protocol, the device and the plate in time: what was fitted is what the plate does.
+//! A texture through the protocol, the device and the plate in time: the plate does what was fitted.
 
 use slipline_model::field::simulation::{SAMPLE_RATE_HZ, Simulated, Simulation, Solver, table_for};
 use slipline_plate::texture::{Figures, Palette, Target, Texture};
@@ -27,11 +27,11 @@ fn rms_m(simulated: &Simulated, x_m: f64) -> f64 {
 }
 
 #[test]
-fn what_is_said_to_be_in_reach_is_reached_on_the_plate() {
+fn a_texture_within_reach_is_reached_on_the_plate() {
     let plate = preset("membrane").unwrap();
     let (table, _) = table_for(&plate, SAMPLE_RATE_HZ).unwrap();
     let palette = Palette::new(&plate, &table);
-    // One bump and two: every tone moves the plate everywhere before its turning point, so neither can be had.
+    // One bump and two: every tone moves the plate everywhere before its turning point, so neither is reachable.
     let one: &[(f64, f64)] = &[(0.02, 0.1), (0.1, 0.1), (0.18, 1.0), (0.26, 0.0), (0.32, 0.0)];
     let two: &[(f64, f64)] = &[(0.02, 0.1), (0.08, 1.0), (0.14, 0.1), (0.2, 1.0), (0.26, 0.0), (0.32, 0.0)];
     for points in [one, two] {
@@ -51,7 +51,7 @@ fn what_is_said_to_be_in_reach_is_reached_on_the_plate() {
         let reached = (square / f64::from(count)).sqrt() / largest_m;
         let off_db = decibels(reached / texture.reach.rms_error);
         assert!(off_db.abs() <= 0.5, "{off_db} dB: {reached} of {}", texture.reach.rms_error);
-        assert!(reached > 0.05, "{reached}: it cannot be had");
+        assert!(reached > 0.05, "{reached}: out of reach");
     }
 }
 

@@ -203,7 +203,7 @@ fn session_in_bytes() -> Vec<(u64, Command)> {
 }
 
 #[test]
-fn the_session_in_bytes_on_the_protocols_page_is_what_a_device_answers() {
+fn the_session_on_the_protocols_page_matches_a_devices_answers() {
     let path = root().join("shared/tests/protocol_page/session.txt");
     let stands = std::fs::read_to_string(&path).expect("the page's session");
     let mut device = device();
@@ -243,7 +243,7 @@ fn the_session_in_bytes_on_the_protocols_page_is_what_a_device_answers() {
     for (recorded, line) in recorded.iter().zip(&lines) {
         match (recorded, line) {
             (Line::Device(recorded), Line::Device(answer)) if parts(answer).header.id == 0x81 => {
-                // Of the hello's answer the firmware's version and build are those of the day.
+                // In the hello's answer, the firmware's version and build are those of the day.
                 let identity = |bytes: &[u8]| match Event::decode(0x81, &parts(bytes).body) {
                     Ok(Event::Hello(identity)) => {
                         Identity { firmware: (0, 0, 0), build: heapless::String::new(), ..identity }

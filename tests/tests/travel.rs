@@ -246,7 +246,7 @@ fn a_plate_without_a_limit_lifts_that_of_the_plate_before() {
     let mut rig = driving(&limited());
     rig.done(Request::Upload(Arc::new(table())), 200);
     assert_eq!(rig.view().travel_limit, None);
-    // The knots are the same: they were not sent again, nor was the limit that was there.
+    // The knots are the same: neither they nor the existing limit were sent again.
     rig.done(Request::Upload(Arc::new(table())), 200);
     let count = |which: fn(&Command) -> bool| {
         rig.ports().commands.iter().filter(|(_, command)| which(command)).count()
@@ -255,7 +255,7 @@ fn a_plate_without_a_limit_lifts_that_of_the_plate_before() {
 }
 
 #[test]
-fn after_a_reset_the_limit_is_set_anew_although_the_device_has_kept_the_table() {
+fn after_a_reset_the_limit_is_set_again_although_the_device_has_kept_the_table() {
     let mut rig = driving(&limited());
     for request in [Request::Disarm, Request::Store] {
         rig.ask_and_pass(request, 300);
@@ -275,7 +275,7 @@ fn after_a_reset_the_limit_is_set_anew_although_the_device_has_kept_the_table() 
 }
 
 #[test]
-fn a_device_of_1_0_is_told_to_the_user_and_driven_without_a_limit() {
+fn the_user_learns_of_a_device_of_1_0_which_is_driven_without_a_limit() {
     let rig = LinkRig::new();
     rig.ports().rewrite = |event| match as_real(event) {
         Event::Hello(mut identity) => {

@@ -52,7 +52,7 @@ fn it_rises_with_a_table_that_comes_into_force_while_armed() {
     rig.live_ms(100);
     rig.stage(&Table::usual());
     rig.accepted(&Command::TableCommit);
-    assert_eq!(rises(&mut rig.device, 20), [0_u64; 0], "nobody hears it");
+    assert_eq!(rises(&mut rig.device, 20), [0_u64; 0], "a disarmed device raises nothing");
 }
 
 #[test]

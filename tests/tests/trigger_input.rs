@@ -230,7 +230,7 @@ fn the_mirror_goes_no_further_than_is_known_and_is_exact_once_it_is() {
 }
 
 #[test]
-fn a_stop_that_is_told_before_the_drive_that_it_ended_is_mirrored_behind_it() {
+fn a_stop_that_is_reported_before_the_drive_that_it_ended_is_mirrored_behind_it() {
     let mut watched = Watched::new();
     watched.wait_at(0.05);
     watched.pass(100_000);

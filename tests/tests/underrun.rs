@@ -47,7 +47,7 @@ fn a_late_block_is_not_played_and_one_line_ends_the_sound() {
 }
 
 #[test]
-fn late_blocks_one_after_the_other_are_all_counted_and_the_line_still_ends() {
+fn successive_late_blocks_are_all_counted_and_the_line_still_ends() {
     //
     let mut rig = driving();
     let dry = rig.device.now();

@@ -146,7 +146,7 @@ impl<'a, F: FlashPages, S: System> Controller<'a, F, S> {
         // Before anything can sound: the coil may be hot and must not be driven at full scale then.
         mailbox.set_limit(self.thermal.limit_per_mille());
         if self.boot.safe_mode {
-            // The stored table may be what crashed the last runs.
+            // The stored table may have crashed the last runs.
             return;
         }
         self.load(mailbox);

@@ -125,7 +125,7 @@ pub enum DigestState {
 /// The renderer's part: takes every block, adds up those of the window.
 pub(crate) struct Digester {
     running: Option<(DigestWindow, Remainder)>,
-    /// What it was before the last block.
+    /// Its value before the last block.
     before: Option<Remainder>,
 }
 

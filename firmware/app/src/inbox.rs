@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_ids_are_those_of_the_commands() {
+    fn the_ids_match_the_commands() {
         let ids = |names: &[&str]| {
             let rows = Command::TABLE.iter().filter(|row| names.contains(&row.name));
             rows.map(|row| row.id).collect::<std::vec::Vec<_>>()

@@ -7,13 +7,36 @@
 //!   +----- replies ----+        |  store -> FlashPages       |    |        +-> Mute
 //!                               +- safety/ <-----------------+    +-- listening/ <- ADC blocks
 //! ```
-//! Rooms: `controller` one file per kind of command; `planning` from a command to a motion; `safety` limits, faults and
-//! records; `listening` lock-ins, capture and level hold; `bank` and `renderer` everything at the sample rate; `ports` the
-//! traits of a board.
-//!
 //! Thin shells run it: the boards, an emulated Cortex-M4, and the host's simulated device. The thread side may refuse
 //! a command and take its time. The interrupt side may not fail, wait or branch on anything but the program and the
 //! sample index. One [`Mailbox`] stands between them. There is no clock: time is the sample index.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `inbox.rs`, `link.rs`, `session.rs`: received bytes, the loop of the thread side, and the sessions that dispatch
+//!   commands
+//! - `controller.rs`: one file for each kind of command: checks, then refuses or executes it
+//! - `planning/`: from a command to a motion: `planning/plan.rs` (tones, levels, glides), `planning/ramp.rs` (begin and
+//!   stop), `planning/chord.rs` and the proof of its peak. Tests: `tests/tests/ramps.rs`, `tests/tests/chord.rs`
+//! - `motion.rs`: the motion between two programs
+//! - `bank.rs`: how a tone is computed. Tests: `tests/board/test_speed.py`
+//! - `renderer.rs`: from the mailbox to DAC codes; it also raises the trigger output and obeys the stop on the desk.
+//!   Tests: `tests/tests/trigger.rs`, `tests/tests/desk_stop.rs`
+//! - `mailbox.rs`: all state that both sides use, with the lease of an armed device and the drive that waits for the
+//!   trigger input. Tests: `tests/tests/lease.rs`, `tests/tests/trigger_input.rs`
+//! - `listening/`: lock-ins (`listening/lock_in/`), captures and the level hold (its gain: `listening/hold/law.rs`).
+//!   Tests: `tests/tests/hold.rs`, `tests/board/test_lock_in.py`
+//! - `safety/`: faults, heat, travel (`safety/excursion/`), the profile's bounds, the fade of a missing block, the
+//!   record of a crash. Tests: `tests/tests/health.rs`, `tests/tests/travel.rs`, `tests/tests/foldback.rs`
+//! - `ports.rs`: the traits of a board. A second output channel gets its port here, its bank in `renderer.rs` and its
+//!   converter in `firmware/stm32/src/dac.rs`; then follow "Add a message" in `CONTRIBUTING.md`
+//! - `slots.rs`, `upload.rs`, `store.rs`: the turning-point tables in memory, their upload, and the records in flash
+//!   (table and profile). Tests: `tests/tests/storage.rs`, `tests/tests/profile.rs`
+//! - `digest.rs`: the CRC of a window of codes, for `slipline verify`. Tests: `tests/tests/verify.rs`
+//! - `timing.rs`, `range.rs`: the protocol's times in samples, and checks of ranges
+//! - `bootloader.rs`, `release.rs`: the way into the ROM bootloader, and the firmware's release
 #![no_std]
 #![expect(
     async_fn_in_trait,

@@ -10,7 +10,7 @@
 //!   write_knot(slot, knot)   --->  table slots             ---->  evaluate
 //!   start_measurement() ...  --->  listening               <--->  take_listen_orders(), set_reading() ...
 //! ```
-//! What must agree lies under one lock, which on a board masks all interrupts. So nothing long happens under it: it
+//! State that must agree lies under one lock, which on a board masks all interrupts. So nothing long happens under it: it
 //! guards copies of a few words. The renderer's index moves on under that lock, so what is published for the next block
 //! begins at the next block, exactly.
 //!
@@ -242,8 +242,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.faults.set(shared.faults.get().cleared(standing)));
     }
 
-    /// Sets what the thermal fold-back leaves of every amplitude, per mille. The first one is in force at once, later
-    /// ones where the next fold-back period begins, and the renderer goes there slowly.
+    /// Sets the thermal fold-back factor (per mille). The first applies at once; later ones at the next period, slewed.
     pub fn set_limit(&self, per_mille: u16) {
         self.shared.lock(|shared| shared.limit_per_mille.set(Some(per_mille)));
     }
@@ -267,7 +266,7 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Begins a digest if `may_start` says so of the next index and of how the last digest stands. One step, so that
-    /// the window has not begun when the renderer hears of it.
+    /// the window has not begun when the renderer sees it.
     ///
     /// # Errors
     /// What `may_start` says.
@@ -288,7 +287,7 @@ impl<M: RawMutex> Mailbox<M> {
         self.shared.lock(|shared| shared.digest.set(DigestState::None));
     }
 
-    /// How the digest stands.
+    /// State of the digest.
     pub fn digest(&self) -> DigestState {
         self.shared.lock(|shared| shared.digest.get())
     }

@@ -8,7 +8,7 @@ use core::ops::Range;
 
 pub use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
 
-/// What the renderer uses of a board.
+/// The renderer's ports of a board.
 #[derive(Clone, Copy, Debug)]
 pub struct RendererPorts<D, M, T, B, C, S> {
     /// A [`DacStream`].
@@ -56,7 +56,7 @@ pub trait DacStream {
 /// the DAC's blocks: code `n` of every input belongs to DAC code `n`, whatever happens to either. A block of the DAC that
 /// was late is mid-scale at the pin, and is sampled like any other.
 pub trait SenseStream {
-    /// How many inputs there are: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
+    /// Number of inputs: 1 is the sensor, 2 the sensor and the drive current's shunt, in this order; 0 none.
     fn inputs(&self) -> usize;
 
     /// How long after DAC code `n` is at its pin the inputs are held for ADC code `n`, in nanoseconds: a constant of the
@@ -236,7 +236,7 @@ pub trait FlashPages {
         0
     }
 
-    /// How often the chip's data sheet promises that each slot can be erased; 0 where there is no store.
+    /// Erasures of each slot that the chip's data sheet promises; 0 without a store.
     fn endurance(&self) -> u32;
 
     /// Erases a slot.

@@ -66,7 +66,7 @@ pub struct Renderer {
     /// The share of every amplitude that the thermal limit leaves at the next block's first sample, and where it goes.
     limit: u32,
     limit_goal: u32,
-    /// Where it may change next.
+    /// The earliest index of its next change.
     limit_due: SampleIndex,
     /// Blocks of mid-scale since the last that was not.
     quiet_blocks: u64,
@@ -155,8 +155,8 @@ impl Renderer {
     /// Renders, mutes or unmutes, and hands over, for ever.
     ///
     /// A block is rendered when the DAC has room for it and not before: a block kept ready would bear a delay more, but
-    /// every command would be heard a block later. It waits in the DAC while the block before it plays; a stop that comes
-    /// meanwhile still begins in it, if there is time.
+    /// every command would take effect a block later. It waits in the DAC while the block before it plays; a stop that
+    /// comes meanwhile still begins in it, if there is time.
     ///
     /// What the inputs have sampled is listened to last, when the DAC has its block and nothing waits.
     pub async fn run<M: RawMutex>(
@@ -300,7 +300,7 @@ impl Renderer {
     }
 
     /// The last block came too late: counts it; if anything sounds, latches the fault and is silent from the next block
-    /// on. A ramp would be wrong: the DAC is on its own way to mid-scale, and plays no block before it is there.
+    /// on. A ramp would be wrong: the DAC moves to mid-scale by itself, and plays no block before it arrives.
     ///
     /// While nothing sounds, as during an erase of the flash, mid-scale is as good as the block that was late.
     pub fn underrun<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) {
@@ -469,7 +469,7 @@ impl Renderer {
     }
 }
 
-/// Whether an armed device has not heard of its host for too long.
+/// Whether an armed device has received nothing from its host for too long.
 fn is_host_lost(orders: &Orders, index: SampleIndex, dead_man: u64) -> bool {
     orders.armed && index.saturating_sub(orders.fed_at) >= dead_man
 }

@@ -41,7 +41,7 @@ pub struct Session {
     nonce: [u8; 4],
     sessions: u32,
     may_drive: bool,
-    /// What this session's host and this device both know.
+    /// The minor version that this session's host and this device share.
     minor: Minor,
     expected: u16,
     last_reply: Option<(u16, Event)>,
@@ -268,7 +268,7 @@ impl Session {
     }
 }
 
-/// What a host of another version may send: identify, stop, and enter the bootloader.
+/// The commands that a host of another version may send: identify, stop, and enter the bootloader.
 const fn is_harmless(command: &Command) -> bool {
     matches!(
         command,

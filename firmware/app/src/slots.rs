@@ -157,7 +157,7 @@ impl TableSlots {
     }
 }
 
-/// Which knots the way between two positions touches, first and last, both included.
+/// First and last knot on the way between two positions, both included.
 #[expect(clippy::cast_possible_truncation, reason = "at most 1024 after the shift and the division")]
 pub(crate) fn knots_between(table: TableRef, a: FinePosition, b: FinePosition) -> (u16, u16) {
     let last = table.knots.saturating_sub(1);
@@ -179,7 +179,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_extremes_are_those_of_every_knot_on_the_way_in_whatever_order_they_were_written(
+        fn the_extremes_match_every_knot_on_the_way_in_any_order_of_writing(
             old in prop::collection::vec(any::<(u32, u32)>(), MAX_KNOTS),
             new in prop::collection::vec(any::<(u32, u32)>(), 2..=MAX_KNOTS),
             is_backwards: bool,

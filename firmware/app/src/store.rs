@@ -205,7 +205,7 @@ pub fn save(
     write_record(flash, TABLE, words, |index| payload_word(header, &knot, index))
 }
 
-/// Stores a record that says that there is no table.
+/// Stores a record that marks the absence of a table.
 ///
 /// # Errors
 /// [`FlashError`] if the slots are too small, or the flash reports an error or reads back wrong. The record before
@@ -232,7 +232,7 @@ pub fn holds(flash: &mut impl FlashPages, header: &TableHeader, knot: impl Fn(u1
     crc.finalize() == record.crc
 }
 
-/// Whether it is stored that there is no table, or nothing is: to forget would change nothing.
+/// Whether no table is stored, so that forgetting it would change nothing.
 pub fn holds_nothing(flash: &mut impl FlashPages) -> bool {
     match newest(flash) {
         Ok((slot, record)) => {

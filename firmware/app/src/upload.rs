@@ -174,7 +174,7 @@ impl Upload {
         TableRef { slot: self.slot, knots: self.header.knots }
     }
 
-    /// As much of the table as has come so far.
+    /// The part of the table that has arrived so far.
     #[must_use]
     pub const fn written(&self) -> TableRef {
         TableRef { slot: self.slot, knots: self.received }

@@ -5,6 +5,13 @@
 //! ```
 //! It is the same application as on the boards, compiled for the same processor, with UART0 as its link and UART1 as
 //! its DAC. Under `-icount` the sample index and the executed instructions do not depend on the host computer's speed.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `main.rs`, `device.rs`, `cmsdk.rs`: the application on the emulated machine. Tests: `tests/tests/qemu.rs`
+//! - `bin/bench/`: the program that counts cycles
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 

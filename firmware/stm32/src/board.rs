@@ -65,12 +65,12 @@ const _: () = assert!(PROFILE_SLOTS[1].1 >= slipline_app::store::SLOT_BYTES);
 
 /// The peripherals, named by their use. Every STM32 with a DAC has its first channel on PA4.
 pub(crate) struct Board {
-    /// High: the amplifier is on. Low until the mute timer has it, and then too.
+    /// High switches the amplifier on. Low before the mute timer takes the pin over, and at first after that.
     pub(crate) unmute: MutedPin,
     pub(crate) mute_timer: Peri<'static, MuteTimer>,
-    /// Rises when a program begins; low until its timer has it, and then too.
+    /// Rises when a program begins. Low before its timer takes the pin over, and at first after that.
     pub(crate) trigger: Flex<'static>,
-    /// Its rise begins a program; pulled down once its timer has it.
+    /// Its rise begins a program; pulled down once its timer takes the pin over.
     pub(crate) trigger_input: Flex<'static>,
     pub(crate) trigger_timer: Peri<'static, TriggerTimer>,
     pub(crate) lamp: Output<'static>,
@@ -124,7 +124,7 @@ impl MutedPin {
     }
 }
 
-/// Waits, by the cycle counter. One that stood still would make it some times as long, and no longer.
+/// Waits by the cycle counter. If the counter stands still, the wait takes a few times as long, but it ends.
 fn wait_us(us: u32) {
     let (start, cycles) = (DWT::cycle_count(), us * (CORE_HZ / 1_000_000));
     // A Cortex-M7 does two of these a cycle.

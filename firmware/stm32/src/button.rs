@@ -1,10 +1,11 @@
 //! The board's user button: the stop on the desk, by program.
 //!
-//! Which level a press gives is taken from the pin at the start, when nobody presses: the sources do not agree. ST's own board support
-//! (STM32CubeG4, `BSP_PB_Init`) pulls PC13 of the NUCLEO-G474RE down and waits for a rising edge, Zephyr's board file says
-//! active low; for the STM32F4DISCOVERY (PA0) and the NUCLEO-H743ZI (PC13) it says active high. No pin has been measured. A button that is
-//! held at the start reads as pressed once it is released, and the device cannot be armed until it is started again. The chip's own resistor
-//! pulls down, so a board without the button reads as one that is not pressed.
+//! The program reads the level at rest from the pin at the start, because the sources about it do not agree. ST's own
+//! board support (STM32CubeG4, `BSP_PB_Init`) pulls PC13 of the NUCLEO-G474RE down and waits for a rising edge,
+//! Zephyr's board file says active low; for the STM32F4DISCOVERY (PA0) and the NUCLEO-H743ZI (PC13) it says active
+//! high. No pin has been measured. A button that is held at the start reads as pressed once it is released, and the
+//! device cannot be armed until it is started again. The chip's own resistor pulls down, so a board without the button
+//! reads as one that is not pressed.
 
 use core::sync::atomic::{AtomicBool, Ordering::Relaxed};
 

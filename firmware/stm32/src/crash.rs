@@ -107,7 +107,7 @@ fn short(path: &str) -> &str {
 /// one.
 ///
 /// Replaces cortex-m-rt's handler symbol. It first puts the stack pointer back to the top, because the fault may be
-/// that there is no stack left (memory/*.x puts the stack at the lower end of its RAM); the handler never returns, so
+/// an exhausted stack (memory/*.x puts the stack at the lower end of its RAM); the handler never returns, so
 /// nothing on the old stack is needed but the frame, whose address is handed on.
 ///
 /// # Safety

@@ -171,7 +171,7 @@ fn start_cycle_counter() {
     core.DWT.enable_cycle_counter();
 }
 
-/// What the renderer has of this board.
+/// The renderer's ports on this board.
 type Ports = RendererPorts<Dac, MutePin, TriggerPins, UserButton, Cycles, Inputs>;
 
 /// Runs the renderer at interrupt priority; never ends.

@@ -2,7 +2,7 @@
 //!
 //! A pattern is eight steps of 100 ms, played again and again; a set bit is light, the highest bit comes first.
 
-/// What the lamp shows, in the order of urgency, the most urgent last.
+/// The lamp's patterns by urgency, the most urgent last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lamp {
     /// No fault, amplifier muted: one short flash.
@@ -40,7 +40,7 @@ mod tests {
     use super::Lamp;
 
     #[test]
-    fn the_patterns_can_be_told_apart_by_their_number_of_flashes() {
+    fn the_patterns_differ_in_their_number_of_flashes() {
         let flashes = |lamp: Lamp| (0..8).filter(|&n| lamp.is_lit(n) && !lamp.is_lit(n + 1)).count();
         assert_eq!(flashes(Lamp::Muted), 1);
         assert_eq!(flashes(Lamp::Sounding), 0);

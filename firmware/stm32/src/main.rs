@@ -10,6 +10,32 @@
 //! This crate does not know the protocol's commands. `board` holds what differs between boards, `dac` owns timer, DAC
 //! and DMA, `sense` the ADCs of the inputs, `priority` lists which interrupt has which priority, `guard` forbids the null address and what lies below the
 //! stack, `crash` handles panics and faults, `bootloader` enters the chip's ROM and undoes what the ROM leaves.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `board.rs`: what differs between boards, one file each; its memory map: `firmware/stm32/memory/`.
+//!   `firmware/BOARDS.md`, "Another STM32"
+//! - `main.rs`, `device.rs`: the start, and the tasks
+//! - `dac.rs`, `ring.rs`: codes to the DAC: timer, DMA and one interrupt. A second channel begins at its port in
+//!   `firmware/app/src/ports.rs`
+//! - `sense.rs`, `places.rs`: the ADCs of the inputs. Tests: `tests/board/test_inputs.py`
+//! - `dma.rs`, `received.rs`: DMA to and from a register of a peripheral
+//! - `uart_link.rs`, `usb_link.rs`, `usb_control.rs`: the links, their baud rate and the control pipe. Tests:
+//!   `tests/board/test_serial.py`
+//! - `mute.rs`, `button.rs`, `pin_lock.rs`: mute pin and its resistor, the user button and the stop input. Tests:
+//!   `tests/board/test_desk_stop.py`
+//! - `trigger.rs`: trigger output and input. Tests: `tests/board/test_trigger.py`, `tests/board/test_trigger_input.py`
+//! - `store.rs`: flash slots of table and profile. Tests: `tests/board/test_store.py`
+//! - `priority.rs`: the interrupts' priorities
+//! - `guard.rs`, `crash.rs`, `reset.rs`, `supply.rs`, `watchdog.rs`: what guards the program, and what a crash leaves
+//!   behind. Tests: `tests/board/test_faults.py`
+//! - `bootloader.rs`, `lamp.rs`: the ROM bootloader, and the lamp's patterns
+//! - `fast.rs`, `copy.rs`: code and tables in RAM, copies of memory. Tests: `tests/board/test_fast_code.py`,
+//!   `tests/board/test_copy.py`
+//!
+//! Each place with `unsafe` has a row in `firmware/UNSAFE.md`.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 

@@ -7,7 +7,7 @@
 //! ```
 //! So the block that the ring takes as half `n` is at the pin with triggers `128 n + 1 ..= 128 n + 128`, and the ADC's codes
 //! of these triggers are its own. The renderer's blocks usually are the halves from 2 on, one after the other; one that is
-//! late may leave halves out, and the DAC's ring may begin anew. So each block's half is kept until its codes are read, or
+//! late may leave halves out, and the DAC's ring may restart. So each block's half is kept until its codes are read, or
 //! lost: what the renderer counts and what the ADC counts cannot part.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -33,7 +33,7 @@ pub(crate) enum Search {
 pub(crate) struct Sampled {
     /// The trigger after the last code's, modulo 2^32.
     pub(crate) until: u32,
-    /// How many there are before it.
+    /// The number of blocks before it.
     pub(crate) count: u32,
 }
 
@@ -70,7 +70,7 @@ impl Places {
         self.forget();
     }
 
-    /// All blocks so far are lost: the ring begins anew.
+    /// All blocks so far are lost: the ring restarts.
     pub(crate) fn forget(&self) {
         self.gone.store(self.taken.load(Relaxed), Relaxed);
     }

@@ -42,7 +42,8 @@ impl Received {
         is_late
     }
 
-    /// How many bytes lie between the first unread one and a place; more than there are if the place is ahead of the last look.
+    /// Number of bytes between the first unread one and a place; more than the ring holds if the place is ahead of the
+    /// last look.
     pub(crate) fn until(&self, place: usize) -> usize {
         (RING + place + self.count - self.end) % RING
     }
@@ -115,7 +116,7 @@ mod tests {
             let mut writer = Writer { ring: [0; RING], written: 0, half: false, whole: false };
             let (mut received, mut next) = (Received::new(), 0);
             for (count, between, most) in steps {
-                // Mostly a reader that is in time.
+                // In most cases the reader is in time.
                 writer.write(if count > 300 { count } else { count / 4 });
                 let is_lost = writer.look(&mut received, between);
                 if is_lost {
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reader_that_is_late_by_half_of_the_ring_has_all_and_a_later_one_what_came_last() {
+    fn a_reader_late_by_half_the_ring_loses_nothing_and_a_later_one_keeps_the_newest() {
         for (late, kept) in [(LATE, LATE), (LATE + 1, KEPT), (RING, KEPT), (RING + 3, KEPT), (5 * RING, KEPT)]
         {
             let mut writer = Writer { ring: [0; RING], written: 0, half: false, whole: false };

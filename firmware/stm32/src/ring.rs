@@ -75,7 +75,7 @@ impl Halves {
         Self { played: AtomicU32::new(0), written: AtomicU32::new(2), fading: AtomicBool::new(false) }
     }
 
-    /// Fills the whole ring with the line from a code, and begins anew; while the DMA is off.
+    /// Fills the whole ring with the line from a code, and restarts; while the DMA is off.
     pub(crate) fn refill(&self, ring: &impl Ring, from: u16) {
         ring.write(0, fade(from));
         ring.write(1, fade(ring.last(0)));
@@ -166,7 +166,7 @@ impl Halves {
         Ok(true)
     }
 
-    /// Whether the half that was written last will be played as it is, and waits for long enough still to be written anew.
+    /// Whether the half that was written last will be played as it is, and waits for long enough still to be written again.
     pub(crate) fn is_revisable(&self, ring: &impl Ring) -> bool {
         !self.fading.load(Relaxed) && self.waits_for(ring) >= REVISION
     }

@@ -15,9 +15,9 @@
 //! lag = fetched - first trigger of the ring - words stored, modulo the ring: 1 until the ADC is ready, then 0
 //! ```
 //! Another lag means that the ADC has stopped or missed a trigger, or that the DMA does not take its words. Then, after an
-//! overrun that the ADC itself flags, and when the DAC's interrupt has lost count, the ring begins anew. The blocks that are not
-//! whole in it are reported as lost; `places` keeps the others' places. If the ADC stays dead every block is lost, and the
-//! restart, two samples long, is tried with each.
+//! overrun that the ADC itself flags, and when the DAC's interrupt has lost count, the ring restarts. The blocks that
+//! are not whole in it are reported as lost; `places` keeps the others' places. If the ADC stays dead every block is
+//! lost, and the restart, two samples long, is tried with each.
 //!
 //! The ring begins either with the sample timer, in step by itself, or while that runs: then the ADCs are armed between two
 //! triggers, found by the count of codes and the timer's own count. In the second quarter of the timer's period the lag must
@@ -72,7 +72,7 @@ static PLACES: Places = Places::new();
 static ORIGIN: AtomicU32 = AtomicU32::new(0);
 /// Whether the ring has been full since it began.
 static IS_FULL: AtomicBool = AtomicBool::new(false);
-/// The ring must begin anew before it is read again.
+/// The ring must restart before it is read again.
 static IS_LOST: AtomicBool = AtomicBool::new(true);
 
 impl Codes {
@@ -138,7 +138,7 @@ impl Inputs {
         Self { fetched, next: 0 }
     }
 
-    /// The codes that can be read. Begins anew if the ADC has stopped or may be out of step.
+    /// The codes that can be read. Restarts if the ADC has stopped or may be out of step.
     fn sampled(&self) -> Sampled {
         if !IS_LOST.load(Relaxed)
             && !adc::has_overrun()
@@ -160,7 +160,7 @@ impl Inputs {
         (count, since.wrapping_sub(stored) % RING as u32, fetched, since)
     }
 
-    /// How far the DMA is; `None` if it does not follow the triggers.
+    /// The DMA's position; `None` if it does not follow the triggers.
     fn follow(&self) -> Option<Sampled> {
         let (mut before, mut seen) = ((self.fetched)(), self.look());
         // A look between two triggers is exact. The next trigger is far right after one.
@@ -199,11 +199,11 @@ impl Inputs {
         (wanted.contains(&count) && (self.fetched)() == fetched).then_some(fetched)
     }
 
-    /// Begins anew while the sample timer runs. If that does not succeed, as when the timer stands still or an interrupt comes
+    /// Restarts while the sample timer runs. If that does not succeed, as when the timer stands still or an interrupt comes
     /// between, it is tried again with the next block.
     fn begin_anew(&self) {
         adc::disarm();
-        // What was being converted is over: it takes less than a period, and was begun in this one at the latest.
+        // The conversion under way is over: it takes less than a period, and began in this one at the latest.
         let Some(now) = self.next_settled(PERIOD, |_| true) else { return };
         let Some(_) = self.next_settled(PERIOD, |fetched| fetched != now) else { return };
         prepare();

@@ -126,7 +126,7 @@ pub(crate) fn awaits_last_code() -> bool {
     usize::from(TIMER.cnt().read().cnt()) == BLOCK - 1
 }
 
-/// The ring begins anew, and so does the count; the pin is low. While the sample timer stands still.
+/// The ring restarts, and so does the count; the pin is low. While the sample timer stands still.
 pub(crate) fn restart() {
     set(0);
     // An update event: the count is 0, and the compare value is taken over.

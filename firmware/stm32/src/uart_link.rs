@@ -53,7 +53,7 @@ const DAMAGE: [u8; 2] = [0xff, 0];
 // reads the other.
 static RECEIVED: [AtomicU8; RING] = [const { AtomicU8::new(0) }; RING];
 static SENT: [AtomicU8; REPLY] = [const { AtomicU8::new(0) }; REPLY];
-/// The place in the ring before which the receiver's last error came, until the reader is there.
+/// The place in the ring before which the receiver's last error came, until the reader reaches it.
 static LOST_AT: AtomicU16 = AtomicU16::new(NOWHERE);
 const NOWHERE: u16 = u16::MAX;
 /// The DMA has yet to read all of a reply.
@@ -86,7 +86,7 @@ impl FromHost {
             *self = Self::begin();
         }
         if is_late || flags.failed {
-            // Where an error was is unknown now.
+            // The place of an error is now unknown.
             LOST_AT.store(NOWHERE, Ordering::Relaxed);
             *damage = DAMAGE;
             return DAMAGE.len();

@@ -143,7 +143,7 @@ impl interrupt::typelevel::Handler<interrupt::typelevel::OTG_FS> for NewBeginnin
 /// this when it takes one (RM0090, 34.17.5).
 const SETUPS: u8 = 3;
 
-/// Waits until the host has given a control transfer up: it begins anew, and the driver does not see it.
+/// Waits until the host has given a control transfer up: it restarts, and the driver does not see it.
 ///
 /// In a control transfer the driver waits for the host's next step and for nothing else (embassy-usb 0.6). A host that gives
 /// one up, by a new one (USB 2.0, 8.5.3) or by a reset of the bus, would get no answer until the power is switched off and

@@ -146,7 +146,7 @@ impl Autopilot {
         if changes.table || !now.is_armed() {
             self.has_driven = false;
         }
-        // The same plate from another file has the same table, so only this flag shows that there are tones to
+        // The same plate from another file has the same table, so only this flag shows that tones wait to be
         // send.
         let is_due = !self.has_driven || (self.is_setup_new && is_held);
         if self.wants_drive && is_due && !is_table_coming(now, made) && self.may_drive(now) {

@@ -1,7 +1,7 @@
 //! The rig that drives the inputs of the simulated device. Without a rig the inputs are at mid-scale.
 //!
 //! A plate costs a tenth of a core, so while nobody listens the rig rests and the inputs are at mid-scale, too. The latest
-//! codes are kept meanwhile: the rig plays them before it is heard again, so its plate has settled on the present drive.
+//! codes are kept meanwhile: the rig plays them before it is sampled again, so its plate has settled on the present drive.
 
 mod elsewhere;
 
@@ -79,7 +79,7 @@ impl Bench {
         rigs.pass_over_to(rig.inputs(), sample_rate_hz);
     }
 
-    /// Lets the rig rest, or has it heard again.
+    /// Lets the rig rest, or resumes its sampling.
     pub fn rest(&self, is_resting: bool) {
         let mut rigs = self.rigs();
         if let Some(elsewhere) = &mut rigs.elsewhere {
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rig_that_rests_costs_nothing_and_plays_what_it_has_missed_before_it_is_heard() {
+    fn a_resting_rig_costs_nothing_and_catches_up_before_it_is_sampled() {
         let mut rigs = Rigs { present: Some(Box::new(Counting(0))), ..Rigs::default() };
         assert_eq!(run(&mut rigs, 3000), [1, 3000]);
         rigs.is_resting = true;

@@ -132,7 +132,7 @@ impl CalibrationWizard {
             .then_some("Measure the sensor's answer here, or open a file of it, first.")
     }
 
-    /// The job that computes the result, once both responses are there.
+    /// The job that computes the result, once both responses exist.
     #[must_use]
     pub fn job(&self, sample_rate_hz: f64) -> Option<CalibrateJob> {
         let [Some(first), Some(second)] = &self.answers else { return None };

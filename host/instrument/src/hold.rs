@@ -100,7 +100,7 @@ pub enum HoldError {
     },
     /// The sensor's signal of a tone is too small.
     #[error(
-        "the sensor hears the tone in slot {slot} with {codes:.2} codes only; at least {LEAST_CODES} are needed: \
+        "the sensor receives only {codes:.2} codes of the tone in slot {slot}; at least {LEAST_CODES} are needed: \
          check the sensor, move it before the boundary, raise its gain, or drive louder"
     )]
     TooWeak {

@@ -13,6 +13,27 @@
 //! ```
 //! It owns no thread, clock or path, and builds for a browser. Shells (window, command line) translate their
 //! own events into its calls and show its state.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `instrument/`: the instrument: edits and their sources (`Instrument::edit_by`), STOP
+//!   (`instrument/stop_presses.rs`), the actual plate beside the predicting one (`instrument/plate_there.rs`). Tests:
+//!   `host/instrument/tests/in_use/`
+//! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`
+//! - `measure/`: measurements by steps or a sweep (`measure/sweep/`); the course of all procedures:
+//!   `measure/procedure.rs`. Tests: `tests/tests/measuring.rs`, `tests/tests/sweep.rs`
+//! - `measured_file.rs`, `calipers.rs`, `calibration.rs`: files of measurements, dimensions by calipers, the steps of a
+//!   calibration
+//! - `hold.rs`: how levels are held. Tests: `tests/tests/hold_rig.rs`, `host/instrument/tests/in_use/holding.rs`
+//! - `rig/`, `bench.rs`: what a simulated device's inputs see; a rig that another worker computes: `bench/elsewhere.rs`
+//! - `requests/`: what the command line and Python ask for, and the defaults. Tests:
+//!   `tests/python/test_command_line.py`
+//! - `native/`: a blocking client of a device, for programs. Tests: `host/tests/cli/`
+//! - `jobs/`: work on measurements and devices that takes longer than a frame
+//! - `profile_file.rs`: the file of an actuator's profile. Tests: `tests/tests/profile.rs`
+//! - `changes.rs`, `device_info.rs`, `recording.rs`: differences between snapshots, a device's report, a recorded drag
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.

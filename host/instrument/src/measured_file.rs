@@ -165,7 +165,7 @@ mod tests {
     use slipline_plate::calibrate::ForeignPoint;
 
     #[test]
-    fn a_foreign_file_is_a_measurement_once_its_place_and_kind_are_told() {
+    fn a_foreign_file_is_a_measurement_once_its_place_and_kind_are_stated() {
         let plate = slipline_plate::preset("membrane").unwrap();
         let lines: String = (60..300).map(|hz| format!("{hz} -20.0 10.0\n")).collect();
         let Ok(File::Foreign(foreign)) = File::read(lines.as_bytes(), &[]) else { panic!("a table") };

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_due_is_the_last_place_of_each_line() {
+    fn a_replay_yields_the_last_place_of_each_line() {
         let recording = sample();
         let due = |from_s, to_s| -> Vec<(u8, f64)> {
             recording.between(from_s, to_s).map(|step| (step.slot, step.place_m)).collect()

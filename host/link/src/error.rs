@@ -28,7 +28,7 @@ pub enum LinkError {
     #[error("the device stopped answering")]
     Silent,
     /// The port disappeared: unplugged, reset, or closed at the other end.
-    #[error("the device went away: unplugged or restarted")]
+    #[error("the device disconnected: unplugged or restarted")]
     Gone,
     /// The device no longer knows this session.
     #[error("the device was restarted, or another program took it over")]

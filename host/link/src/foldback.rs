@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gap_longer_than_what_is_told_is_known_to_be_incomplete() {
+    fn a_gap_longer_than_the_report_is_known_to_be_incomplete() {
         assert!(!heard(&[1000, 990, 980, 970, 960, 950], 1).1, "a step before those reported");
         assert!(
             !heard(&[1000, 990, 1000, 1000, 1000, 1000, 1000], 1).1,
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_status_tells_what_is_in_force() {
+    fn the_first_status_reports_what_is_in_force() {
         let first = FoldbackSteps::between(None, &status(&[1000, 870]), &Timing::at(RATE_HZ));
         assert_eq!(first, FoldbackSteps { steps: vec![(128_000, 870)], is_complete: true });
     }

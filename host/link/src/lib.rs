@@ -14,6 +14,36 @@
 //! a worker thread runs them on this computer's serial ports and sockets; `driver_watch` ends the drive when
 //! the program that drives through that thread hangs. Requests and snapshots are plain data, for a program
 //! whose link runs in another worker of a browser: [`SnapshotUpdate`].
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `connection.rs`, `rediscovery.rs`: opens a port, waits for a missing one, finds a lost device again. Tests:
+//!   `tests/tests/reconnecting.rs`
+//! - `commands.rs`: the order of commands, what a stop drops, and the replies. Tests: `tests/tests/link.rs`,
+//!   `tests/tests/stopping.rs`
+//! - `channel.rs`: numbers, times out and repeats commands. Tests: `tests/tests/repeats.rs`
+//! - `request.rs`, `snapshot.rs`, `snapshot_update.rs`: what a program asks for, what it sees, and what passes to
+//!   another worker
+//! - `error.rs`, `refusal.rs`, `out_of_range.rs`: errors and refusals in words. Tests: `tests/tests/port_errors.rs`,
+//!   `tests/tests/limits.rs`
+//! - `drive.rs`, `chord.rs`, `comb.rs`, `harmonic.rs`, `hold.rs`, `listen.rs`, `table.rs`, `played.rs`, `sounding.rs`:
+//!   the bodies of requests in metres, shares and seconds, and their conversion to the device's units
+//! - `journal.rs`, `mirror.rs`: the accepted changes, and their replay (what makes it inexact:
+//!   `mirror/replay/exactness.rs`). Tests: `tests/tests/mirror.rs`, `tests/tests/verify.rs`
+//! - `lease.rs`, `undecided.rs`, `trigger_outcome.rs`, `foldback.rs`: what the link makes of a lease, of a drive that
+//!   waits for the trigger input, and of heat. Tests: `tests/tests/lease.rs`, `tests/tests/trigger_input.rs`,
+//!   `tests/tests/foldback.rs`
+//! - `simulator/`: the simulated device. Tests: `tests/tests/mirror.rs`; one digest on every processor:
+//!   `simulator/tests/fixed_script.rs`
+//! - `native/`: thread, serial ports, sockets, and a second program at a device (`native/second_program.rs`). Tests:
+//!   `tests/tests/ports.rs`
+//! - `driver_watch.rs`: notices a program that hangs. Tests: `tests/tests/driver_watch.rs`
+//! - `transport.rs`, `port.rs`, `recorder.rs`: byte stream, ports, and the upkeep of a snapshot
+//! - `log.rs`, `trace.rs`, `upkeep.rs`: the common log, the trace of frames, texts about maintenance
+//!
+//! Run an example of `host/link/examples/` with `cargo run -p slipline-link --example replay`.
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.

@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_that_comes_too_late_is_told_and_a_known_silence_makes_the_mirror_true_again() {
+    fn a_change_that_comes_too_late_is_reported_and_a_known_silence_makes_the_mirror_true_again() {
         let mut mirror = Mirror::new(400_000, 1_000_000);
         mirror.acknowledge_table(knots(), mirror.now()).unwrap();
         assert_eq!(peak(&mut mirror, 1_010_000), 0);

@@ -259,7 +259,7 @@ impl Snapshot {
             .then(|| f64::from(status.counters.max_cycles) / (f64::from(board.core_hz) * block_s))
     }
 
-    /// Of the travel limits that the device keeps to, the session's and its actuator's profile's, the one with the lower resonance: it
+    /// The travel limit with the lower resonance, of the session's and the profile's that the device enforces: it
     /// makes glides longer.
     pub(crate) fn slowest_limit(&self) -> Option<TravelLimit> {
         let profile = self.profile.as_ref().and_then(|report| report.profile.as_ref()?.travel);

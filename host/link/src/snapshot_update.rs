@@ -62,7 +62,7 @@ impl<T: Clone> ListUpdate<T> {
 }
 
 impl SnapshotUpdate {
-    /// What is new in `newer`. Both are of one link, which clones an entry's `Arc` but does not make an entry anew.
+    /// What is new in `newer`. Both are of one link, which clones an entry's `Arc` but never remakes an entry.
     #[must_use]
     pub fn between(older: &Snapshot, newer: &Snapshot) -> Self {
         let values = Snapshot {

@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_began_goes_before_the_stop_that_was_told_first() {
+    fn a_drive_that_began_comes_before_the_stop_that_was_reported_first() {
         let mut undecided = Undecided::default();
         undecided.wait(1280, drive(2000));
         undecided.hold(held(6400, Change::Stop));
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_drives_the_first_is_known_unless_the_second_has_begun() {
+    fn the_first_of_two_drives_is_known_unless_the_second_has_begun() {
         let two = || {
             let mut undecided = Undecided::default();
             undecided.wait(1280, drive(2000));

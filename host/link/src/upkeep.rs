@@ -150,8 +150,8 @@ pub const fn stop_input(board: &BoardReport) -> Option<&'static str> {
 }
 
 /// The warning to show before a board without a profile of its actuator is armed.
-pub const NO_PROFILE: &str = "This board keeps no profile of its actuator: the limits of travel, heat and time are those of the program that \
-     drives it, and of none if that sets none. `slipline profile write` keeps one on the board, as firmware/BOARDS.md says.";
+pub const NO_PROFILE: &str = "This board keeps no profile of its actuator: only the driving program limits travel, heat and time, \
+    if it does so at all. `slipline profile write` keeps one on the board, as firmware/BOARDS.md says.";
 
 /// The share of a block's time above which [`hardly_in_time`] warns: interrupts that may come together take most of the rest.
 pub const BUSY: f64 = 0.9;

@@ -10,6 +10,29 @@
 //! ```
 //! It builds for a browser. The feature `native` adds files, which browsers do not support; `figures` the pictures of exports, and
 //! `painted`, on by default, these as pixels.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `setup/`: what a user sets up, edits and undoes (`setup/undo.rs`), its file (`setup/file/`), its form in a page's
+//!   address (`setup/fragment.rs`)
+//! - `field/`: the drawn fields in space and time, also through a simulated device (`field/simulation/`); both places
+//!   of a tone (`field/tone_places.rs`), the tone with a felt edge (`field/edge_reach/`). Tests:
+//!   `tests/tests/boundary.rs`
+//! - `texture/`: a user's texture, its files, and a setup as a chord (`texture/chord.rs`). Tests:
+//!   `tests/tests/texture.rs`
+//! - `study/`: many plates: specification, random numbers, what is computed for each. Tests: `host/tests/cli/study.rs`
+//! - `answer/`: the fields of `--json`, which Python has as attributes. Tests: `host/tests/cli/`,
+//!   `tests/python/test_command_line.py`
+//! - `response/`: a measured response for display. Tests: `host/window/tests/gui/measure.rs`
+//! - `waveform/`, `sounding.rs`: the latest codes and their spectrum, and the present drive
+//! - `sound/`, `wav.rs`: sound for a loudspeaker, and WAV files
+//! - `jobs/`: work on plates that takes longer than a frame
+//! - `export/`: exports, and figures (`export/figures/`)
+//! - `colour_map.rs`: the colour maps of displacement and amplitude. Tests: `host/window/tests/gui/snapshots/`
+//! - `fonts.rs`, `scenes.rs`: fonts, and scenes to start from
+//! - `named_plate.rs`, `refused_value.rs`, `atomic_file.rs`: plates by name or file, values of refusals, files on disk
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.

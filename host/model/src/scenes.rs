@@ -64,7 +64,7 @@ pub const SCENES: [Scene; 6] = [
 ];
 
 impl Scene {
-    /// Its setup. `None` only if there is no such preset; a test checks that there is.
+    /// Its setup. `None` only if the preset does not exist; a test checks that it does.
     #[must_use]
     pub fn setup(&self) -> Option<Setup> {
         let plate = Arc::new(slipline_plate::preset(self.plate)?);

@@ -3,9 +3,9 @@
 //!
 //! `cargo run --release -p slipline-plate --example longest_reach`
 //!
-//! Of a membrane of one weight, tension and length it tries two laws of the half-width. The exponential one has an edge that
-//! grows narrower along the plate. The other, 1/W^2 = 1/W0^2 + 2 c x, has W'/W^3 = -c and so the same edge width everywhere:
-//! (2 K^2 d)^(-1/3) with K = (pi/2)/W and d = -W'/W is (4.93 c)^(-1/3).
+//! It tries two laws of the half-width for a membrane of one weight, tension and length. The exponential one has an
+//! edge that grows narrower along the plate. The other, 1/W^2 = 1/W0^2 + 2 c x, has W'/W^3 = -c and so the same edge
+//! width everywhere: (2 K^2 d)^(-1/3) with K = (pi/2)/W and d = -W'/W is (4.93 c)^(-1/3).
 
 use slipline_plate::check::{Checker, Colour, Conditions};
 use slipline_plate::definition::Model;

@@ -12,7 +12,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-/// Plates that are kept; older ones are sent anew.
+/// Plates that are kept; older ones are sent again.
 const KEPT: usize = 64;
 
 /// The plates that one side has sent to the other.
@@ -47,7 +47,7 @@ impl Exchange {
     }
 
     fn keep(&mut self, number: u64, plate: Arc<Plate>) {
-        // Whoever gives the next number has read all numbers so far.
+        // The side that gives the next number has read all numbers so far.
         self.latest = self.latest.max(number);
         if self.plates.len() == KEPT {
             self.plates.pop_front();
@@ -93,7 +93,7 @@ pub mod by_number {
     }
 }
 
-/// The serde form of a plate that nobody tells from an equal one: the text of its file.
+/// The serde form of a plate that needs no identity: the text of its file.
 pub mod by_text {
     use super::Plate;
     use serde::{Deserialize as _, Deserializer, Serializer, de};
@@ -101,7 +101,7 @@ pub mod by_text {
     /// Writes the text.
     ///
     /// # Errors
-    /// That of the serialiser.
+    /// The serialiser's error.
     pub fn serialize<S: Serializer>(plate: &Plate, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&plate.to_toml())
     }

@@ -21,7 +21,7 @@ impl<'a> Progress<'a> {
         Self { report: Some(report), from: 0.0, to: 1.0 }
     }
 
-    /// That of a computation that nobody watches and nobody stops.
+    /// For a computation that nobody watches or cancels.
     #[must_use]
     pub const fn unwatched() -> Self {
         Self { report: None, from: 0.0, to: 1.0 }

@@ -19,7 +19,7 @@ static KNOWN: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
 /// Writes the text.
 ///
 /// # Errors
-/// That of the serialiser.
+/// The serialiser's error.
 pub fn serialize<S: Serializer>(text: &&'static str, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(text)
 }
@@ -27,7 +27,7 @@ pub fn serialize<S: Serializer>(text: &&'static str, serializer: S) -> Result<S:
 /// Reads a text.
 ///
 /// # Errors
-/// That of the deserialiser; or the text is longer than 1024 bytes, or the 1025th different one.
+/// The deserialiser's error; or the text is longer than 1024 bytes, or the 1025th different one.
 pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<&'static str, D::Error> {
     let text = Cow::<'de, str>::deserialize(deserializer)?;
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);

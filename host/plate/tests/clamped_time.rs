@@ -204,7 +204,7 @@ fn both(number: u64, end: &str) -> Errors {
 }
 
 #[test]
-fn a_clamped_plate_in_time_is_that_of_the_frequency_domain() {
+fn a_clamped_plate_in_time_matches_the_frequency_domain() {
     both(4, "displacement");
     both(4, "lead-in");
 }
@@ -217,14 +217,14 @@ fn of_plates(numbers: std::ops::Range<u64>) {
 
 #[test]
 #[ignore = "three plates of every end: .ci/run statistics"]
-fn three_clamped_plates_in_time_are_those_of_the_frequency_domain() {
+fn three_clamped_plates_in_time_match_the_frequency_domain() {
     of_plates(0..3);
 }
 
 mod night {
     #[test]
     #[ignore = "twenty plates of every end, minutes of one core: .ci/run statistics"]
-    fn twenty_clamped_plates_in_time_are_those_of_the_frequency_domain() {
+    fn twenty_clamped_plates_in_time_match_the_frequency_domain() {
         super::of_plates(0..super::PLATES);
     }
 }

@@ -133,7 +133,7 @@ fn finest(plate: &Plate) -> (DriveTable, Sensitivity) {
 }
 
 #[test]
-fn the_sensitivity_tells_a_matched_plate_from_a_held_one() {
+fn the_sensitivity_separates_a_matched_plate_from_a_held_one() {
     let of = |name: &str| finest(&preset(name).expect("a preset")).1;
     let membrane = of("membrane");
     assert!(membrane.worst_db < 0.25, "{membrane:?}");

@@ -58,7 +58,7 @@ fn frequency_hz(k: f64, edge_m: f64) -> f64 {
 }
 
 #[test]
-fn cut_offs_are_those_of_the_exact_strip() {
+fn cut_offs_match_the_exact_strip() {
     let mut spec = stretched(polyester(50e-6), 1390.0);
     spec.turning_width = TurningWidth::Plain;
     let plate = Plate::new(spec).expect("a plate");
@@ -90,7 +90,7 @@ fn exact_square(axial: f64, half_width_m: f64, edge_m: f64) -> f64 {
 /// Golden numbers of PHYSICS.md, section 11, for each film: the edge length, the excess of its cut-offs over those of
 /// the ideal membrane, and the shift of its turning points towards the drive, mm; then the errors of the law.
 #[test]
-fn the_table_of_films_is_the_pages() {
+fn the_table_of_films_matches_the_page() {
     let page = include_str!("../PHYSICS.md");
     for (name, film, density_kg_per_m3) in [
         ("polyester, 25 µm", polyester(25e-6), 1390.0),
@@ -194,7 +194,7 @@ fn integrated(plate: &Plate, edge_m: f64, frequency_hz: f64, steps: usize) -> Ve
 }
 
 #[test]
-fn the_response_is_that_of_the_equation_with_the_width_of_the_exact_strip() {
+fn the_response_matches_the_equation_with_the_width_of_the_exact_strip() {
     let mut spec = stretched(polyester(50e-6), 1390.0);
     (spec.turning_width, spec.drive_end) = (TurningWidth::Plain, DriveEnd::Displacement);
     let plate = Plate::new(spec).expect("a plate");

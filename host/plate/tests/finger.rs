@@ -105,7 +105,7 @@ fn a_finger_that_weighs_nothing_changes_nothing_and_a_light_one_changes_in_propo
 }
 
 #[test]
-fn what_the_drive_gives_is_what_the_damper_the_plate_and_the_finger_take() {
+fn the_drives_power_equals_that_of_damper_plate_and_finger() {
     // Without loss in the plate, the power of the source is dissipated in its own resistance and in the finger.
     let mut spec = membrane(40.0).spec().clone();
     spec.loss_factor = 0.0;

@@ -64,7 +64,7 @@ fn the_hold_of_a_slow_dac_delays_no_boundary() {
 }
 
 #[test]
-fn the_bits_are_those_of_the_distances_and_of_the_time() {
+fn the_bits_match_the_distances_and_the_time() {
     let plate = preset("membrane").expect("a preset");
     let merit = merit(&plate, 0.22);
     let (start_m, end_m) = plate.span_m();

@@ -98,7 +98,7 @@ fn differences(numbers: impl Iterator<Item = u64>) -> Vec<f64> {
 }
 
 #[test]
-fn the_response_is_that_of_the_integrated_equation_on_sixty_plates() {
+fn the_response_matches_the_integrated_equation_on_sixty_plates() {
     let all = differences(0..60);
     // Two thirds have no points.
     assert!(all[all.len() / 2] < 1e-9 && all[all.len() - 1] < 1e-6, "{all:?}");

@@ -39,7 +39,7 @@ fn plate(model: Model, half_width_m: f64, length_m: f64, span: (f64, f64)) -> Pl
 }
 
 #[test]
-fn turning_points_of_aluminium_are_those_of_the_table() {
+fn turning_points_of_aluminium_match_the_table() {
     let cases = [
         (plate(aluminium_sh(), 0.02, 0.3, (0.05, 0.2)), [Some(0.031), None, None]),
         (plate(aluminium_sh(), 0.2, 0.56, (0.1, 0.5)), [Some(2.333), Some(1.640), Some(0.254)]),
@@ -119,7 +119,7 @@ fn the_membrane_preset_peaks_where_the_table_says_and_airy_agrees_within_a_milli
 }
 
 #[test]
-fn edge_widths_are_those_of_the_table() {
+fn edge_widths_match_the_table() {
     let bending = preset("al-bending").expect("a preset");
     let sh = preset("al-sh").expect("a preset");
     let slow = plate(
@@ -165,7 +165,7 @@ fn from_30_to_40_hz_the_rubber_boundary_moves_62_mm_and_in_bending_half_as_far()
 fn the_same_two_frequencies_on_rubber_put_the_peak_62_mm_further() {
     let rubber = preset("paper-rubber").expect("a preset");
     let response = |frequency: f64| respond(&rubber, frequency, 601, Equation::Corrected).expect("enters");
-    // At 30 Hz the Airy peak would lie before the driven end: the response states that there is no peak.
+    // At 30 Hz the Airy peak would lie before the driven end: the response reports no peak.
     assert!(response(30.0).peak.is_none());
     let peak = response(40.0).peak.expect("a peak");
     assert!((peak.position_m - rubber.airy_peak_m(40.0).expect("enters")).abs() < 2e-3);

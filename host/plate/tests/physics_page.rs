@@ -12,7 +12,7 @@ fn pictures() -> Vec<&'static str> {
 }
 
 #[test]
-fn every_picture_is_there_and_all_of_them_are_small() {
+fn every_picture_exists_and_is_small() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let sizes: Vec<u64> =
         pictures().iter().map(|path| std::fs::metadata(folder.join(path)).expect(path).len()).collect();

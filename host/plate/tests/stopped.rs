@@ -15,7 +15,7 @@ fn reported(limit: f64, compute: impl FnOnce(&mut Progress<'_>)) -> Vec<f64> {
 }
 
 #[test]
-fn a_whole_computation_tells_shares_that_rise_from_none_to_nearly_all() {
+fn a_whole_computation_reports_rising_shares_up_to_nearly_all() {
     let plate = preset("membrane").expect("a preset");
     let coarse = DriveTable::build(&plate, 400e3, 33).expect("a table");
     let computations: [&dyn Fn(&mut Progress<'_>); 4] = [

@@ -125,7 +125,7 @@ fn a_solid_area_ends_where_the_finger_feels_it_end() {
 
 /// Errors of two profiles that 16 tones leave: an even one can be reached, a rising one cannot.
 #[test]
-fn what_a_profile_cannot_have_is_told_by_its_reach() {
+fn the_reach_shows_what_a_profile_cannot_have() {
     let (plate, table) = membrane();
     let palette = Palette::new(&plate, &table);
     let (start_m, end_m) = (0.01, 0.24);
@@ -174,7 +174,7 @@ fn no_powers_have_a_smaller_largest_error_than_the_linear_programs() {
 }
 
 #[test]
-fn breakpoints_that_are_none_are_named() {
+fn bad_breakpoints_are_named() {
     let (plate, table) = membrane();
     let palette = Palette::new(&plate, &table);
     let cases: [(&[(f64, f64)], usize); 6] = [
@@ -243,7 +243,7 @@ fn two_tones_beat_at_the_frequency_and_place_that_were_asked_for() {
 }
 
 #[test]
-fn a_texture_on_the_grid_of_a_chord_is_louder_and_tells_what_the_grid_costs() {
+fn a_texture_on_the_grid_of_a_chord_is_louder_and_reports_the_cost_of_the_grid() {
     let base_hz = SAMPLE_RATE_HZ / f64::from(CHORD_PERIOD);
     for (name, is_fine_enough) in [("al-bending", true), ("membrane", false)] {
         let plate = preset(name).expect("a preset");

@@ -111,7 +111,7 @@ fn integrated(plate: &Plate, log: impl Fn(f64) -> f64, hz: f64, steps: usize) ->
 }
 
 #[test]
-fn the_response_is_that_of_the_conservative_equation() {
+fn the_response_matches_the_conservative_equation() {
     let linear = |x: f64| (1.0 - 0.4 * x / 0.34).ln();
     for (thickness, log, allowed) in [
         (exponential(2.5), &(|x: f64| -2.5 * x) as &dyn Fn(f64) -> f64, 3e-8),
@@ -204,7 +204,7 @@ fn the_line_in_time_a_table_and_the_lights_have_the_thickness() {
 }
 
 #[test]
-fn a_thickness_is_read_and_written_and_what_has_none_refuses_it_by_its_field() {
+fn a_thickness_is_read_and_written_and_refused_by_plates_without_one() {
     for thickness in [exponential(1.5), Some(Thickness::Linear { end_thickness_m: 1.5e-3 }), sampled()] {
         let graded = plate(thickness);
         assert_eq!(Plate::from_toml(&graded.to_toml()).expect("its own text"), graded);

@@ -10,7 +10,7 @@ import slipline
 
 path = Path(sys.argv[1] if sys.argv[1:] else "calibrated.toml")
 plate = slipline.Plate("al-bending")
-# Some plate of a study of its tolerances is the one that is there.
+# The actual plate is one that a study of its tolerances draws.
 tolerances = {"loss_factor": {"log_normal": 0.2}, "taper.rate_per_m": {"uniform": 0.01}}
 spec = {"plate": "al-bending", "seed": 3, "count": 1, "turning_point_m": [sum(plate.span_m) / 2], "vary": tolerances}
 actual = slipline.study.plate(spec, 0)

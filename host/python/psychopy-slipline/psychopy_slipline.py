@@ -59,6 +59,6 @@ class SliplineDevice(BaseDevice, aliases=["slipline"]):
 
     @staticmethod
     def getAvailableDevices() -> list[dict[str, Any]]:
-        """The parameters of each device that there is: those at USB, and the simulated one."""
+        """The parameters of each available device: those at USB, and the simulated one."""
         ports = [port.device for port in list_ports.comports() if "Slipline" in (port.product or "")]
         return [{"deviceName": f"Slipline at {port}", "port": port} for port in (*ports, "sim")]

@@ -221,7 +221,8 @@ class Plate:
 
         ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
 
-        Raises ``OutOfRange``, ``Refused`` and ``BadFile``. The fit goes on unheard after Ctrl-C.
+        Raises ``OutOfRange``, ``Refused`` and ``BadFile``. After Ctrl-C the fit runs on in the background, and its
+        result is dropped.
         """
     def check(self, /, *, felt_edge_m: SupportsFloat | SupportsIndex | None = None, turning_point_m: SupportsFloat | SupportsIndex | None = None, frequency_hz: SupportsFloat | SupportsIndex | None = None, level: SupportsFloat | SupportsIndex = 1.0, off_centre: bool = False) -> Result:
         """

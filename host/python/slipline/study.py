@@ -91,7 +91,7 @@ def _compute(kept: StudyStore, due: list[tuple[int, int]], workers: ThreadWorker
     in_flight: dict[Any, tuple[int, int]] = {}
     try:
         while waiting or in_flight:
-            # Two for each: one more is there when one is done.
+            # Two for each: one more is ready when one is done.
             while waiting and len(in_flight) < 2 * workers.count():
                 span = waiting.pop()
                 in_flight[workers.submit(*span)] = span

@@ -166,7 +166,7 @@ class _Table:
         if not self.path.exists():
             _replace(self.path, header + "\n")
         text = self.path.read_bytes()
-        # Whoever was killed while writing a row has left a part of it.
+        # A process that was killed while writing a row has left a part of it.
         whole = text[: text.rfind(b"\n") + 1]
         lines = whole.decode("utf-8").splitlines()
         if not lines or lines[0] != header:

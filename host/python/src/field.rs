@@ -15,7 +15,7 @@ use slipline_plate::{
 use std::mem::take;
 use std::sync::Arc;
 
-/// What is asked for at each frequency.
+/// The request at each frequency.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked {
     pub(crate) points: usize,

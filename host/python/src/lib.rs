@@ -7,6 +7,23 @@
 //! study -> any range of its plates as arrays -> the package's store
 //! ```
 //! No panic hook and no signal handler of the program's is set here: the interpreter keeps its own.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `plate.rs`: `slipline.Plate`; each call: `plate/`, `field.rs`, `calibrate.rs`, `simulate.rs`, `texture.rs`. Tests:
+//!   `tests/python/test_plates.py`
+//! - `device/`: what Python calls on a device. Tests: `tests/python/test_device.py`
+//! - `design.rs`, `measurement.rs`, `feeling.rs`, `finger.rs`, `actual.rs`, `place.rs`: arguments and other classes
+//! - `study.rs`: any range of a study's plates; its store and cluster: `host/python/slipline/study.py`. Tests:
+//!   `tests/python/test_study.py`
+//! - `result.rs`, `error.rs`: answers as attributes, errors as exceptions
+//! - `options.rs`, `one_or_more.rs`: the options of the command line, numbers and series
+//! - `responders.rs`, `waiting.rs`: what a plate keeps from call to call; Ctrl-C during a computation
+//!
+//! Also: the thin layer `host/python/slipline/`, examples (`host/python/examples/`) and the `PsychoPy` plug-in
+//! (`host/python/psychopy-slipline/`). Tests: `tests/python/test_examples.py`, `tests/python/test_psychopy_plugin.py`.
 
 #![forbid(unsafe_code)]
 #![warn(clippy::expect_used, clippy::unwrap_used)]

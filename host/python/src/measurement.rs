@@ -181,7 +181,7 @@ pub(crate) fn sensor_kind(word: &str) -> Result<SensorKind, Failure> {
     found.ok_or_else(|| Failure::refused(must_be(given, format_args!("one of {words}"))))
 }
 
-/// What a file may not state itself.
+/// Properties that a file may lack.
 struct Stated {
     plate: Option<Arc<slipline_plate::Plate>>,
     place_m: Option<f64>,

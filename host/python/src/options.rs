@@ -70,7 +70,7 @@ impl<'py> Options<'py> {
         Failure::wrong_arguments(format_args!("{name} of {}()", self.call), allowed)
     }
 
-    /// Refuses what has not been taken: a `TypeError` that names it and what there is.
+    /// Raises `TypeError` for an unknown option, listing the accepted ones.
     pub(crate) fn end(self) -> Result<(), Failure> {
         let names =
             self.left.map_or_else(Vec::new, |left| left.keys().extract::<Vec<String>>().unwrap_or_default());

@@ -13,7 +13,7 @@ const POINTS_MAX: usize = 4_001;
 pub(crate) struct Responders(Mutex<Vec<(usize, Responder)>>);
 
 impl Responders {
-    /// What `act` does with a responder of this plate, the same for all calls, and of so many points.
+    /// What `act` does with a responder of this plate with this number of points, the same for all calls.
     pub(crate) fn with<R>(&self, plate: &Plate, points: usize, act: impl FnOnce(&mut Responder) -> R) -> R {
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let mut free = lock();

@@ -79,7 +79,7 @@ pub(crate) fn run(
         if tones.iter().any(|tone| matches!(tone.asked, AskedPlace::FeltEdge(_))));
     if !has_gains && (has_felt_edge || matches!(sounds, Sounds::Setup(_))) {
         let given = "no_table beside felt_edge_m or a setup";
-        return Err(Failure::wrong_arguments(given, "False: they are by the table's gains").into());
+        return Err(Failure::wrong_arguments(given, "False: the table's gains set them").into());
     }
     let actual = actual.map(|given| actual::plate(&given, Some(&plate))).transpose()?;
     let request = SimulateRequest { plate, actual, has_gains, seconds, solver, finger };

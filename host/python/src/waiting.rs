@@ -19,7 +19,7 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Computes on a thread of its own while other Python threads run. After Ctrl-C it raises at once; a computation that
-/// reports no progress then runs to its end unheard.
+/// reports no progress then runs to its end, and its result is dropped.
 pub(crate) fn compute<R: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&mut Progress<'_>) -> Result<R, Failure> + Send + 'static,

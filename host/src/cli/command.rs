@@ -19,7 +19,7 @@ the settings file, else sim and membrane. slipline info shows them, each with it
 
 Exit code: 0 done; 1 could not be done; 2 bad usage or a bad file, the message says what is allowed; 3 the plate that was \
 checked has red lights. Ctrl-C, SIGTERM and SIGHUP stop and disarm the device, and then end the program as they end any other; \
-serve, page and watch, whose only end they are, end with 0.
+serve, page and watch, which nothing else ends, end with 0.
 
 A file named - is standard input or standard output; ./- is a file of this name.";
 const CHECK_EXIT_CODES: &str = "Exit code: 0 no light is red; 3 some are, the last line gives their number; for 1 and 2 see slipline --help.";
@@ -104,8 +104,8 @@ pub enum Command {
     /// Rate the sharpness, speed and number of a plate's boundaries over their turning points: contrast, ripple, edge,
     /// switching, bits per second.
     Merit(merit::MeritArguments),
-    /// Draw many plates around one by the tolerances of its fields, and drive each by the table of that one: how far its lines
-    /// land from their places, and how loud.
+    /// Draw many plates within the tolerances of a plate's fields, drive each with the nominal plate's table, and
+    /// report how far its lines land from their places, and how loud.
     Study(study::StudyArguments),
     /// Measure the response of a sensor on the plate, or of the drive's current, to the device's tones.
     Measure(measure::MeasureArguments),
@@ -118,7 +118,7 @@ pub enum Command {
     Trim(trim::TrimArguments),
     /// Draw the paper's figures, as printed and corrected, and those of the physics, as SVG, PNG and CSV
     Figures(figures::FiguresArguments),
-    /// Print the script by which a shell completes words of this program.
+    /// Print the script with which a shell completes the words of this program.
     Completions(completions::CompletionsArguments),
 }
 
@@ -126,7 +126,7 @@ impl Cli {
     /// The arguments, if they belong together: a file and a port without a command are for the window.
     ///
     /// # Errors
-    /// [`Failure::Usage`]: the argument that does not belong here, or the file that is not there.
+    /// [`Failure::Usage`]: the argument that does not belong here, or the file that does not exist.
     pub fn checked(self) -> Result<Self, Failure> {
         if self.command.is_some() && (self.file.is_some() || self.port.is_some()) {
             let text = "FILE and --port before a command are for the window: give a command's own after it";

@@ -1,7 +1,7 @@
 //! Defaults of `--port` and `--plate`: the environment, the settings file, what is built in.
 //!
 //! ```text
-//! option -> environment -> settings file -> built-in      the first that is there
+//! option -> environment -> settings file -> built-in      the first that exists
 //! ```
 //! The settings file is `settings.toml` in the platform's folder for the configuration of programs.
 
@@ -67,13 +67,13 @@ impl Chosen {
 pub(super) struct Defaults {
     pub(super) port: Result<Chosen, Failure>,
     pub(super) plate: Result<Chosen, Failure>,
-    /// The settings file, whether it is there or not; `None` on a system without a folder for it.
+    /// The settings file, whether or not it exists; `None` on a system without a folder for it.
     pub(super) file: Option<PathBuf>,
 }
 
 static DEFAULTS: OnceLock<Defaults> = OnceLock::new();
 
-/// Those of this run.
+/// The defaults of this run.
 pub(super) fn defaults() -> &'static Defaults {
     DEFAULTS.get_or_init(|| {
         let file = folder().map(|folder| folder.join("slipline").join("settings.toml"));

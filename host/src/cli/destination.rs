@@ -85,7 +85,7 @@ impl Destination {
         if !there.is_empty() && !may_replace.force {
             let there = there.join(", ");
             return Err(Failure::Usage(format!(
-                "{name} holds {there} already: write --force to replace what is there, or name another folder"
+                "{name} holds {there} already: write --force to replace it, or name another folder"
             )));
         }
         std::fs::create_dir_all(folder).map_err(|error| failed(folder, &error))?;
@@ -118,7 +118,7 @@ impl Destination {
         files.into_iter().map(|file| file.path.display().to_string()).collect()
     }
 
-    /// Writes what was measured, which cannot be had again. If the file cannot be written any more, the text goes to a
+    /// Writes a measurement, which cannot be repeated exactly. If the file cannot be written any more, the text goes to a
     /// file among the temporary ones, which the error names.
     pub(super) fn write_measured(&self, text: &str) -> Result<(), Failure> {
         let Err(why) = self.write(|out| Ok(out.write_all(text.as_bytes())?)) else { return Ok(()) };

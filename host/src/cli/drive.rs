@@ -62,7 +62,7 @@ pub struct DriveArguments {
     hold: HoldArgument,
     #[command(flatten)]
     known: KnownDriveArgument,
-    // Of the trace, which main writes.
+    // For the trace, which main writes.
     #[command(flatten)]
     force: ForceArgument,
     #[command(flatten)]

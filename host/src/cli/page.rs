@@ -20,8 +20,8 @@ pub struct PageArguments {
     /// Folder of the built page. Without this option: the page in the program, which releases have, else target/page.
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
-    /// Where browsers find it: an address of this computer for itself, 127.0.0.0 to 127.255.255.255 or [::1], and a port;
-    /// with port 0 the system chooses one.
+    /// Address of the page: a loopback address, 127.0.0.0 to 127.255.255.255 or [::1], and a port; with port 0 the
+    /// system chooses one.
     #[arg(long, value_name = "ADDRESS", value_parser = loopback, default_value = "127.0.0.1:8765")]
     listen: SocketAddr,
 }
@@ -30,7 +30,7 @@ pub struct PageArguments {
 fn loopback(text: &str) -> Result<SocketAddr, String> {
     let parsed =
         text.trim().parse().ok().filter(|address: &SocketAddr| address.ip().to_canonical().is_loopback());
-    // To whom a page is offered is for a server with a certificate to decide; a browser has no service worker without.
+    // Serving other computers needs a server with a certificate; without one a browser has no service worker.
     let allowed = "an address that only this computer reaches, 127.0.0.0 to 127.255.255.255 or [::1], and a port, such as 127.0.0.1:8765";
     parsed.ok_or_else(|| only(allowed))
 }

@@ -42,7 +42,7 @@ pub struct ServeArguments {
     /// secret:SEED (a plate whose values all deviate by a few per cent).
     #[arg(long, value_name = "TRUTH", requires = "sensor")]
     actual_plate: Option<String>,
-    // Of the trace, which main writes.
+    // For the trace, which main writes.
     #[command(flatten)]
     force: ForceArgument,
 }

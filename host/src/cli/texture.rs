@@ -48,7 +48,7 @@ pub struct TextureArguments {
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct WantedArgument {
-    /// An even area from the driven end to the place where the finger feels it end (200mm).
+    /// An even area from the driven end to its felt edge (200mm).
     #[arg(long, value_name = "X", value_parser = argument::place, allow_hyphen_values = true)]
     solid: Option<Typed<f64>>,
     /// The wanted RMS amplitude as breakpoints: lines of place in metres, comma, amplitude.

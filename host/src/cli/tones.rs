@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! --felt-edge, --turning-point --> AskedTones, checked against the plate's span
-//!                                      --table, feeling--> ToneSetups, or the felt edges that can be had
+//!                                      --table, feeling--> ToneSetups, or the reachable felt edges
 //! ```
 
 use super::argument::{self, PlaceArgument, level};
@@ -20,7 +20,7 @@ use slipline_plate::quantity::{
 use slipline_plate::{DriveTable, Plate};
 use std::sync::Arc;
 
-/// What an option begins with; the words of lines have no dashes.
+/// The prefix of an option; the words of lines have no dashes.
 const OPTION: &str = "--";
 
 /// The tones.
@@ -201,7 +201,7 @@ impl AskedTones {
         }
     }
 
-    /// The setup of these tones; `table` is that of the plate. An error names the felt edges that can be had.
+    /// The setup of these tones; `table` is that of the plate. An error names the reachable felt edges.
     pub(super) fn setup(&self, plate: &Arc<Plate>, table: &DriveTable) -> Result<Setup, Failure> {
         let like = Setup { feeling: self.feeling.feeling, ..Setup::new(Arc::clone(plate)) };
         let requests: Vec<_> = self.tones.iter().map(|tone| tone.request).collect();

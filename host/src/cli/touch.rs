@@ -24,7 +24,7 @@ pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
 }
 
 impl TouchArgument {
-    /// What it asks for. A frequency is that of the tone.
+    /// The requested place; a frequency is that of the tone.
     pub(super) fn request(&self) -> FeltEdgeRequest {
         let asked = match self.asked.value {
             PlaceOrFrequency::Place(place_m) => AskedPlace::FeltEdge(place_m),

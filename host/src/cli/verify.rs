@@ -27,7 +27,7 @@ pub struct VerifyArguments {
     /// Longest window of codes per digest.
     #[arg(long, value_name = "TIME", value_parser = argument::time, allow_hyphen_values = true, default_value = "250ms")]
     window: Typed<f64>,
-    // Of the trace, which main writes.
+    // For the trace, which main writes.
     #[command(flatten)]
     force: ForceArgument,
     #[command(flatten)]

@@ -22,7 +22,7 @@ const GLANCE: Duration = Duration::from_millis(50);
 pub struct WatchArguments {
     #[command(flatten)]
     port: PortArgument,
-    // Of the trace, which main writes.
+    // For the trace, which main writes.
     #[command(flatten)]
     force: ForceArgument,
 }

@@ -23,7 +23,7 @@ fn the_simulated_plate_heads_the_ports() {
 }
 
 #[test]
-fn info_tells_who_the_simulated_device_is() {
+fn info_identifies_the_simulated_device() {
     let info = json(&["info", "--port", "sim"]);
     assert_eq!(info["inputs"]["lost_blocks"], 0);
     assert_eq!(info["simulated"], true);
@@ -59,7 +59,7 @@ fn respond_gives_the_amplitude_over_x_and_the_turning_point() {
 }
 
 #[test]
-fn respond_in_two_dimensions_tells_where_the_one_mode_equation_differs() {
+fn respond_in_two_dimensions_reports_where_the_one_mode_equation_differs() {
     let arguments = ["respond", "--plate", "membrane", "--freq", "138Hz", "--points", "801"];
     let one_mode = json(&arguments);
     let two = json(&[&arguments[..], &["--2d"]].concat());
@@ -145,7 +145,7 @@ fn simulate_reports_what_was_commanded_and_what_was_measured() {
 }
 
 #[test]
-fn simulate_on_the_sheet_tells_where_the_one_mode_equation_differs() {
+fn simulate_on_the_sheet_reports_where_the_one_mode_equation_differs() {
     let arguments = ["simulate", "--plate", "membrane", "--turning-point", "160mm"];
     let sheet = json(&[&arguments[..], &["--sheet"]].concat());
     let line = json(&arguments);

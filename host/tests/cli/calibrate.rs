@@ -268,7 +268,7 @@ fn two_touches_give_places_and_no_levels() {
 }
 
 #[test]
-fn what_the_data_do_not_carry_ends_with_1_and_the_reason() {
+fn data_that_carry_no_calibration_end_with_1_and_the_reason() {
     let plate = actual();
     let near = data("refused-near.csv", &measured(&plate, 0.032));
     let far = data("refused-far.csv", &measured(&plate, 0.176));

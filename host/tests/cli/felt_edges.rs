@@ -141,7 +141,7 @@ fn the_words_with_two_meanings_are_refused_with_the_words_in_their_place() {
 }
 
 #[test]
-fn the_feeling_is_that_of_the_file_and_named() {
+fn the_feeling_comes_from_the_file_and_is_named() {
     let path = file("finger.toml");
     std::fs::write(&path, feeling::write(&Feeling { threshold: 4.0, ..Feeling::default() })).unwrap();
     let name = path.to_str().unwrap();

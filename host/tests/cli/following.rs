@@ -51,7 +51,7 @@ impl Following {
                 .iter()
                 .filter_map(|sent| if let Message::Drive(drive) = sent { Some(drive.clone()) } else { None })
                 .collect();
-            // Of a slow device the link asks again.
+            // The link asks a slow device again.
             drives.dedup();
             if drives.len() >= count {
                 return drives;

@@ -1,11 +1,11 @@
-//! `slipline drive --hold`: the device keeps what the simulated sensor hears.
+//! `slipline drive --hold`: the device keeps the level at the simulated sensor.
 
 use super::{failure, json, number};
 
 const DRIVE: [&str; 7] = ["drive", "--port", "sim", "--plate", "al-bending", "--turning-point", "247mm"];
 
 #[test]
-fn a_drive_that_is_held_tells_each_tones_state_and_correction() {
+fn a_drive_that_is_held_reports_each_tones_state_and_correction() {
     let value =
         json(&[&DRIVE[..], &["--level", "0.3", "--hold", "--sensor", "210mm", "--for", "1s"]].concat());
     let hold = &value["hold"];
@@ -28,7 +28,7 @@ fn what_cannot_be_held_is_refused() {
     assert!(of(&["--hold", "--max-rise", "21"], 2).contains("0 to 20 dB"));
     assert!(of(&["--hold", "--sensor", "1m"], 2).contains("--sensor"));
     assert!(of(&["--sensor", "30mm"], 2).contains("--hold"));
-    // Full silence is heard by no sensor.
+    // No sensor receives full silence.
     let message = of(&["--level", "0.00002", "--hold"], 1);
     assert!(message.contains("codes only"), "{message}");
 }

@@ -1,5 +1,5 @@
 //! `host/JSON.md` and the output of every command have the same fields; every example of the help runs.
-//! `SLIPLINE_BLESS=1 cargo test -p slipline --test cli json_page` writes the page anew.
+//! `SLIPLINE_BLESS=1 cargo test -p slipline --test cli json_page` writes the page again.
 #![cfg(unix)]
 
 #[path = "json_page/names.rs"]
@@ -211,7 +211,7 @@ fn every_example_runs_and_the_page_lists_every_field_of_every_command() {
     }
     let stands = std::fs::read_to_string(&path).unwrap();
     for (number, (is, wanted)) in (1..).zip(stands.lines().zip(page.lines())) {
-        assert_eq!(is, wanted, "JSON.md:{number}: write it anew with SLIPLINE_BLESS=1");
+        assert_eq!(is, wanted, "JSON.md:{number}: write it again with SLIPLINE_BLESS=1");
     }
-    assert_eq!(stands.lines().count(), page.lines().count(), "JSON.md: write it anew with SLIPLINE_BLESS=1");
+    assert_eq!(stands.lines().count(), page.lines().count(), "JSON.md: write it again with SLIPLINE_BLESS=1");
 }

@@ -85,7 +85,7 @@ impl Drop for Sensed {
 fn slipline(arguments: &[&str]) -> Output {
     let _running = arguments.contains(&"--sensor").then(Sensed::begin);
     let mut command = Command::new(env!("CARGO_BIN_EXE_slipline"));
-    // Without the defaults of whoever runs the tests.
+    // Without the defaults of the person who runs the tests.
     command.env_remove("SLIPLINE_PORT").env_remove("SLIPLINE_PLATE");
     command.env("XDG_CONFIG_HOME", env!("CARGO_TARGET_TMPDIR")).args(arguments).output().unwrap()
 }

@@ -109,7 +109,7 @@ fn a_sweep_measures_the_current_and_the_plate_is_calibrated_by_it_alone() {
     let more = ["--input", "current", "--sweep", "--out", out.to_str().unwrap()];
     let value = json(&[&["measure"], &ALUMINIUM[..], &more].concat());
     assert_eq!((&value["input"], &value["kind"]), (&Value::from("current"), &Value::Null), "{value}");
-    assert_eq!(value["drive"], "The drive is connected and takes the current that it should.");
+    assert_eq!(value["drive"], "The drive is connected and takes the expected current.");
     let responses = value["response"].as_array().unwrap();
     // The shunt's range is 1.25 times the largest current of the band.
     let largest = responses.iter().map(|it| number(it, "re").hypot(number(it, "im"))).fold(0.0, f64::max);
@@ -140,7 +140,7 @@ fn one_place_of_a_sensor_calibrates_with_a_model_of_the_source_and_says_so() {
 }
 
 #[test]
-fn a_drive_that_is_another_one_is_told_before_anything_loud() {
+fn another_drive_than_stated_is_reported_before_anything_loud() {
     let wrong = ["--amplifier", "60V", "--piezo", "1nF", "--shunt", "1mA"];
     for command in [&["measure", "--sensor", "34mm"][..], &["calibrate", "--sensor", "34mm"]] {
         refused(&[command, &ALUMINIUM[..], &wrong].concat(), 1, &["The piezo has", "where 1 nF are stated"]);

@@ -231,7 +231,7 @@ fn a_file_and_a_port_are_for_the_window_and_a_commands_name_wins() {
         assert!(code == Some(2) && error.contains(words), "{arguments:?}: {error}");
     }
     let presets = slipline(&["--json", "presets"]);
-    assert!(presets.status.success(), "an option of all commands stands before them as ever");
+    assert!(presets.status.success(), "an option of all commands may stand before them");
 }
 
 #[test]

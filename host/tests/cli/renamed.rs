@@ -11,7 +11,7 @@ fn noted(arguments: &str) -> String {
 }
 
 #[test]
-fn an_old_name_does_what_it_did_and_says_the_new_one_in_a_line() {
+fn an_old_name_still_works_and_names_the_new_one() {
     let [wav, csv, svg] = ["old.wav", "old.txt", "old.svg"].map(|name| file(name).display().to_string());
     let tone = "--plate membrane --turning-point 120mm";
     for (old, new, sentences) in [

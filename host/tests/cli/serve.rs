@@ -49,7 +49,7 @@ fn a_device_at_a_socket_serves_one_program_after_the_other_and_ends_with_its_fil
 }
 
 #[test]
-fn a_second_program_at_a_taken_device_hears_that_it_is_in_use_and_disturbs_nothing() {
+fn a_second_program_at_a_taken_device_is_refused_and_disturbs_nothing() {
     let path = file("taken.sock");
     let serving = start(&["--socket", path.to_str().unwrap()]);
     let worker = Worker::spawn(|| ()).unwrap();

@@ -20,7 +20,7 @@ fn taken(path: impl AsRef<Path>) -> String {
 }
 
 #[test]
-fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_is_that_of_the_library() {
+fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_matches_the_library() {
     let text = EXAMPLE.replace("count = 1000", "count = 200");
     let spec = written("study.toml", &text);
     let outs = ["1", "2"].map(|threads| {
@@ -35,7 +35,7 @@ fn a_study_has_the_same_bytes_by_one_thread_and_by_two_and_is_that_of_the_librar
     let whole = study.run_range(0..200);
     assert_eq!(outs[0].0, csv::head(&study) + &csv::rows(&study, &whole));
 
-    // What is printed is what is in the file.
+    // The printed numbers match the file.
     let value = &outs[0].1;
     assert_eq!(value["plates"][0]["status"], "done");
     assert_eq!(value["plates"][0]["count"], 200);

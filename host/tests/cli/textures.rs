@@ -119,7 +119,7 @@ fn a_texture_on_multiples_is_played_as_a_chord_and_louder_than_its_sum() {
 }
 
 #[test]
-fn what_cannot_be_had_is_refused_with_its_range() {
+fn what_is_out_of_reach_is_refused_with_its_range() {
     for (more, expected) in [
         (&["--solid", "20mm"][..], "--solid"),
         (&["--stripes", "1mm"], "--stripes"),
@@ -159,7 +159,7 @@ fn merit_has_the_figures_of_the_readmes_table() {
 }
 
 #[test]
-fn merit_tells_each_boundary_that_has_room_before_it() {
+fn merit_lists_each_boundary_that_has_room_before_it() {
     let value = json(&["merit", "--plate", "membrane"]);
     let boundaries = value["turning_points"].as_array().unwrap();
     // The first of five has none.

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 #[test]
-fn a_drive_at_the_trigger_waits_and_tells_where_it_began() {
+fn a_drive_at_the_trigger_waits_and_reports_where_it_began() {
     let served = Served::new("trigger.sock", Options::default());
     let mut child = Command::new(env!("CARGO_BIN_EXE_slipline"))
         .args("drive --json --plate membrane --turning-point 120mm --at trigger --for 50ms --port".split(' '))

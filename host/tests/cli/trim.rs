@@ -26,7 +26,7 @@ pub(super) fn calibrated() -> Plate {
 }
 
 #[test]
-fn a_change_of_the_speed_is_told_watched_and_written() {
+fn a_change_of_the_speed_is_reported_watched_and_written() {
     let plate = calibrated();
     let actual = written("trim-actual.toml", &plate.with_wave_speed(1.01).unwrap());
     let (plate, out) = (written("trim-plate.toml", &plate), file("trimmed.toml"));

@@ -41,7 +41,7 @@ fn what_can_be_refused_is_refused_before_the_device_is_armed() {
     let paths = prepared();
     let names = ["{weightless}", "{kept}", "{finger}", "{calibrated}", "{plate}", "{CLOSED}"];
     let cases = [
-        // Outputs that cannot be written, or are there.
+        // Outputs that cannot be written, or that exist.
         ("measure --plate al-bending --sensor 34mm --out {CLOSED}/m.csv", 1, "/proc/m.csv"),
         ("sweep --plate al-bending --out {CLOSED}/s.toml", 1, "/proc/s.toml"),
         (

@@ -25,7 +25,7 @@ fn a_board_without_a_brown_out_level_is_armed_only_if_the_user_says_that_he_know
 }
 
 #[test]
-fn info_tells_the_wear_of_the_flash() {
+fn info_reports_the_wear_of_the_flash() {
     let served = Served::new("wear.sock", Options::default());
     let info = json(&["info", "--port", &served.port]);
     assert_eq!((&info["flash_erasures"], &info["flash_erasures_promised"]), (&0.into(), &20_000.into()));

@@ -69,7 +69,8 @@ fn no_field_of_json_is_a_boundary() {
 /// The pages that a user reads.
 fn pages() -> Vec<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    let folders = ["", "host/plate", "firmware", "shared"].map(|folder| root.join(folder));
+    let folders = ["", "host", "host/plate", "host/python", "host/window/web", "firmware", "shared"];
+    let folders = folders.map(|folder| root.join(folder));
     let mut found = Vec::new();
     for folder in folders {
         let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());

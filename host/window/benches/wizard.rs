@@ -1,7 +1,7 @@
-//! The calibration's pages by a real pointer: in a real window, on a secret plate, from a preset to the plate that is there.
+//! The calibration's pages by a real pointer: in a real window, on a secret plate, from a preset to the actual plate.
 //!
 //! `cargo bench --profile dev --bench wizard` prints how long it takes beside the measurements themselves, and how far
-//! the rings of the plate that is there lie from the predicted curve afterwards; it fails if one lies too far away. It needs
+//! the rings of the actual plate lie from the predicted curve afterwards; it fails if one lies too far away. It needs
 //! an X display and `xdotool`, and moves the display's pointer.
 //! Where a control is says the window's accessibility tree, what is on the envelope its export as CSV.
 
@@ -110,7 +110,7 @@ impl Hand {
         }
     }
 
-    /// Presses a control once it is there, can be pressed and rests.
+    /// Presses a control once it is shown, enabled and at rest.
     fn press(&self, role: Role, name: &str) {
         let found = |seen: &[Control]| {
             // An entry of a menu has its shortcut after its name, if it has one.

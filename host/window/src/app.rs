@@ -1,5 +1,5 @@
-//! The app: the shell around an [`Instrument`]. It hands on what keys, pointer and views ask for, and has what a window alone
-//! has: settings, files, pages, sound, pictures.
+//! The app: the shell around an [`Instrument`]. It hands on the requests of keys, pointer and views, and owns what only
+//! a window has: settings, files, pages, sound, pictures.
 //!
 //! ```text
 //! views --Intent--> App --calls--> Instrument --Request--> link worker --> device
@@ -63,9 +63,9 @@ pub struct Parts {
     pub link: Box<dyn Link>,
     /// The instrument's work.
     pub jobs: Jobs,
-    /// What the simulated device's inputs are wired to.
+    /// The rig at the simulated device's inputs.
     pub bench: Bench,
-    /// What is the window's own.
+    /// The window's own state.
     pub desk: Desk,
 }
 
@@ -104,7 +104,7 @@ pub struct App {
     desk: Desk,
     settings: Settings,
     grab: Option<Grab>,
-    /// How many times larger than to the table's full scale the stage shows displacements.
+    /// Magnification of displacements on the stage, relative to the table's full scale.
     magnification: f64,
     ports: Vec<PortInfo>,
     hearing: sound::Hearing,
@@ -205,7 +205,7 @@ impl App {
         let revision = self.instrument.snapshot().revision;
         self.instrument.take_reports();
         if self.instrument.snapshot().revision != revision {
-            // The link's word counts, but not before it has heard what the user has just chosen.
+            // The link decides, but only after it has received what the user has just chosen.
             self.settings.auto_reconnect = self.instrument.snapshot().auto_reconnect;
         }
         self.take_results();

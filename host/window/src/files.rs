@@ -147,7 +147,7 @@ pub enum FileError {
     #[error("{0}")]
     NoFolder(String),
     /// A folder holds a file of this name, and it may not be replaced.
-    #[error("{0} is there already: choose another folder")]
+    #[error("{0} exists already: choose another folder")]
     Exists(String),
 }
 

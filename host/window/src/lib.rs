@@ -7,6 +7,27 @@
 //! ```
 //! The window of a system (its event loop, threads, dialogs, files, sound) is left out for a browser, where the crate
 //! `slipline-page` is the shell.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `app.rs`: hands events on, carries out intents (`app/perform.rs`); keys (`app/input.rs`), visitors
+//!   (`app/kiosk.rs`), the first start (`app/demonstration.rs`), the pace of pictures (`app/pace.rs`), a window that
+//!   hangs (`app/event_loop.rs`)
+//! - `intent.rs`, `scene.rs`: what views ask for, and what they show
+//! - `view/`: the views. Colours, font sizes and distances: `view/theme.rs`; what views keep from frame to frame:
+//!   `view/state.rs`
+//! - `view/stage/`: plate, envelope, felt strip and lines. Tests: `host/window/tests/gui/stage.rs`
+//! - `view/bars/`: top bar (states of the link: `view/bars/top_bar.rs`, what they offer: `view/bars/offers.rs`), menu
+//!   and bottom row. Tests: `host/window/tests/gui/states.rs`
+//! - `view/panels/`, `view/fields/`: the pages of the side panel, and their inputs
+//! - `view/plots/`, `view/dialogs/`: plots; pages in front of the window, with the list of shortcuts
+//! - `files.rs`, `sound.rs`, `settings.rs`: files, the sound card (`sound/output/`) and the stored settings
+//! - `axis.rs`, `caption.rs`: the common x axis, and the captions of fields
+//!
+//! Tests: `host/window/tests/gui/` finds controls by their accessible names and compares pictures;
+//! `host/window/benches/` measures the pace.
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.

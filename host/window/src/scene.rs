@@ -18,13 +18,13 @@ pub use slipline_instrument::{
 pub struct Scene<'a> {
     /// What the instrument shows.
     pub instrument: Shown<'a>,
-    /// What the pointer drags.
+    /// The object that the pointer drags.
     pub grab: Option<Grab>,
     /// How many times larger than to the table's full scale the stage shows displacements: 1, 2, 5, 10 and so on.
     pub magnification: f64,
     /// The name and the effect of the scene that visitors see, in a window for them.
     pub visitors: Option<(&'static str, &'static str)>,
-    /// What is heard.
+    /// The present sound.
     pub sound: SoundScene,
     /// The settings that are kept between runs.
     pub settings: &'a Settings,
@@ -72,7 +72,7 @@ impl Scene<'_> {
 
 /// What is heard, and why not.
 pub struct SoundScene {
-    /// What is played.
+    /// The played sound.
     pub choice: SoundChoice,
     /// The state of the system's sound.
     pub speaker: SpeakerState,

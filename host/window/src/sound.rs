@@ -24,13 +24,13 @@ use slipline_model::sound::Sound;
 /// Whether there is any sound to choose: not in a browser.
 pub(crate) const IS_THERE: bool = cfg!(not(target_arch = "wasm32"));
 
-/// What is played.
+/// The played sound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SoundChoice {
     /// Nothing.
     #[default]
     Off,
-    /// What the finger meets.
+    /// The vibration at the finger.
     Finger,
     /// The drive, for a voice coil at the sound card's output.
     Drive,
@@ -39,7 +39,7 @@ pub enum SoundChoice {
 /// The state of the system's sound.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum SpeakerState {
-    /// Nothing was to be played yet, or not for a while.
+    /// Nothing has been played yet, or nothing for a while.
     #[default]
     Closed,
     /// It is being opened.

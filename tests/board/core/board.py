@@ -25,7 +25,7 @@ class Board(Processor):
     MEMORIES, RAMS, PERIPHERALS = {}, (), ()
     # The core's registers that differ from chip to chip after a reset.
     CORE_REGISTERS = {}
-    # Of the memory protection unit.
+    # The registers of the memory protection unit.
     MPU_REGIONS = None
     SUPPLY_IRQ = 1
     # A register of SYSCFG and its bits that connect the supply detector and the core's lock-up with the timers' breaks.
@@ -71,7 +71,7 @@ class Board(Processor):
     # --- reset and power
 
     def reset(self, cause):
-        """Everything but flash and RAM begins anew; power-on leaves noise in the RAM as well."""
+        """Everything but flash and RAM restarts; power-on leaves noise in the RAM as well."""
         self.resets.append(cause)
         if cause == "power":
             noise = random.Random(len(self.resets))

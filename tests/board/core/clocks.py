@@ -20,7 +20,7 @@ class Tree(NamedTuple):
     core: float
     # The bus of core and memories.
     ahb: float
-    # Of the buses of the peripherals, by number, and what their timers run at.
+    # The clocks of the peripheral buses, by number, and of their timers.
     apb: dict
     timers: dict
     # What the USB core gets.

@@ -107,9 +107,9 @@ class Dac:
 
 class DacWithMode(Dac):
     """The G4's and the H7's (RM0440 chapter 22, RM0433 chapter 26): another place for the trigger, and a mode register. An
-    underrun stops the requests until the flag is cleared and DMAEN has been set anew.
+    underrun stops the requests until the flag is cleared and DMAEN has been set again.
 
-    `speed` is what DAC_MCR.HFSEL must be at a bus clock, or None if the chip has no such bits."""
+    `speed` is the required DAC_MCR.HFSEL at a bus clock, or None if the chip has no such bits."""
 
     TRIGGERED, SELECT_SHIFT, SELECT_MASK = 1 << 1, 2, 15
 

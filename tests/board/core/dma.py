@@ -15,7 +15,7 @@ class Dma:
             board.add_line(irq, lambda stream=stream: self.is_pending(stream))
         # Called before anyone looks: transfers that should have been asked for by now.
         self.settle = lambda: None
-        # Those that a test keeps from the bus.
+        # The streams that a test keeps from the bus.
         self.blocked = set()
         self.reset()
 

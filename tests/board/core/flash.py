@@ -153,5 +153,5 @@ class EccFlash(Flash):
             self.read_torn(word)
 
     def read_torn(self, address):
-        """A double error: the chip's own consequence."""
+        """The chip's own reaction to a double error."""
         raise NotImplementedError

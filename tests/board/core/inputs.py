@@ -1,7 +1,7 @@
 """A timer's inputs: channels that capture (RM0090 18.3.5 and 18.4, RM0440 chapter 29, RM0433 chapter 39; the same on the three
 chips).
 
-Modelled is what an edge does to the channel's flag: its own pin's rise, filtered, without a prescaler. What is not (falling
+The model has the effect of an edge on the channel's flag: its own pin's rise, filtered, without a prescaler. What it lacks (falling
 edges, the other channel's pin, the captured count) is a failure when it is asked for.
 """
 

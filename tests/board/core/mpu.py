@@ -50,7 +50,7 @@ class Mpu:
         return self.is_on() and any(start < address + size and address < end for start, end in self.guards())
 
     def lift(self):
-        """Opens all of Unicorn's memory, before it is mapped anew."""
+        """Opens all of Unicorn's memory, before it is mapped again."""
         for start, size, rights in self.closed:
             self.board.cpu.mem_protect(start, size, rights)
         self.closed = []

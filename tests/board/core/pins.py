@@ -1,7 +1,7 @@
 """The GPIO ports: modes, levels, alternate functions, lock (RM0090 chapter 8, RM0440 chapter 9, RM0433 chapter 11).
 
-`Pins.level` is what the chip itself drives. A pin that it does not drive is None: there the wiring decides. What the program
-reads there is what drives the pin from outside (`drive`), else the level to which a resistor on the board pulls it (`resistors`), else
+`Pins.level` is the level that the chip itself drives. It is None for a pin that it does not drive: there the wiring decides. The program
+reads the level that drives the pin from outside (`drive`), else the level to which a resistor on the board pulls it (`resistors`), else
 that of the chip's own resistor; or, where a test has wired one (`wire`), what a resistor and a capacitor make of that.
 """
 

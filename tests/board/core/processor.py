@@ -117,7 +117,7 @@ class Processor(Faults, Agenda):
 
         Unicorn 2.1 shows a hook the IT block in which the access stands, by putting its state back into xPSR, and forgets it
         there: what the program does after the block would go by its condition. The state of code that runs is in its
-        translation, and what stops within a block writes it anew."""
+        translation, and what stops within a block writes it again."""
 
         def on_access(*access):
             hook(*access)
@@ -133,7 +133,7 @@ class Processor(Faults, Agenda):
             if events and events[0][0] <= self.now:
                 self.run_events()
             if self.must_stop or self.now >= self.limit or (self.nvic.is_due() and self.next_exception()):
-                # The block is entered anew, and paid for, afterwards.
+                # The block is entered again, and paid for, afterwards.
                 self.cpu.emu_stop()
                 return
         # Whatever is due: always make progress.

@@ -22,7 +22,7 @@ def first_difference(memory, other):
 
 
 class StackWatch:
-    """A board's memory at `start`, which the stack has to itself; `noise` is what power-on has left there."""
+    """A board's memory at `start`, which the stack has to itself; `noise` is its content after power-on."""
 
     def __init__(self, cpu, start, size):
         self.cpu, self.start, self.size = cpu, start, size
@@ -32,7 +32,7 @@ class StackWatch:
     def thread_depth(self, traces):
         """Bytes from the top that have been written since power-on.
 
-        While the stacks are watched this is what the program needs when no interrupt comes, to the word."""
+        While the stacks are watched this is the program's exact need without interrupts, to the word."""
         now = bytes(self.cpu.mem_read(self.start, self.size))
         if traces:
             # An interrupt is under way.

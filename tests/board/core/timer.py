@@ -166,7 +166,7 @@ class Timer:
         if (self.control2 >> 4) & 7 == TRGO_ON_UPDATE:
             for _ in range(periods):
                 self.board.dac.trigger(self.number)
-                # After the DAC: what it samples is what the DAC drives now.
+                # After the DAC: it samples the DAC's present level.
                 self.board.adc.trigger(self.number, periods > 1)
             for slave in self.slaves:
                 slave.clock(periods)

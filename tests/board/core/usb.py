@@ -27,7 +27,7 @@ class UsbHost(UsbCore):
         self.forget()
 
     def forget(self):
-        """The host's side of a connection begins anew."""
+        """The host's side of a connection restarts."""
         self.transfer = None
         self.to_device, self.from_device = bytearray(), bytearray()
         self.packets = []

@@ -39,7 +39,7 @@ class H743Clocks(Clocks):
     HSE_HZ = 8e6
     ENABLES = enables()
     RESETS = {page: (RESETS[register], bit) for page, (register, bit) in ENABLES.items() if page != 0x40020800}
-    # What feeds OSC_IN is the ST-LINK's clock: ready as soon as it is there.
+    # What feeds OSC_IN is the ST-LINK's clock: ready as soon as it runs.
     OSCILLATORS = {
         HSION: (1 << 2, INTERNAL_SECONDS), CSION: (1 << 8, INTERNAL_SECONDS), HSI48ON: (1 << 13, INTERNAL_SECONDS),
         HSEON: (1 << 17, CRYSTAL_SECONDS), **{on: (on << 1, PLL_SECONDS) for on in PLLONS},

@@ -1,5 +1,5 @@
 //! Records a session of this build's host with this build's device, to standard output: once for each minor version,
-//! when it is released. The files in `transcripts/` are never made anew.
+//! when it is released. The files in `transcripts/` are never made again.
 
 use slipline_protocol::version::{MAJOR, MINOR};
 use slipline_tests::transcript::{Line, SessionRecorder, play};

@@ -30,7 +30,7 @@ fn main() {
         println!("{name}: mm and dB, median and worst: {before:.2?} -> {mm:.3?} {db:.3?}");
         is_held &= [mm.0, mm.1, db.0, db.1].iter().zip(limits).all(|(found, most)| *found <= most);
     }
-    // Of other plates PHYSICS.md says nothing.
+    // PHYSICS.md states nothing about other plates.
     assert!(is_held || (count, first) != (20, 0), "not the errors of PHYSICS.md");
 }
 

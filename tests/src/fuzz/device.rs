@@ -255,7 +255,7 @@ pub fn stored(data: &[u8]) {
     }
     assert!(rig.recording.codes.iter().all(|&code| code < 4096));
     assert_eq!(rig.status().counters.clips, 0);
-    // Whatever was there, another table can be kept in its place.
+    // Another table can replace any stored one.
     rig.accepted(&Command::Disarm);
     rig.silent_ms(100);
     rig.accepted(&Command::ClearFaults);

@@ -50,9 +50,9 @@ struct Ordered {
     has_held: bool,
 }
 
-/// Measurements, captures, holds, lost blocks and sound, each of one byte that chooses it and some more: what is read is what
-/// the inputs have sampled, a device that measures sends the codes of one that does not, and one that holds is never above full
-/// scale.
+/// Measurements, captures, holds, lost blocks and sound, each of one byte that chooses it and some more: every reading
+/// matches the sampled inputs, a device that measures sends the codes of one that does not, and one that holds is never
+/// above full scale.
 ///
 /// # Panics
 /// If that does not hold.

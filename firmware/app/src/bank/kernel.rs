@@ -7,7 +7,7 @@
 use super::block::{BLOCK, TONES, ToneBlock};
 use super::layout::{GlideBasis, GlideSeeds, SteadyBasis, SteadySeeds, Turn};
 
-/// What the tones of a block need.
+/// The kind of computation that the tones of a block need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Survey {
     /// Every tone is steady at a step that the basis is made for.
@@ -18,7 +18,7 @@ pub(super) enum Survey {
     Gliding,
 }
 
-/// What a block's codes come to.
+/// The totals of a block's codes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Converted {
     /// Whether any sample had to be clamped.

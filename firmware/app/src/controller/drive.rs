@@ -48,7 +48,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         let (least, most) = limits::LEASE_MS;
         in_range(Field::Lease, least.into(), most.into(), lease_ms.into())?;
         let ready = self.arm(mailbox)?;
-        // Of an armed device only the lease begins again: the longest drive counts from what the user drives.
+        // In an armed device only the lease restarts: the longest drive counts from the user's own drive.
         mailbox.lease(self.timing.samples(lease_ms));
         Ok(ready)
     }
@@ -238,13 +238,13 @@ fn hand_over<M: RawMutex>(apply: Apply) -> HandOver<M> {
     }
 }
 
-/// Makes a motion and hands it over, anew with a later index if the renderer was faster.
+/// Makes a motion and publishes it; repeats with a later index if the renderer was faster.
 ///
 /// `lead` remembers how many blocks the last attempt took: the next one begins so much later, and fails only if it takes longer,
 /// for a failed attempt costs more time than that. It falls by a block with each program that takes less, to one block. Where
 /// planning takes no time it stays 0.
 ///
-/// A motion that waits for the trigger input, or is the level hold's own, gives way to one that `make` makes.
+/// Replaces a motion that waits for the trigger input, or one of the level hold, by the motion that `make` returns.
 pub(super) fn publish<M: RawMutex>(
     mailbox: &Mailbox<M>,
     lead: &Cell<u64>,

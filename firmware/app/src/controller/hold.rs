@@ -47,7 +47,7 @@ pub(super) struct Holding {
     hold: Hold,
     /// Amplitudes that the last window has measured, in 1/256 code.
     amplitudes: [u32; TONES],
-    /// What each slot's level is multiplied by, and the amplitudes of the slots that are not held, Q1.31.
+    /// The factor of each slot's level, and the amplitudes of the slots that are not held, Q1.31.
     gains: [Gain; TONES],
     others: u64,
     /// The drive's level of each slot that a hold has had since that drive; 0 of the others. It outlives a hold that leaves its
@@ -256,7 +256,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 
     /// Drops the hold's own levels that have not begun, before a drive is planned: were they to begin meanwhile, it would have to be
-    /// planned anew. Returns whether there were any.
+    /// planned again. Returns whether there were any.
     pub(super) fn hold_back_levels<M: RawMutex>(&mut self, mailbox: &Mailbox<M>) -> bool {
         self.refresh_hold(mailbox);
         if self.holding.is_on() && self.lead.get() > 0 {

@@ -35,7 +35,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     }
 
     /// Refuses what a host alone must not do: the board's user button is pressed, and was not for too long. A guard against mistakes,
-    /// not a lock: whoever can press the button can do it.
+    /// not a lock: anyone who can press the button can do it.
     pub(super) fn refuse_without_hand<M: RawMutex>(&self, mailbox: &Mailbox<M>) -> Result<(), Refusal> {
         let is_pressed = self.system.board().user_button == UserButton::Pressed;
         let is_fresh = |since: SampleIndex| mailbox.now().saturating_sub(since) < self.timing.hand;

@@ -227,7 +227,7 @@ fn a_coil_that_the_fold_back_does_not_hold_is_switched_off() {
 }
 
 #[test]
-fn the_checksum_told_is_of_what_the_memory_holds() {
+fn the_reported_checksum_matches_the_memory() {
     let mut rig = Rig::armed();
     let before = rig.reported_crc();
     rig.mailbox.write_knot(rig.controller.active.slot, 1, Knot { step: 100_000_001, ..KNOTS[1] });

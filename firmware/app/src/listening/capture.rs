@@ -32,13 +32,13 @@ pub const MAX_LOG2_CODES: u8 = 10;
 /// Parameters of a capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recipe {
-    /// The first code's index; any.
+    /// Index of the first code; any index is allowed.
     pub begin: SampleIndex,
     /// The input, from 0.
     pub input: u8,
     /// A value is the sum of two to this power of codes, `0..=`[`MAX_LOG2_CODES`].
     pub log2_codes: u8,
-    /// How many values, `1..=`[`MAX_VALUES`].
+    /// Number of values, `1..=`[`MAX_VALUES`].
     pub values: u16,
 }
 
@@ -77,7 +77,7 @@ pub enum CaptureError {
     },
     /// The board has no such input.
     NoSuchInput {
-        /// How many it has.
+        /// Number of inputs that it has.
         inputs: u8,
     },
     /// `log2_codes` is above [`MAX_LOG2_CODES`].

@@ -58,7 +58,7 @@ use self::tone::Tone;
 use crate::bank::TONES;
 use slipline_protocol::units::Gain;
 
-/// What keeps a tone from rising or falling further.
+/// The limit that keeps a tone from rising or falling further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Limit {
     /// [`LoopSetting::max_rise`].
@@ -115,7 +115,7 @@ pub struct Room {
 }
 
 impl Room {
-    /// What is left of full scale: `held` is the sum of the held tones' amplitudes in force, `others` that of all others at
+    /// The headroom to full scale: `held` is the sum of the held tones' amplitudes in force, `others` that of all others at
     /// their largest, both Q1.31. If no held tone rises by more than this ratio, the sum is full scale at most.
     #[must_use]
     pub fn in_headroom(held: u64, others: u64) -> Self {
@@ -129,7 +129,7 @@ impl Room {
 /// The levels of the held slots, master included; `None` for the others, which stay as they are.
 pub type Levels = [Option<Gain>; TONES];
 
-/// What the caller does at the end of a window.
+/// The caller's task at the end of a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HoldAction {
     /// Nothing: the levels in force are right.
@@ -263,7 +263,7 @@ impl Hold {
         self.tones.iter().flatten().all(|tone| tone.is_lost() && tone.correction() == Octaves::NONE)
     }
 
-    /// What is proposed. Corrections too small for a level's last bit come into force without a drive.
+    /// Proposes the next levels. Corrections too small for a level's last bit come into force without a drive.
     fn step(&mut self) -> HoldAction {
         if self.tones.iter().flatten().any(Tone::is_changed) {
             return HoldAction::Publish(self.tones.map(|tone| tone.map(|tone| tone.level())));

@@ -190,7 +190,7 @@ impl<'a> Listener<'a> {
             Some(Ok(())) => {
                 let inputs = self.codes.get(..stream.inputs().min(INPUTS)).unwrap_or_default();
                 self.lock_in.take_block(self.next, inputs, self.history.at(self.next));
-                // To call it for nothing would cost every block that is measured some ten cycles.
+                // A needless call would cost every measured block some ten cycles.
                 if self.capture.progress() == Progress::Capturing {
                     self.capture.take_block(self.next, inputs);
                 }

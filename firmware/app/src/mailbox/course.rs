@@ -22,7 +22,7 @@ pub struct Course {
     pub stopping: bool,
     /// Whether drives are accepted.
     pub armed: bool,
-    /// What the thermal fold-back leaves of every amplitude by the renderer's last report, per mille.
+    /// The thermal fold-back factor in the renderer's last report, per mille.
     pub foldback_per_mille: u16,
 }
 

@@ -40,11 +40,11 @@ pub(crate) struct ListenOrders {
 /// The board's inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Inputs {
-    /// How many there are.
+    /// Number of inputs.
     pub count: usize,
     /// Tones that can be measured at once.
     pub lock_ins: usize,
-    /// How long after a DAC code an input's code is held.
+    /// Delay from a DAC code to the input's sample-and-hold.
     pub delay_ns: i32,
     /// Blocks that were lost since the start.
     pub lost_blocks: u32,
@@ -53,7 +53,7 @@ pub struct Inputs {
 /// A measurement without its sums.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MeasurementReport {
-    /// How far it has come.
+    /// Its progress.
     pub state: State,
     /// Its first sample.
     pub begin: SampleIndex,
@@ -79,11 +79,11 @@ impl MeasurementReport {
 /// A capture without its values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CaptureReport {
-    /// How far it has come.
+    /// Its progress.
     pub progress: capture::Progress,
     /// The index of its first code.
     pub begin: SampleIndex,
-    /// How many values there are.
+    /// Number of values.
     pub filled: usize,
 }
 
@@ -143,7 +143,7 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Begins the measurement that `window` makes for the first index that is not rendered yet, and forgets the last one. One
-    /// step, so that the window has not begun when the renderer hears of it. Returns the window's first sample.
+    /// step, so that the window has not begun when the renderer sees it. Returns the window's first sample.
     ///
     /// # Errors
     /// What `window` says.

@@ -25,7 +25,7 @@ pub struct Orders {
     pub fed_at: SampleIndex,
     /// Where the device disarms by its lease.
     pub lease_ends: SampleIndex,
-    /// What the thermal fold-back leaves of every amplitude, per mille; `None` before the coil is known of.
+    /// The thermal fold-back factor, per mille; `None` before the coil is known.
     pub limit_per_mille: Option<u16>,
     /// The digest that is asked for.
     pub digest: DigestState,

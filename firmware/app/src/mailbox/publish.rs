@@ -11,7 +11,7 @@ use crate::motion::Motion;
 pub enum NotPublished {
     /// Another one is pending.
     Pending,
-    /// Its index has passed, or the motion it was made for has changed: make it anew.
+    /// Stale: the start index has passed or the base motion changed. Plan again.
     Late,
 }
 

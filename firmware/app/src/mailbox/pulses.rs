@@ -1,6 +1,6 @@
 //! Counters by which the supervisor sees that the tasks run.
 
-/// How often each of the three tasks has run that the supervisor watches; each count wraps.
+/// Runs of each of the three tasks that the supervisor watches; each count wraps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pulses {
     /// The renderer: blocks.

@@ -2,7 +2,7 @@
 
 use crate::safety::foldback::Foldback;
 
-/// What the renderer says at the end of a block.
+/// The renderer's report at the end of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Report {
     /// Nothing sounds from the next block on, until a program says so.
@@ -22,7 +22,7 @@ pub struct Report {
     /// The most cycles a block took.
     pub max_cycles: u32,
     /// The thermal fold-back; the present period began at [`limit_since`](crate::Timing::limit_since) this block's end.
-    /// `None` before the first block that heard of the coil.
+    /// `None` before the first block after the coil's data arrived.
     pub foldback: Option<Foldback>,
 }
 

@@ -15,14 +15,14 @@ use crate::safety::faults::FaultLatch;
 /// The lease of a device that was armed without one.
 pub(super) const NO_LEASE: u64 = u64::MAX;
 
-/// What lies under the lock.
+/// The state under the lock.
 pub(super) struct Shared {
     pub(super) next: Cell<SampleIndex>,
     /// The outlines of the two motions, in force and pending.
     pub(super) outlines: [Cell<Outline>; 2],
     /// Which of the two motions is in force; the other one is pending or spare.
     pub(super) live: Cell<Which>,
-    /// How often the motion in force has become another one.
+    /// Number of changes of the motion in force.
     pub(super) changes: Cell<u32>,
     /// The renderer is writing the trajectories of the motion in force.
     pub(super) is_fading: Cell<bool>,

@@ -1,6 +1,6 @@
 //! How fast the output is ramped to silence.
 
-/// How the output is taken to silence.
+/// The way to silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// [`STOP_RAMP_MS`](slipline_protocol::limits::STOP_RAMP_MS).

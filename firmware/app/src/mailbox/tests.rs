@@ -33,7 +33,7 @@ fn mailbox() -> Box<Local> {
 }
 
 #[test]
-fn one_that_is_set_up_in_its_place_is_as_a_new_one_whatever_was_there() {
+fn one_set_up_in_used_memory_equals_a_new_one() {
     let (used, _) = sounding();
     let mut place = Box::new(MaybeUninit::new(*used));
     let (set_up, new) = (Local::new_in(&mut place), Local::new());
@@ -171,7 +171,7 @@ fn revise(renderer: &mut Renderer, mailbox: &Local, codes: &mut [u16; BLOCK]) ->
 }
 
 #[test]
-fn a_block_with_a_stop_in_it_is_told_as_it_is_played() {
+fn a_block_with_a_stop_in_it_is_reported_as_it_is_played() {
     let (mailbox, mut renderer) = sounding();
     let before = mailbox.view().report;
     let mut codes = render(&mut renderer, &mailbox, 1);
@@ -192,7 +192,7 @@ fn a_block_with_a_stop_in_it_is_told_as_it_is_played() {
 }
 
 #[test]
-fn a_stop_at_once_begins_with_the_next_block_once_it_was_told_so() {
+fn a_stop_at_once_begins_with_the_next_block() {
     let (mailbox, mut renderer) = sounding();
     let mut codes = render(&mut renderer, &mailbox, 1);
     mailbox.stop_at_once(Stop::Normal);
@@ -216,7 +216,7 @@ fn a_stop_that_is_not_at_once_never_begins_in_a_block_that_was_rendered() {
 }
 
 #[test]
-fn a_ramp_under_way_that_ends_sooner_is_not_begun_anew() {
+fn a_ramp_under_way_that_ends_sooner_is_not_restarted() {
     let (mailbox, mut renderer) = sounding();
     mailbox.stop(Stop::Emergency);
     let mut codes = render(&mut renderer, &mailbox, 2);
@@ -274,7 +274,7 @@ impl Mute for NoPin {
 }
 
 #[test]
-fn the_cost_that_is_told_is_that_of_the_dearest_block() {
+fn the_reported_cost_is_the_dearest_blocks() {
     // the last block's cost says nothing about the deadline. The counter wraps amid the second. A block costs its
     // rendering, and then its listening.
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));

@@ -14,7 +14,7 @@ pub struct View {
     pub next: SampleIndex,
     /// The motion in force.
     pub motion: Motion,
-    /// How often that has changed; wraps.
+    /// Number of its changes; wraps.
     pub changes: u32,
     /// The program that has not begun.
     pub pending: Option<Pending>,
@@ -43,7 +43,7 @@ impl View {
         self.pending.is_some_and(|pending| pending.waits)
     }
 
-    /// Whether a new program can be published: none is pending, or one that gives way.
+    /// Whether a new program can be published: none is pending, or the pending one may be replaced.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.pending.is_none_or(|pending| pending.yields)

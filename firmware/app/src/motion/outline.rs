@@ -25,14 +25,14 @@ pub(crate) struct Outline {
 impl Outline {
     pub(crate) const SILENT: Self = Self::new(0, 1, TableRef { slot: SlotIndex::First, knots: 0 });
 
-    /// Of a motion from silence to silence.
+    /// The outline of a motion from silence to silence.
     pub(super) const fn new(start: SampleIndex, glide: u32, table: TableRef) -> Self {
         let glide = if glide == 0 { 1 } else { glide };
         let sample = (1 << 63) / glide as u64;
         Self { start, glide, sample, table, begins_silent: true, ends_silent: true }
     }
 
-    /// Of a ramp to silence of the tones that are at `here`.
+    /// The outline of a ramp to silence of the tones that are at `here`.
     pub(crate) fn fading(
         here: &[Placement; MAX_TONES],
         start: SampleIndex,
@@ -66,7 +66,7 @@ impl Outline {
         (elapsed.wrapping_mul(self.sample) >> 32) as u32
     }
 
-    /// What a ramp to silence leaves of every amplitude at an index, Q1.31.
+    /// The factor of a ramp to silence at an index, Q1.31.
     pub(crate) fn share_left(&self, index: SampleIndex, shape: &RampShape) -> u32 {
         ONE.saturating_sub(shape.at(self.share_of_time(index)))
     }

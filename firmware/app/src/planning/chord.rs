@@ -6,7 +6,7 @@
 //!                                     +--Proof: renders one period silently--> fits, or Refusal::Peak
 //! ```
 //! The base frequency is `rate / P` with a period of `P = 2^p` samples, and tone i has the phase step `m_i 2^64 / P`, exact in
-//! the 64 bits of a phase. After P samples every phase is what it was, so the sum repeats. P is a whole number of blocks, and
+//! the 64 bits of a phase. After P samples every phase returns, so the sum repeats. P is a whole number of blocks, and
 //! a steady block follows from its phases and its tones alone: each block of a steady chord is one of the `P / 128` that the
 //! proof has rendered, bit for bit. So the largest code that the proof has seen is the largest that is ever sent.
 //!
@@ -169,7 +169,7 @@ impl ChordTones {
         Ok(())
     }
 
-    /// Where each slot goes.
+    /// The goal of each slot.
     #[must_use]
     pub(crate) const fn targets(&self) -> &[Option<Target>; MAX_TONES] {
         &self.targets

@@ -28,7 +28,7 @@ pub struct Target {
 pub struct Program {
     /// The block boundary it begins at.
     pub at: SampleIndex,
-    /// How long it takes, in samples.
+    /// Its duration in samples.
     pub glide: u32,
     /// Its table.
     pub table: TableRef,

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_shape_rises_from_nothing_to_all_and_never_turns_back() {
+    fn the_shape_rises_from_zero_to_one_monotonically() {
         let shape = RampShape::new();
         assert_eq!((shape.at(0), shape.at(ONE), shape.at(u32::MAX)), (0, ONE, ONE));
         let values: std::vec::Vec<u32> = (0..=4096).map(|i| shape.at(i << 19)).collect();

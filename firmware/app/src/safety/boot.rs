@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_panic_is_told_once_and_counted() {
+    fn a_panic_is_reported_once_and_counted() {
         let (boot, kept) = decide(ResetCause::Software, Some(crash(0)));
         assert_eq!(
             (boot.reset, boot.crash.as_str(), boot.safe_mode),

@@ -82,7 +82,7 @@ impl Excursion {
         self.limit = None;
     }
 
-    /// A slot is about to be written anew.
+    /// A slot is about to be written again.
     pub const fn begin(&mut self, slot: SlotIndex) {
         *self.groups_of(slot) = Groups::NONE;
     }
@@ -176,8 +176,8 @@ impl Excursion {
     }
 }
 
-/// The shortest glide of a drive with a limit, in samples: [`PERIODS`] of the resonance, at most the longest glide that
-/// there is. The host makes its drives by the same rule.
+/// The shortest glide of a drive with a limit, in samples: [`PERIODS`] of the resonance, at most the longest possible
+/// glide. The host makes its drives by the same rule.
 #[must_use]
 pub fn shortest_glide(limit: &TravelLimit, timing: &Timing) -> u32 {
     let samples = PERIODS

@@ -34,10 +34,10 @@ pub struct CoilConstants {
 }
 
 impl CoilConstants {
-    /// Those of a device without a profile.
+    /// The numbers of a device without a profile.
     pub const DEFAULT: Self = Self { winding_s: WINDING_S, body_s: BODY_S, full_sine: FULL_SINE };
 
-    /// Those of a profile.
+    /// The numbers of a profile.
     #[must_use]
     pub fn of(heat: &CoilHeat) -> Self {
         Self {
@@ -182,13 +182,13 @@ mod tests {
     }
 
     #[test]
-    fn what_a_stop_takes_back_from_a_counted_block_was_never_heat() {
+    fn a_stop_within_a_counted_block_takes_its_heat_back() {
         let (mut stopped, mut shorter) = (Thermal::new(Heat::Cold), Thermal::new(Heat::Cold));
         for thermal in [&mut stopped, &mut shorter] {
             thermal.advance(0, 0, RATE);
         }
         stopped.advance(1024, 1024 * FULL_SQUARE, RATE);
-        // Of the last block a tenth is played, and then nothing.
+        // A tenth of the last block is played, and then nothing.
         let played = 1024 * FULL_SQUARE - 128 * FULL_SQUARE * 9 / 10;
         stopped.advance(2048, played, RATE);
         shorter.advance(2048, played, RATE);

@@ -76,7 +76,7 @@ impl Maxima {
         }
     }
 
-    /// Computes a group anew, and the large group that it belongs to.
+    /// Computes a group again, and the large group that it belongs to.
     fn sum_up(&self, group: usize, knots: &[KnotCell]) {
         let Some(cell) = self.groups.get(group) else { return };
         let (begin, end) = bounds(group);

@@ -83,7 +83,7 @@ fn is_profile(record: &RecordHeader) -> bool {
     (record.layout, record.kind) == (LAYOUT, PROFILE)
 }
 
-/// The newest record: a profile, or that there is none.
+/// The newest record: a profile, or the absence of one.
 fn read(pages: &mut impl FlashPages) -> Result<Option<ActuatorProfile>, StoredConfig> {
     let (slot, record) = match newest(pages) {
         Ok(newest) => newest,
@@ -109,7 +109,7 @@ fn payload(pages: &mut impl FlashPages, slot: FlashSlot, record: &RecordHeader) 
     (CRC.checksum(&bytes) == record.crc).then(|| ActuatorProfile::read(&bytes))?
 }
 
-/// Whether this very profile is kept, or that there is none, and the other slot is whole: to write it would change nothing.
+/// Whether this very profile (or its absence) is stored and the other slot is whole, so that writing would change nothing.
 pub fn holds_profile(flash: &mut impl FlashPages, profile: Option<&ActuatorProfile>) -> bool {
     let mut pages = ProfilePages(flash);
     match newest(&mut pages) {
@@ -121,7 +121,7 @@ pub fn holds_profile(flash: &mut impl FlashPages, profile: Option<&ActuatorProfi
     }
 }
 
-/// Keeps a profile, or that there is none.
+/// Stores a profile, or the absence of one.
 ///
 /// # Errors
 /// [`FlashError`] if the slots are too small, or the flash reports an error or reads back wrong. The record before stays whole

@@ -80,7 +80,7 @@ pub fn has_lost_a_copy(flash: &mut impl FlashPages) -> bool {
 }
 
 /// Erasures of both slots together, by the newest record's sequence number. The next record counts an erasure that a
-/// power failure cut short, if it left a trace; several in a row count as one. The count begins anew when both records
+/// power failure cut short, if it left a trace; several in a row count as one. The count restarts when both records
 /// are lost.
 pub fn erasures(flash: &mut impl FlashPages) -> u32 {
     if flash.slot_len() < SLOT_BYTES {

@@ -275,7 +275,7 @@ fn the_sequence_number_wraps_and_the_newest_still_wins() {
 }
 
 #[test]
-fn another_layout_or_another_sample_rate_is_told_as_another_version() {
+fn another_layout_or_another_sample_rate_is_reported_as_another_version() {
     let mut flash = Flash::new();
     keep(&mut flash, &table(5, 5)).unwrap();
     assert_eq!(load(&mut flash, RATE + 1, |_, _| {}), Err(StoredConfig::WrongVersion));

@@ -105,13 +105,13 @@ pub(crate) fn tune_adcs() {
     });
 }
 
-/// The sampling time of one of the channels 0 to 9; 12 bits are what a reset leaves.
+/// The sampling time of one of the channels 0 to 9; a reset sets 12 bits.
 pub(crate) fn tune_adc(adc: Adc, channel: u8) {
     adc.smpr().write(|w| w.set_smp(channel.into(), SampleTime::CYCLES47_5));
 }
 
 /// Two slots of eight pages of 2 KiB at the end of bank 2, as offsets from 0x0800_0000. With option bit DBANK = 0 there
-/// is no bank 2 (no chip is delivered so): embassy-stm32 panics, and the program restarts again and again, muted.
+/// is no bank 2 (no chip is delivered so): embassy-stm32 panics, and the program restarts over and over, muted.
 pub(crate) const FLASH_SLOTS: [u32; 2] = [0x7_8000, 0x7_c000];
 pub(crate) const SLOT_BYTES: usize = 16 * 1024;
 /// The 32 KiB before them.
@@ -188,7 +188,7 @@ fn clocks() -> rcc::Config {
 }
 
 /// Range 1's boost mode, which 170 MHz need: PWR_CR5.R1MODE = 0, bit 8 (RM0440 6.4.21). stm32-metapac 21 has that field at
-/// bit 0, so embassy-stm32's own `boost` clears a bit that is not there. It cannot be done before embassy's start, which
+/// bit 0, so embassy-stm32's own `boost` clears a bit that does not exist. It cannot be done before embassy's start, which
 /// resets PWR; so the start leaves the clocks slow, and they are raised after it.
 fn boost() {
     pac::PWR.cr5().modify(|w| w.0 &= !(1 << 8));

@@ -51,7 +51,7 @@ fn blocks_that_the_ring_could_not_take_are_lost_with_those_before_them_and_halve
         places.take(half);
     }
     assert_eq!(places.find(2, sampled(end(5))), Search::Found(5 * 128 + 1), "half 4 was no block's");
-    // The ring begins anew.
+    // The ring restarts.
     places.skip();
     places.take(2);
     assert_eq!(places.find(2, sampled(0)), Search::Lost(2));

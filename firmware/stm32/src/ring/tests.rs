@@ -250,7 +250,7 @@ fn asking_whether_the_ring_is_full_does_not_hide_a_late_block() {
 }
 
 #[test]
-fn a_ring_that_is_filled_anew_goes_to_mid_scale_from_the_code_that_the_pin_holds() {
+fn a_ring_that_is_filled_again_goes_to_mid_scale_from_the_code_that_the_pin_holds() {
     let model = Model::silent();
     model.halves.refill(&Interrupt(&model), 4095);
     for _ in 0..6 {
@@ -265,7 +265,7 @@ proptest! {
     /// Whatever the renderer's times: what plays is its blocks, whole, or lines of the fade's slope, and a block that
     /// is not played was reported late or came while the line was under way.
     #[test]
-    fn what_plays_is_whole_blocks_or_lines(times in prop::collection::vec(0..3 * BLOCK, 1..60)) {
+    fn only_whole_blocks_or_lines_are_played(times in prop::collection::vec(0..3 * BLOCK, 1..60)) {
         let model = Model::silent();
         let mut silent_until = 0;
         for (block, &rendering) in times.iter().enumerate() {

@@ -68,7 +68,7 @@ pub(super) fn disarm() {
     }
 }
 
-/// Forgets requests and overruns of before. To read the codes takes a request back.
+/// Clears earlier requests and overruns. Reading the codes clears a request.
 pub(super) fn clear() {
     ADC12_COMMON.cdr().read();
     for adc in [ADC1, ADC2] {

@@ -9,7 +9,7 @@ use super::Bench;
 use crate::rig::{RigCopy, RigState};
 use serde::{Deserialize, Serialize};
 
-/// What the bench of the device must do.
+/// A change that the device's bench must make.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub enum BenchChange {
     /// As [`Bench::put`].
@@ -83,7 +83,7 @@ impl Bench {
         bench
     }
 
-    /// What has changed since the last call, in order.
+    /// The changes since the last call, in order.
     #[must_use]
     pub fn take_changes(&self) -> Vec<BenchChange> {
         self.rigs().elsewhere.as_mut().map(Elsewhere::take_changes).unwrap_or_default()
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_done_at_a_bench_elsewhere_is_heard_where_the_device_is() {
+    fn a_change_at_a_bench_elsewhere_reaches_the_device() {
         let options = RigOptions { place_m: 0.03, ..RigOptions::default() };
         let rig =
             || PreparedRig::new(&preset("membrane").expect("a plate"), &options, RATE_HZ).expect("a rig");
@@ -167,7 +167,7 @@ mod tests {
             act(&elsewhere, &there, step);
             for change in elsewhere.take_changes() {
                 let bytes = postcard::to_extend(&change, Vec::new()).expect("plain data");
-                // A browser copies it several times, and the worker that reads it hears no STOP meanwhile.
+                // A browser copies it several times, and the worker that reads it receives no STOP meanwhile.
                 assert!(bytes.len() < 100_000, "{} bytes", bytes.len());
                 device.carry_out(postcard::from_bytes(&bytes).expect("the same data"), &mut known);
             }

@@ -10,7 +10,7 @@ pub enum WizardPage {
     FirstPlace,
     /// Its response there.
     FirstAnswer,
-    /// Where to put it next, and its response there.
+    /// Its next place, and its response there.
     SecondPlace,
     /// The calibrated plate, or why the calibration was refused.
     Result,

@@ -45,7 +45,7 @@ enum Stage {
     Holding(Asked, u64),
 }
 
-/// What the hold waits for.
+/// The event that the hold waits for.
 #[derive(Clone, Copy, Debug)]
 enum Wait {
     Device,

@@ -18,7 +18,7 @@ pub enum HoldEnd {
     #[error("the device has stopped: {0}")]
     Fault(Faults),
     /// The connection to the device is lost.
-    #[error("the device went away")]
+    #[error("the device disconnected")]
     LinkLost,
     /// The screen shows another plate, or the device has another table.
     #[error("the plate was changed")]

@@ -17,7 +17,7 @@ fn heard(answers: &[(usize, f64)]) -> Listened {
 }
 
 #[test]
-fn the_window_has_two_periods_and_tells_the_nearest_tones_apart() {
+fn the_window_has_two_periods_and_separates_the_nearest_tones() {
     // 24 pauses of 12 blocks.
     let short = plan("al-bending", &[(0, 21e3), (3, 25e3)]).unwrap();
     assert_eq!((short.blocks, short.listen(None).slots), (288, 0b1001));
@@ -57,7 +57,7 @@ fn what_cannot_be_held_is_refused_with_its_reason() {
 }
 
 #[test]
-fn what_was_measured_is_what_is_held() {
+fn the_measured_levels_are_held() {
     let plan = plan("membrane", &[(2, 100.0), (5, 150.0)]).unwrap();
     let request = plan.hold(&heard(&[(2, 100.0), (5, 50.0)])).unwrap();
     let held: Vec<(u8, f64)> = request.tones.iter().map(|tone| (tone.slot, tone.amplitude_codes)).collect();
@@ -66,7 +66,7 @@ fn what_was_measured_is_what_is_held() {
 }
 
 #[test]
-fn of_several_tones_the_one_that_stands_worst_is_told() {
+fn the_worst_of_several_tones_is_reported() {
     use slipline_link::protocol::hold::{Held, HeldTone};
     use slipline_link::protocol::units::CentiDecibel;
     use slipline_link::{HoldLimit, HoldLoss, HoldState};

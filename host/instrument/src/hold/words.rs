@@ -47,7 +47,7 @@ pub const fn state_words(state: HoldState) -> &'static str {
         },
         HoldState::Lost(loss) => match loss {
             HoldLoss::NotFollowed => "lost: the tone was interrupted",
-            HoldLoss::TooWeak => "lost: the sensor hears too little of it",
+            HoldLoss::TooWeak => "lost: too weak at the sensor",
             HoldLoss::Clipped => "lost: the sensor's input is clipped",
             HoldLoss::Stuck => "lost: the sensor's input does not move",
             HoldLoss::Broken => "lost: codes of the sensor's input were lost",

@@ -246,7 +246,7 @@ impl Instrument {
             self.take_recorded(recorded);
         }
         if let Some(textured) = self.jobs.textures.take() {
-            // While a profile is drawn, each fit is waited for anew.
+            // While a profile is drawn, each fit is waited for again.
             self.background.since = self.background.since.filter(|(what, _)| *what != Awaited::Texture);
             self.take_texture(textured);
         }

@@ -92,7 +92,7 @@ impl Instrument {
     /// Reports that the device stopped at the end of its drive time, and what to do.
     fn report_drive_time(&mut self) {
         let next = if autopilot::drive_clears_fault(&self.snapshot) {
-            "Press Drive to go on."
+            "Press Drive to resume."
         } else {
             "Press Clear fault, then arm and drive it again."
         };
@@ -101,7 +101,7 @@ impl Instrument {
     }
 
     /// Stops a simulated drive shortly before the device's own limit would make a fault of it. Every change of the drive
-    /// begins its time anew, there as here.
+    /// restarts its time, on the device as on the host.
     pub(crate) fn pause_unwatched(&mut self) {
         let (Some(identity), Some(status)) = (&self.snapshot.identity, self.snapshot.status) else { return };
         let may_sound = status.state == State::Driving && self.autopilot.wants_drive();
@@ -115,7 +115,7 @@ impl Instrument {
             self.link.send(Request::Stop);
             let minutes = MAX_DRIVE_MS / 60_000;
             self.notices
-                .pause(format!("Paused: nothing was changed for {minutes} minutes. Press Drive to go on."));
+                .pause(format!("Paused: nothing was changed for {minutes} minutes. Press Drive to resume."));
         }
     }
 
@@ -124,7 +124,7 @@ impl Instrument {
         let minutes = self.snapshot.lease_over.unwrap_or_default().as_secs_f64() / 60.0;
         self.autopilot.stopped();
         self.notices.stopped(format!(
-            "Disarmed: nothing was changed for {minutes} minutes. Arm it, then press Drive to go on."
+            "Disarmed: nothing was changed for {minutes} minutes. Arm it, then press Drive to resume."
         ));
     }
 
@@ -135,7 +135,7 @@ impl Instrument {
         let seconds = SIGN_PATIENCE.as_secs_f64();
         self.notices.hung(format!(
             "The window did not respond for {seconds} s, so the drive was stopped and the device disarmed. \
-             {next} Drive to go on."
+             {next} Drive to resume."
         ));
     }
 
@@ -149,7 +149,7 @@ impl Instrument {
                 self.clear_sent = None;
                 if !status.faults.is_empty() {
                     let faults = self.snapshot.faults_text(status.faults);
-                    let text = format!("Not cleared: {faults}. Its cause is still there.");
+                    let text = format!("Not cleared: {faults}. Its cause persists.");
                     self.notices.hinder(text);
                 }
             }

@@ -22,7 +22,7 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// What is said after a measurement that has ended a drive: nothing but a press of Drive starts it again.
-const DRIVE_ENDED: &str = " The drive was stopped for it: press Drive to go on.";
+const DRIVE_ENDED: &str = " The drive was stopped for it: press Drive to resume.";
 
 /// A measurement under way.
 struct UnderWay {
@@ -235,7 +235,7 @@ impl Instrument {
 fn not_measured(error: &MeasureError) -> String {
     let MeasureError::NotOn(check) = error else { return format!("Not measured: {error}.") };
     if matches!(check, DriveCheck::TooQuiet { .. }) {
-        format!("Not measured. {check} Nothing louder is played before the drive is known to be on.")
+        format!("Not measured. {check} Slipline plays nothing louder until it knows that the drive is on.")
     } else {
         format!("Not measured. {check}")
     }

@@ -1,4 +1,4 @@
-//! The plate that is there, beside the one that predicts: that of the simulated device, or what was measured of a real one.
+//! The actual plate beside the predicting one: the simulated device's plate, or the measurements of a real one.
 
 use super::Instrument;
 use slipline_model::field::time_domain::TimeDomainJob;

@@ -11,7 +11,7 @@ use slipline_model::jobs::table::TableState;
 
 /// The explanation of safe mode, and its remedy.
 pub const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
-    Take its power away and connect it again; if it comes back like this, flash its firmware.";
+    Disconnect its power and connect it again; if it comes back like this, flash its firmware.";
 
 /// Why Drive cannot act, and its remedy.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,7 +25,7 @@ pub(crate) enum Obstacle {
     #[error("The device is lost: press Reconnect first.")]
     Lost,
     #[error(
-        "The port {0} is not there yet: plug the device in or choose another port, \
+        "The port {0} does not exist yet: plug the device in or choose another port, \
              and press Drive once it is connected."
     )]
     NoPort(String),
@@ -72,7 +72,7 @@ impl Instrument {
             return;
         }
         if !self.is_table_there() {
-            let text = "The plate is driven as soon as the device holds its table.";
+            let text = "The drive starts as soon as the device holds the plate's table.";
             self.notices.delay(text.to_owned());
         }
         self.run_autopilot(&Changes::default());

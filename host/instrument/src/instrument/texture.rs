@@ -31,7 +31,7 @@ impl Textures {
         Self { draft, plate: Arc::clone(plate), asked: None, latest: None, is_given_up: false }
     }
 
-    /// Begins anew if the places were those of another plate.
+    /// Restarts if the places were those of another plate.
     fn follow_plate(&mut self, plate: &Arc<Plate>) {
         if !Arc::ptr_eq(&self.plate, plate) {
             let WishDraft { kind, most, .. } = self.draft;

@@ -6,7 +6,7 @@ use std::io;
 
 /// Passes the kinds of work on to the macro of this name, one line each: the meaning; the kind and its queue; the job
 /// and its result; the name of its thread; the worker that does it on a page; the work; and what puts parts of the job
-/// back into a result that comes from such a worker, because whoever asked tells them from equal ones.
+/// back into a result that comes from such a worker, because the requester distinguishes them from equal ones.
 #[macro_export]
 macro_rules! for_each_job {
     ($then:ident) => {

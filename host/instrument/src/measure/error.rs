@@ -46,7 +46,7 @@ pub enum MeasureError {
     #[error("the device does not measure: its firmware is too old")]
     TooOld,
     /// The link was lost.
-    #[error("the device went away")]
+    #[error("the device disconnected")]
     Lost,
     /// The device stopped the tones; the text names its faults.
     #[error("the device stopped: {0}")]

@@ -52,7 +52,7 @@ enum Stage {
 /// A procedure under way. After any error the drive is stopped before the procedure ends.
 ///
 /// ```text
-/// loop: watch(snapshot) -> step() -> Ask: send it | Wait: take(outcome), when it is there | Ended: finish()
+/// loop: watch(snapshot) -> step() -> Ask: send it | Wait: take(outcome), when it arrives | Ended: finish()
 /// ```
 pub struct Run<P: Procedure> {
     dialogue: Dialogue,

@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_look_asks_for_codes_alone_and_only_for_an_input_that_is_there() {
+    fn a_look_asks_for_codes_alone_and_only_of_an_existing_input() {
         let inputs = InputsReport { inputs: 1, lock_ins: 16, delay_ns: 0, lost_blocks: 0, now: 0 };
         let Some(Request::Listen(look)) = Signal::look(&inputs, 0, 400e3) else { panic!("a look") };
         assert_eq!((look.slots, look.blocks, look.from), (0, 375, None));

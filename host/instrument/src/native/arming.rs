@@ -1,4 +1,4 @@
-//! What must hold before a board is armed.
+//! The conditions for arming a board.
 
 use super::client::{BlockingLink, Client};
 use super::error::ClientError;

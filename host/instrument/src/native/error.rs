@@ -41,7 +41,7 @@ pub enum ClientError {
     #[error(transparent)]
     Lost(LinkError),
     /// The device is no longer connected.
-    #[error("the device went away")]
+    #[error("the device disconnected")]
     Gone,
     /// There was no answer in time.
     #[error("the device did not answer in time")]

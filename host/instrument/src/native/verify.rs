@@ -64,7 +64,7 @@ pub struct Verified {
 /// The codes of one window.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct VerifiedWindow {
-    /// What changes within it.
+    /// The kind of change within it.
     pub stage: &'static str,
     /// Its first sample.
     pub at_samples: u64,

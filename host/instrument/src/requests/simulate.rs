@@ -46,8 +46,8 @@ impl SimulateRequest {
         self.actual.as_ref().unwrap_or(&self.plate)
     }
 
-    /// Plans the simulation of a setup; `table` is that of the plate. `sounding` is what plays the setup where that is more
-    /// than its tones.
+    /// Plans the simulation of a setup; `table` is that of the plate. `sounding` plays the setup if it has more than
+    /// its tones.
     ///
     /// # Errors
     /// [`TableError`]: the table cannot be used on the actual plate.

@@ -7,7 +7,7 @@ use slipline_plate::DriveTable;
 /// A tone that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToneRequest {
-    /// What it is asked for by.
+    /// The place that defines it.
     pub asked: AskedPlace,
     /// Its level, 0 to 1.
     pub level: f64,

@@ -66,7 +66,7 @@ fn assert_close(what: &str, found: Complex64, exact: Complex64) {
 }
 
 #[test]
-fn codes_of_sensor_and_shunt_are_what_the_frequency_domain_says_of_a_secret_plate() {
+fn codes_of_sensor_and_shunt_match_the_frequency_domain_on_a_secret_plate() {
     for (name, hz, settling) in [("membrane", 150.0, 3500), ("al-bending", 27e3, 400)] {
         let truth = secret(&preset(name).expect("a preset"), 11).expect("a plate");
         let place_m = 0.1 * truth.length_m();
@@ -99,7 +99,7 @@ fn codes_of_sensor_and_shunt_are_what_the_frequency_domain_says_of_a_secret_plat
 }
 
 #[test]
-fn the_power_that_the_shunt_measures_is_what_coil_source_and_plate_lose() {
+fn the_power_at_the_shunt_equals_the_losses_of_coil_source_and_plate() {
     let mut spec = preset("membrane").expect("a preset").spec().clone();
     // Plain width: k^2 = K^2 - (pi/2W)^2 without further terms.
     spec.turning_width = TurningWidth::Plain;
@@ -214,7 +214,7 @@ fn each_fault_shows_at_the_input_where_it_is() {
 }
 
 #[test]
-fn a_muted_amplifier_lets_the_plate_die_out_and_the_noise_is_as_told_and_repeats() {
+fn a_muted_amplifier_lets_the_plate_die_out_and_the_noise_is_as_stated_and_repeats() {
     let plate = preset("al-bending").expect("a preset");
     let rig = rig(&plate, RigOptions { place_m: 0.034, noise_lsb: 3.0, seed: 9, ..RigOptions::default() });
     let (mut one, mut other) = (rig.inputs(), rig.inputs());
@@ -286,7 +286,7 @@ fn what_is_out_of_range_is_refused_by_name_and_range() {
 }
 
 #[test]
-fn a_rig_is_told_in_a_line_and_not_in_all_its_numbers() {
+fn a_rig_is_printed_in_a_line_and_not_in_all_its_numbers() {
     let nominal = slipline_plate::preset("membrane").unwrap();
     let rig = rig(&nominal, RigOptions { place_m: 0.05, ..RigOptions::default() });
     let debug = format!("{rig:?} {:?}", rig.hand());

@@ -19,7 +19,7 @@ fn count(session: &Session) -> usize {
 }
 
 #[test]
-fn a_drive_that_is_on_is_measured_after_quiet_tones_have_told_so() {
+fn a_drive_is_measured_once_quiet_tones_have_shown_that_it_is_on() {
     let mut session = Session::at_bench().0;
     assert!(session.instrument.shown().measure.live.is_drive_known, "the rig states its circuit itself");
     begin(&mut session);
@@ -31,7 +31,7 @@ fn a_drive_that_is_on_is_measured_after_quiet_tones_have_told_so() {
 }
 
 #[test]
-fn a_drive_without_current_is_told_in_its_sentence_and_not_measured() {
+fn a_drive_without_current_is_reported_in_its_sentence_and_not_measured() {
     let mut session = Session::sensed(NoCurrent(Half(5)));
     begin(&mut session);
     session.end_of_measuring();

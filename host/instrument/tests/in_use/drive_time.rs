@@ -17,7 +17,7 @@ fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
     let mut session = Session::driving();
     session.worker.borrow_mut().advance(Duration::from_millis(u64::from(MAX_DRIVE_MS)));
     session.pass(500);
-    let told = "Stopped after 10 minutes without a command. Press Drive to go on.";
+    let told = "Stopped after 10 minutes without a command. Press Drive to resume.";
     assert_eq!(session.notice(), told);
     assert!(session.instrument.snapshot().log.iter().any(|entry| entry.text == told), "whole");
     session.pass(1000);

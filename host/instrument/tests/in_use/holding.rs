@@ -101,7 +101,7 @@ fn it_listens_holds_and_says_what_a_finger_takes() {
 }
 
 #[test]
-fn a_drag_ends_it_and_where_the_line_rests_it_begins_anew() {
+fn a_drag_ends_it_and_where_the_line_rests_it_restarts() {
     let (mut session, _) = held();
     session.attention.is_dragging = true;
     let there_mm = session.line_mm();
@@ -137,7 +137,7 @@ fn a_sensor_or_a_device_that_is_unplugged_ends_it_with_the_reason() {
     wait_for(&mut session, "Not held any more: every tone was lost");
     assert!(!is_on(&session) && session.is_driving());
     assert!(session.notice().contains("the sensor's input does not move"), "{}", session.notice());
-    // Nothing to hear from the beginning.
+    // No signal from the beginning.
     switch(&mut session, true);
     wait_for(&mut session, "Not held any more: the sensor's input does not move");
     shows.store(Partial::FREE, Ordering::Relaxed);
@@ -145,7 +145,7 @@ fn a_sensor_or_a_device_that_is_unplugged_ends_it_with_the_reason() {
     session.plug(false, 1500);
     session.plug(true, 2000);
     assert!(!is_on(&session));
-    assert_eq!(standing(&session), "Not held any more: the device went away");
+    assert_eq!(standing(&session), "Not held any more: the device disconnected");
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn another_plate_ends_it() {
 }
 
 #[test]
-fn the_largest_rise_is_a_limit_that_is_told() {
+fn the_largest_rise_is_reported_as_a_limit() {
     let (mut session, shows) = held();
     session.instrument.choose_max_rise(3.0);
     wait_for(&mut session, "Listening for ");

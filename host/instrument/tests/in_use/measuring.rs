@@ -10,7 +10,7 @@ use slipline_plate::calibrate::{Comparison, SensorKind};
 use slipline_plate::quantity::show_place;
 
 /// What is said after a measurement that has ended a drive.
-const DRIVE_ENDED: &str = "The drive was stopped for it: press Drive to go on.";
+const DRIVE_ENDED: &str = "The drive was stopped for it: press Drive to resume.";
 
 fn begin(session: &mut Session) {
     session.instrument.perform_measure(MeasureIntent::Begin(None));
@@ -97,17 +97,17 @@ fn cancel_stop_and_another_plate_end_a_measurement_and_nothing_is_kept() {
 }
 
 #[test]
-fn a_device_that_goes_away_ends_it_with_a_reason() {
+fn a_device_that_disconnects_ends_it_with_a_reason() {
     let mut session = begun();
     session.pass(700);
     session.plug(false, 2000);
     assert!(!session.is_measuring() && names(&session).is_empty());
     let failed = session.instrument.shown().measure.live.failed.unwrap().to_owned();
-    assert!(failed.starts_with("Not measured: the device went away."), "{failed}");
+    assert!(failed.starts_with("Not measured: the device disconnected."), "{failed}");
 }
 
 #[test]
-fn what_a_device_does_not_allow_is_told() {
+fn what_a_device_refuses_is_reported() {
     let mut session = Session::driving();
     begin(&mut session);
     assert!(session.notice().contains("This device has no input for a sensor"), "{}", session.notice());
@@ -151,7 +151,7 @@ fn the_calibrations_pages_measure_too() {
 }
 
 #[test]
-fn a_secret_plate_is_drawn_anew_with_every_other_plate() {
+fn a_secret_plate_is_drawn_again_with_every_other_plate() {
     let mut session = Session::at_bench().0;
     session.instrument.perform_measure(MeasureIntent::Secret(true));
     session.change_plate(membrane(1.5));
@@ -176,7 +176,7 @@ fn a_measurement_that_ends_a_drive_says_so() {
 }
 
 #[test]
-fn the_rig_rests_while_nobody_listens_and_has_settled_when_it_is_heard() {
+fn the_rig_rests_without_a_listener_and_has_settled_when_it_is_sampled() {
     let (mut session, bench) = Session::at_bench();
     session.measure(None);
     session.instrument.start();

@@ -44,7 +44,7 @@ fn a_texture_begins_from_rest_and_is_not_refused_for_the_way_to_it() {
 }
 
 #[test]
-fn profiles_that_are_none_are_refused_by_name_and_change_nothing() {
+fn bad_profiles_are_refused_by_name_and_change_nothing() {
     let mut session = Session::driving();
     session.attention.is_texture_open = true;
     session.pass(300);

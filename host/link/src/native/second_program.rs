@@ -1,4 +1,4 @@
-//! A program at a device that another program has: it hears that the device is taken, and its stops are done.
+//! A program at a device that another program has: it is refused as taken, but its stops are executed.
 
 use crate::simulator::realtime::RealtimeLine;
 use slipline_protocol::version::Minor;

@@ -4,7 +4,7 @@
 //! other program ==bytes==> socket or terminal --> Server --> simulator::realtime --> the device application
 //! ```
 //! One program at a time has the device, as with a cable: the first one that sends something, until it disconnects. What
-//! others at the socket hear meanwhile: `second_program.rs`. The device keeps its state between programs.
+//! others at the socket receive meanwhile: `second_program.rs`. The device keeps its state between programs.
 
 use super::second_program::SecondProgram;
 use crate::simulator::realtime::{RealtimeDevice, RealtimeLine};
@@ -32,7 +32,7 @@ const SEAT_PAUSE: Duration = Duration::from_millis(5);
 #[derive(Debug, thiserror::Error)]
 pub enum ServeError {
     /// The path is a file of another kind.
-    #[error("{0} is there already and is not a socket; it is not replaced")]
+    #[error("{0} exists and is not a socket; it is not replaced")]
     NotASocket(PathBuf),
     /// Another program listens at the path.
     #[error("another program already serves at {0}")]

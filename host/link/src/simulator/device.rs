@@ -213,7 +213,7 @@ impl SimulatedDevice {
         device
     }
 
-    /// Resets the device: the flash and the record of crashes are kept, the remaining state starts anew, and
+    /// Resets the device: the flash and the record of crashes are kept, the remaining state restarts, and
     /// the index starts from 0.
     pub fn restart(&mut self, cause: ResetCause) {
         let options = Options { flash: self.flash(), first_index: 0, ..self.options.clone() };

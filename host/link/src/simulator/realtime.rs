@@ -79,7 +79,7 @@ impl RealtimeDevice {
         self.device.advance(rendered, |_| {});
         self.blocks += due;
         // What senses its plate may take longer than the time that it renders, on a slow computer. The device would owe
-        // more at each command, and hear a stop later and later; so its time stands still meanwhile.
+        // more at each command, and obey a stop later and later; so its time stands still meanwhile.
         let took = (self.clock)().saturating_sub(began);
         if took > NOTABLE && blocks_in(took) > rendered {
             self.blocks += blocks_in(took);

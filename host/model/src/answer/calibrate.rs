@@ -18,7 +18,7 @@ pub const TOUCH_TOLERANCE: Range = Range::new(1e-5, 0.05, "m");
 /// Allowed standard deviation of calipers, metres.
 pub const CALIPERS_TOLERANCE: Range = Range::new(1e-7, 0.01, "m");
 
-/// What was measured of a plate.
+/// The measurements of a plate.
 #[derive(Clone, Copy, Debug)]
 pub enum Measured<'a> {
     /// One sensor at two places.
@@ -62,7 +62,7 @@ pub fn touch(
     }
 }
 
-/// The calibration by felt edges; `drive` is what is known of the drive, by default what the plate's file knows.
+/// The calibration by felt edges; `drive` is the knowledge of the drive, by default that of the plate's file.
 ///
 /// # Errors
 /// [`CalibrateError`]: why it is refused.
@@ -188,7 +188,7 @@ pub struct BeforeAnswer {
 }
 
 impl<'a> CalibrateAnswer<'a> {
-    /// The fields of a calibration of this plate; `before` is what its file missed.
+    /// The fields of a calibration of this plate; `before` is the error of its file.
     #[must_use]
     pub fn of(file: &'a Plate, found: &'a CalibrationReport, before: &Departure) -> Self {
         Self {

@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_waits_is_not_told_as_one_that_sounds() {
+    fn a_drive_that_waits_is_not_reported_as_one_that_sounds() {
         let status = Status { state: State::Waiting, ..Status::default() };
         let waiting = Snapshot { status: Some(status), ..Snapshot::default() };
         let text = text(&waiting, &setup(), &TableState::Waiting);
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_said() {
+    fn the_report_says_what_is_unknown() {
         let text = text(&Snapshot::default(), &setup(), &TableState::Waiting);
         for part in ["not connected", "not known", "waiting for a device", "Port:", "== log"] {
             assert!(text.contains(part), "{part}");

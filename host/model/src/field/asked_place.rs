@@ -10,7 +10,7 @@ use crate::setup::Setup;
 use slipline_plate::quantity::{OutOfRange, PlaceOrFrequency, Range};
 use slipline_plate::{DriveTable, Plate};
 
-/// What defines a tone.
+/// The place that defines a tone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AskedPlace {
     /// The place where a finger feels it end, in metres from the driven end.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! felt edge --line--> turning point, checked --> Ok
-//!                     not there: all turning points of the span, scanned --> Ok, or NoFeltEdge with the reach
+//!                     not found: all turning points of the span, scanned --> Ok, or NoFeltEdge with the reach
 //! ```
 //! Nothing is played in the place of a felt edge that no tone has: the caller refuses. The window alone falls back to
 //! the nearest line ([`crate::field::line::turning_point_m`]).

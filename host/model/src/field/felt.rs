@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn the_edge_by_person_is_that_of_a_tone_four_decibels_weaker_and_stronger() {
+    fn the_edge_by_person_matches_a_tone_four_decibels_weaker_and_stronger() {
         for (hertz, peak_m) in [(110.0, 1e-5), (150.0, 1e-5), (180.0, 1e-5)] {
             let edge_m = |db: f64| {
                 let edge = felt("membrane", &[hertz], peak_m * from_decibels(db)).edge;
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_edge_by_person_is_said_in_millimetres() {
+    fn the_edge_by_person_is_printed_in_millimetres() {
         use FeltEdge::{At, Nowhere, PlateEnd};
         let words = |near, far| by_person_words(EdgesByPerson { near, far });
         assert_eq!(words(At(0.2371), At(0.2568)).as_deref(), Some("237 to 257 mm by person"));
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn why_nothing_is_felt_is_told_by_the_highest_tone() {
+    fn the_highest_tone_decides_why_nothing_is_felt() {
         for (name, hertz, peak_m, why) in [
             ("al-bending", &[19.5e3][..], 2.5e-6, Some(NotFelt::BelowUltrasound)),
             ("al-bending", &[19.5e3, 25e3], 1e-8, Some(NotFelt::TooWeak)),

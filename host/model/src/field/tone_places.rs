@@ -26,7 +26,7 @@ pub struct TonePlaces {
     pub frequency_hz: f64,
     /// Level, 0 to 1, with the setup's master level and the gain of a chord.
     pub level: f64,
-    /// Where the tone alone ends to be felt.
+    /// Where a finger stops feeling the tone alone.
     pub felt_edge: FeltEdge,
     /// The same for persons at both ends of [`slipline_plate::feeling::PERSONS_DB`].
     pub by_person: EdgesByPerson,
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn both_places_of_a_chord_are_those_of_its_louder_tones() {
+    fn both_places_of_a_chord_match_its_louder_tones() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let table = DriveTable::build(&plate, 400e3, 65).unwrap();
         let mut setup = Setup::new(plate);

@@ -1,4 +1,4 @@
-//! How far the plate moves at the places where a sensor has stood, over its model, in the background.
+//! The motion of the plate at the sensor's measured places, relative to its model, computed in the background.
 
 use crate::field::steady_field::SteadyField;
 use crate::jobs::Task;
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_plate_is_on_its_models_curve_where_it_is_the_model_and_off_it_elsewhere() {
+    fn a_plate_that_equals_its_model_lies_on_the_curve_and_another_off_it() {
         let model = Arc::new(slipline_plate::preset("membrane").unwrap());
         let other = model.with_wave_speed(1.03).unwrap();
         let frequency_hz = model.frequency_for_boundary_hz(0.18);

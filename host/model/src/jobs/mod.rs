@@ -133,7 +133,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
         Self::new(Runner::Inline(Box::new(work), finished), done)
     }
 
-    /// Hands every job on, with its number and its task; whoever does it sends the number and the result, or `None`, to
+    /// Forwards each numbered job; the executor sends back the number and the result, or `None`, to
     /// the sender. A task that is over says that its result is no longer wanted.
     #[must_use]
     pub fn elsewhere(
@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cancelled_job_ends_and_nothing_comes_of_it() {
+    fn a_cancelled_job_ends_without_a_result() {
         let (half_way, reported) = channel();
         let (woken, waking) = channel();
         let work = move |forever: bool, task: &Task| {

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn place_level_and_nodes_are_told_with_their_signs() {
+    fn place_level_and_nodes_are_printed_with_their_signs() {
         let described =
             |peak_shift_m, level_db, nodes| sentence(&Comparison { peak_shift_m, level_db, nodes });
         assert_eq!(
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn the_comparison_is_that_of_the_two_solvers_at_the_boundarys_frequency_with_the_finger() {
+    fn the_comparison_matches_the_two_solvers_at_the_boundarys_frequency_with_the_finger() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let hertz = plate.frequency_for_boundary_hz(0.18);
         for finger in [None, Some(Finger::firm(0.1))] {

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_file_is_in_the_list_once_and_a_full_list_is_told() {
+    fn the_same_file_is_in_the_list_once_and_a_full_list_is_reported() {
         let mut shelf = Shelf::default();
         for i in 0..MEASUREMENTS_MAX {
             shelf.add("a.csv", measurement(0.001 * i as f64)).unwrap();

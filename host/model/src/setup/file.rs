@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mistyped_plate_file_is_told_what_a_plate_file_has_and_a_setup_what_a_setup_has() {
+    fn a_mistyped_plate_file_gets_the_fields_of_plates_and_a_setup_those_of_setups() {
         let plate = slipline_plate::presets()[0].toml;
         let setup = write(&sample());
         for (text, from, to, want) in [

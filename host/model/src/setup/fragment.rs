@@ -28,7 +28,7 @@ pub enum FragmentError {
     #[error("the setup in the address has {0} characters, more than the {FRAGMENT_MAX} that are read")]
     TooLong(usize),
     /// A version that this program does not know.
-    #[error("the setup in the address is of version {0:?}: this page reads version {VERSION}; load it anew")]
+    #[error("the setup in the address is of version {0:?}: this page reads version {VERSION}; load it again")]
     Version(String),
     /// It is not base64url of DEFLATE of text: a character was lost or changed.
     #[error("the setup in the address is damaged: copy the whole address once more")]

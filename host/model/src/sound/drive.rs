@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_what_the_device_sends() {
+    fn the_sound_equals_the_codes_that_the_device_sends() {
         let full = drive("membrane", u16::MAX, 0);
         let gain = f64::from(full.table.setting(Position(30_000).fine()).gain.0) / f64::from(Gain::FULL.0);
         let [partial] = of_drive(&full, 1000).partials[..] else { panic!("one tone") };
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_sound_card_cannot_drive_is_left_out_and_told() {
+    fn what_a_sound_card_cannot_drive_is_left_out_and_reported() {
         let ultrasound = drive("al-bending", u16::MAX, 0);
         assert!(of_drive(&ultrasound, 1000).is_silent());
         assert_eq!(left_out_hz(&ultrasound), Some(ultrasound.tones[0].frequency_hz));

@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn a_finger_on_the_peak_hears_the_tone_and_beyond_its_boundary_not() {
+    fn a_finger_sounds_on_the_peak_and_not_beyond_the_boundary() {
         let plate = slipline_plate::preset("membrane").unwrap();
         let field = field(&plate, &[0.18], None);
         let peak_m = field.tones[0].peak_position_m.unwrap();
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn each_tone_is_heard_where_it_is_and_ultrasound_is_shifted_down() {
+    fn each_tone_sounds_at_its_place_and_ultrasound_is_shifted_down() {
         let plate = slipline_plate::preset("al-bending").unwrap();
         let (start, end) = plate.span_m();
         let places = [start + 0.2 * (end - start), start + 0.8 * (end - start)];

@@ -6,7 +6,7 @@
 //!                                    plate i <- factors of its fields <- draw(seed, i, field)
 //! ```
 //! Plate i depends on the seed, on i and on its varied fields alone: not on the range, the thread or the order in which it is
-//! computed. So any range can be had by itself, anywhere, with the same bits on the same kind of processor.
+//! computed. So any range can be computed by itself, anywhere, with the same bits on the same kind of processor.
 
 mod chunk;
 pub mod csv;

@@ -101,7 +101,7 @@ impl Study {
         self.spec.varied.iter().zip(&self.hashes).map(of).collect()
     }
 
-    /// One plate of the study, from 0; numbers beyond the study's count have their plates, too.
+    /// A plate of the study by its number, from 0; numbers beyond the study's count also give plates.
     ///
     /// # Errors
     /// The plate file's refusal of this plate.

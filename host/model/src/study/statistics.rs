@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_statistics_are_those_of_the_textbook() {
+    fn the_statistics_match_the_textbook() {
         let found = Statistics::of(&[4.0, f64::NAN, 1.0, 3.0, 2.0, 5.0]).unwrap();
         assert_eq!(found.mean, 3.0);
         assert!((found.standard_deviation.unwrap() - 2.5_f64.sqrt()).abs() < 1e-15);

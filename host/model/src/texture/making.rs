@@ -138,7 +138,7 @@ pub fn make(
         Wish::Beat { place_m, beat_hz } => {
             let table = palette.table();
             let band_hz = table.frequency_hz(table.span_end_m) - table.frequency_hz(table.span_start_m);
-            // Of such a beat no place would be left.
+            // Such a beat would leave no place.
             if beat_hz > band_hz {
                 let range = Range::new(BEAT_RANGE_HZ.0, BEAT_RANGE_HZ.1.min(band_hz), "Hz");
                 OutOfRange::check("beat frequency", beat_hz, range)?;
@@ -284,11 +284,11 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_had_is_said_and_nothing_else_is() {
+    fn only_what_is_out_of_reach_is_reported() {
         let falls = Wish::Profile(vec![(0.01, 1.0), (0.28, 0.1)]);
         assert_eq!(made(&falls, 16).lack(16), None);
         let rises = made(&Wish::Profile(vec![(0.01, 0.1), (0.25, 1.0)]), 16);
-        let Some(Lack::Reach(sentence)) = rises.lack(16) else { panic!("it can be had") };
+        let Some(Lack::Reach(sentence)) = rises.lack(16) else { panic!("it is within reach") };
         assert!(
             sentence.starts_with("The target cannot be reached exactly: any number of tones leaves"),
             "{sentence}"
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn an_area_that_nobody_wants_any_more_is_given_up() {
+    fn an_area_that_is_no_longer_wanted_is_cancelled() {
         let (plate, table) = membrane();
         let palette = Palette::new(&plate, &table);
         let mut reports = 0;

@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_that_is_none_is_refused() {
+    fn a_file_that_is_no_image_is_refused() {
         assert!(from_png(b"not an image", 0.3).unwrap_err().to_string().contains("PNG"));
         let narrow = png_of(1, 1, png::ColorType::Grayscale, &[0]);
         assert!(from_png(&narrow, 0.3).unwrap_err().to_string().contains("1 x 1"));

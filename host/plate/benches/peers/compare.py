@@ -18,7 +18,7 @@ GRIDS = [(128, 32, 960), (512, 128, 384), (2048, 512, 32)]
 
 
 def enter_environment():
-    """Restarts this script inside its own virtual environment, which is made if it is not there."""
+    """Restarts this script inside its own virtual environment, and creates it first if it does not exist."""
     environment = HERE / ".venv"
     python = environment / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
     if pathlib.Path(sys.prefix).resolve() == environment:

@@ -141,9 +141,9 @@ pub enum CalibrateError {
         needed_hz: (f64, f64),
     },
     /// Felt edges that are too few or too close to separate wave speed and threshold.
-    #[error("{count} felt edges up to {} apart do not tell the wave speed from the threshold: at least two are needed, {} apart", show_place(*.apart_m), show_place(*.least_m))]
+    #[error("{count} felt edges up to {} apart cannot separate the wave speed from the threshold: at least two are needed, {} apart", show_place(*.apart_m), show_place(*.least_m))]
     CloseMarks {
-        /// How many there are.
+        /// Number of felt edges.
         count: usize,
         /// Distance of the nearest and the farthest mark, metres.
         apart_m: f64,
@@ -151,7 +151,7 @@ pub enum CalibrateError {
         least_m: f64,
     },
     /// Felt edges that leave the edge open.
-    #[error("the felt edges do not carry a calibration: they leave the edge open to ±{}, more than ±{}. Touch more marks, spread over the plate, or measure the drive's current first", show_place(*.edge_m), show_place(*.most_m))]
+    #[error("the felt edges are too few for a calibration: they leave the edge open to ±{}, more than ±{}. Touch more marks, spread over the plate, or measure the drive's current first", show_place(*.edge_m), show_place(*.most_m))]
     EdgesOpen {
         /// Half of the 95 % interval of the felt edge, root of the mean square over the band, metres.
         edge_m: f64,
@@ -160,11 +160,11 @@ pub enum CalibrateError {
     },
     /// No wave speed near the file's has felt edges at such frequencies.
     #[error(
-        "on no such plate an edge is felt at all of these frequencies: either nothing is felt there, or all up to the plate's end; is the level right?"
+        "no such plate has a felt edge at all of these frequencies: a finger feels nothing, or everything up to the plate's end; is the level right?"
     )]
     NoEdge,
     /// The data leave open what a plate file must state.
-    #[error("the measurement does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation); {} % of the answers of the sensor at {} are noise. Put it where the plate moves: not at a node, and before {}, the last boundary", show_place(*.boundary_m), significant(*.level_db, 2), significant(100.0 * .silent_share, 2), show_place(*.place_m), show_place(*.span_end_m))]
+    #[error("the measurement is too weak for a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation); {} % of the answers of the sensor at {} are noise. Put it where the plate moves: not at a node, and before {}, the last boundary", show_place(*.boundary_m), significant(*.level_db, 2), significant(100.0 * .silent_share, 2), show_place(*.place_m), show_place(*.span_end_m))]
     NotCarried {
         /// Standard deviation of the boundary, metres.
         boundary_m: f64,
@@ -178,7 +178,7 @@ pub enum CalibrateError {
         span_end_m: f64,
     },
     /// The current leaves open what a plate file must state.
-    #[error("the current does not carry a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation). The plate hardly moves the drive: measure with a sensor on it", show_place(*.boundary_m), significant(*.level_db, 2))]
+    #[error("the current is too weak for a calibration: it leaves the boundary open to {} and the level to {} dB (one standard deviation). The plate hardly moves the drive: measure with a sensor on it", show_place(*.boundary_m), significant(*.level_db, 2))]
     NotCarriedByCurrent {
         /// Standard deviation of the boundary, metres.
         boundary_m: f64,
@@ -187,11 +187,11 @@ pub enum CalibrateError {
     },
     /// A plate file without a calibration.
     #[error(
-        "the plate file holds no calibration, so nobody knows its widths and its loss well enough to tell the wave speed from them: calibrate it first"
+        "the plate file holds no calibration, so its widths and its loss are too uncertain to determine the wave speed: calibrate it first"
     )]
     NotCalibrated,
     /// A measurement of another sensor than that of the trim's begin.
-    #[error("the sensor at {} is another one than at the beginning, or at another place: {} there", show_place(*.place_m), show_place(*.begin_m))]
+    #[error("the sensor at {} differs from that at the beginning, which was at {}: use the same sensor at the same place", show_place(*.place_m), show_place(*.begin_m))]
     AnotherSensor {
         /// Its place, metres.
         place_m: f64,
@@ -199,7 +199,7 @@ pub enum CalibrateError {
         begin_m: f64,
     },
     /// Phases that no wave speed explains.
-    #[error("the phases of the tones do not go with one wave speed (chi^2 is {} per phase, at most {} is accepted): has the sensor moved, is a finger on the plate, or did more than its speed change? Calibrate it again", significant(*.chi2_per_n, 2), significant(*.most, 2))]
+    #[error("the phases of the tones do not fit one wave speed (chi^2 is {} per phase, at most {} is accepted): has the sensor moved, is a finger on the plate, or did more than its speed change? Calibrate it again", significant(*.chi2_per_n, 2), significant(*.most, 2))]
     PhasesUnlike {
         /// Sum of the squared residuals over their number.
         chi2_per_n: f64,
@@ -207,7 +207,7 @@ pub enum CalibrateError {
         most: f64,
     },
     /// Two plates fit alike.
-    #[error("two wave speeds fit what was measured, {} and {} times that of the plate file: the resonances do not tell which. Measure with a sensor on the plate", significant(shares[0], 4), significant(shares[1], 4))]
+    #[error("two wave speeds fit what was measured, {} and {} times that of the plate file: the resonances cannot decide. Measure with a sensor on the plate", significant(shares[0], 4), significant(shares[1], 4))]
     Ambiguous {
         /// Wave speeds over the file's.
         shares: [f64; 2],

@@ -112,7 +112,7 @@ mod tests {
     use crate::{Calibration, Film, Model, PlateSpec, preset};
 
     #[test]
-    fn at_the_ends_of_its_interval_a_film_turns_where_they_are() {
+    fn a_film_at_the_ends_of_its_interval_turns_at_those_ends() {
         let film = Film { youngs_modulus_pa: 4.5e9, poisson_ratio: 0.38, thickness_m: 50e-6 };
         let calibration = Calibration {
             chi2_per_n: 1.0,

@@ -17,7 +17,7 @@ pub struct Limits {
 pub const EDGE_SLOPE: Limits = Limits { green: 0.4, amber: 0.8 };
 
 /// |W'| at the boundary, where the turning width is measured straight across. Between edges at an angle the wave's fronts
-/// are arcs, and it turns where half of the arc, W atan(W')/W', is what W is between parallel edges: so the law of the plain
+/// are arcs, and it turns where half of the arc, W atan(W')/W', equals the W of parallel edges: so the law of the plain
 /// width is off by W'^2/3 of the width, which is 2.1 % at 0.25 and 8.3 % at 0.5.
 ///
 /// The limits of clamped edges are these, too: there the taper mixes the width modes so much that of 1200 random plates one

@@ -233,10 +233,10 @@ impl Gas {
 }
 
 impl Air {
-    /// Air of a room around a plate in a bare frame, which is what a frame on a table is nearest to.
+    /// Air of a room around a plate in a bare frame, which comes nearest to a frame on a table.
     pub const ROOM: Self = Self::Around { gas: Gas::ROOM, mounting: AirMounting::BareFrame };
 
-    /// How the plate stands in the air; `None` in a vacuum.
+    /// The mounting of the plate in the air; `None` in a vacuum.
     #[must_use]
     pub fn mounting(&self) -> Option<AirMounting> {
         match self {
@@ -326,7 +326,7 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     #[test]
-    fn the_standard_atmosphere_is_that_of_its_tables() {
+    fn the_standard_atmosphere_matches_its_tables() {
         // ISO 2533: height, temperature, density, speed of sound.
         for (height_m, kelvin, density, speed) in [
             (0.0, 288.15, 1.2250, 340.29),

@@ -15,7 +15,7 @@
 
 use super::air::AirLoad;
 
-/// b: beyond the turning point alpha - alpha_w rises to (1 + b)/b of what it is there.
+/// b: beyond the turning point alpha - alpha_w rises to (1 + b)/b of its value at the turning point.
 const SATURATION: f64 = 0.5;
 /// The most that the turning point's alpha is over that of a wide plate. With more a wave could turn twice.
 const GROWTH_MAX: f64 = 2.5;
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wave_is_that_of_the_coefficient_at_its_turning_point_and_of_1_where_the_plate_is_wide() {
+    fn the_wave_has_the_coefficient_of_its_turning_point_and_1_where_the_plate_is_wide() {
         let (plate, wide) = (in_air("membrane", 2.0), in_air("membrane", 1.0));
         let (mode, frequency_hz) = (plate.width_mode(1), 150.0);
         let air = mode.air(frequency_hz).expect("a membrane in air");
@@ -127,13 +127,13 @@ mod tests {
     }
 
     #[test]
-    fn with_the_coefficient_of_a_plane_wave_the_air_is_the_same_all_along() {
+    fn the_air_of_a_plane_wave_is_constant_along_the_plate() {
         let plate = in_air("membrane", 1.0);
         let air = plate.width_mode(1).air(150.0).expect("a membrane in air");
         for width_square in [10.0, 1e3, 1e5] {
             let here = air.at(width_square);
             assert!((here.wavenumber_squared / plate.wavenumber_squared(150.0) - 1.0).abs() < 1e-12);
-            // The air's share of the power is what the loss is diluted by.
+            // The air's share of the power dilutes the loss.
             assert!((here.weight * plate.dilution(150.0) - 1.0).abs() < 1e-9, "{}", here.weight);
         }
         assert!(in_air("al-bending", 2.0).width_mode(1).air(30e3).is_none());

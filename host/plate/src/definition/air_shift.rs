@@ -1,4 +1,4 @@
-//! How far air takes the peak of a frequency.
+//! Shift of the peak caused by the air's added mass.
 
 use super::air::{Air, AirLoad};
 use super::free_wave::FreeWave;

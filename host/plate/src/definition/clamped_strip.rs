@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_are_those_of_the_functions() {
+    fn derivatives_match_the_functions() {
         for (ratio, loss) in [(0.985, 0.0), (1.0, 0.1), (1.4, 0.25), (4.0, 0.01)] {
             let law = at_ratio(ratio, loss);
             let h = 1e-4 * law.t;

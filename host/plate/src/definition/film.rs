@@ -83,7 +83,8 @@ fn ratio(x: f64, y: f64) -> [f64; 3] {
 }
 
 impl FilmEdge {
-    /// That of a strip whose half-width is `widths` times s: the root of x - pi/2 - atan(x/(y tanh y)), y^2 = x^2 + widths^2.
+    /// The root for a strip whose half-width is `widths` times s: the root of x - pi/2 - atan(x/(y tanh y)), y^2 = x^2
+    /// + widths^2.
     pub(crate) fn new(widths: f64) -> Self {
         let (mut low, mut high) = (FRAC_PI_2, CLAMPED);
         let mut x = if widths > 4.0 { FRAC_PI_2 * widths / (widths - 1.0) } else { 0.5 * (low + high) };
@@ -146,7 +147,7 @@ impl FilmEdge {
         (along + bent) / (along - bent)
     }
 
-    /// By how much the wavenumber of the law is too small just before the place where a wave turns, %.
+    /// Deficit of the law's wavenumber just before the turning point of a wave, %.
     pub(crate) fn missed_percent(self) -> f64 {
         100.0 * (self.slope().sqrt() - 1.0)
     }
@@ -216,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_at_the_cut_off_is_that_of_the_strip_and_goes_to_the_clamped_plates() {
+    fn the_slope_at_the_cut_off_matches_the_strip_and_approaches_the_clamped_plates() {
         for widths in [0.5, 3.0, 5.0, 9.0, 20.0] {
             let edge = FilmEdge::new(widths);
             let (axial, h) = (edge.number.powi(2), 1e-4);

@@ -167,7 +167,7 @@ impl Plate {
         Complex64::new(1.0, self.wave_loss_at(frequency_hz))
     }
 
-    /// 1 + j eta of the plate's own stiffness, 1/(1 + j eta) of which is what it is without loss.
+    /// 1 + j eta of the plate's own stiffness; without loss it is 1.
     pub(crate) fn lossy_compliance(&self) -> Complex64 {
         Complex64::new(1.0, self.wave_loss())
     }
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn the_dilution_is_what_a_change_of_the_stiffness_does() {
+    fn the_dilution_matches_a_change_of_the_stiffness() {
         for model in models().into_iter().take(4) {
             let load = AirLoad::of(Some(&air(1.9)), &model);
             for omega in [600.0, 6e3, 6e4] {

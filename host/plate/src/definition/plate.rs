@@ -1,6 +1,6 @@
 //! A plate: taper, material and edge, loss, drive end, and the span its boundary is dragged over.
 //!
-//! [`PlateSpec`] is what a user edits. [`Plate`] is a validated specification, so the solvers need no checks of
+//! A user edits a [`PlateSpec`]. [`Plate`] is a validated specification, so the solvers need no checks of
 //! their own.
 
 use super::limits::{self, BAND_RATIO_MAX, WAVELENGTHS_MAX};

@@ -32,7 +32,7 @@ const LOSS_STEPS: usize = 8;
 /// The law for one loss.
 #[derive(Clone)]
 pub(crate) struct StripTable {
-    /// eta of t (1 + j eta).
+    /// The loss eta in t (1 + j eta).
     loss: f64,
     /// ln t at the lower end of the first cell.
     bottom: f64,
@@ -94,7 +94,7 @@ impl StripTable {
         Self { loss, bottom: join - CELLS_BELOW as f64 * CELL, cells }
     }
 
-    /// eta of t (1 + j eta).
+    /// The loss eta in t (1 + j eta).
     pub(crate) fn loss(&self) -> f64 {
         self.loss
     }

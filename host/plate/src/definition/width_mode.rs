@@ -166,9 +166,9 @@ pub(crate) struct ModeWave<'a> {
 /// K along the plate.
 #[derive(Debug, Clone, Copy)]
 enum Law {
-    /// That of the clamped strip, with ln K^2.
+    /// The law of the clamped strip, with ln K^2.
     Strip { log_wavenumber: f64 },
-    /// That of a membrane in air.
+    /// The law of a membrane in air.
     Air(AirAlong),
     /// a K^2 at the driven end, over which the thickness alone decides.
     Uniform { axial: f64 },
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn between_clamped_edges_the_wavenumber_is_that_of_the_strips_exact_law() {
+    fn between_clamped_edges_the_wavenumber_matches_the_strips_exact_law() {
         let plate = clamped();
         let width_mode = plate.width_mode(1);
         let frequency_hz = plate.frequency_for_boundary_hz(0.24);

@@ -18,7 +18,7 @@ impl fmt::Display for PlateError {
 }
 
 impl PlateError {
-    /// What is wrong, as a sentence without a full stop.
+    /// The error as a sentence without a full stop.
     #[must_use]
     pub fn worded(&self, notation: &dyn Notation) -> String {
         let name = |field: &str| notation.field(field);
@@ -87,7 +87,7 @@ fn allowed(notation: &dyn Notation, field: &str, range: Range, origin: Option<Or
     }
 }
 
-/// What a field must be for something else to be allowed, in words that follow "must be". What there is now is rounded
+/// What a field must be for something else to be allowed, in words that follow "must be". The present value is rounded
 /// away from what is allowed, so that the two never read the same.
 fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
     let frequency = |hertz: f64| notation.frequency(hertz);
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_that_other_fields_move_is_told_with_what_moves_it() {
+    fn a_range_that_other_fields_move_is_printed_with_its_cause() {
         let sampled = |points: &[[f64; 2]]| {
             let taper = Taper::Sampled { points: points.to_vec() };
             refusal("membrane", |spec| spec.taper = taper)
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn what_follows_from_a_number_is_told_with_what_it_is_here() {
+    fn a_derived_limit_is_printed_with_its_value_here() {
         let exponential = |half_width_m, rate_per_m, span: (f64, f64)| {
             move |spec: &mut PlateSpec| {
                 spec.taper = Taper::Exponential { half_width_m, rate_per_m };

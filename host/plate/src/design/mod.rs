@@ -330,7 +330,7 @@ fn taper_for(request: &Request, model: &Model) -> Result<FoundTaper, PlateError>
         let consequence = Consequence::Margins { band_hz: request.band_hz, margins_m };
         return Err(PlateError::unfit("length_m", length, consequence));
     }
-    // The margins are what they are now; the rate alone is iterated to the last digit.
+    // The margins are final; only the rate is iterated to the last digit.
     for _ in 0..60 {
         rate = 0.5 * rate + 0.5 * rate_over(rate, far_m - near_m);
     }

@@ -14,10 +14,11 @@
 //! L p_1 = -(1 + j eta) omega^2 (faces rho integral k p dx' - mu W p)/(T W) - j eta K^2 (1 - 1/Omega) p
 //!         + (Omega'/Omega) v'/sqrt W + (sqrt Omega)''/sqrt Omega p,   v = sqrt W p
 //! ```
-//! with the operator L of the amplitude equation: the first term is what the integral has beside the law's mass, the others
-//! take out what the law has of the air's power and loss, which the integral has itself. What p_1 adds of p itself does not
-//! matter: the driven end's condition scales both together. A share of it counts: all in a baffle, next to nothing where the air
-//! goes round the edges. Of a film T is T + 2 D K^2, its stiffness against a wave that changes.
+//! with the operator L of the amplitude equation: the first term is the integral's part beside the law's mass; the
+//! others remove the law's part of the air's power and loss, which the integral contains itself. What p_1 adds of p
+//! itself does not matter: the driven end's condition scales both together. A share of it counts: all in a baffle, next
+//! to nothing where the air goes round the edges. Of a film T is T + 2 D K^2, its stiffness against a wave that
+//! changes.
 
 use crate::definition::air::Air;
 use crate::definition::air_along::AirAlong;
@@ -260,7 +261,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kernel_is_that_of_its_limits_near_and_far() {
+    fn the_kernel_matches_its_limits_near_and_far() {
         // Far away the width's volume is at a point: h = (8/pi^3)/r.
         let far = (reach(100.0) - reach(50.0)) / std::f64::consts::LN_2;
         assert!((far / (8.0 / PI.powi(3)) - 1.0).abs() < 1e-3, "{far}");

@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_at_points_apart_are_those_of_all_points() {
+    fn fields_at_points_apart_match_all_points() {
         for plate in plates() {
             let (low, high) = plate.band_hz();
             // A multiple of the points between which a near field's logarithm goes linearly where all are asked for.

@@ -98,7 +98,7 @@ pub struct Figure {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum FigureError {
     /// The plate of a figure is not among the presets.
-    #[error("the preset plate \"{0}\" is not there")]
+    #[error("the preset plate \"{0}\" does not exist")]
     Preset(&'static str),
     /// The plate of a figure was refused.
     #[error(transparent)]

@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_figures_show_is_what_their_page_says() {
+    fn the_figures_show_what_their_page_says() {
         let [field, turning, clamped, reflection, finger] =
             <[Figure; 5]>::try_from(figures().expect("the presets show them")).expect("five");
         // One and two dimensions nearly coincide.

@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn derivatives_are_those_of_the_functions() {
+    fn derivatives_match_the_functions() {
         let step = 1e-5;
         let check = |f: &dyn Fn(f64) -> Jet, at: f64, scale: f64| {
             let (low, here, high) = (f(at - step), f(at), f(at + step));

@@ -35,7 +35,7 @@ pub(super) struct Resolution {
     pub(super) panels: f64,
 }
 
-/// The divided sheet with what is done to it.
+/// The meshed sheet with its loads and boundary conditions.
 #[derive(Debug, Clone)]
 pub(super) struct Discrete<'a> {
     plate: &'a Plate,

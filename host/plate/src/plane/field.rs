@@ -40,8 +40,8 @@ impl Field {
     /// only if [`Setup::of`] has copied it; the actuator has none.
     ///
     /// # Errors
-    /// [`PlaneError::Respond`] for a frequency that [`crate::respond()`] refuses, [`PlaneError::TooFine`] for a plate so
-    /// many wavelengths wide or long that the system would be too large, and the error of a setup that is not valid.
+    /// [`PlaneError::Respond`] for a frequency that [`crate::respond()`] refuses, [`PlaneError::TooFine`] for a plate
+    /// too many wavelengths wide or long for the largest system, and the error of a setup that is not valid.
     pub fn solve(plate: &Plate, frequency_hz: f64, setup: &Setup) -> Result<Self, PlaneError> {
         Self::solve_with(plate, frequency_hz, setup, RESOLUTION)
     }

@@ -137,8 +137,8 @@ pub(super) struct AirForces {
 }
 
 impl AirForces {
-    /// Those on the sheet of `section`, `mesh` and `outline`, with panels of about the length `panel_m` in `rows` between
-    /// centre line and edge, at the angular frequency `omega`.
+    /// The panels on the sheet of `section`, `mesh` and `outline`, with panels of about the length `panel_m` in `rows`
+    /// between centre line and edge, at the angular frequency `omega`.
     ///
     /// # Errors
     /// [`PlaneError::TooManyPanels`].

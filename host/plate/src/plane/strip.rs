@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_impedance_is_that_of_the_power_flow() {
+    fn the_impedance_matches_the_power_flow() {
         let (squared, step, omega) = (300.0_f64.powi(2), 1e-4, 1e5);
         for edges in [Edges::Supported, Edges::Clamped] {
             let section = section(edges, 9);

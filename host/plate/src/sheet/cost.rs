@@ -120,7 +120,7 @@ mod tests {
     use crate::definition::presets::preset;
 
     #[test]
-    fn the_cost_told_is_the_cost_of_the_sheet_that_is_built() {
+    fn the_reported_cost_matches_the_sheet_that_is_built() {
         for (name, whole) in [("membrane", false), ("membrane", true), ("al-sh", false)] {
             let plate = preset(name).expect("a preset");
             let grid = SheetGrid { whole, ..SheetGrid::coarse(&plate) };

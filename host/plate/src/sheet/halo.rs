@@ -121,7 +121,7 @@ mod tests {
     use std::panic::catch_unwind;
 
     #[test]
-    fn nobody_waits_for_a_band_that_has_panicked() {
+    fn no_band_waits_for_one_that_has_panicked() {
         let exchange = HaloExchange::new(2);
         std::thread::scope(|scope| {
             let waiting = scope.spawn(|| exchange.receive(1, Skew::Rising, |_| {}));

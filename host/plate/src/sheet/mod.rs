@@ -96,7 +96,7 @@ pub struct Sheet {
     widths_m: Vec<f64>,
     step_s: f64,
     wave: AirWave,
-    /// What another wave needs, for a plate that carries air.
+    /// The coefficients of the wave in air, for a plate that carries air.
     tuning: Option<Box<Tuning>>,
     full_scale_m: f64,
     scope: EnvelopeScope,

@@ -32,7 +32,7 @@ impl Scheme<'_> {
         let speed = self.wave.speed_m_per_s;
         let along = (speed * self.step_s / edge.dx).powi(2);
         let across = (speed * self.step_s / edge.dz).powi(2);
-        // Of the air: it counts in the own weight alone, 0 without it.
+        // The air's part: it counts in the own weight alone, 0 without air.
         let lift = |station: usize| (speed * self.step_s).powi(2) * self.wave.lift_per_m2(station);
         let loss = 0.5 * self.damping * self.step_s;
         let divisor = 1.0 + loss;

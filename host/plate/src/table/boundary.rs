@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn boundaries_are_those_of_the_fine_solution() {
+    fn boundaries_match_the_fine_solution() {
         for preset in presets() {
             let plate = preset.plate().expect("a preset");
             let frequencies_hz = span_frequencies(&plate, 11);

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn any_tones_have_a_smaller_peak_than_with_schroeders_phases_and_none_have_none() {
+    fn any_tones_have_a_smaller_peak_than_with_schroeders_phases() {
         let (turns, one) = low_peak_turns(&[7], &[0.3], LONGEST);
         assert!((one - 0.3).abs() < 1e-5 && turns.len() == 1);
         assert_eq!(low_peak_turns(&[], &[], LONGEST), (Vec::new(), 0.0));

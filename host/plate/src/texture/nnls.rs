@@ -459,7 +459,7 @@ mod tests {
     }
 
     #[test]
-    fn few_columns_are_those_that_matter() {
+    fn few_columns_are_chosen_where_few_matter() {
         let mut numbers = Numbers(4);
         let a = humps(&mut numbers, 120, 60);
         let wanted = [(7, 1.0), (25, 0.4), (44, 2.0)];

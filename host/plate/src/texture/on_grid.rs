@@ -1,7 +1,7 @@
 //! A texture as a chord: its tones on multiples of one base frequency, with phases for a small peak.
 //!
 //! ```text
-//! Texture --each to the nearest multiple--> powers fitted anew --> phases (crest) --> as loud as the peak allows
+//! Texture --each to the nearest multiple--> powers fitted again --> phases (crest) --> as loud as the peak allows
 //! ```
 //! The sum of tones on a grid is periodic, so a device can verify its peak and play it louder than the sum of the
 //! amplitudes allows. The figures include the error that the grid causes.

@@ -98,7 +98,7 @@ fn far_from_the_bar_its_field_is_the_first_modes() {
     let ratios = [0.2, 0.25, 0.33].map(|share| at(110.0, share));
     let middle = ratios[1];
     assert!(ratios.iter().all(|ratio| (ratio / middle - 1.0).abs() < 0.05), "{ratios:?}");
-    assert!((at(110.0, 0.005) / middle - 1.0).abs() > 0.1, "near the bar the third mode is there");
+    assert!((at(110.0, 0.005) / middle - 1.0).abs() > 0.1, "the third mode is present near the bar");
 }
 
 #[cfg(test)]

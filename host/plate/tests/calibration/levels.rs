@@ -249,7 +249,7 @@ fn linear_tapers_and_membranes_moved_by_a_bar_are_accepted_at_the_proposed_place
 /// The accuracy that a plan predicts for its places is that of a measurement there, on a plate near the nominal one
 /// with noise 40 dB below the signals.
 #[test]
-fn what_a_pair_of_places_would_reach_is_what_it_reaches() {
+fn a_pair_of_places_reaches_its_predicted_accuracy() {
     for name in ["membrane", "al-bending"] {
         let nominal = preset(name).expect("a preset");
         let points = super::count(name);

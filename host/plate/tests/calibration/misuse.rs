@@ -112,7 +112,7 @@ fn how_far_a_misplaced_sensor_shifts_the_boundary_is_stated_in_a_sentence() {
     let most_mm = found.boundary_per_place.iter().copied().fold(0.0, f64::max);
     assert!((0.5..2.0).contains(&most_mm), "{most_mm}");
     let sentence = found.caution().expect("two sensors");
-    let wanted = format!("moves the boundary by up to {most_mm:.1} mm, and nothing here shows it");
+    let wanted = format!("moves the boundary by up to {most_mm:.1} mm, and this fit cannot tell");
     assert!(sentence.contains(&wanted), "{sentence} for {wanted}");
 }
 
@@ -266,7 +266,7 @@ fn twenty_decibels(name: &str) {
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run statistics"]
-fn what_goes_wrong_with_two_places_is_refused_or_stated_on_aluminium_too() {
+fn mistakes_with_two_places_are_refused_or_reported_on_aluminium_too() {
     finger(SECOND);
     another_place(SECOND);
     nothing_to_be_seen(SECOND);

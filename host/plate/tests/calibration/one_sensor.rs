@@ -74,13 +74,13 @@ fn one_sensor(number: u64) {
 }
 
 #[test]
-fn what_goes_wrong_with_one_sensor_is_refused_or_stated() {
+fn mistakes_with_one_sensor_are_refused_or_reported() {
     misuse(&["membrane"]);
 }
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run statistics"]
-fn what_goes_wrong_with_one_sensor_is_refused_or_stated_on_aluminium_too() {
+fn mistakes_with_one_sensor_are_refused_or_reported_on_aluminium_too() {
     misuse(&["al-bending"]);
 }
 

@@ -73,7 +73,7 @@ impl Rig {
 
     /// The same truth behind the drive of the nominal plate: its levels are those of the file but for what the plate
     /// itself changes.
-    pub(crate) fn with_told_drive(mut self) -> Self {
+    pub(crate) fn with_stated_drive(mut self) -> Self {
         let mut spec = self.truth.spec().clone();
         (spec.drive_end, spec.actuator) = (self.nominal.spec().drive_end, None);
         self.truth = Plate::new(spec).expect("a valid plate");
@@ -232,7 +232,7 @@ impl Rig {
                 (Solver::OneMode, _) => (turning_m - x).abs(),
                 // In two dimensions the peak has a place, a turning point is a notion of one mode.
                 (Solver::TwoDimensions | Solver::Bar, Some(peak)) => {
-                    (peak.position_m - told_peak_m(plate, hz)).abs()
+                    (peak.position_m - expected_peak_m(plate, hz)).abs()
                 }
                 (Solver::TwoDimensions | Solver::Bar, None) => 0.0,
             });
@@ -251,7 +251,7 @@ impl Rig {
 }
 
 /// Where the plate of the table has its peak, metres.
-fn told_peak_m(plate: &Plate, frequency_hz: f64) -> f64 {
+fn expected_peak_m(plate: &Plate, frequency_hz: f64) -> f64 {
     let field = respond_batch(plate, &[frequency_hz], POINTS, Equation::Corrected).expect("in the band");
     Peak::of(&field[0], plate, frequency_hz).map_or(f64::NAN, |peak| peak.position_m)
 }

@@ -102,13 +102,13 @@ fn by_current([membranes, plates]: [u64; 2]) {
 }
 
 #[test]
-fn what_goes_wrong_with_the_current_is_refused_or_stated() {
+fn mistakes_with_the_current_are_refused_or_reported() {
     misuse(&["membrane"]);
 }
 
 #[test]
 #[ignore = "a second pass, on another preset: .ci/run statistics"]
-fn what_goes_wrong_with_the_current_is_refused_or_stated_on_aluminium_too() {
+fn mistakes_with_the_current_are_refused_or_reported_on_aluminium_too() {
     misuse(&["al-bending"]);
 }
 

@@ -95,7 +95,7 @@ fn a_refusal_names_the_field_its_line_and_the_allowed_range() {
 }
 
 #[test]
-fn a_value_of_another_kind_is_quoted_and_told_what_is_due() {
+fn a_value_of_another_kind_is_quoted_with_the_expected_kind() {
     assert_line_refused(&[
         ("length_m = \"300 mm\"", "line 3: length_m = \"300 mm\": must be a number, 0.005 to 10 m"),
         ("length_m = 1e999", "line 3: length_m = 1e999: must be a number, 0.005 to 10 m"),
@@ -117,7 +117,7 @@ fn a_value_of_another_kind_is_quoted_and_told_what_is_due() {
 }
 
 #[test]
-fn a_number_that_toml_cannot_read_is_told_with_its_field_and_range() {
+fn a_number_that_toml_cannot_read_is_refused_with_its_field_and_range() {
     assert_line_refused(&[
         (
             "half_width_m = 0,05",
@@ -155,7 +155,7 @@ fn a_name_that_is_not_known_is_answered_with_the_one_that_was_meant() {
 }
 
 #[test]
-fn what_is_missing_is_told_with_its_meaning_and_range_and_all_at_once() {
+fn missing_fields_are_listed_at_once_with_meaning_and_range() {
     let found = Plate::from_toml("name = \"x\"\n").expect_err("a name alone").to_string();
     assert_eq!(
         found,

@@ -31,7 +31,7 @@ impl Attention {
         self.limit
     }
 
-    /// A call begins; `None` if none came for too long before it. The calls after that one begin anew.
+    /// A call begins; `None` if none came for too long before it. Calls after that one start afresh.
     pub(super) fn begin(&self) -> Option<Call<'_>> {
         self.running.fetch_add(1, Ordering::SeqCst);
         let call = Call(self);

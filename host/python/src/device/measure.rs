@@ -22,7 +22,7 @@ pub(super) struct Wish {
 }
 
 impl Wish {
-    /// What the arguments of a call ask for.
+    /// The request of a call's arguments.
     pub(super) fn new(
         place_m: Option<f64>,
         kind: &str,

@@ -58,7 +58,7 @@ pub(crate) struct Device {
     state: Mutex<State>,
 }
 
-/// What the device is in use for.
+/// The present use of the device.
 #[derive(Default)]
 struct State {
     block: Block,

@@ -252,7 +252,8 @@ impl Plate {
     ///
     /// ``.plate`` is the calibrated plate, or ``None`` where ``.accepted`` is false; then ``.reason`` says why.
     ///
-    /// Raises ``OutOfRange``, ``Refused`` and ``BadFile``. The fit goes on unheard after Ctrl-C.
+    /// Raises ``OutOfRange``, ``Refused`` and ``BadFile``. After Ctrl-C the fit runs on in the background, and its
+    /// result is dropped.
     #[pyo3(signature = (measurements, **as_cli))]
     fn calibrate(
         &self,

@@ -96,7 +96,7 @@ fn respond(request: Request, contents: &Contents) {
         Method::Get | Method::Head => file(request.url(), contents),
         _ => plain(405, "GET and HEAD are answered.\n", "Allow: GET, HEAD"),
     };
-    // The browser may have gone: nobody is left to be told.
+    // The browser may have closed the connection; the answer is then dropped.
     let _ = request.respond(answer);
 }
 
@@ -134,7 +134,7 @@ fn answer<'a>(
     bytes: Box<dyn Read + Send>,
     length: usize,
 ) -> Answer {
-    // What is no header is none of those above.
+    // A line that is no header is none of those above.
     let headers =
         headers.chain(["X-Content-Type-Options: nosniff"]).filter_map(|line| line.parse::<Header>().ok());
     // With its length, however long it is.

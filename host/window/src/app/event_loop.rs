@@ -66,8 +66,8 @@ pub fn run<'app>(
 const KEPT: usize = 8 << 20;
 
 /// Has the allocator keep what one picture gives back for the next. That of glibc keeps up to twice the largest block that was
-/// given back (its M_TRIM_THRESHOLD) and returns the rest to the system, which clears each page when it is taken anew; software
-/// graphics take some megabytes for each picture. Other allocators do nothing about it.
+/// given back (its M_TRIM_THRESHOLD) and returns the rest to the system, which clears each page when it is taken again;
+/// software graphics take some megabytes for each picture. Other allocators do nothing about it.
 fn keep_memory() {
     drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
 }

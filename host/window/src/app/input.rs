@@ -27,7 +27,7 @@ impl App {
         let is_typing = is_left || ctx.text_edit_focused();
         let focused = ctx.memory(egui::Memory::focused);
         let mut asked = Intents::new();
-        // The line is what the window is for; the controls follow it.
+        // The line comes first, because the window exists for it; the controls follow.
         self.view.begins_by_tab = focused.is_none()
             && self.dialog.is_none()
             && ctx.input(|input| input.modifiers.is_none() && input.key_pressed(Key::Tab));
@@ -192,8 +192,8 @@ fn stop_presses(input: &egui::InputState, mut is_typing: bool) -> usize {
 fn by_escape(closed: &str, snapshot: &Snapshot) -> String {
     let state = snapshot.status.map(|status| status.state).filter(|_| snapshot.is_connected());
     let more = match (state, snapshot.is_simulated()) {
-        (None, _) => ". No device answers; the stop was sent all the same.",
-        (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to go on.",
+        (None, _) => ". No device answers; the stop was sent nevertheless.",
+        (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to resume.",
         (Some(State::Driving | State::Waiting), false) => ", stopped the drive and disarmed the device.",
         (Some(State::Armed | State::Stopping), false) => " and disarmed the device.",
         (Some(State::Idle | State::Armed | State::Stopping | State::Fault | State::SafeMode), _) => {

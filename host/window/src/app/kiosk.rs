@@ -59,7 +59,7 @@ impl App {
         self.lead = Lead::Scenes(Kiosk { scene: next, since_s: Some(now_s) });
         if self.instrument.snapshot().is_simulated() {
             self.start_scene(next);
-            // Whoever has stopped the simulated plate has gone.
+            // The visitor who stopped the simulated plate has gone.
             let state = self.instrument.snapshot().status.map(|status| status.state);
             if matches!(state, Some(State::Armed | State::Idle)) {
                 self.instrument.start();

@@ -37,7 +37,7 @@ impl App {
     pub fn connect(&mut self, port: Port) {
         // The chosen port is remembered even if it does not exist at the moment.
         self.settings.port = Some(port.to_string());
-        // What is heard was chosen for the device before.
+        // The present sound was chosen for the previous device.
         self.hearing.chosen = None;
         self.instrument.connect(port);
     }

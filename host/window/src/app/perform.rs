@@ -24,8 +24,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Why codes cannot be saved that are not those of the device.
-const UNKNOWN_CODES: &str = "What the device sends is not known since its levels were held, or since this program lost track of it: \
-                             stop, and drive again";
+const UNKNOWN_CODES: &str = "The device's output is unknown, because it held levels or this program lost track of it: stop, and \
+    drive again";
 
 impl App {
     pub(super) fn perform(&mut self, ctx: &egui::Context, intents: Intents) {

@@ -19,7 +19,7 @@ pub(super) struct Hearing {
 }
 
 impl App {
-    /// What is heard.
+    /// The present sound.
     pub(super) fn sound_choice(&self) -> SoundChoice {
         self.hearing.chosen.unwrap_or_else(|| {
             let is_usual = self.instrument.snapshot().is_simulated() && self.settings.hear_finger;

@@ -210,7 +210,7 @@ mod tests {
         assert!(least.is_some_and(|size| size.x <= 640.0 && size.y <= 480.0 - 2.0 * 40.0), "{least:?}");
     }
 
-    /// What the window is asked to do after one more frame.
+    /// The commands to the window after one more frame.
     fn commands(ctx: &egui::Context) -> Vec<ViewportCommand> {
         let mut output = ctx.run_ui(egui::RawInput::default(), |_| {});
         // There is no renderer to take them.

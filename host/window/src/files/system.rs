@@ -162,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dialog_that_stays_open_holds_nobody_up() {
+    fn a_dialog_that_stays_open_blocks_nothing() {
         static OPEN: Mutex<()> = Mutex::new(());
         // Held by this test: begin() would wait for itself if it did not return while the dialog is open.
         let is_open = OPEN.lock().unwrap();
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_there_is_replaced_only_when_that_was_said() {
+    fn an_existing_file_is_replaced_only_on_request() {
         let folder = folder("replaced");
         let save = |text: &str| Save {
             name: String::new(),
@@ -215,7 +215,7 @@ mod tests {
         else {
             panic!("it was replaced")
         };
-        assert_eq!(reason.to_string(), "x.svg is there already: choose another folder");
+        assert_eq!(reason.to_string(), "x.svg exists already: choose another folder");
         assert_eq!(std::fs::read_to_string(folder.join("x.svg")).unwrap(), "<svg/>");
         assert!(!folder.join("new.svg").exists(), "all or none");
         std::fs::remove_dir_all(&folder).unwrap();

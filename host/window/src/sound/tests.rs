@@ -50,7 +50,7 @@ fn wait_for(speaker: &SystemSpeaker, wanted: &SpeakerState) {
 }
 
 #[test]
-fn the_card_is_opened_by_the_first_sound_and_a_failure_is_told_and_tried_again_when_asked() {
+fn the_card_is_opened_by_the_first_sound_and_a_failure_is_reported_and_tried_again_when_asked() {
     let (give, answers) = channel::<anyhow::Result<()>>();
     let (woken, wakes) = channel();
     let card = move |playing: &dyn Fn(), mut source: SampleSource| {

@@ -8,9 +8,9 @@
 //! bars/bottom_row: plots/ (waveform or finger trace, spectrum), meters, log
 //! bars/status_line: messages
 //! ```
-//! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` is what the
-//! views keep from frame to frame, as plain data; a view gets its own part of it (`kept`). `room` decides what fits the window, `theme` has
-//! colours and fonts.
+//! `fields` are the inputs that panels and dialogs share, `dialogs` what stands over the window. `ViewState` holds the
+//! views' state between frames, as plain data; a view gets its own part of it (`kept`). `room` decides what fits the
+//! window, `theme` has colours and fonts.
 
 mod bars;
 mod dialogs;

@@ -50,7 +50,7 @@ pub(crate) struct ViewState {
     pub(crate) was_typing: bool,
     /// The press on the plate or the envelope.
     pub(crate) pressing: Pressing,
-    /// The brush of the envelope: it is there while the page Texture is open.
+    /// The brush of the envelope: present while the page Texture is open.
     pub(crate) brush: Brush,
     /// STOP was pressed since the last picture: a Drive of the same picture, before it or after it, is not carried out.
     pub(crate) is_stopped: bool,

@@ -58,7 +58,7 @@ fn every_page_and_dialog_has_one_action_that_is_due_at_most() {
     assert_eq!(due(&app), ["Next"]);
     app.click_button("Next", 200);
     app.click_button("Next", 200);
-    assert_eq!(due(&app), ["Measure now"], "before the answer is there");
+    assert_eq!(due(&app), ["Measure now"], "before the answer arrives");
     app.click_button("Cancel", 200);
     go_through(&mut app, &crate::calibrate::answers(1.02));
     assert_eq!(due(&app), ["Use this plate"]);

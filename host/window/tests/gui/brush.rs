@@ -1,4 +1,4 @@
-//! The brush: the wanted amplitude is drawn over the envelope; the tones follow, and what cannot be had is shaded.
+//! The brush draws the wanted amplitude over the envelope; the tones follow, and it shades what is out of reach.
 
 use crate::test_app::{TestApp, opened};
 use crate::textures::open_textures;
@@ -54,7 +54,7 @@ fn loudness(setup: &Setup) -> f64 {
     setup.tones.iter().map(|tone| tone.level).sum()
 }
 
-/// The area of the shade over what cannot be had, in square points.
+/// The area of the shade over what is out of reach, in square points.
 fn shaded(app: &TestApp) -> f32 {
     let ink = Color32::from_rgb(0x96, 0x5a, 0x00).gamma_multiply(0.35);
     let meshes = app.window.output().shapes.iter().filter_map(|clipped| match &clipped.shape {
@@ -75,7 +75,7 @@ fn shaded(app: &TestApp) -> f32 {
         .sum()
 }
 
-/// An even amplitude that falls: it can be had.
+/// An even amplitude that falls: it is within reach.
 const FALLS: [(f32, f32); 3] = [(0.06, 0.1), (0.5, 0.1), (0.8, 0.01)];
 
 #[test]
@@ -125,7 +125,7 @@ fn what_is_drawn_half_as_high_is_half_as_loud() {
 }
 
 #[test]
-fn what_cannot_be_had_is_shaded_where_it_is_and_what_can_be_is_not() {
+fn only_what_is_out_of_reach_is_shaded() {
     let shade = |path: &[(f32, f32)]| {
         let mut app = TestApp::driving();
         with_brush(&mut app);
@@ -143,7 +143,7 @@ fn what_cannot_be_had_is_shaded_where_it_is_and_what_can_be_is_not() {
 }
 
 #[test]
-fn a_stroke_goes_through_lines_and_brings_none() {
+fn a_stroke_passes_lines_and_moves_none() {
     let mut app = TestApp::driving();
     with_brush(&mut app);
     let line = line_rect(&app).center().x;
@@ -152,7 +152,7 @@ fn a_stroke_goes_through_lines_and_brings_none() {
     // It begins on the line.
     stroke(&mut app, &[(along, 0.08), (along - 0.3, 0.08)]);
     assert!(setup(&app).tones.len() > 1);
-    // On the plate a press brings the line as ever.
+    // On the plate a press moves the line as usual.
     let plate = app.window.get_by_label("Plate from above").rect();
     let before = setup(&app);
     app.grab(pos2(plate.left() + 0.4 * plate.width(), plate.top() + 8.0), 1000);
@@ -182,7 +182,7 @@ fn escape_its_button_its_switch_and_another_page_put_the_brush_away() {
         assert_eq!(setup(&app).tones.len(), 1, "{way}: that draws nothing");
         assert!(!has(&app, "Drawing area") && !has(&app, "End drawing"), "{way}");
         if way == "Esc" {
-            assert!(has(&app, "Esc ended the drawing and stopped the drive. Press Drive to go on."));
+            assert!(has(&app, "Esc ended the drawing and stopped the drive. Press Drive to resume."));
             assert!(!app.is_driving());
             app.click_button("Drive", 200);
         }

@@ -135,7 +135,7 @@ fn each_page_leads_on_back_and_out_and_waits_for_its_answer() {
 }
 
 #[test]
-fn answers_that_are_exchanged_or_of_another_plate_are_refused_and_what_helps_is_offered() {
+fn exchanged_or_foreign_responses_are_refused_with_a_remedy() {
     let mut app = TestApp::driving();
     let [near, far] = answers(1.03);
     // Each file states the other's place.
@@ -229,7 +229,7 @@ fn the_calibrations_buttons_keep_their_places_from_page_to_page() {
             assert_eq!(here, first[..here.len()], "{size:?}: page {number}");
             assert_eq!(here.len(), if number == 5 { 2 } else { 3 });
         }
-        // Where Next was there is nothing that a second press could do.
+        // A second press at the place of Next does nothing.
         let next = first[2].1;
         for name in ["Use this plate", "Save plate file…"] {
             let button = app.window.get_by_role_and_label(Role::Button, name).rect();

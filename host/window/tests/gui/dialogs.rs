@@ -124,7 +124,7 @@ fn every_other_dialog_fits_the_smallest_screen() {
             assert_eq!(frame(&mut app), first, "{size:?} {entry}");
             app.click("Close", 300);
         }
-        // A path that is longer than its field, and one whose file is there.
+        // A path that is longer than its field, and one whose file exists.
         app.files.has_no_dialogs.set(true);
         app.window.key_press_modifiers(Modifiers::COMMAND, Key::S);
         let first = frame(&mut app);
@@ -136,7 +136,7 @@ fn every_other_dialog_fits_the_smallest_screen() {
         app.window.get_by_role_and_label(Role::TextInput, "File path").type_text(&LONG.repeat(3));
         app.wait(100);
         press(&mut app, "Save");
-        assert!(app.has_part("There is a file of that name"));
-        assert_eq!(frame(&mut app), first, "{size:?}: a file that is there");
+        assert!(app.has_part("A file of that name exists"));
+        assert_eq!(frame(&mut app), first, "{size:?}: an existing file");
     }
 }

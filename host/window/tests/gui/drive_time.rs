@@ -8,7 +8,7 @@ use slipline_link::protocol::event::{Fault, Faults, State};
 use std::sync::Arc;
 
 #[test]
-fn a_stop_at_the_end_of_the_drive_time_is_told_and_a_real_device_is_cleared_first() {
+fn a_stop_at_the_end_of_the_drive_time_is_reported_and_a_real_device_is_cleared_first() {
     for is_simulated in [true, false] {
         let mut link = real_device(State::Fault);
         let snapshot = Arc::make_mut(&mut link.snapshot);

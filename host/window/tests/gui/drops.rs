@@ -20,7 +20,7 @@ impl DroppedFile for Dropped {
     }
 }
 
-/// Drops a file with these bytes, which is there under its name.
+/// Drops a file with these bytes, which exists under its name.
 fn drop_file(app: &mut TestApp, name: &str, bytes: &[u8]) {
     let path = PathBuf::from(name);
     *app.files.profiles.borrow_mut() = vec![(path.clone(), Ok(bytes.to_vec()))];
@@ -59,7 +59,7 @@ fn a_dropped_csv_or_png_is_drawn_as_a_profile_on_the_page_of_textures() {
 }
 
 #[test]
-fn a_dropped_plate_and_a_dropped_recording_are_what_they_are_and_nonsense_is_refused_by_name() {
+fn a_dropped_plate_or_recording_is_recognised_and_nonsense_is_refused_by_name() {
     let mut app = TestApp::driving();
     drop_file(&mut app, "drag.csv", b"time_s,tone,place_m\n0,1,0.18\n0.5,1,0.2\n");
     app.click_button("Play", 100);

@@ -78,7 +78,7 @@ fn the_keys_move_the_finger_and_not_the_boundary() {
 }
 
 #[test]
-fn the_simulated_plate_is_said_to_take_no_finger_and_is_not_drawn() {
+fn the_stage_says_that_the_simulated_plate_takes_no_finger_and_omits_it() {
     let mut app = TestApp::driving_with_sheet();
     let said = |app: &TestApp, text: &str| {
         crate::plots::words(app.window.output()).iter().any(|(word, _)| word == text)

@@ -94,7 +94,7 @@ fn columns_that_are_not_clear_are_chosen_before_the_file_is_taken() {
 }
 
 #[test]
-fn a_universal_file_tells_its_sensor_and_what_cannot_be_is_said_where_it_was_told() {
+fn a_universal_file_states_its_sensor_and_an_impossible_one_is_refused_in_place() {
     let mut app = TestApp::driving();
     // Dropped on any page: its name says what it is.
     drop_file(&mut app, "hammer.UFF", near(1.0).to_uff58().as_bytes());
@@ -163,7 +163,7 @@ fn the_calibration_takes_such_files_at_the_places_of_its_pages() {
     assert!(app.shows("Boundary off by"));
 }
 
-/// A sweep over the membrane's band, and what a recorder hears of it at the end of a wire, in the second of two channels.
+/// A sweep over the membrane's band, and what a recorder at the end of a wire records, in the second of two channels.
 fn swept() -> (PlayedSweep, Vec<u8>) {
     const RATE_HZ: f64 = 8e3;
     let plate = membrane(1.0);

@@ -13,7 +13,7 @@ const MOST: usize = 20_000;
 /// Most that is drawn of it, over the window's area: nearly each point once.
 const MOST_DRAWN: f32 = 1.1;
 /// Most memory in bytes that a drag of two seconds may keep when it is over, once all that is bounded is full. An hour of
-/// drags would keep less than 10 MB then; most of what is kept is what the tests record.
+/// drags would keep less than 10 MB then; the tests record most of it.
 const MOST_KEPT: i64 = 5_000;
 
 /// The triangles of the latest picture whose middle lies in a part of the window.

@@ -16,7 +16,7 @@ fn state(app: &TestApp) -> State {
 }
 
 /// The text of the message about the hang.
-const MESSAGE: &str = "The window did not respond for 1 s, so the drive was stopped and the device disarmed. Press Drive to go on.";
+const MESSAGE: &str = "The window did not respond for 1 s, so the drive was stopped and the device disarmed. Press Drive to resume.";
 
 #[test]
 fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() {

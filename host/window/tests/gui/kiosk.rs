@@ -59,7 +59,7 @@ fn visitors_have_the_stage_and_stop_and_neither_menus_nor_pages() {
 }
 
 #[test]
-fn the_next_scene_comes_when_nobody_has_touched_anything_and_drives_again_after_a_stop() {
+fn the_next_scene_comes_without_a_touch_and_drives_again_after_a_stop() {
     let mut app = opened([1280.0, 800.0]);
     let first = plate_name(&app);
     pass(&mut app, 30.0);

@@ -1,6 +1,7 @@
 //! The README's moving picture: the line is dragged to and fro over the first start's plate.
 //!
-//! `SLIPLINE_BLESS=1 cargo test -p slipline-window --test gui moving_picture -- --ignored` makes it anew; it needs no display.
+//! `SLIPLINE_BLESS=1 cargo test -p slipline-window --test gui moving_picture -- --ignored` makes it again; it needs no
+//! display.
 
 use crate::line_rect;
 use crate::painter::Painter;

@@ -82,7 +82,7 @@ fn a_message_covers_nothing_that_is_used_or_watched() {
 }
 
 #[test]
-fn the_log_tells_of_files_by_their_names_alone() {
+fn the_log_names_files_without_their_folders() {
     let mut app = TestApp::driving();
     save(&mut app);
     let text = app.setup_text();
@@ -179,7 +179,7 @@ fn ask_too_much(app: &mut TestApp) {
 }
 
 #[test]
-fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
+fn a_refusal_of_the_device_stays_beside_later_notices() {
     let mut app = TestApp::driving();
     ask_too_much(&mut app);
     let is_told = |app: &TestApp| app.window.query_all_by_label_contains("Refused: ").count() > 0;
@@ -195,7 +195,7 @@ fn what_the_device_refused_stays_beside_what_is_told_meanwhile() {
 }
 
 #[test]
-fn a_port_that_does_not_answer_is_told_until_another_one_does() {
+fn a_silent_port_is_reported_until_another_one_answers() {
     let mut app = TestApp::driving();
     app.click("Device", 100);
     app.click("Disconnect", 500);
@@ -217,7 +217,7 @@ fn a_port_that_does_not_answer_is_told_until_another_one_does() {
 }
 
 #[test]
-fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_told() {
+fn a_tone_that_lowers_the_master_or_lies_beyond_the_span_is_reported() {
     let mut app = TestApp::driving();
     crate::add_tone(&mut app);
     let message = app.window.state().notice().cloned().unwrap().text;
@@ -309,7 +309,7 @@ fn every_message_of_the_link_is_in_the_log_whole() {
     app.hang(1100);
     app.wait(100);
     is_logged(&app, "The window did not respond for 1 s");
-    // A port that is not there.
+    // A port that does not exist.
     let mut app = TestApp::unplugged();
     app.wait(1500);
     is_logged(&app, "There is no port sim");

@@ -38,15 +38,15 @@ fn a_setup_is_saved_to_the_path_that_is_typed() {
 }
 
 #[test]
-fn a_file_that_is_there_is_replaced_only_by_the_button_that_says_so() {
+fn an_existing_file_is_replaced_only_by_the_button_that_says_so() {
     let mut app = bare();
     for _ in 0..2 {
         press(&mut app, Key::S);
         type_into(&mut app, "File path", "/tmp/mine.toml");
         app.wait(200);
     }
-    assert_eq!(app.files.saved.borrow().len(), 1, "the second time it is there");
-    assert!(app.has_part("There is a file of that name"));
+    assert_eq!(app.files.saved.borrow().len(), 1, "the second time it exists");
+    assert!(app.has_part("A file of that name exists"));
     app.key(Key::Enter, 200);
     assert_eq!(app.files.saved.borrow().len(), 1, "Enter alone replaces nothing");
     app.click("Replace", 200);
@@ -55,7 +55,7 @@ fn a_file_that_is_there_is_replaced_only_by_the_button_that_says_so() {
 }
 
 #[test]
-fn a_file_is_opened_by_its_path_and_one_that_is_not_there_is_said_so() {
+fn a_file_is_opened_by_its_path_and_a_missing_one_is_reported() {
     let mut app = bare();
     let text = app.setup_text();
     crate::arrow_right(&mut app);

@@ -52,11 +52,11 @@ fn places(app: &TestApp) -> Places {
 /// Which controls may move when one is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum May {
-    /// Those of the panel's page, but not its tabs.
+    /// The controls of the panel's page without its tabs.
     Page,
-    /// Those of the wizard's page, but not the buttons under it.
+    /// The controls of the wizard's page without the buttons under it.
     Step,
-    /// Those under the one that is pressed, in the same column.
+    /// The controls under the pressed one, in the same column.
     Below,
     /// All that is not in the top bar.
     Room,
@@ -123,7 +123,7 @@ fn moved(before: &Places, after: &Places, (pressed, at): (&Name, Rect), width: f
         off.iter().all(|off| off.abs() < 1.0)
     };
     for (name, places) in before {
-        // Those of which one more or one fewer has the name cannot be told apart.
+        // Those of which one more or one fewer has the name cannot be distinguished.
         let Some(now) = after.get(name).filter(|now| now.len() == places.len()) else { continue };
         for (place, now) in places.iter().zip(now) {
             if !is_on_the_plate(name) && must_stay(name, place) && !is_near(place, now) {
@@ -259,7 +259,7 @@ const DIALOGS: [Page; 12] = [
     ("Calibration 5", |app| calibration(app, 5)),
 ];
 
-/// An app that hears its plate, without the row of plots, which is the same on every page.
+/// An app with sound, without the row of plots, which is the same on every page.
 fn fresh() -> TestApp {
     let bench = Bench::default();
     let mut app = TestApp::unseen(bench.inputs(), bench);
@@ -281,7 +281,7 @@ fn state(app: &TestApp) -> State {
     (places(app), app.setup_text(), app.window.state().settings().write(), app.is_driving())
 }
 
-/// What is there without the page: its controls, and the right edge of where the page has some.
+/// The window without the page: its controls, and the right edge of where the page has some.
 struct Shell {
     places: Places,
     right: f32,
@@ -308,7 +308,7 @@ fn press_all((page, open): Page, shell: &Shell) -> Vec<String> {
             if let Some(what) = moved(&first.0, &places(&app), (name, *at), SIZE[0]) {
                 wrong.push(format!("{page}: a press of {name:?} moves {what}"));
             }
-            // A switch is pressed back; after whatever else has changed the page is opened anew.
+            // A switch is pressed back; after whatever else has changed the page is opened again.
             if state(&app) != first && places(&app).get(name).is_some_and(|places| places.contains(at)) {
                 press_at(&mut app, at.center());
             }

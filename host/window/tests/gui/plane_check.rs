@@ -14,8 +14,8 @@ fn press(app: &mut TestApp) {
     app.click(BUTTON, 100);
 }
 
-/// The page says what the solvers say of the first tone with this finger.
-fn tells_the_difference(app: &TestApp, finger: Option<Finger>) {
+/// The page shows the solvers' results for the first tone with this finger.
+fn shows_the_difference(app: &TestApp, finger: Option<Finger>) {
     let setup = app.window.state().setup();
     let (plate, hertz) = (&setup.plate, setup.plate.frequency_for_boundary_hz(setup.tones[0].position_m));
     let one_mode = respond_touched(plate, finger.as_ref(), hertz, 2049, Equation::Corrected).unwrap();
@@ -38,7 +38,7 @@ fn the_button_takes_the_finger_with_it_until_that_moves() {
     let finger_mm = crate::finger::finger_mm(&app);
     open_page(&mut app, "Validity");
     press(&mut app);
-    tells_the_difference(&app, Some(Finger::light(1e-3 * finger_mm)));
+    shows_the_difference(&app, Some(Finger::light(1e-3 * finger_mm)));
     let where_it_is = format!("At 180.0 mm, with the finger at {finger_mm:.1} mm: In two dimensions");
     assert!(app.has_part(&where_it_is), "{where_it_is}");
     crate::finger::drag_by(&mut app, &[-20.0]);
@@ -46,12 +46,12 @@ fn the_button_takes_the_finger_with_it_until_that_moves() {
 }
 
 #[test]
-fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
+fn the_button_reports_where_two_dimensions_differ_until_the_boundary_moves() {
     let mut app = TestApp::driving();
     open_page(&mut app, "Validity");
     assert!(!app.has_part("In two dimensions the peak"));
     press(&mut app);
-    tells_the_difference(&app, None);
+    shows_the_difference(&app, None);
     app.keys(Modifiers::COMMAND, Key::Num1, 100);
     type_into(&mut app, "Boundary position", "120 mm");
     open_page(&mut app, "Validity");
@@ -61,7 +61,7 @@ fn the_button_tells_where_two_dimensions_differ_until_the_boundary_moves() {
 }
 
 #[test]
-fn what_is_refused_tells_the_reason_and_the_button_waits_for_another_boundary() {
+fn a_refusal_gives_its_reason_and_the_button_waits_for_another_boundary() {
     let mut app = TestApp::driving();
     open_page(&mut app, "Validity");
     assert!(!app.window.get_by_label(BUTTON).accesskit_node().is_disabled());

@@ -1,4 +1,4 @@
-//! The plate that is there on the stage: that of the simulated device as rings, what was measured of a real one as marks.
+//! The actual plate on the stage: the simulated device's as rings, the measurements of a real one as marks.
 
 use crate::fake_files::FakeFiles;
 use crate::measure::{measured, membrane};
@@ -91,7 +91,7 @@ fn a_secret_plate_has_rings_once_it_is_measured_and_they_miss_the_line() {
     let top = |at: &[Pos2]| at.iter().map(|at| at.y).fold(f32::INFINITY, f32::min);
     let (rings, curve) = (top(&rings(app.window.output())), top(&curve(app.window.output())));
     assert!((rings - curve).abs() < 2.0, "{rings} {curve}");
-    // Without a secret the plate on the screen is the one that is there.
+    // Without a secret plate, the plate on the screen is the actual one.
     crate::measure::open_measure(&mut app);
     app.click("A secret plate, a few per cent off", 200);
     stage(&mut app);

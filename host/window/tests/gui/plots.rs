@@ -188,7 +188,7 @@ fn a_curve_is_held_magnified_and_drawn_over_the_logarithm_of_the_frequency() {
     assert!(y(&app).contains(&"1.0".to_owned()), "{:?}", y(&app));
     choose(&mut app, "Drive waveform", "Magnify to fit");
     // Level 0.8 at -20 dB, and the gain of the table.
-    // Of the stage, which scales itself, and of the plot.
+    // The scales of the stage, which scales itself, and of the plot.
     assert_eq!(read_outs(&app, "×10"), ["×10", "×10"]);
     assert!(!y(&app).contains(&"1.0".to_owned()) && y(&app).contains(&"0.10".to_owned()), "{:?}", y(&app));
     for plot in PLOTS {

@@ -82,7 +82,7 @@ fn a_refused_value_goes_when_undo_changes_what_it_was_typed_over() {
 }
 
 #[test]
-fn a_bad_number_of_the_plate_is_told_in_the_words_of_the_panel() {
+fn a_bad_number_of_the_plate_is_reported_in_the_words_of_the_panel() {
     let mut app = TestApp::driving();
     app.click("Plate", 100);
     for (field, bad, reason) in [

@@ -44,7 +44,7 @@ fn a_value_is_typed_with_its_unit_and_comma() {
 }
 
 #[test]
-fn what_is_out_of_range_or_no_value_changes_nothing_and_is_told_with_the_range() {
+fn a_bad_value_changes_nothing_and_is_reported_with_the_range() {
     let mut app = TestApp::driving();
     let (levels, masters, glides) =
         ("must be 0 to 1, or 0 to 100 %", "must be -96 to 0 dB", "must be 5 ms to 10 s");
@@ -115,7 +115,7 @@ fn the_level_of_each_tone_has_a_field_of_its_own() {
 }
 
 #[test]
-fn the_box_of_the_volume_takes_units_and_a_comma_and_tells_its_range() {
+fn the_box_of_the_volume_takes_units_and_a_comma_and_reports_its_range() {
     let mut app = TestApp::driving();
     crate::finger::choose(&mut app, "Light");
     for (text, wanted) in [("0,25", 0.25), ("80 %", 0.8), ("-20 dB", 0.1)] {

@@ -114,7 +114,7 @@ fn stop_is_on_a_small_screen_whatever_panel_or_page_is_open() {
             app.wait(300);
             app.click_part(page, 200);
             stop_is_on_the_screen(&app, size, page);
-            // The page's own button is there, too, and STOP does not lie over it.
+            // The page shows its own button, too, and STOP does not cover it.
             let close = app.window.get_by_label("Close").rect();
             let stop = app.window.get_by_label("STOP").rect();
             assert!(screen(size).contains_rect(close), "{size:?} {page}: {close}");

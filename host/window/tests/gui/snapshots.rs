@@ -176,7 +176,7 @@ fn the_texture_page_looks_as_it_was_approved() {
     compare("texture-small-dark", &picture(ThemeChoice::Dark, [640, 480], solid));
 }
 
-/// A profile of which a part cannot be had, drawn over the envelope, large and small.
+/// A profile that is partly out of reach, drawn over the envelope, large and small.
 #[test]
 fn a_drawing_looks_as_it_was_approved() {
     use crate::brush::{stroke, with_brush};

@@ -10,7 +10,7 @@ use slipline_link::protocol::event::State;
 use slipline_window::sound::SpeakerState;
 
 #[test]
-fn the_finger_is_heard_where_the_plate_moves_and_not_beyond() {
+fn the_finger_sounds_where_the_plate_moves_and_not_beyond() {
     let mut app = TestApp::driving();
     assert_eq!(app.speaker.loudness(), 0.0, "there is no finger yet");
     assert!(app.window.query_by_role_and_label(Role::Slider, "Volume").is_none());
@@ -74,7 +74,7 @@ fn the_drive_is_played_when_it_is_asked_for_and_ends_with_the_stop() {
 }
 
 #[test]
-fn ultrasound_is_no_drive_for_a_sound_card_and_that_is_told() {
+fn a_sound_card_plays_no_ultrasound_and_says_so() {
     let mut app = TestApp::driving();
     open_plate(&mut app, slipline_plate::preset("al-bending").unwrap().to_toml());
     app.wait(2000);
@@ -99,7 +99,7 @@ fn a_sound_card_that_fails_says_why_and_can_be_tried_again() {
 }
 
 #[test]
-fn nothing_of_a_real_device_is_heard_unasked() {
+fn a_real_device_makes_no_sound_unasked() {
     let link = real_device(State::Driving);
     let window = opened(link, [1280.0, 800.0]);
     let off = window.get_by_role_and_label(Role::RadioButton, "Sound: Off");

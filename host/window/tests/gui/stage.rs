@@ -113,7 +113,7 @@ fn the_points_of_the_drive_before_stay_while_the_line_is_dragged() {
 }
 
 #[test]
-fn the_plate_in_time_is_not_begun_anew_for_every_move_of_a_drag_and_follows_its_end() {
+fn the_plate_in_time_is_not_restarted_for_every_move_of_a_drag_and_follows_its_end() {
     let mut app = TestApp::driving();
     let line = line_rect(&app).center();
     app.grab(line, 50);
@@ -169,7 +169,7 @@ fn the_outputs_counters_stay_in_the_window_below_a_heading_level_with_the_others
         heading("Spectrum")
     );
     let last = app.window.get_by_label("Errors").rect();
-    // Of the panel, which ends before the window of the test does.
+    // The panel ends before the test's window does.
     assert!(last.bottom() <= 792.0 - 8.0, "{last}");
 }
 
@@ -238,7 +238,7 @@ fn a_weak_drive_is_magnified_by_a_written_factor_that_stays_while_something_is_d
     app.wait(600);
     assert_eq!(factor(&app).as_deref(), Some("×20"));
     assert!(painted(&app, "µm").is_some() || painted(&app, "nm").is_some(), "{first}");
-    // While the pointer holds the line nothing is scaled anew, unless it would be cut.
+    // While the pointer holds the line nothing is scaled again, unless it would be cut.
     let line = line_rect(&app).center();
     app.grab(line, 50);
     app.hover(line + vec2(60.0, 0.0), 100);
@@ -367,7 +367,7 @@ fn a_press_that_is_held_or_moves_takes_the_line_at_once_in_one_step_of_undo() {
 }
 
 #[test]
-fn a_press_brings_the_selected_tones_line_and_none_where_a_handle_takes_it() {
+fn a_press_moves_the_selected_tones_line_unless_a_handle_takes_it() {
     let mut app = TestApp::driving();
     add_tone(&mut app);
     let places = |app: &TestApp| -> Vec<f64> {

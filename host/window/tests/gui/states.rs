@@ -92,7 +92,7 @@ struct Case {
 }
 
 #[test]
-fn a_drive_that_waits_for_the_trigger_input_is_told_as_that() {
+fn a_drive_that_waits_for_the_trigger_input_is_shown_as_waiting() {
     let driving = driving();
     let (window, _) = show(in_state(&driving, State::Waiting, false), [1280.0, 800.0]);
     assert!(window.query_by_label("State: waiting").is_some());
@@ -193,13 +193,13 @@ fn cases() -> Vec<Case> {
             "real, safe mode",
             real(State::SafeMode),
             &[("Bootloader…", asks_to_restart)],
-            Err("Take its power away"),
+            Err("Disconnect its power"),
         ),
         case(
             "simulated, safe mode",
             simulated(State::SafeMode),
             &[("Reconnect", connects)],
-            Err("Take its power away"),
+            Err("Disconnect its power"),
         ),
         case(
             "real, no table",
@@ -308,12 +308,12 @@ fn a_press_of_drive_before_arming_does_not_drive_after_arming() {
     link.become_known(armed);
     window.run_steps(5);
     assert!(window.query_by_label("State: armed").is_some());
-    assert!(window.state().notice().is_none(), "what was told holds no more");
+    assert!(window.state().notice().is_none(), "the notice no longer holds");
     assert!(!drives(&window, &link.sent.borrow()), "{:?}", link.sent);
 }
 
 #[test]
-fn a_fault_that_stands_after_it_was_cleared_is_told() {
+fn a_fault_that_persists_after_clearing_is_reported() {
     let driving = driving();
     let (mut window, link) = show(in_state(&driving, State::Fault, false), [1280.0, 800.0]);
     window.get_by_label("Clear fault").click();
@@ -327,7 +327,7 @@ fn a_fault_that_stands_after_it_was_cleared_is_told() {
     link.become_known(after);
     window.run_steps(3);
     let told = window.state().notice().unwrap().text.clone();
-    assert!(told.starts_with("Not cleared: ") && told.ends_with("Its cause is still there."), "{told}");
+    assert!(told.starts_with("Not cleared: ") && told.ends_with("Its cause persists."), "{told}");
 }
 
 #[test]

@@ -54,7 +54,7 @@ fn a_key_stops_and_disarms_a_real_device_in_every_state() {
 }
 
 #[test]
-fn without_a_device_there_is_only_the_stop_to_be_sent() {
+fn without_a_device_only_the_stop_is_sent() {
     for state in [
         LinkState::Disconnected,
         LinkState::Connecting,
@@ -160,7 +160,7 @@ fn a_space_that_is_typed_is_a_space_and_escape_stops_while_typing() {
 }
 
 #[test]
-fn a_page_in_front_keeps_no_press_from_the_device_and_none_arms_it() {
+fn a_page_in_front_passes_every_stop_to_the_device_and_arms_nothing() {
     for key in [Key::Escape, Key::Space] {
         let link = real_device(State::Idle);
         let mut window = show(&link);
@@ -205,13 +205,13 @@ fn stop_says_on_itself_and_in_the_help_what_two_presses_do() {
 }
 
 #[test]
-fn escape_in_a_page_tells_what_it_did_besides_closing_it() {
+fn escape_in_a_page_reports_what_else_it_did() {
     let mut app = TestApp::driving();
     app.key(Key::F1, 200);
     assert!(app.has("Esc closes it, too, and always stops the drive"));
     app.key(Key::Escape, 400);
     assert!(!app.is_driving());
-    let message = "Esc closed the page and stopped the drive. Press Drive to go on.";
+    let message = "Esc closed the page and stopped the drive. Press Drive to resume.";
     assert!(app.has(message));
     // Later, and with nothing to stop, by the same key.
     app.wait(1200);
@@ -273,7 +273,7 @@ fn two_keys_on_a_silent_simulated_device_latch_no_fault_and_two_presses_of_the_b
 }
 
 #[test]
-fn two_keys_on_a_silent_real_device_are_an_emergency_stop_as_ever() {
+fn two_keys_on_a_silent_real_device_are_an_emergency_stop() {
     for state in [State::Idle, State::Armed] {
         let link = real_device(state);
         let mut window = show(&link);

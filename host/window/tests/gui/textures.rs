@@ -84,14 +84,14 @@ fn a_profile_is_drawn_played_undone_and_saved() {
 }
 
 #[test]
-fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
+fn what_is_out_of_reach_is_reported_at_once_and_nothing_else() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
     open_profile(&mut app, "rising.csv", Ok(b"0.01,0.1\n0.25,1\n".to_vec()));
     assert!(has(&app, "The target cannot be reached exactly: any number of tones leaves an error of"));
     open_profile(&mut app, "falling.csv", Ok(b"place_m,rms\n0.01,1\n0.28,0.1\n".to_vec()));
     assert_eq!(breakpoints_mm(&app), [10.0, 280.0]);
-    assert!(!has(&app, "can be had"));
+    assert!(!has(&app, "in reach"));
     for column in ["its tones", "any number", "worst", "Error", "RMS at most", "Sum, of full scale"] {
         assert!(app.window.query_all_by_label(column).next().is_some(), "{column}");
     }
@@ -111,7 +111,7 @@ fn what_cannot_be_had_is_said_at_once_and_no_more_of_what_can() {
 }
 
 #[test]
-fn an_area_stripes_and_a_beat_are_typed_and_what_is_out_of_range_is_told() {
+fn an_area_stripes_and_a_beat_are_typed_and_bad_values_are_reported() {
     let mut app = TestApp::driving();
     open_textures(&mut app);
     choose(&mut app, "Solid");

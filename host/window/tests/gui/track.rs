@@ -1,4 +1,4 @@
-//! The finger of a first start: it is there, the strip is its track, and it is heard from the user's first move on.
+//! The finger of a first start: it is shown, the strip is its track, and the user hears it from the first move on.
 
 use crate::finger::{choose, finger_mm};
 use crate::test_app::TestApp;
@@ -47,7 +47,7 @@ fn line_mm(app: &TestApp) -> f64 {
 }
 
 #[test]
-fn a_press_on_the_strip_brings_the_finger_which_follows_and_is_heard() {
+fn a_press_on_the_strip_moves_the_finger_which_follows_and_sounds() {
     let mut app = first_start();
     let (line, at) = (line_mm(&app), on_track(&app, 0.3));
     app.grab(at, 100);

@@ -51,7 +51,7 @@ fn a_board_without_a_brown_out_level_asks_once_before_it_is_armed() {
 }
 
 #[test]
-fn a_board_with_its_brown_out_level_and_one_that_does_not_tell_ask_nothing_more() {
+fn a_board_with_its_brown_out_level_and_one_that_does_not_report_it_ask_nothing() {
     for maintenance in [None, Some(Maintenance { brown_out_guarded: true, ..UNGUARDED })] {
         let link = telling(State::Idle, maintenance);
         let mut window = opened(link.clone(), [1280.0, 800.0]);
@@ -160,7 +160,7 @@ fn the_device_panel_shows_the_wear_of_the_flash_and_the_brown_out_level() {
 }
 
 #[test]
-fn the_device_panel_tells_whether_the_actuators_travel_is_limited() {
+fn the_device_panel_reports_whether_the_actuators_travel_is_limited() {
     let limit = TravelLimit { resonance_uhz: 50_000_000, quality_per_mille: 4000, static_ppm: 2_000_000 };
     for (minor, limit, wanted) in [
         (1, Some(limit), "limited by the device"),

@@ -21,7 +21,8 @@ use std::time::Duration;
 use wasm_bindgen::JsValue;
 use wasm_bindgen::prelude::wasm_bindgen;
 
-/// Steps follow each other for this long while the device answers at once. A STOP that arrives meanwhile is heard after it.
+/// Steps follow each other for this long while the device answers at once. A STOP that arrives meanwhile is handled
+/// after it.
 const STEPS_LAST: Duration = Duration::from_millis(20);
 /// The ticket of requests that nobody waits for: those of the page's thread are numbered from 1.
 const UNAWAITED: Ticket = Ticket(0);

@@ -9,7 +9,7 @@ use std::time::Duration;
 pub(crate) struct KeepAlives {
     is_armed: bool,
     latest: Option<Duration>,
-    /// How many.
+    /// Number of keep-alives.
     pub(crate) count: u32,
     /// The longest time between two of them.
     pub(crate) longest_gap: Duration,

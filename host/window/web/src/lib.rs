@@ -11,6 +11,23 @@
 //! pass their messages on. STOP goes from the script to the device worker directly, past everything here.
 //!
 //! Elsewhere than in a browser the crate is empty.
+//!
+//! # Rooms
+//!
+//! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
+//!
+//! - `page.rs`, `host.rs`, `files.rs`, `fonts.rs`, `clock.rs`: the window on a page, and the browser's parts. Tests:
+//!   `tests/page/test_window.py`
+//! - `device.rs`, `ports.rs`, `message.rs`, `remote_link.rs`: the device worker, and its messages. Tests:
+//!   `tests/page/test_stop.py`
+//! - `serial.rs`: boards by Web Serial, with `host/window/web/static/serial.js`. Tests: `tests/page/test_serial.py`
+//! - `work.rs`: the job workers. Plates pass by number (`host/plate/src/exchange.rs`), the rig as prepared
+//!   (`host/instrument/src/rig/prepared.rs`)
+//! - `labels.rs`, `script.rs`, `keep_alives.rs`: what the page's tests press and read, in a build with
+//!   `PAGE_FEATURES=tests` alone. Tests: `tests/page/test_controls.py`
+//!
+//! New versions and the page without a network: `host/window/web/static/sw.js`, `host/window/web/static/updates.js`,
+//! built by `.ci/page` and `.ci/page-assemble`. Tests: `tests/page/test_updates.py`.
 
 #![cfg(target_arch = "wasm32")]
 #![forbid(unsafe_code)]

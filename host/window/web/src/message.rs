@@ -17,11 +17,11 @@ pub(crate) enum ToDevice {
 /// A message of the device worker to the page's thread.
 #[derive(Serialize, Deserialize)]
 pub(crate) enum FromDevice {
-    /// What is new of link and device.
+    /// The changes of link and device.
     Update(Box<SnapshotUpdate>),
     /// The bench has passed over to another rig.
     PassedOver,
-    /// The ports that there are now.
+    /// The ports that exist now.
     Ports(Vec<PortInfo>),
     /// The user has chosen this port in the browser's list.
     Chosen(Port),

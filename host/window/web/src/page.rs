@@ -45,7 +45,7 @@ impl Speaker for NoSpeaker {
     fn retry(&self) {}
 }
 
-/// What the page's script has reported since the latest picture.
+/// The reports of the page's script since the latest picture.
 #[derive(Default)]
 struct Reports {
     /// STOP was pressed outside the canvas.

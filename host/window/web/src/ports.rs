@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// While a plate is computed with the codes, the simulated device renders this often, and not only at commands: a keep-alive
-/// alone would render a fifth of a second at once, in which the worker hears no STOP.
+/// alone would render a fifth of a second at once, in which the worker receives no STOP.
 const RENDERS_EACH: Duration = Duration::from_millis(20);
 
 /// The ports; clones are the same ones.

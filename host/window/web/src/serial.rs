@@ -4,7 +4,7 @@
 //! link --open, write--> queues here --open, write, close--> glue in static/serial.js --> the browser
 //!      <----read-------             <--opened, received, written, ended--
 //! ```
-//! The queues are there because a transport may not hold what belongs to the browser, and because the browser answers
+//! The queues exist because a transport may not hold what belongs to the browser, and because the browser answers
 //! later.
 
 use slipline_link::transport::{Transport, read_received};
@@ -26,7 +26,7 @@ extern "C" {
     /// The glue in `static/serial.js`. It answers by the methods of the device worker, never before these return.
     pub type SerialGlue;
 
-    /// Opens the board of this id; what happens to it is told under the line's number.
+    /// Opens the board of this id; its events come under the line's number.
     #[wasm_bindgen(method)]
     fn open(this: &SerialGlue, line: u32, id: u32);
 
@@ -62,7 +62,7 @@ struct Queues {
 /// The bytes of one line.
 struct Queue {
     number: u32,
-    /// The board to open, until the glue is told.
+    /// The board to open, until the glue learns of it.
     unopened: Option<u32>,
     is_open: bool,
     received: Vec<u8>,
@@ -129,7 +129,7 @@ impl Boards {
         self.lock().chosen.take()
     }
 
-    /// Takes the boards that there are now: for each its id, its USB vendor and its USB product.
+    /// Takes the present boards: for each its id, its USB vendor and its USB product.
     pub(crate) fn listed(&self, boards: &[u32]) {
         let mut queues = self.lock();
         let before = std::mem::take(&mut queues.listed);
@@ -204,7 +204,7 @@ impl Boards {
     }
 }
 
-/// The name of boards with these USB ids: the browser knows no product's name, and tells no serial number.
+/// The name of boards with these USB ids: the browser knows no product's name and gives no serial number.
 fn kind(vendor: u32, product: u32) -> String {
     match (vendor, product) {
         _ if (vendor, product) == (USB_VENDOR.into(), USB_PRODUCT.into()) => "Slipline by USB".to_owned(),

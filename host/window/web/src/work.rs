@@ -27,7 +27,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 
 type Work<Job, Done> = Box<dyn FnMut(Job, &Task) -> Option<Done>>;
 
-/// What a page has for each kind of work in a worker: see [`for_each_job`](slipline_instrument::for_each_job).
+/// The page's part of each kind of work in a worker: see [`for_each_job`](slipline_instrument::for_each_job).
 macro_rules! kinds {
     ($(
         #[doc = $meaning:literal]

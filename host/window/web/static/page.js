@@ -45,7 +45,7 @@ function isTyping() {
   return focused instanceof HTMLInputElement || focused instanceof HTMLTextAreaElement;
 }
 
-// Whether the window hears the keys itself.
+// Whether the window receives the keys itself.
 function windowHasFocus() {
   return page && !hasFailed && (document.activeElement === canvas || isTyping());
 }
@@ -79,7 +79,7 @@ function leave(reason) {
   const canDrive = deviceState !== null && deviceState.armed;
   device.postMessage({ leave: reason });
   if (page && !hasFailed) {
-    page.left(canDrive ? `${reason}: the device was stopped and disarmed. Press Drive to go on` : "");
+    page.left(canDrive ? `${reason}: the device was stopped and disarmed. Press Drive to resume` : "");
   }
 }
 
@@ -120,7 +120,7 @@ device.onmessage = ({ data }) => {
   }
 };
 device.onerror = deviceFailed;
-// Updates before the window is there.
+// Updates before the window exists.
 const early = [];
 
 function deviceFailed() {
@@ -229,7 +229,7 @@ function windowFailed() {
   if (!hasFailed) {
     device.postMessage({ stop: true });
     hasFailed = true;
-    line.textContent = "The window has failed and the drive was stopped. STOP still works; load the page anew to go on.";
+    line.textContent = "The window has failed and the drive was stopped. STOP still works; load the page again to resume.";
   }
 }
 window.addEventListener("error", windowFailed);
@@ -305,7 +305,7 @@ async function open() {
   startLane("long");
   await init({ module_or_path: module });
   page = await openPage(canvas, host, location.hash);
-  // A build for tests tells what stands where.
+  // A build for tests reports where each control is.
   if (page.nodes) {
     window.slipline.nodes = () => (hasFailed ? [] : page.nodes());
   }

@@ -1,4 +1,4 @@
-// Boards by Web Serial. The page's thread asks the user; the device worker has the ports, and tells the link what
+// Boards by Web Serial. The page's thread asks the user; the device worker has the ports, and reports to the link what
 // becomes of them.
 
 // Slipline's own USB, and the ST-LINK of ST's boards, behind which their UART is.
@@ -16,7 +16,7 @@ const PASSING = ["BreakError", "BufferOverrunError", "FramingError", "ParityErro
 export class SerialGlue {
   #serial;
   #tell;
-  // The browser's ports by the ids under which they are told.
+  // The browser's ports by the ids that the link knows.
   #ports = new Map();
   #ids = 0;
   #lines = new Map();

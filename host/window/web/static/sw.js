@@ -4,7 +4,7 @@
 //   files with a hash    from a cache of any build, else the network; their content never changes
 //
 // A build's files are in a cache of their own before the build is used. A new build waits until a page asks for it; the cache of
-// an old one goes when no page that is open is of it, so that a job worker which is started anew finds its script.
+// an old one goes when no page that is open is of it, so that a job worker which is restarted finds its script.
 
 // Written by .ci/page-assemble.
 const VERSION = "";

@@ -84,7 +84,7 @@ function load() {
     }
     const fragment = setup();
     if (fragment) {
-      // What is set up is there again.
+      // The setup is restored.
       history.replaceState(null, "", `#${fragment}`);
     }
     location.reload();

@@ -113,7 +113,7 @@ fn purity(signal: &[f64], frequency: f64) -> (f64, f64) {
 }
 
 #[test]
-fn before_the_dac_every_other_line_lies_160_db_below_the_tone() {
+fn every_other_line_lies_160_db_below_the_tone_before_the_dac() {
     for frequency in [39_997.0, 40_000.0, 30.0, 179_000.0] {
         let (range, to_noise) = purity(&samples(frequency), frequency);
         std::println!("{frequency} Hz: SFDR {range:.1} dB, SINAD {to_noise:.1} dB before the DAC");

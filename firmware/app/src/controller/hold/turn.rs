@@ -21,7 +21,7 @@ const PATIENCE_BLOCKS: u64 = 64;
 impl<F: FlashPages, S: System> Controller<'_, F, S> {
     /// Takes a window of the hold that is over. Calls `is_stopped` repeatedly, since this takes as long as a drive.
     ///
-    /// Never inlined, nor is what it calls: it would lie on the stack under every command.
+    /// Neither this nor its callees are inlined: they would lie on the stack under every command.
     #[inline(never)]
     pub(in crate::controller) fn turn_hold<M: RawMutex>(
         &mut self,
@@ -60,7 +60,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
         Some(self.holding.hold.take(answers.as_ref(), room))
     }
 
-    /// What is left to publish after the levels were published, or refused.
+    /// The rest to publish after the levels were published or refused.
     fn answer_proposal(&mut self, published: Result<SampleIndex, Refusal>) -> Option<HoldAction> {
         let hold = &mut self.holding.hold;
         match published {
@@ -71,7 +71,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             }
             Err(Refusal::Headroom { .. }) => Some(hold.refused(Limit::Headroom)),
             Err(Refusal::Travel { .. }) => Some(hold.refused(Limit::Travel)),
-            // A stop has come, or the last levels are not in force yet: the next window proposes anew.
+            // A stop has come, or the last levels are not in force yet: the next window proposes again.
             Err(_) => {
                 hold.dropped();
                 None

@@ -128,7 +128,7 @@ fn a_drive_takes_the_place_of_levels_that_have_not_begun() {
     assert_eq!(read_hold(&mut rig).progress, HoldProgress::Ended);
     rig.render(30);
     assert!((sum(&rig) - 1.0).abs() < 1e-3, "{}", sum(&rig));
-    // It gives way to nothing: another one must wait.
+    // Nothing may replace it: another one must wait.
     rig.accepted(&full_scale(Apply::At(rig.mailbox.now() + 4096)));
     assert_eq!(rig.execute(&full_scale(Apply::Next)), Err(Refusal::Busy(Busy::CommitPending)));
 }

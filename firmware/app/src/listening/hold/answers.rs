@@ -23,7 +23,7 @@ pub(super) enum Untrusted {
 }
 
 impl Answers {
-    /// Of a reading that is finished. `None` if the board has no such input.
+    /// The answers of a finished reading. `None` if the board has no such input.
     #[must_use]
     pub fn of(reading: &Reading, input: usize) -> Option<Self> {
         let span = reading.spans.get(input).copied().flatten()?;

@@ -65,7 +65,7 @@ pub enum SettingError {
     Amplitude {
         /// Whose.
         slot: u8,
-        /// What was asked for.
+        /// The requested amplitude.
         amplitude: u32,
     },
     /// The level is 0 or above 1: a silent tone cannot be measured.

@@ -54,7 +54,7 @@ fn parts(step: HoldAction, slots: [usize; 2]) -> [f64; 2] {
 }
 
 #[test]
-fn an_amplitude_is_what_the_lock_in_has_measured() {
+fn an_amplitude_matches_the_lock_ins_measurement() {
     const STEP: u64 = 0x0123_4567_89AB_CDEF;
     for codes in [40.5, 333.0, 1500.0] {
         let (mut lock_in, mut history) = (LockIn::new(), History::new());
@@ -96,7 +96,7 @@ fn a_tone_that_is_right_is_left_alone() {
 }
 
 #[test]
-fn what_cannot_be_trusted_loses_every_tone_and_a_slot_that_is_not_followed_only_itself() {
+fn a_bad_reading_loses_every_tone_and_an_interrupted_slot_only_itself() {
     let clipped = |span| Answers { span, ..answers(&[(1, 1.0), (2, 1.0)]) };
     let cases = [
         (None, Loss::Broken),
@@ -149,7 +149,7 @@ fn an_unplugged_sensor_does_not_raise_the_level() {
 }
 
 #[test]
-fn a_refusal_keeps_what_is_in_force_lets_what_falls_fall_and_is_not_repeated_at_once() {
+fn a_refusal_keeps_the_levels_lets_falling_ones_fall_and_is_not_repeated_at_once() {
     let mut hold = hold(&[3, 4]);
     let measured = answers(&[(3, 0.5), (4, 2.0)]);
     let wanted = parts(hold.take(Some(&measured), ROOMY), [3, 4]);
@@ -173,7 +173,7 @@ fn a_refusal_keeps_what_is_in_force_lets_what_falls_fall_and_is_not_repeated_at_
 }
 
 #[test]
-fn a_refusal_of_what_only_falls_changes_nothing() {
+fn a_refusal_of_falling_levels_changes_nothing() {
     let mut hold = hold(&[3]);
     assert!(matches!(hold.take(Some(&answers(&[(3, 2.0)])), ROOMY), HoldAction::Publish(_)));
     assert_eq!(hold.refused(Limit::Headroom), HoldAction::Keep);

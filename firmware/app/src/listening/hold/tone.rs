@@ -26,7 +26,7 @@ pub(super) struct Tone {
     /// The drive's level, and how far above it level 1 lies.
     level: Gain,
     below_full: i64,
-    /// What is in force, and what is proposed in its place.
+    /// The level in force, and the proposed one.
     accepted: Stand,
     proposed: Stand,
     /// Windows in which it was too weak, one after the other.
@@ -106,7 +106,7 @@ impl Tone {
 
     /// Proposes a correction; returns whether a higher one was wanted than the ceiling.
     ///
-    /// The integral never leaves the range of the corrections, whose upper end is what is in force where a rise has been
+    /// The integral never leaves the range of the corrections, whose upper end is the level in force where a rise has been
     /// refused, and waits while the slew holds the correction back: so there is nothing to unwind when the error changes
     /// its sign.
     fn control(&mut self, error: Octaves, ceiling: i64, law: &Law) -> bool {
@@ -175,18 +175,18 @@ impl Tone {
         matches!(self.state, LoopState::Lost(_))
     }
 
-    /// What is proposed is in force.
+    /// The proposed level is in force.
     pub(super) fn accept(&mut self) {
         self.accepted = self.proposed;
     }
 
-    /// What is proposed did not come into force, for a reason that says nothing about the tones.
+    /// The proposed level did not come into force, for a reason that says nothing about the tones.
     pub(super) fn drop_proposal(&mut self) {
         self.proposed = self.accepted;
     }
 
-    /// A limit has refused what is proposed: a rise is taken back, and none is proposed for a while. Returns whether it
-    /// was one.
+    /// A limit refused the proposed level: revert the rise and pause before proposing another. Returns whether it was a
+    /// rise.
     pub(super) fn refuse(&mut self, limit: Limit) -> bool {
         if self.proposed.correction <= self.accepted.correction {
             return false;

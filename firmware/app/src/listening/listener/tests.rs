@@ -245,7 +245,7 @@ impl SenseStream for Unheard {
 }
 
 #[test]
-fn while_nobody_listens_blocks_are_counted_and_not_copied() {
+fn without_a_listener_blocks_are_counted_and_not_copied() {
     let values = Values::new();
     let mut listener = Listener::starting_at(256, &values);
     let mut stream = Unheard(5);
@@ -254,7 +254,7 @@ fn while_nobody_listens_blocks_are_counted_and_not_copied() {
 }
 
 #[test]
-fn what_waits_for_a_lost_block_breaks_also_if_no_other_ever_comes() {
+fn a_measurement_that_waits_for_a_lost_block_breaks_without_a_further_block() {
     let values = Values::new();
     let mut listener = Listener::starting_at(0, &values);
     let mut stream = Stream(std::vec![Err(Overrun { blocks: 1 }); 3].into());

@@ -50,7 +50,7 @@ impl Projection {
     }
 }
 
-/// What one step needs.
+/// The constants of one step.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Basis {
@@ -80,7 +80,7 @@ impl Follower {
     pub(super) const NONE: Self = Self { end: 0, basis: Basis::NONE };
 }
 
-/// Where a tone stands in a block.
+/// Phase and step of a tone in a block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// The step in the block's middle, 2^32 = one turn per sample.
@@ -93,7 +93,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Of a tone that has `phase` at the block's first sample.
+    /// The place of a tone that has `phase` at the block's first sample.
     #[inline(always)]
     pub(super) fn new(phase: u64, tone: &ToneBlock) -> Self {
         let change = change(tone);

@@ -14,7 +14,7 @@ pub(super) const FOUR_MID: i32 = 8192;
 /// The bits of a code. Others are cut off, so that no port can make the sums overflow.
 pub(super) const CODE: u16 = 0x0FFF;
 
-/// What a pair of sub-blocks has in common, and by how much the later one is more: 13 bits and a sign each, two in a word.
+/// The sum of a pair of sub-blocks, and the excess of the later one: 13 bits and a sign each, two in a word.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Pair {
@@ -30,9 +30,9 @@ impl Pair {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(super) struct Folds {
-    /// Of `x[tau] + x[-tau]`, from the outermost pair to the innermost.
+    /// The sums `x[tau] + x[-tau]`, from the outermost pair to the innermost.
     pub(super) even: [Pair; PAIRS],
-    /// Of `x[tau] - x[-tau]`, from the innermost pair to the outermost.
+    /// The differences `x[tau] - x[-tau]`, from the innermost pair to the outermost.
     pub(super) odd: [Pair; PAIRS],
 }
 

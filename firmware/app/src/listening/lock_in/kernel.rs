@@ -23,7 +23,7 @@ pub(super) struct Block<'a> {
     pub(super) sums: &'a mut [[InPhaseQuadrature; TONES]; INPUTS],
     /// Each input's block.
     pub(super) folds: &'a [Folds; INPUTS],
-    /// How many inputs are measured; with `first` at most [`INPUTS`].
+    /// Number of measured inputs; with `first` at most [`INPUTS`].
     pub(super) inputs: u32,
     /// Eight times the block's weight.
     pub(super) weight: i32,

@@ -97,7 +97,7 @@ impl Weights {
     pub(super) const NONE: Self = Self { shape: Shape::Rectangular, turn: 0 };
 
     pub(super) const fn new(shape: Shape, blocks: u16) -> Self {
-        // One block is the whole turn; half of it, the middle, is what counts.
+        // One block is the whole turn; its middle half counts.
         let blocks = if blocks == 0 { 1 } else { blocks as u32 };
         Self { shape, turn: u32::MAX / blocks }
     }

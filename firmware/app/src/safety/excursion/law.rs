@@ -61,7 +61,7 @@ impl Law {
     }
 
     fn at_ratio(&self, ratio: f32) -> f32 {
-        // As a product, so that nothing cancels near the resonance but what must.
+        // As a product, which avoids cancellation near the resonance.
         let spring = (1.0 - ratio) * (1.0 + ratio);
         let damper = ratio * self.damping;
         let share = self.static_share / root(spring * spring + damper * damper);
@@ -124,7 +124,7 @@ mod tests {
         ) {
             let step = step(resonance_hz * ratio).clamp(1, u32::MAX / 2);
             let law = Law::new(&limit(resonance_hz, quality, 0.5), RATE);
-            // What the wire's units and the step's make of the numbers.
+            // The numbers in the wire's units and the step's.
             let quality = f64::from((quality * 1e3) as u32) / 1e3;
             let ratio = f64::from(step) * f64::from(RATE) / 4_294_967_296.0 / ((resonance_hz * 1e6) as u64 as f64 * 1e-6);
             let truth = 0.5 / ((1.0 - ratio * ratio).powi(2) + (ratio / quality).powi(2)).sqrt();

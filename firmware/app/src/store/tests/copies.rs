@@ -20,7 +20,7 @@ fn is_held(flash: &mut Flash, (header, knots): &Kept) -> bool {
 }
 
 #[test]
-fn a_store_that_was_cut_short_is_told_and_counted_if_it_left_a_trace() {
+fn a_store_that_was_cut_short_is_reported_and_counted_if_it_left_a_trace() {
     let (old, new) = (table(9, 7), table(6, 1_000_000));
     let (mut traces, mut none) = (0, 0);
     for times in 1..=3 {
@@ -67,7 +67,7 @@ fn what_is_stored_is_held_and_anything_else_is_not() {
     assert!(!is_held(&mut flash, &other), "another knot");
     let other = (TableHeader { span_end_um: 2001, ..kept.0 }, kept.1.clone());
     assert!(!is_held(&mut flash, &other), "another span");
-    // What has decayed is written anew.
+    // What has decayed is written again.
     for at in 0..FLASH_WORD * 4 {
         let mut rotten = flash.clone();
         rotten.slots[0][at] ^= 1;

@@ -157,7 +157,7 @@ impl Bench {
 }
 
 #[test]
-fn what_is_heard_is_held_and_switched_off_the_drives_level_is_back() {
+fn the_measured_level_is_held_and_switching_off_restores_the_drives() {
     let mut bench = Bench::driving(0.24, 0.3);
     let free = bench.sum_per_mille();
     bench.switch_on(12.0);
@@ -253,7 +253,7 @@ fn a_lost_sensor_ends_it_with_the_reason_and_in_the_drives_level() {
 }
 
 #[test]
-fn what_cannot_be_held_is_told_and_nothing_is_ordered() {
+fn what_cannot_be_held_is_reported_and_nothing_is_ordered() {
     let mut bench = Bench::driving(0.24, 0.3);
     bench.show(UNPLUGGED);
     bench.switch_on(12.0);

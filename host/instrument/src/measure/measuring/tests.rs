@@ -204,7 +204,7 @@ fn the_response_of_an_ideal_device_is_found_to_the_last_digits() {
 }
 
 #[test]
-fn the_noise_is_that_of_silence_and_of_the_windows_length() {
+fn the_noise_is_measured_in_silence_over_the_windows_length() {
     let (measuring, table) = planned(60);
     let mut device = Ideal::new(&table);
     // One code of noise in the first window: each part has 2/N of its square.
@@ -270,7 +270,7 @@ fn answers_that_are_not_clear_are_averaged_over_as_many_windows_as_they_need() {
 }
 
 #[test]
-fn a_silent_input_still_rounds_and_is_told() {
+fn a_silent_input_still_rounds_and_is_reported() {
     let (mut measuring, table) = measuring(16);
     let mut device = Ideal::new(&table);
     device.gain = 1e-4;

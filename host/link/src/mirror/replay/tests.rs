@@ -88,7 +88,7 @@ fn dropped_steps_of_the_fold_back_cost_only_the_codes_before_the_next_one() {
 }
 
 #[test]
-fn dropped_steps_without_a_next_one_are_caught_up_from_where_the_status_tells_them() {
+fn dropped_steps_are_caught_up_from_the_next_status() {
     let entries = [(1, 12_800, Change::Session), (2, 25_600, drive(20_000)), (9, 200_000, drive(30_000))];
     let mut replay = followed(&entries[..2], 128_000);
     // A new period of the fold-back has begun with the last block.
@@ -97,7 +97,7 @@ fn dropped_steps_without_a_next_one_are_caught_up_from_where_the_status_tells_th
 }
 
 #[test]
-fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_drive_that_ends_it() {
+fn a_fold_back_step_in_a_silence_counts_although_it_is_reported_after_the_next_drive() {
     let entries = [
         (1, 0, Change::Limit(500)),
         (2, 12_800, Change::Session),
@@ -118,7 +118,7 @@ fn a_step_of_the_fold_back_in_a_silence_counts_although_it_is_told_after_the_dri
 }
 
 #[test]
-fn codes_over_a_skipped_silence_are_those_of_a_mirror_that_renders_all_of_it() {
+fn codes_over_a_skipped_silence_match_a_mirror_that_renders_all_of_it() {
     let entries = [
         (1, 12_800, Change::Session),
         (2, 25_600, drive(20_000)),

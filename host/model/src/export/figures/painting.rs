@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_font_of_the_figures_is_there() {
+    fn every_font_of_the_figures_exists() {
         assert_eq!(database().faces().count(), FONTS.len());
     }
 }

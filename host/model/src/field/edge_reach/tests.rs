@@ -18,7 +18,7 @@ fn refused(setup: &Setup, level: f64, table: &DriveTable) -> NoFeltEdge {
 }
 
 #[test]
-fn every_place_of_the_reach_is_some_tones_felt_edge_and_none_beyond_is() {
+fn every_place_of_the_reach_and_none_beyond_is_a_felt_edge() {
     for preset in slipline_plate::presets() {
         let (setup, table) = setup(preset.name);
         for level in [0.8, 0.1] {
@@ -48,7 +48,7 @@ fn every_place_of_the_reach_is_some_tones_felt_edge_and_none_beyond_is() {
 }
 
 #[test]
-fn a_refusal_names_the_edges_that_can_be_had_or_why_there_is_none() {
+fn a_refusal_names_the_reachable_edges_or_why_none_is() {
     let (membrane, table) = setup("membrane");
     let words = refused(&membrane, 0.8, &table).sentence("1 mm");
     assert!(

@@ -95,7 +95,7 @@ fn the_sheet_differs_from_the_one_mode_equation_as_the_plane_in_the_frequency_do
 }
 
 #[test]
-fn tones_together_are_told_apart() {
+fn tones_together_are_separated() {
     let plate = slipline_plate::preset("membrane").unwrap();
     let tones = [(0.12, 0.4), (0.2, 0.3)];
     let run = on_plate(&plate, &tones, Solver::Line);
@@ -111,7 +111,7 @@ fn tones_together_are_told_apart() {
 }
 
 #[test]
-fn a_beat_slower_than_the_measured_time_is_said_and_nothing_is_made_up_of_it() {
+fn a_beat_slower_than_the_measured_time_is_reported_and_no_edge_is_made_up() {
     let plate = slipline_plate::preset("membrane").unwrap();
     // 120 and 120.3 mm differ by 0.14 Hz: a beat of 7 s.
     let tones = [(0.12, 0.3), (0.1203, 0.3), (0.2, 0.3)];

@@ -93,7 +93,7 @@ fn a_lossier_plate_has_a_lower_peak_by_the_attenuation_along_its_way() {
 }
 
 #[test]
-fn level_and_shift_are_those_of_the_fine_solution_of_the_plate_s_own_file() {
+fn level_and_shift_match_the_fine_solution_of_the_plate_s_own_file() {
     for name in ["membrane", "al-bending", "latex-membrane"] {
         let nominal = preset(name).unwrap();
         let (start_m, end_m) = nominal.span_m();

@@ -53,7 +53,7 @@ mod tests {
     use crate::{Equation, respond_batch};
 
     #[test]
-    fn the_edge_of_every_level_is_that_of_the_feeling() {
+    fn the_edge_of_every_level_matches_the_feeling() {
         for (name, frequency_hz, peak_m) in [("membrane", 140.0, 1e-5), ("al-bending", 28e3, 1e-6)] {
             let plate = preset(name).expect("a preset");
             let feeling = Feeling::default();

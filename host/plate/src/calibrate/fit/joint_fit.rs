@@ -41,7 +41,7 @@ pub(crate) struct Joint<'a, S> {
     pub(crate) units: Units,
     /// The sensor on the plate; none for a current.
     pub(crate) sensor: Option<&'a Measurement>,
-    /// Of all coordinates: the plate's, the place's, the source's.
+    /// The prior deviations of all coordinates: the plate's, the place's, the source's.
     pub(crate) deviations: Vec<f64>,
     pub(crate) frequencies_hz: Vec<f64>,
     pub(crate) data: Vec<Datum>,

@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn the_residual_is_what_the_best_source_leaves() {
+    fn the_residual_remains_with_the_best_source() {
         let pair =
             Pair { frequency_hz: 100.0, magnitude: [0.9, 2.3], variance: [0.04, 0.09], headroom_db: None };
         for p in [[1.0, 2.0], [0.0, 2.0], [3.0, 0.1]] {

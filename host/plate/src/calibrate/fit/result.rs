@@ -54,7 +54,7 @@ impl Calibrated {
             return format!("The model misses {percent} % of the signals: no more than of other plates.");
         }
         format!(
-            "The model misses {percent} % of the signals, more than of other plates: does anything touch the plate, does an edge give way, or does a sensor stand so near to the driven end that it sees other waves?"
+            "The model misses {percent} % of the signals, more than of other plates: does anything touch the plate, does an edge yield, or does a sensor stand so near to the driven end that it sees other waves?"
         )
     }
 
@@ -65,7 +65,7 @@ impl Calibrated {
         let most = self.boundary_per_place.iter().copied().max_by(f64::total_cmp)?;
         let moved = show_length(1e-3 * most);
         Some(format!(
-            "A sensor that stands 1.0 mm from its mark moves the boundary by up to {moved}, and nothing here shows it: measure its place again."
+            "A sensor that stands 1.0 mm from its mark moves the boundary by up to {moved}, and this fit cannot tell: measure its place again."
         ))
     }
 }

@@ -28,7 +28,7 @@ use crate::calibrate::measurement::signal;
 use crate::definition::{Plate, limits};
 use num_complex::Complex64;
 
-/// What is known of the logarithm of the speed beforehand.
+/// Prior deviation of the logarithm of the speed.
 const SPEED_KNOWN: f64 = 0.03;
 /// What is known of the loss: it goes with the temperature, too.
 const LOSS_KNOWN: f64 = 0.3;

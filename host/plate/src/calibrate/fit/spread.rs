@@ -104,7 +104,7 @@ impl Nodes {
 
 /// Standard deviations of the boundary, the largest over the span, and what those of the levels need.
 pub(crate) struct Spread {
-    /// Of the boundary at a given frequency, metres.
+    /// The spread of the boundary at a given frequency, metres.
     pub(crate) boundary_m: f64,
     /// The relative error of the wave speed that would move the boundary by as much.
     pub(crate) speed: f64,
@@ -115,7 +115,7 @@ pub(crate) struct Spread {
 }
 
 impl Spread {
-    /// `deviations` are what was known of the coordinates beforehand; of these, `places_of_sensors` are of sensors'
+    /// `deviations` are the prior deviations of the coordinates; of these, `places_of_sensors` are of sensors'
     /// places. `carried` is the gain to the peak at each frequency for given coordinates, and `here` for those of the fit.
     pub(crate) fn of(
         fitted: &Plate,

@@ -33,16 +33,16 @@ pub(crate) const STEPS: [f64; OF_PLATE_MAX] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-5, 1e-
 /// How well the plate's numbers are known before it is measured, as standard deviations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Priors {
-    /// Of ln(wave speed) (0.001 to 0.5).
+    /// Deviation of ln(wave speed) (0.001 to 0.5).
     pub wave_speed: f64,
-    /// Of ln(loss factor) (0.01 to 3).
+    /// Deviation of ln(loss factor) (0.01 to 3).
     pub loss: f64,
-    /// Of ln(W0/W(L)), relative (1e-5 to 0.1): for an exponential taper that of its rate.
+    /// Deviation of ln(W0/W(L)), relative (1e-5 to 0.1): for an exponential taper, of its rate.
     pub taper: f64,
-    /// Of W0, relative (1e-5 to 0.1).
+    /// Deviation of W0, relative (1e-5 to 0.1).
     pub half_width: f64,
-    /// Of ln of the air's coefficient, and of the share of the pressure at a distance (1e-5 to 1), on a plate in air; `None` for what
-    /// its mounting leaves open.
+    /// Deviations of ln of the air's coefficient, and of the share of the pressure at a distance (1e-5 to 1), on a
+    /// plate in air; `None` for what its mounting leaves open.
     pub air: Option<f64>,
 }
 
@@ -79,7 +79,7 @@ impl Priors {
     }
 }
 
-/// How many coordinates this plate has.
+/// Number of coordinates of this plate.
 pub(crate) fn of_plate(nominal: &PlateSpec) -> usize {
     match (mounting_of(nominal), &nominal.model) {
         (None, _) => OF_PLATE,

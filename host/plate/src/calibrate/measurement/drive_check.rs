@@ -105,7 +105,7 @@ impl fmt::Display for DriveCheck {
     fn fmt(&self, text: &mut fmt::Formatter<'_>) -> fmt::Result {
         let number = |value: f64| significant(value, 2);
         match *self {
-            Self::On => write!(text, "The drive is connected and takes the current that it should."),
+            Self::On => write!(text, "The drive is connected and takes the expected current."),
             Self::Open => write!(
                 text,
                 "No current flows: a wire of the drive is open, its plug is out, or the amplifier is off."

@@ -35,7 +35,7 @@ pub(crate) struct Information {
     turning: Turning,
     nodes: Nodes,
     drive: Process,
-    /// Of the plate's coordinates.
+    /// The information about the plate's coordinates.
     deviations: Vec<f64>,
     band_hz: (f64, f64),
 }
@@ -86,7 +86,7 @@ impl Information {
         let levels =
             DriveToPeak::unchecked(plate, NO_HOLD_HZ).levels(frequencies_hz, &mut Progress::unwatched())?;
         let sensor = Measurement::at(0.0, kind, Vec::new());
-        // Of the sensor's signal at a place, or of the peak.
+        // The derivative of the sensor's signal at a place, or of the peak.
         let value = |row: &(Vec<f64>, f64), at: Option<usize>| at.map_or(row.1, |at| row.0[3 * at]);
         let slopes = |at: Option<usize>, i: usize| -> [f64; OF_PLATE_MAX] {
             let slope = |k: usize| (value(&beside[k][i], at) - value(&here[i], at)) / STEPS[k];

@@ -38,7 +38,7 @@ const STEPS_OF_LENGTH: f64 = 300.0;
 pub struct Placing {
     /// What the sensor measures.
     pub sensor: SensorKind,
-    /// How many frequencies are measured (8 to 10 000).
+    /// Number of measured frequencies (8 to 10 000).
     pub points: usize,
     /// Whether the drive acts beside the centre line: it excites the second width mode, too.
     pub off_centre: bool,
@@ -71,11 +71,11 @@ pub struct PairReach {
 /// Why a sensor at a place does not serve a calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlaceWarning {
-    /// More than one wave is there.
+    /// More than one wave travels there.
     TooNear {
         /// The place, metres.
         place_m: f64,
-        /// What else is there.
+        /// The other waves.
         limit: NearLimit,
         /// The nearest place where one wave is nearly alone, metres.
         nearest_m: f64,
@@ -165,7 +165,7 @@ impl SensorPlaces {
         let (nearest_m, limit) = NearLimit::of(plate, (low_hz, high_hz), placing.off_centre);
         let step_m = STEP_M.min(plate.length_m() / STEPS_OF_LENGTH);
         let farthest_m = plate.span_m().1;
-        // Where other waves go as far as the boundaries, the last quarter is the best that there is.
+        // Where other waves go as far as the boundaries, the last quarter is the best available.
         let first_m = ((nearest_m / step_m).ceil() * step_m).min(FIRST_MAX * farthest_m);
         let over = |from_m: f64, to_m: f64, count: usize| -> Vec<f64> {
             let at = |i: usize| from_m + (to_m - from_m) * i as f64 / (count - 1) as f64;
@@ -213,7 +213,7 @@ impl SensorPlaces {
         Ok(Self { plate: near, placing, deviations, frequencies_hz, noise, nearest_m, limit, best, pairs })
     }
 
-    /// Of the pairs with the same first place, the best; in rising places.
+    /// The best of the pairs with the same first place, in the order of that place.
     pub fn best_of_each_first(&self) -> impl Iterator<Item = PairReach> {
         let pairs = self.pairs.chunk_by(|a, b| a.places_m[0] == b.places_m[0]);
         pairs.filter_map(best_of)

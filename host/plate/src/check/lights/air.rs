@@ -8,8 +8,8 @@ use crate::definition::air::{Air, AirMounting, Faces, Gas};
 use crate::definition::model::Model;
 use crate::quantity::number_format::with_decimals;
 
-/// Its value is how far the peak may be from where the file puts it, mm. Without `[air]` that is what air on both faces in a
-/// baffle does, the most that a mounting can. With it, it is what the coefficient leaves open.
+/// Its value is the possible distance of the peak from the place in the file, mm. Without `[air]` it is the shift by
+/// air on both faces in a baffle, the largest of all mountings. With it, it is the uncertainty of the coefficient.
 ///
 /// It is never red: a wave speed that was measured in the air holds the air already, but for its course over the frequency.
 pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
@@ -53,7 +53,7 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
             let words = with_decimals(off, if off.abs() < 0.1 { 2 } else { 1 });
             if spec.calibration.is_some() {
                 let sentence =
-                    format!("Air moves a peak by up to {words} mm here; what was measured holds it.");
+                    format!("Air moves a peak by up to {words} mm here; the measurement includes it.");
                 return light(None, Colour::Green, sentence);
             }
             let (colour, sentence) = graded(

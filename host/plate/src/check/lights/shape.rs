@@ -131,7 +131,7 @@ pub(in crate::check) fn wavelengths_light(site: &Site<'_>) -> Finding {
                 "{count:.1} wavelengths fit between the drive and the boundary: the vibrating side has whole antinodes."
             ),
             format!(
-                "Only {count:.2} wavelengths fit between the drive and the boundary: the peak is there, but no whole antinode before it; move the boundary away from the drive."
+                "Only {count:.2} wavelengths fit between the drive and the boundary: the plate has the peak, but no whole antinode before it; move the boundary away from the drive."
             ),
             format!("{} wavelengths: the boundary is so near the drive that the peak has no room, move it away from the drive.", with_decimals(count, 2)),
         ],

@@ -58,7 +58,7 @@ fn a_band_that_nothing_is_known_of_is_unchecked_and_no_worry() {
 }
 
 #[test]
-fn the_excursion_light_tells_how_far_the_actuator_would_move_and_what_the_limit_takes() {
+fn the_excursion_light_reports_travel_and_what_the_limit_takes() {
     let checker = |static_m: Option<f64>| {
         let mut spec = preset("membrane").expect("preset").spec().clone();
         let travel = static_m.map(|static_m| crate::Travel { peak_m: 1e-4, static_m });

@@ -189,7 +189,7 @@ fn within(stated: &Light, found: &Light, place: &str) {
 }
 
 #[test]
-fn a_plate_that_nobody_has_measured_has_no_intervals() {
+fn an_unmeasured_plate_has_no_intervals() {
     let report = report("al-bending", 0.24);
     assert_eq!((report.boundary_tolerance_m, report.level_tolerance_db, report.known()), (None, None, None));
     assert!(report.lights.iter().all(|light| light.low.is_none() && light.high.is_none()));

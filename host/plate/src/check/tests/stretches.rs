@@ -15,8 +15,8 @@ fn near(light: &Light, from_m: f64, to_m: f64) {
 }
 
 #[test]
-fn what_fails_has_a_place_on_the_plate_and_what_holds_has_none() {
-    // The steps of the DAC and the sound level have no place on the plate, and a felt edge that is not there has none.
+fn a_failing_light_has_a_place_on_the_plate_and_a_green_one_has_none() {
+    // The steps of the DAC and the sound level have no place on the plate, and neither has a felt edge that does not exist.
     const NO_PLACE: [&str; 3] = ["DAC resolution", "sound level", "felt edge"];
     let mut seen = std::collections::BTreeSet::new();
     for preset in presets() {
@@ -78,7 +78,7 @@ fn curved_and_narrow_edges_fail_where_they_are_curved_and_narrow() {
 }
 
 #[test]
-fn every_ghost_has_its_place_and_two_tones_beat_as_far_as_both_go() {
+fn every_ghost_has_its_place_and_two_tones_beat_up_to_the_nearer_boundary() {
     let plate = preset("al-bending").expect("preset");
     let off = Conditions { off_centre: true, ..Conditions::default() };
     let report = Checker::new(&plate, off).expect("checks").at(0.27).expect("on it");
@@ -95,7 +95,7 @@ fn every_ghost_has_its_place_and_two_tones_beat_as_far_as_both_go() {
 }
 
 #[test]
-fn a_light_tells_the_limits_that_made_its_colour() {
+fn a_light_reports_the_limits_that_made_its_colour() {
     for name in ["membrane", "al-bending", "al-sh"] {
         for light in &report(name, 0.2).lights {
             let (Some(limit), Some(value)) = (light.limit, light.value) else { continue };

@@ -65,7 +65,7 @@ pub(crate) const DRIVE: Section = Section {
         ratio: FieldType::Number(limits::DRIVE_RATIO), "the resistance over the wave's own"
             ["Resistance ratio", Unit::Pure]
             { spec.drive_end, DriveEnd::Resistance { ratio: it, .. } => Slot::Number(it) };
-        at_frequency_hz: FieldType::NumberThat("in Hz, so high that it enters the plate"), "the frequency it is told for"
+        at_frequency_hz: FieldType::NumberThat("in Hz, so high that it enters the plate"), "the frequency that it is stated for"
             ["Frequency of the resistance", Unit::Hertz]
             { spec.drive_end, DriveEnd::Force { at_frequency_hz: it }
                 | DriveEnd::Resistance { at_frequency_hz: it, .. }

@@ -104,7 +104,7 @@ pub(crate) struct Section {
     /// The field that selects the kind; empty if the section has no kinds.
     pub(crate) kind_field: &'static str,
     pub(crate) kinds: &'static [Kind],
-    /// A kind that one may look for here, and why it is not there; both empty if there is none.
+    /// A kind that a user may look for here, and why it is missing; both empty if there is none.
     pub(crate) not_a_kind: (&'static str, &'static str),
     pub(crate) fields: &'static [Field],
 }
@@ -153,7 +153,7 @@ macro_rules! kinds {
 
 pub(super) use {fields, kinds};
 
-/// No kind that one may look for in vain.
+/// No kind that a user may look for without finding it.
 pub(super) const NONE: (&str, &str) = ("", "");
 
 impl Section {

@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn the_page_on_plate_files_tells_of_every_field_and_kind_and_of_the_ranges_in_force() {
+    fn the_page_on_plate_files_names_every_field_and_kind_and_the_ranges_in_force() {
         // The page groups the thousands.
         let page = include_str!("../../../PLATES.md").replace(" 000", "000");
         for section in SECTIONS {

@@ -159,7 +159,7 @@ mod tests {
     use crate::definition::clamped_strip::{CUT_OFF, StripLaw};
 
     #[test]
-    fn the_propagating_wave_is_that_of_the_exact_law() {
+    fn the_propagating_wave_matches_the_exact_law() {
         for (ratio, loss, allowed) in [(1.02_f64, 0.0, 1e-6), (1.5, 0.05, 1e-6), (3.0, 0.0, 1e-4)] {
             let steps = 40;
             let law = (1..=steps).fold(StripLaw::at_cut_off(), |law, i| {
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn the_mode_at_the_cut_off_is_the_clamped_beams() {
+    fn the_mode_at_the_cut_off_equals_the_clamped_beams() {
         let section = section();
         // Mean square of the mode that is 1 on the centre line: 0.793/2.
         assert!((section.mode.norm_squared() - 0.792_97).abs() < 1e-4, "{}", section.mode.norm_squared());

@@ -72,7 +72,7 @@ fn places(plate: &Plate) -> Vec<f64> {
         places.extend(points.iter().map(|point| point[0]));
     }
     places.sort_by(f64::total_cmp);
-    // Of two laws: pieces shorter than this are below rounding.
+    // Between two laws, pieces shorter than this are below rounding.
     places.dedup_by(|place, before| *place - *before < 1e-9);
     places
 }

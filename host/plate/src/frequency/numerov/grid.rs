@@ -91,7 +91,7 @@ impl Grid {
         let mut barrier: Vec<f64> = Vec::with_capacity(on_plate + 64);
         barrier.push(barrier_at(-step_m));
         barrier.extend((0..on_plate).map(|i| barrier_at(i as f64 * step_m)));
-        // Of all waves that turn on the plate, the one that turns at its end decays slowest beyond it.
+        // The wave that turns at the plate's end decays slowest beyond it.
         let end_term = width_mode.width_term(plate.length_m());
         let end_hz = width_mode.cut_off_hz(plate.length_m());
         let (mut exponents, mut i) = (0.0, on_plate);

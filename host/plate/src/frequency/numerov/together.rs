@@ -66,7 +66,7 @@ pub(crate) fn solve_each_apart(
             }
             Start::of(&driven[lane], grid.root_slope(at[lane]), g, slope)
         });
-        // What was asked for moves together; the next sweep writes every row anew.
+        // The requested values move together; the next sweep writes every row again.
         if every > 1 {
             for place in 1..scale.len() {
                 g_re[1 + place] = g_re[1 + place * every];
@@ -92,7 +92,7 @@ pub(crate) fn solve_each_apart(
     }
 }
 
-/// What the waves meet along the grid: its arrays, times h^2/12.
+/// The coefficients along the grid, times h^2/12.
 enum Scaled<'g> {
     /// The barrier.
     Separable(Vec<f64>),

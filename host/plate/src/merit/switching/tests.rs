@@ -91,7 +91,7 @@ fn off(name: &str, shares: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn switching_times_are_those_of_a_fourier_synthesis_on_thirteen_boundaries() {
+fn switching_times_match_a_fourier_synthesis_on_thirteen_boundaries() {
     let all: Vec<f64> = BOUNDARIES.iter().flat_map(|(name, shares)| off(name, shares)).collect();
     assert_eq!(all.len(), 13);
     assert!(all.iter().all(|&off| off < 0.01), "{all:?}");
@@ -101,7 +101,7 @@ fn switching_times_are_those_of_a_fourier_synthesis_on_thirteen_boundaries() {
 /// another swing.
 #[test]
 #[ignore = "the spans in steps of a twentieth: .ci/run statistics"]
-fn switching_times_are_those_of_a_fourier_synthesis_over_the_spans_but_where_they_graze_the_limit() {
+fn switching_times_match_a_fourier_synthesis_except_where_they_graze_the_limit() {
     let shares: Vec<f64> = (1..=19).map(|i| 0.05 * f64::from(i)).collect();
     let all: Vec<f64> = BOUNDARIES.iter().flat_map(|(name, _)| off(name, &shares)).collect();
     let grazing = all.iter().filter(|&&off| off > 0.011).count();

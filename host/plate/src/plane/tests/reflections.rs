@@ -188,7 +188,7 @@ fn lead_ins_reflect_what_the_closed_form_and_the_physics_page_say() {
 }
 
 #[test]
-fn every_driven_end_in_bending_is_that_of_the_closed_form() {
+fn every_driven_end_in_bending_matches_the_closed_form() {
     let plate = aluminium(false, 0.0);
     let z = Strip::new(&plate, 28e3, 0.0).impedance();
     let lead_in = LeadIn { length_m: 0.05, loss_factor: 0.15, end_resistance_n_s_per_m: 0.6 * z };

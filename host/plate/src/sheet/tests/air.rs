@@ -46,7 +46,7 @@ fn misses(found: (f64, f64), wanted: &Peak) -> (f64, f64) {
 }
 
 #[test]
-fn a_tone_on_the_sheet_in_air_is_that_of_the_plate_in_two_dimensions() {
+fn a_tone_on_the_sheet_in_air_matches_the_plate_in_two_dimensions() {
     let plate = light();
     for frequency_hz in [80.0, 160.0] {
         let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(233, 37) };
@@ -151,7 +151,7 @@ fn a_sheet_that_is_retuned_is_the_one_that_was_made_for_the_tone() {
 }
 
 #[test]
-fn a_finger_on_a_sheet_in_air_is_that_of_the_plate_in_two_dimensions() {
+fn a_finger_on_a_sheet_in_air_matches_the_plate_in_two_dimensions() {
     let (plate, frequency_hz) = (light(), 100.0);
     let finger = Finger::light(0.06);
     let grid = SheetGrid { loss_at_hz: Some(frequency_hz), ..SheetGrid::new(180, 28) };

@@ -54,7 +54,7 @@ fn assert_close(what: &str, found: Complex64, exact: Complex64, floor: f64) {
 }
 
 #[test]
-fn every_output_of_every_preset_is_that_of_the_frequency_domain_over_the_whole_band() {
+fn every_output_of_every_preset_matches_the_frequency_domain_over_the_whole_band() {
     for preset in presets() {
         let plate = preset.plate().expect("a preset");
         let sensed = SensedPlate::new(&plate, None, RATE_HZ).expect("a plate in time");

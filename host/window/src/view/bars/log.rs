@@ -25,9 +25,9 @@ const LEVELS: [(Severity, &str); 4] = [
 /// What is shown from a level on.
 fn level_help(level: Severity) -> &'static str {
     match level {
-        Severity::Detail => "Every line, with what the link does",
-        Severity::Info => "What was done, and all that went wrong",
-        Severity::Warning => "Only what may need your attention",
+        Severity::Detail => "All lines, including those of the link",
+        Severity::Info => "Actions and all errors",
+        Severity::Warning => "Warnings and errors only",
         Severity::Error => "Only what failed",
     }
 }

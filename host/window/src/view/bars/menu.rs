@@ -48,7 +48,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) 
     });
     file.response.on_hover_text("Setups, plates and recordings: open, save and export them");
     let edit = ui.menu_button("Edit", |ui| edit_menu(ui, scene, intents));
-    edit.response.on_hover_text("Take changes of the setup back, or change between two setups");
+    edit.response.on_hover_text("Undo changes of the setup, or switch between two setups");
     let view = ui.menu_button("View", |ui| view_menu(ui, scene, intents));
     view.response.on_hover_text("Colours of the window, its parts, and how the wave is computed");
     let help = ui.menu_button("Help", |ui| help_menu(ui, intents));
@@ -77,13 +77,13 @@ fn file_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                 entry(name, "", &place).show(ui, intents, Intent::Open(path.clone()));
             }
         });
-        let recent = recent.response.on_hover_text("Files that were opened or saved lately");
-        recent.on_disabled_hover_text("No file was opened or saved yet");
+        let recent = recent.response.on_hover_text("Files that you opened or saved recently");
+        recent.on_disabled_hover_text("You have not opened or saved a file yet");
     });
     let help = "Plate, tones, levels and feeling in one file, which the command line plays, too";
     entry("Save setup…", "Ctrl+S", help).show(ui, intents, Intent::SaveDialog);
     if scene.has_address {
-        let help = "Copy the address of this page with the setup in it: who opens it sees the same";
+        let help = "Copy the address of this page with the setup in it: everyone who opens it sees the same";
         entry("Share", "", help).show(ui, intents, Intent::Share);
     }
     let help = "The plate alone, as `slipline` and other setups read it";
@@ -116,14 +116,10 @@ fn edit_menu(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let name = |verb: &str, what: Option<&str>| {
         what.map_or_else(|| verb.to_owned(), |what| format!("{verb} {what}"))
     };
-    entry(
-        name("Undo", scene.undo.0),
-        "Ctrl+Z",
-        "Take the latest change of the setup back; a drag counts as one",
-    )
-    .unless(scene.undo.0.is_none(), "Nothing was changed yet")
-    .show(ui, intents, Intent::Undo);
-    entry(name("Redo", scene.undo.1), "Ctrl+Y", "Make the change again that was taken back")
+    entry(name("Undo", scene.undo.0), "Ctrl+Z", "Undo the latest change of the setup; a drag counts as one")
+        .unless(scene.undo.0.is_none(), "Nothing was changed yet")
+        .show(ui, intents, Intent::Undo);
+    entry(name("Redo", scene.undo.1), "Ctrl+Y", "Repeat the change that was undone")
         .unless(scene.undo.1.is_none(), "Nothing was taken back")
         .show(ui, intents, Intent::Redo);
     let name = format!("Switch to {}", scene.compare.side().other().letter());
@@ -181,7 +177,7 @@ fn help_menu(ui: &mut egui::Ui, intents: &mut Intents) {
         (
             "Ports and permissions",
             "",
-            "What helps when a device is missing or may not be opened",
+            "What to do when a device is missing or access is denied",
             Dialog::PortHelp,
         ),
         ("About Slipline", "", "The version, the idea, and the licences", Dialog::About),

@@ -68,7 +68,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
         row(ui, "Errors", "none").on_hover_text(help);
         return;
     }
-    // What has happened, or what is not known.
+    // Past events, or unknown values.
     for (name, value, help) in counts.into_iter().filter(|(_, value, _)| *value != Some(0)) {
         count(ui, name, value, help);
     }

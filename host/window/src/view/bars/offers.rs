@@ -34,18 +34,18 @@ pub(crate) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
         LinkState::Disconnected => {
             vec![offer("Connect", format!("Open {port}, the port chosen last"), Intent::Connect(port))]
         }
-        LinkState::Connecting => vec![disconnect("Cancel", "Wait no longer, and close the port")],
+        LinkState::Connecting => vec![disconnect("Cancel", "Stop waiting and close the port")],
         LinkState::Lost(LinkError::Crashed) => {
-            let help = "Close the window, to start Slipline again; the setup is kept";
+            let help = "Close the window, then start Slipline again; it keeps the setup";
             vec![offer("Close Slipline", help, Intent::Quit)]
         }
         LinkState::Lost(_) => {
             vec![offer("Reconnect", format!("Open {port} again"), Intent::Connect(port))]
         }
         LinkState::Reconnecting(LinkError::NoSuchPort(_)) => {
-            vec![disconnect("Cancel", "Wait for this port no longer; another one can be chosen at any time")]
+            vec![disconnect("Cancel", "Stop waiting for this port; you can choose another one at any time")]
         }
-        LinkState::Reconnecting(_) => vec![disconnect("Stop looking", "Look for the device no longer")],
+        LinkState::Reconnecting(_) => vec![disconnect("Stop looking", "Stop looking for the device")],
         LinkState::Connected => connected(scene),
     }
 }
@@ -77,7 +77,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
         (State::Fault, true) if autopilot::drive_clears_fault(scene.snapshot) => vec![drive()],
         (State::Idle, true) => {
             let arm = Intent::Device(DeviceIntent::Arm);
-            vec![drive(), offer("Arm", "Accept drives; no real plate hangs on it", arm)]
+            vec![drive(), offer("Arm", "Accept drives; no real plate is connected", arm)]
         }
         (State::Idle, false) => {
             let arm = Intent::Dialog(Some(Dialog::Confirm(Confirm::Arm)));
@@ -94,7 +94,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
         }
         (State::SafeMode, true) => {
             let port = scene.snapshot.port.clone().unwrap_or(Port::Simulated);
-            vec![offer("Reconnect", "Start the simulated device anew", Intent::Connect(port))]
+            vec![offer("Reconnect", "Restart the simulated device", Intent::Connect(port))]
         }
         (State::SafeMode, false) => {
             let flash = Intent::Dialog(Some(Dialog::Confirm(Confirm::Bootloader)));

@@ -15,10 +15,8 @@ use theme::Palette;
 pub(crate) const LOOK_AGAIN: &str = "Search this computer's ports once more, after a device was plugged in";
 
 /// The entry by which a browser is asked for a board, and what it does.
-pub(crate) const ASK_FOR_PORT: (&str, &str) = (
-    "A board by USB…",
-    "Choose a board in the browser's list: from then on it is among the ports of this page",
-);
+pub(crate) const ASK_FOR_PORT: (&str, &str) =
+    ("A board by USB…", "Choose a board in the browser's list: this page then lists it among its ports");
 
 /// Height of the bar with its margins, in points.
 pub(crate) const HEIGHT: f32 = STOP.y + 20.0;
@@ -54,9 +52,9 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
         LinkState::Connected => match snapshot.status {
             None => ("connected", palette.weak, "The device answers.".to_owned()),
             Some(status) => match status.state {
-                State::Idle => ("idle", palette.weak, "Connected, muted: arm it to drive.".to_owned()),
-                State::Armed => ("armed", palette.good, "Unmuted and silent: ready to drive.".to_owned()),
-                State::Driving => ("driving", palette.accent, "The plate is driven.".to_owned()),
+                State::Idle => ("idle", palette.weak, "Disarmed: arm it to drive.".to_owned()),
+                State::Armed => ("armed", palette.good, "Armed and silent: ready to drive.".to_owned()),
+                State::Driving => ("driving", palette.accent, "Driving.".to_owned()),
                 State::Waiting => {
                     ("waiting", palette.accent, "A drive waits for the trigger input.".to_owned())
                 }
@@ -293,7 +291,7 @@ fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &
         let text = format!("table {} / {}", progress.sent, progress.total);
         bar(ui, is_narrow, share, text, "The table is being sent");
     } else if let Some(waiting) = scene.waiting {
-        if cancel(ui, is_narrow, "Give it up; what was there before stays") {
+        if cancel(ui, is_narrow, "Cancel it; the earlier result stays") {
             intents.push(Intent::CancelWork);
         }
         let text = format!("{} {:.0} %", waiting.what, 100.0 * waiting.share);
@@ -364,5 +362,5 @@ fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Int
     let response = response.inner;
     let name = format!("Device: {label}");
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, &name));
-    response.response.on_hover_text(format!("{label}: what is driven. Press to choose another port"))
+    response.response.on_hover_text(format!("{label} is the driven device. Press to choose another port"))
 }

@@ -133,13 +133,13 @@ pub(super) fn steps(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents)
     let step = shown.calibration.step;
     let mut ask = |intent: CalibrateIntent| intents.push(Intent::Calibrate(intent));
     ui.horizontal(|ui| {
-        let cancel = ui.button("Cancel").on_hover_text("Give the calibration up; the plate stays as it is");
+        let cancel = ui.button("Cancel").on_hover_text("Cancel the calibration; the plate does not change");
         let is_cancelled = cancel.clicked();
         if is_cancelled {
             ask(CalibrateIntent::Cancel);
         }
         let back = ui.add_enabled(step.back().is_some(), egui::Button::new("Back"));
-        let back = back.on_hover_text("The page before; what was opened and typed stays");
+        let back = back.on_hover_text("The previous page; your files and entries stay");
         if let Some(back) = step.back().filter(|_| back.clicked()) {
             ask(CalibrateIntent::Page(back));
         }

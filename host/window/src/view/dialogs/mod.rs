@@ -34,7 +34,7 @@ pub(crate) const SHORTCUTS: [(&str, &str); 19] = [
     ("Ctrl+B", "Switch between the setups A and B"),
     ("Ctrl+0", "The whole window for the stage, or panel and plots again"),
     ("P", "Pause the wave and the plots"),
-    ("Press, double click", "On plate and envelope: the selected line comes there; add a tone there"),
+    ("Press, double click", "On plate and envelope: move the selected line here; add a tone here"),
     ("Wheel on a plot", "Zoom about the pointer; with Shift its values"),
     ("Drag, double click on a plot", "Move it, show all of it again"),
     ("Ctrl+Plus, Ctrl+Minus", "Larger, smaller"),
@@ -191,8 +191,8 @@ const DIAGNOSTICS: f32 = 380.0;
 fn diagnostics(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     ui.heading("Diagnostics");
     ui.add_space(6.0);
-    ui.label("What helps to find a fault is on the clipboard now: read it before you send it.");
-    ui.label("It holds no name of yours or of your machine.");
+    ui.label("The diagnostic text is on the clipboard now: read it before you send it.");
+    ui.label("It contains neither your name nor that of your computer.");
     let text = report::text(scene.snapshot, scene.setup, scene.table);
     ui.horizontal(|ui| {
         ui.button("Copy again")
@@ -253,7 +253,7 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
     }
     ui.add_space(10.0);
     ui.horizontal(|ui| {
-        let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
+        let is_cancelled = ui.button("Cancel").on_hover_text("Change nothing").clicked();
         let confirm_button = ui.add(theme::primary(ui, verb, true));
         let is_confirmed = confirm_button.on_hover_text("Do what is described above, now").clicked();
         if is_confirmed {

@@ -34,7 +34,7 @@ pub(super) fn show(
     // The warning applies only to the path whose file was found, not to a text that was edited since.
     let is_replacing = question.existing.as_deref() == Some(typed.text.trim());
     let warning =
-        if is_replacing { "There is a file of that name. Replace it, or type another name." } else { "" };
+        if is_replacing { "A file of that name exists. Replace it, or type another name." } else { "" };
     lines(ui, warning, palette.warn, 1);
     ui.add_space(6.0);
     let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));

@@ -4,8 +4,8 @@ use crate::view::fields::field::labelled;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 
-/// Shows the list called `name`, `width` points wide; closed it shows `shown`. While it is open, `entries` shows what
-/// there is and returns what was chosen.
+/// Shows the list called `name`, `width` points wide; closed it shows `shown`. While it is open, `entries` shows the
+/// choices and returns what was chosen.
 pub(crate) fn choice<T>(
     ui: &mut egui::Ui,
     words: (&str, &str, &str),

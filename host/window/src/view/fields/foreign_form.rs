@@ -65,7 +65,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         refusal(ui, reason.as_deref().or(asked.refused.as_deref()));
         if let AskedContent::Recording { sweep, .. } = &asked.content {
             ui.horizontal(|ui| {
-                let help = "The file that `slipline sweep` wrote when it played what was recorded";
+                let help = "The file that `slipline sweep` wrote when it played the recorded sweep";
                 if ui.button("Open its sweep…").on_hover_text(help).clicked() {
                     ask(MeasureIntent::OpenFile);
                 }
@@ -80,7 +80,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
             if add.on_disabled_hover_text(missing.unwrap_or_default()).clicked() {
                 ask(MeasureIntent::TakeAsked);
             }
-            if ui.button("Leave it").on_hover_text("Close the file; nothing is kept of it").clicked() {
+            if ui.button("Leave it").on_hover_text("Close the file and keep nothing of it").clicked() {
                 ask(MeasureIntent::LeaveAsked);
             }
         });

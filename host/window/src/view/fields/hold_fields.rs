@@ -10,12 +10,13 @@ use slipline_instrument::hold::{MAX_RISE, Standing, ToneWords, words};
 use slipline_plate::number_format::rounded;
 use slipline_plate::quantity::{self, Measure, show_frequency, show_place, show_range};
 
-const HELP: &str = "A sensor listens to the tones on the untouched plate; from then on the device keeps each as loud there, \
-                    whatever a finger takes of it. A drag ends that, and it listens again when the line rests";
+const HELP: &str = "A sensor listens to the tones on the untouched plate; the device then keeps the level of each, \
+    whatever a finger absorbs. A drag ends that; the sensor listens again when the line rests";
 const RISE_HELP: &str =
-    "How far above the drive's level a held tone may rise; full scale, heat and travel limit it besides";
+    "How far above the drive's level a held tone may rise; full scale, heat and travel also limit it";
 /// The limits of the window's pictures during a hold.
-const NOT_SHOWN: &str = "Wave, envelope, strip and trace are those of the drive's own levels; what is sent instead is known to the device alone.";
+const NOT_SHOWN: &str = "Wave, envelope, strip and trace are those of the drive's own levels; what is sent instead is known \
+    to the device alone.";
 
 /// Shows it, for a device that can listen.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) {

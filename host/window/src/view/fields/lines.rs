@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Color32, text::LayoutJob, vec2};
 
-/// Shows `text` in as many lines, which are there for a shorter one, too. Words that are cut are read whole under the pointer.
+/// Shows `text` in a fixed number of lines, also if it is shorter. A tooltip shows words that are cut.
 pub(crate) fn lines(ui: &mut egui::Ui, text: impl Into<String>, colour: Color32, rows: usize) {
     let height = rows as f32 * ui.text_style_height(&egui::TextStyle::Small);
     let size = vec2(ui.available_width(), height);

@@ -88,7 +88,11 @@ fn settings(
         }
         // At the second place nothing but the place may differ.
         ui.add_enabled_ui(answers != Some(1), |ui| {
-            let field = ("Level", "What all tones together may be of full scale: 0.001 to 1, or in dB", 52.0);
+            let field = (
+                "Level",
+                "The limit of the sum of all tones, as a share of full scale: 0.001 to 1, or in dB",
+                52.0,
+            );
             let shown = with_decimals(draft.level, 2);
             let of_level = (shown.as_str(), "level", LEVEL);
             if let Some(level) = number(ui, typed, &mut reason, field, of_level, quantity::level) {
@@ -105,7 +109,7 @@ fn settings(
         let switch = egui::Checkbox::new(&mut is_secret, "A secret plate, a few per cent off");
         let switch = ui.add_enabled(answers != Some(1), switch);
         if switch
-            .on_hover_text("To try a calibration: nobody knows the plate that the sensor stands on")
+            .on_hover_text("To try a calibration: the sensor stands on a plate with unknown numbers")
             .changed()
         {
             ask(MeasureIntent::Secret(is_secret));

@@ -42,7 +42,7 @@ impl Refusal {
         }
     }
 
-    /// This edit, if the setup takes it; `text` is what was typed for it.
+    /// This edit, if the setup takes it; `text` is the typed text.
     pub(crate) fn check(
         setup: &Setup,
         edit: Edit,

@@ -192,7 +192,7 @@ mod tests {
     use slipline_model::setup::{GLIDE_RANGE_S, MASTER_MIN_DB};
 
     #[test]
-    fn what_may_be_typed_is_what_an_edit_takes() {
+    fn a_slider_accepts_what_an_edit_accepts() {
         assert_eq!(MASTERS, quantity::show_range(MASTER_MIN_DB, 0.0, quantity::Measure::Plain("dB")));
         let (least, most) = GLIDE_RANGE_S;
         assert_eq!(GLIDES, quantity::show_range(least, most, quantity::Measure::Time));

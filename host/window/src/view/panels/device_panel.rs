@@ -201,7 +201,7 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
             let cancel = ui.button("Cancel upload");
             cancel
-                .on_hover_text("Give it up; the device keeps the table it has")
+                .on_hover_text("Cancel it; the device keeps its present table")
                 .asks(intents, Intent::Device(DeviceIntent::CancelUpload));
         } else {
             let upload = theme::primary(ui, "Upload", scene.is_table_dirty());
@@ -231,9 +231,9 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
         lost,
         "Commands sent again, and answers that did not come in time: a bad cable or a busy port",
     );
-    let help = "Drives in whose place a newer one or a stop was sent, as in a drag";
+    let help = "Drives that a newer one or a stop replaced before they were sent, as in a drag";
     counter("Superseded drives", link.superseded.to_string(), help);
-    let help = "Messages of the device that arrived damaged; what waits for them is sent again";
+    let help = "Messages of the device that arrived damaged; the commands that wait for them are sent again";
     counter("CRC errors here", snapshot.decoder.damaged.to_string(), help);
     if let Some(status) = snapshot.status {
         let device = status.counters;
@@ -250,7 +250,7 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
             "Times the DAC ran out of samples, and samples that were beyond its range",
         );
         if device.max_cycles > 0 {
-            let help = "The longest that a block of the drive took the device's processor";
+            let help = "The longest time that the device's processor needed for a block of the drive";
             let share = snapshot.worst_block();
             let percent = share.map(|share| format!(" ({:.0} %)", share * 100.0)).unwrap_or_default();
             counter("Cycles a block, most", format!("{}{percent}", device.max_cycles), help);

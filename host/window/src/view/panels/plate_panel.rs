@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 const PAGES: [(PlatePage, &str, &str); 4] = [
     (PlatePage::Plate, "This plate", "Which plate it is, and its numbers"),
-    (PlatePage::Validity, "Validity", "How far plate and boundary can be relied on"),
+    (PlatePage::Validity, "Validity", "How reliable plate and boundary are"),
     (PlatePage::Designer, "Designer", "A plate for a band: taper, damper, cut files"),
     (PlatePage::Measure, "Measure", "What a sensor on the plate answered, beside its model"),
 ];

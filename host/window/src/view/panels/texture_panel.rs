@@ -1,4 +1,4 @@
-//! The texture page: what should be felt, what can be had of it, and the tones that make it.
+//! The texture page: the wanted sensation, how much of it is reachable, and the tones that make it.
 
 use crate::intent::{Asks as _, Intent, Intents};
 use crate::scene::Scene;
@@ -82,7 +82,7 @@ fn fields(
             WishKind::Beat => {
                 let value = show_place(draft.beat_place_m);
                 let take = |text: &str| Ok(WishDraft { beat_place_m: quantity::length_m(text)?, ..draft.clone() });
-                field(ui, ("Place", &value, "Up to where both tones go, as a place (120 mm)"), &take);
+                field(ui, ("Place", &value, "The place up to which both tones travel (120 mm)"), &take);
                 let value = show_frequency(draft.beat_hz);
                 let take = |text: &str| Ok(WishDraft { beat_hz: quantity::frequency_hz(text)?, ..draft.clone() });
                 field(ui, ("Beat", &value, "How fast it swells and fades: 1 Hz to 1 kHz"), &take);
@@ -150,7 +150,7 @@ fn actions(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let save = ui.add_enabled(is_ready, egui::Button::new("Save setup…"));
         save.on_hover_text("A setup that this app and `slipline drive --setup` play")
             .asks(intents, Intent::SaveTexture);
-        let again = "Compute it after all: it was cancelled";
+        let again = "Compute it: it was cancelled before";
         if texture.is_given_up && ui.button("Make it").on_hover_text(again).clicked() {
             intents.push(Intent::Texture(Box::new(texture.draft.clone())));
         }

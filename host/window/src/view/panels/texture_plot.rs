@@ -104,7 +104,7 @@ fn curves(ui: &egui::Ui, texture: &TextureScene<'_>, plot: &Plot) {
     {
         let fit = made.fitted.as_ref();
         let fitted = fit.map(|fitted| &fitted.texture);
-        // Of what is wanted, or of what is there where nothing is drawn.
+        // Of the wanted profile, or of the present one where nothing is drawn.
         let wanted_m = fitted.map_or(&textured.rms_m, |texture| &texture.wanted_m);
         let largest_m = wanted_m.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let curve = |values: &[f64]| plot.curve(values.iter().map(|metres| metres / largest_m));
@@ -126,7 +126,7 @@ fn curves(ui: &egui::Ui, texture: &TextureScene<'_>, plot: &Plot) {
         painter.add(Shape::line(curve(&textured.rms_m), Stroke::new(1.8, ink)));
         if let Some(Lack::Reach(_)) = made.lack(textured.wish.most) {
             // At once, and where one looks while one draws: below the curves, which are high where something is wanted.
-            let words = "not all of it can be had".to_owned();
+            let words = "not all of it is in reach".to_owned();
             let galley = painter.layout_no_wrap(words, FontId::proportional(11.5), palette.warn);
             let place = plot.rect.left_bottom() + vec2(4.0, -2.0 - galley.size().y);
             painter.rect_filled(Rect::from_min_size(place, galley.size()).expand(2.0), 2.0, palette.well);

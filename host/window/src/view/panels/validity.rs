@@ -89,9 +89,7 @@ pub(crate) fn chip(ui: &mut egui::Ui, scene: &Scene<'_>) -> bool {
         mark(painter, rect.left_center() + vec2(13.0, 0.0), worst, colour);
     }
     painter.galley(pos2(rect.left() + 22.0, rect.center().y - 0.5 * galley.size().y), galley, colour);
-    response
-        .on_hover_text("How far this plate and boundary can be relied on: press for the reasons")
-        .clicked()
+    response.on_hover_text("How reliable this plate and boundary are: press for the reasons").clicked()
 }
 
 /// The name of a light, as the beginning of a line.

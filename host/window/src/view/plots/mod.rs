@@ -111,7 +111,7 @@ pub(crate) fn pause(ui: &mut egui::Ui, scene: &Scene<'_>, name: &str, intents: &
     let pause = ui.small_button(word);
     pause.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{word}: {name}")));
     pause
-        .on_hover_text("Hold the plots and the wave (P)")
+        .on_hover_text("Pause the plots and the wave (P)")
         .asks(intents, Intent::Animate(!scene.settings.animate));
 }
 

@@ -20,7 +20,7 @@ fn steered(full: Ends, now: Ends, at: f64, factor: f64, by: f64) -> Ends {
     if span >= whole {
         return full;
     }
-    // What is under the pointer stays there.
+    // The value under the pointer stays there.
     let start = at - (at - now.0) * (span / before) + by;
     // Not `clamp`: of the whole axis the rounded ends may have changed places.
     let start = start.min(full.1 - span).max(full.0);

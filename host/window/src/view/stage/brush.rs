@@ -1,4 +1,4 @@
-//! The brush: the wanted amplitude is drawn over the envelope, and what of it cannot be had is shaded where it is.
+//! The brush: it draws the wanted amplitude over the envelope and shades the part that is out of reach.
 //!
 //! It lies over the lines, so that a stroke goes through them. The keyboard has the breakpoints of the page Texture.
 
@@ -16,9 +16,10 @@ use eframe::egui::{
 use slipline_model::field::steady_field::POINTS;
 use std::f64::consts::SQRT_2;
 
-const CANVAS_HELP: &str = "Draw the wanted amplitude here with the pointer or a finger. The tones follow, and what of it cannot be \
-    had is shaded. A stroke is one step of undo";
-const END_HELP: &str = "Put the brush away: a press on the envelope brings the line again. Esc does it, too, and stops the drive";
+const CANVAS_HELP: &str = "Draw the wanted amplitude here with the pointer or a finger. The tones follow; what is out of reach \
+    is shaded. A stroke is one step of undo";
+const END_HELP: &str = "Put the brush away; a press on the envelope then moves the line. Esc does the same and stops the \
+    drive";
 
 /// Width of the button that puts the brush away, and size of the samples beside it, in points.
 const END: f32 = 96.0;
@@ -94,7 +95,7 @@ fn draw(
     brush.at = brush.at.filter(|_| is_down);
 }
 
-/// The ink over what cannot be had.
+/// The ink over the part that is out of reach.
 fn lack(palette: &Palette) -> Color32 {
     palette.warn.gamma_multiply(0.35)
 }
@@ -132,7 +133,7 @@ fn wanted(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, height: &Height) {
 fn legend(ui: &egui::Ui, from: Pos2, end: f32) -> f32 {
     let palette = theme::palette(ui);
     let mut left = from.x + GAP;
-    for words in ["wanted", "cannot be had"] {
+    for words in ["wanted", "out of reach"] {
         let galley = ui.painter().layout_no_wrap(words.to_owned(), FontId::proportional(11.5), palette.weak);
         let right = left + SAMPLE.x + 6.0 + galley.size().x;
         if right > end {

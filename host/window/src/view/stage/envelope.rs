@@ -182,7 +182,7 @@ fn factor(ui: &egui::Ui, magnification: f64, at: Pos2) {
     }
 }
 
-/// The edge of the selected tone: from its peak to a tenth of it, or that there is no peak.
+/// The edge of the selected tone: from its peak to a tenth of it, or the absence of a peak.
 fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     let palette = theme::palette(ui);
     let Some(wave) = scene.predicted.tone(scene.selected) else { return };
@@ -210,7 +210,7 @@ fn edge(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, height: &Height) {
     let said = format!("Edge: {}", show_place(wave.edge_width_m));
     bracket.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, &said));
     bracket.on_hover_text(
-        "From the peak to a tenth of it: the shorter, the crisper is the boundary of the selected tone",
+        "From the peak to a tenth of it. The shorter this is, the crisper is the boundary of the selected tone",
     );
 }
 

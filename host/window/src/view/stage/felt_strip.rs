@@ -27,8 +27,7 @@ pub(crate) fn colour(zone: Zone, palette: &theme::Palette) -> Color32 {
     }
 }
 
-const HELP: &str = "What a finger feels along the plate, in three zones; the mark under it is where it ends. A press brings the \
-    finger there. Illustrative: fingers differ, the panel Boundary has the numbers";
+const HELP: &str = "What a finger feels along the plate, in three zones; the mark under it is where it ends. A press moves the finger there. Illustrative: fingers differ, the panel Boundary has the numbers";
 
 /// Shows the strip in `rect`.
 pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {

@@ -18,7 +18,7 @@ use theme::HANDLE;
 
 const CHOICES: [(Touch, &str, &str); 4] = [
     (Touch::None, "None", "The plate without a finger"),
-    (Touch::Ideal, "Ideal", "A finger that feels and takes nothing: the plate moves as without it"),
+    (Touch::Ideal, "Ideal", "A finger that feels but absorbs nothing: the plate moves as without it"),
     (Touch::Light, "Light", "A finger that strokes: 0.1 N s/m and 0.01 g. Illustrative"),
     (Touch::Firm, "Firm", "A finger that presses: 1 N s/m and 0.1 g. Illustrative"),
 ];

@@ -47,7 +47,7 @@ pub(super) fn finger(
     let half = 0.5 * contact.max(LEAST);
     let top = centre.y - half;
     let length = (rect.bottom() - top).max(2.0 * half);
-    // What it feels glows round the contact.
+    // A glow round the contact shows what it feels.
     for (grown, share) in [(7.0, 0.16), (4.0, 0.28), (1.5, 0.5)] {
         painter.circle_filled(centre, half + grown, look.feels.gamma_multiply(share));
     }

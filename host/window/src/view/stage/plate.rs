@@ -57,7 +57,7 @@ pub(crate) fn title(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, 
             let text = egui::RichText::new(drawn(scene)).color(palette.weak);
             let width = theme::text_width(ui, text.text(), FontId::proportional(13.5));
             let beside = if has_scale { width + GAP } else { 0.0 };
-            // What a calibration or a file adds to the name is at its end, so the words after it give way.
+            // What a calibration or a file adds to the name is at its end, so the words after it are left out first.
             let font = FontId::proportional(15.0);
             let whole = theme::text_width(ui, scene.setup.plate.name(), font);
             let room = (left.x - beside).max((whole + 4.0).min(left.x - NAME)).max(NAME);

@@ -18,12 +18,13 @@ use std::time::Duration;
 /// A press of this duration is no click, in seconds.
 const HELD_S: f64 = 0.25;
 
-/// The read-out of the place is there for the pointer, so this is for those who do not see it.
-const PLATE_HELP: &str = "The plate and its wave, the driven end at the left. A press brings the selected tone's line to that \
+/// The pointer shows the place to those who see it; this text is for those who do not.
+const PLATE_HELP: &str = "The plate and its wave, the driven end at the left. A press moves the selected tone's line to that \
     place, a double click adds a tone there";
-const ENVELOPE_HELP: &str = "How far each place of the plate moves at most: predicted as a line, the plate that is there as rings, \
-    a secret one at the level of the line. \
-    A press brings the selected tone's line to that place, a double click adds a tone there";
+const ENVELOPE_HELP: &str = "How far each place of the plate moves at most: predicted as a line, the actual plate as rings, a \
+    secret one at the level of the line. \
+    A press moves the selected tone's line to that \
+    place, a double click adds a tone there";
 
 impl Pressing {
     /// Whether the pointer rests on the knob of a line that it has brought.

@@ -13,7 +13,8 @@ use eframe::egui::{
 use slipline_model::field::touch::Touch;
 use std::f32::consts::PI;
 
-const MUTE_HELP: &str = "What the finger meets, as a sound: it begins when the finger is moved. Illustrative";
+const MUTE_HELP: &str =
+    "The vibration at the finger as a sound: it begins when you move the finger. Illustrative";
 
 /// Takes the presses on the strip.
 pub(super) fn show(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, intents: &mut Intents) {

@@ -1,7 +1,7 @@
 //! The job workers, as the page's thread sees them: what runs, and what waits.
 //!
-//! A job in a worker hears no message while it runs. So one that is not wanted any more is ended with its worker, which
-//! is started anew at once. But a browser lets a worker that is ended compute for a while, beside the new one: so only a
+//! A worker receives no message while its job runs. So a job that is no longer wanted is ended with its worker, which
+//! is restarted at once. But a browser lets a worker that is ended compute for a while, beside the new one: so only a
 //! job that has already taken as long is ended, and what waits, waits for any other.
 
 use super::{Done, Job, Kind, Results};
@@ -84,7 +84,7 @@ impl Lane {
         rest.filter(|rest| !rest.is_zero())
     }
 
-    /// Starts the worker anew; the job that runs has no result.
+    /// Starts the worker again; the job that runs has no result.
     fn restart(&self, state: &mut State) {
         self.host.restart_lane(self.name);
         state.exchange = Exchange::default();

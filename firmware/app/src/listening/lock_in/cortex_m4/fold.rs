@@ -5,7 +5,7 @@ use core::arch::naked_asm;
 use super::super::fold::{CODE, FOUR_MID, Folds};
 use crate::bank::BLOCK;
 
-/// What a block's codes come to.
+/// The totals of a block's codes.
 #[derive(Default)]
 #[repr(C)]
 pub(super) struct Totals {

@@ -41,7 +41,7 @@ fn without_noise_it_is_0_2_db_and_1_degree_off_at_most() {
 }
 
 #[test]
-fn sixteen_tones_at_once_are_told_apart() {
+fn sixteen_tones_at_once_are_separated() {
     // No comb: the distances are not multiples of one over the window.
     let tones: Vec<f64> = (0..16).map(|n| 1_203.7 + 411.3 * f64::from(n)).collect();
     let mut input = Input { offset: -55.0, noise: 0.5, ..Input::quiet(answers(16, below_full_scale(40.0))) };
@@ -53,7 +53,7 @@ fn sixteen_tones_at_once_are_told_apart() {
 }
 
 #[test]
-fn a_coherent_comb_is_told_apart_by_the_rectangular_window() {
+fn a_coherent_comb_is_separated_by_the_rectangular_window() {
     // Multiples of 25 / 39936 samples, which are whole turns over the window.
     let tones: Vec<f64> = (0..16).map(|n| RATE_HZ * f64::from(100 + 25 * n) / 39_936.0).collect();
     let mut input = Input { offset: -55.0, noise: 0.5, ..Input::quiet(answers(16, below_full_scale(40.0))) };
@@ -114,7 +114,7 @@ fn the_fastest_glide_costs_3e_5_of_the_amplitude_and_no_phase() {
 }
 
 #[test]
-fn of_a_tone_of_full_scale_a_slot_that_measures_another_sees_nothing_within_90_db() {
+fn a_slot_rejects_another_full_scale_tone_by_90_db() {
     let mut all = answers(2, 2_000.0);
     all[1].codes = 0.0;
     for (loud, silent) in [(10_000.0, 25_013.0), (40_011.0, 3_127.0), (97.0, 110_003.0)] {

@@ -50,12 +50,12 @@ fn the_turns_to_the_pairs_of_sub_blocks_are_1_4e_7_off_at_most() {
 }
 
 #[test]
-fn the_constants_part_is_that_of_a_block_of_constant_codes() {
+fn the_constants_part_matches_a_block_of_constant_codes() {
     for step in steps() {
         let mut basis = Basis::NONE;
         basis.rebuild(step);
         let cosines = basis.even.into_iter().flat_map(|word| [word as i16, (word >> 16) as i16]);
-        // Four samples for each cosine of each pair, and an eighth of half of it.
+        // Each cosine meets four samples of the constant; the sums are kept in eighths.
         let each = f64::from(cosines.map(i32::from).sum::<i32>() * 4 * CONSTANT) / 8.0;
         let turns = basis.cosines.map(|cosine| f64::from(cosine) / f64::from(1 << 29));
         let real: f64 = turns.iter().map(|turn| each * turn).sum();

@@ -57,7 +57,7 @@ fn nothing_outside_the_window_counts_and_everything_inside_does() {
 }
 
 #[test]
-fn the_sums_are_those_of_the_definition() {
+fn the_sums_match_the_definition() {
     let mut seed = 3_u64;
     let mut draw = || {
         seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -87,8 +87,8 @@ fn the_sums_are_those_of_the_definition() {
 
 #[test]
 fn the_largest_sums_do_not_overflow() {
-    // Constant phases and square waves in phase with the tone: nothing is larger. And the same in the fastest glides, which
-    // lead away from the largest phase on both sides, or over the ends of the range.
+    // Constant phases and square waves in phase with the tone: nothing is larger. Then the same in the fastest glides,
+    // which lead away from the largest phase on both sides, or over the ends of the range.
     let steady = [(0_u64, 1_u64 << 62), (0, 1 << 61), (0, 3 << 62), (1 << 56, 0), (1 << 58, 1 << 57)];
     let cases = steady.into_iter().flat_map(|(step, phase)| {
         [0, MAX_STEP_CHANGE, MAX_STEP_CHANGE.wrapping_neg()].map(|change| {
@@ -162,7 +162,7 @@ fn a_tone_that_is_silent_or_jumps_is_not_followed() {
 }
 
 #[test]
-fn the_span_of_the_codes_tells_a_clipped_input() {
+fn the_span_of_the_codes_reveals_a_clipped_input() {
     let (mut lock_in, mut history) = waiting(2);
     let mut codes = [2048; BLOCK];
     (codes[3], codes[127]) = (17, 3000);
@@ -174,7 +174,7 @@ fn the_span_of_the_codes_tells_a_clipped_input() {
 }
 
 #[test]
-fn an_input_that_is_measured_alone_has_the_sums_that_it_has_beside_the_others() {
+fn an_input_has_the_same_sums_alone_and_beside_others() {
     let sensed = [core::array::from_fn(|n| 1000 + n as u16), core::array::from_fn(|n| 3000 - 7 * n as u16)];
     let measured = |input| {
         let (mut lock_in, mut history) = (LockIn::new(), History::new());

@@ -92,7 +92,7 @@ fn a_resonators_response_is_found_to_a_ten_thousandth() {
 }
 
 #[test]
-fn the_noise_that_is_told_is_the_noise_that_there_is() {
+fn reported_noise_matches_the_measured_noise() {
     let mut random = Random::new(3);
     let mut draw = |count: usize| -> Vec<f64> {
         (0..count.div_ceil(2)).flat_map(|_| random.normals()).map(|noise| 0.2 * noise).collect()

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn a_delay_is_found_to_1e_5_of_a_value_without_noise_and_to_what_it_tells_with_noise() {
+    fn a_delay_is_found_to_1e_5_of_a_value_or_to_its_stated_error_with_noise() {
         for delay in [0.0, 0.5, -0.499, 17.321, -211.77] {
             let found = found(delay, 1e-9, 0.0, 1);
             assert!((found.values - delay).abs() < 1e-5, "{delay}: {found:?}");

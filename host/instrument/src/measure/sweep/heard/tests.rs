@@ -149,7 +149,7 @@ fn departure(heard: &HeardSweep, response: impl Fn(f64) -> Complex64) -> (f64, f
 }
 
 #[test]
-fn a_recorders_clock_start_and_gain_are_found_and_the_responses_are_those_of_the_plate() {
+fn a_recorders_clock_start_and_gain_are_found_and_the_responses_match_the_plate() {
     for (clock, lead_s) in [(0.0, 0.9), (150e-6, 0.713_21), (-320e-6, 2.0), (47.3e-6, 0.03)] {
         let heard = Recorder { clock, lead_s, ..HEALTHY }.heard().unwrap();
         let error = (heard.clock - clock).abs();
@@ -175,7 +175,7 @@ fn a_clock_that_is_taken_for_true_would_spoil_the_phase() {
 }
 
 #[test]
-fn noise_is_told_as_it_is_and_a_hum_does_not_move_the_clock() {
+fn noise_is_reported_truly_and_a_hum_does_not_move_the_clock() {
     let noisy = Recorder { noise: 5e-3, clock: 90e-6, ..HEALTHY }.heard().unwrap();
     let (noises, _) = departure(&noisy, |hz| 0.5 * truth(hz));
     assert!((0.6..1.4).contains(&noises), "{noises}");
@@ -231,7 +231,7 @@ fn a_gain_that_follows_the_level_is_refused() {
 }
 
 #[test]
-fn what_is_no_recording_of_the_sweep_is_refused_and_told() {
+fn a_recording_without_the_sweep_is_refused_with_a_reason() {
     let sound = HEALTHY.records();
     let refused = |change: &dyn Fn(&mut Vec<f64>)| {
         let mut sound = sound.clone();

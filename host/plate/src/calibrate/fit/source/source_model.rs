@@ -14,7 +14,7 @@ pub(crate) trait SourceModel {
     fn deviations(&self) -> Vec<f64>;
     /// The response at a place (the index in [`PlateResponse::seen`]).
     fn response(&self, answer: &PlateResponse, place: usize, source: &[f64]) -> Complex64;
-    /// Sum of the squared residuals of the best source on such a plate, each over its deviation with `model_error`.
+    /// Chi-squared of the best-fitting source for this plate; residuals weighted by noise and `model_error`.
     fn suited(&self, data: &[Datum], answers: &[PlateResponse], model_error: f64) -> Option<f64>;
     /// Starting points for the source on such a plate, the most promising first.
     fn starts(&self, data: &[Datum], answers: &[PlateResponse]) -> Vec<Vec<f64>>;

@@ -47,7 +47,7 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
     let font = FontId::proportional(11.5);
     let under = pos2(drawn.left(), area.bottom() - 2.0);
     painter.text(under, Align2::LEFT_BOTTOM, "driven end", font.clone(), palette.weak);
-    // Where it stood may be elsewhere than proposed.
+    // Its actual place may differ from the proposed one.
     let place_m = |i: usize| {
         let stood = calibration.answer(i).filter(|_| i < sensor);
         stood.map_or(calibration.places_m()[i], |answer| answer.measurement.place_m)

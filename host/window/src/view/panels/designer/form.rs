@@ -37,7 +37,7 @@ pub(super) struct Shown {
     pub(super) is_told: bool,
 }
 
-/// Where a number stands in a draft.
+/// The place of a number in a draft.
 type NumberAt = fn(&mut Draft) -> &mut f64;
 
 /// One field: the library's name of it, its text and its allowed range.

@@ -9,7 +9,7 @@ use slipline_plate::{Air, AirMounting, Faces, Gas, Model};
 const MOUNTING_HELP: &str =
     "How the plate stands in the air that swings with it: a light plate turns earlier in air";
 const FACES_HELP: &str = "How many faces of the plate have air";
-const GAS_HELP: &str = "By which two numbers density and speed of sound are stated";
+const GAS_HELP: &str = "The two numbers that determine density and speed of sound";
 
 /// Width of a list, in points.
 const LIST: f32 = 150.0;
@@ -58,7 +58,7 @@ pub(super) fn show(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
     gas_numbers(ui, numbers, gas, mounting);
 }
 
-/// What air it is.
+/// Temperature and height, or density and speed of sound.
 fn gas_numbers(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>, gas: Gas, mounting: AirMounting) {
     let (density_kg_per_m3, sound_speed_m_per_s) = (gas.density_kg_per_m3(), gas.sound_speed_m_per_s());
     let (given, atmosphere) = match gas {
@@ -100,10 +100,7 @@ fn mountings(air: Option<Air>) -> Vec<Option<Air>> {
 /// Name and meaning of a way to stand in the air.
 fn stated(air: Option<Air>) -> (&'static str, &'static str) {
     let Some(air) = air else {
-        return (
-            "not stated",
-            "Nothing is added: a wave speed that was measured in the air holds it already",
-        );
+        return ("not stated", "Nothing is added: a wave speed that was measured in air includes it already");
     };
     match air.mounting() {
         None => ("vacuum", "No air: the plate as it is by itself"),

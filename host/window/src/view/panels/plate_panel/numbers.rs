@@ -143,7 +143,7 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
         DriveEnd::Displacement => ("displacement", "The end follows the drive: waves come back and resonate"),
         DriveEnd::Force { .. } => ("force", "The end is pushed with a force"),
         DriveEnd::Resistance { .. } => {
-            ("damped source", "A source with a resistance swallows what comes back; 1 is matched")
+            ("damped source", "A source with a resistance absorbs what comes back; 1 is matched")
         }
         DriveEnd::DisplacementAndSlope { slope: EndSlope::Free } => (
             "displacement, hinged",
@@ -154,7 +154,7 @@ fn drive_end(ui: &mut egui::Ui, numbers: &mut Numbers<'_, '_>) {
             "The end follows the drive and cannot turn: waves come back and resonate",
         ),
         DriveEnd::Source(Source { lead_in: Some(_), .. }) => {
-            ("source with lead-in", "A force; the strip behind it swallows what comes back")
+            ("source with lead-in", "A force; the strip behind it absorbs what comes back")
         }
         DriveEnd::Source(_) => ("source", "A force on an end with a resistance, a mass and a spring"),
     };

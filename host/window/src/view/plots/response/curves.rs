@@ -62,7 +62,7 @@ fn rounded((low, high): Ends, step: f64) -> Ends {
 }
 
 impl<'a> Curves<'a> {
-    /// What is shown; `None` if that is nothing.
+    /// The shown curves; `None` without any.
     pub(super) fn of(scene: &Scene<'a>, is_linear: bool) -> Option<Self> {
         let shelf = scene.measure.shelf;
         let shown: Vec<&Entry> = shelf.entries().iter().filter(|entry| entry.is_shown).collect();

@@ -34,7 +34,7 @@ fn numbers(lines: &mut Lines<'_>, kind: &str) -> Result<Foreign, BadLine> {
     };
     let form = whole(at, "the form of the numbers", words.get(2))?;
     if form != IEEE_754 {
-        let allowed = "2: IEEE 754; save it anew on another computer, or as text";
+        let allowed = "2: IEEE 754; save it again on another computer, or as text";
         return Err(wrong(at, must_be(format_args!("the form of the numbers = {form}"), allowed)));
     }
     let stated = whole(at, "the number of lines", words.get(3))? as usize;
@@ -44,7 +44,7 @@ fn numbers(lines: &mut Lines<'_>, kind: &str) -> Result<Foreign, BadLine> {
     let count = whole(at, "the number of bytes", words.get(4))? as usize;
     let form = Form::of(&head(lines))?;
     let data = lines.skip(count).ok_or_else(|| {
-        wrong(at, format!("the file ends before the {count} bytes that the dataset is said to have"))
+        wrong(at, format!("the file ends before the {count} bytes that the dataset declares"))
     })?;
     form.points(&values(data, &form, is_little, at)?.into_iter().map(|value| (at, value)).collect::<Vec<_>>())
 }
