@@ -135,7 +135,7 @@ fn named_rooms(page: &str) -> BTreeSet<String> {
     let lines = page.lines().take_while(|line| line.starts_with("//!"));
     let page = lines.map(|line| line.trim_start_matches("//!").trim()).collect::<Vec<_>>().join("\n");
     let rooms = page.split("# Rooms\n").nth(1).unwrap_or_default().replace("`,\n`", "`, `");
-    let lists = rooms.split("\n- `").skip(1).filter_map(|item| item.split("`: ").next());
+    let lists = rooms.split("\n- `").skip(1).filter_map(|item| item.split("`:").next());
     lists
         .flat_map(|names| names.split("`, `"))
         .map(|name| name.trim_end_matches('/').trim_end_matches(".rs").to_owned())
