@@ -249,7 +249,7 @@ fn a_riddle_is_found_in_pages_comments_texts_and_test_names_and_not_in_code() {
     for (file, source) in [
         ("a.md", "The line\nis what the window shows."),
         ("a.md", "To choose the frequency is to move the line."),
-        ("a.rs", "    // The plate that\n    // is there, and no other."),
+        ("a.rs", "    // The plate that\n    // is there of the two."),
         ("a.rs", "let text = \"cannot be had\";"),
         ("a.rs", "#[test]\n#[ignore = \"long\"]\nfn a_fault_is_told() {}"),
         ("a.py", "def f():\n    \"\"\"Begins\n    anew.\"\"\""),

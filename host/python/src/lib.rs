@@ -12,8 +12,8 @@
 //!
 //! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
 //!
-//! - `plate.rs`: `slipline.Plate`; each call: `plate/`, `field.rs`, `calibrate.rs`, `simulate.rs`, `texture.rs`. Tests:
-//!   `tests/python/test_plates.py`
+//! - `plate.rs`, `field.rs`, `calibrate.rs`, `simulate.rs`, `texture.rs`: `slipline.Plate` and its calls (`plate/`).
+//!   Tests: `tests/python/test_plates.py`
 //! - `device/`: what Python calls on a device. Tests: `tests/python/test_device.py`
 //! - `design.rs`, `measurement.rs`, `feeling.rs`, `finger.rs`, `actual.rs`, `place.rs`: arguments and other classes
 //! - `study.rs`: any range of a study's plates; its store and cluster: `host/python/slipline/study.py`. Tests:
