@@ -1,6 +1,6 @@
 //! `--trace FILE` and `RUST_LOG`.
 
-use crate::{file, refused, slipline};
+use crate::{failure, file, refused, slipline};
 use std::process::Command;
 
 const DRIVE: [&str; 8] =
