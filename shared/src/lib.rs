@@ -35,6 +35,7 @@ pub mod profile;
 pub mod refusal;
 pub mod schema;
 pub mod table;
+pub mod timing;
 pub mod units;
 pub mod version;
 
