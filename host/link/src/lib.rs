@@ -12,7 +12,8 @@
 //! command and `channel` numbers, times out and repeats (stop-and-wait ARQ). All receive the time from their
 //! caller and own no thread, so tests, the simulation and a browser can run them. With the feature `native`,
 //! a worker thread runs them on this computer's serial ports and sockets; `driver_watch` ends the drive when
-//! the program that drives through that thread hangs. Requests and snapshots are plain data, for a program
+//! the program that drives through that thread hangs. The features `mirror` and `simulator`, on by default, bring the device
+//! application along; a client builds without them: `examples/client.rs`. Requests and snapshots are plain data, for a program
 //! whose link runs in another worker of a browser: [`SnapshotUpdate`].
 
 #![forbid(unsafe_code)]
@@ -24,6 +25,7 @@
 
 mod channel;
 pub mod chord;
+mod clock;
 mod comb;
 mod commands;
 pub mod connection;
@@ -37,6 +39,7 @@ mod journal;
 mod lease;
 mod listen;
 mod log;
+#[cfg(feature = "mirror")]
 pub mod mirror;
 #[cfg(feature = "native")]
 #[cfg_attr(
@@ -51,6 +54,7 @@ mod recorder;
 mod rediscovery;
 mod refusal;
 mod request;
+#[cfg(feature = "simulator")]
 pub mod simulator;
 mod snapshot;
 mod snapshot_update;
@@ -63,6 +67,7 @@ mod undecided;
 pub mod upkeep;
 
 pub use chord::ChordRequest;
+pub use clock::Clock;
 pub use comb::CombRequest;
 pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use driver_watch::{SIGN_PATIENCE, SIGN_PERIOD};
@@ -84,9 +89,7 @@ pub use table::{DeviceTable, DeviceTableError};
 pub use trace::{FRAMES, FRAMES_KEPT, TracedFrame, TracedMessage};
 pub use trigger_outcome::TriggerOutcome;
 
-/// Codes of one block: the device takes up changes between blocks.
-pub use slipline_app::BLOCK;
-/// The two ways a device ramps to silence.
-pub use slipline_app::Stop;
 /// The messages, units and limits that the link's own types are made of.
 pub use slipline_protocol as protocol;
+/// Codes of one block: the device takes up changes between blocks.
+pub use slipline_protocol::limits::BLOCK;
