@@ -8,6 +8,10 @@
 //! Types, bytes, units and the arithmetic of the turning-point table; no behaviour, no allocation, no floats. Both
 //! sides use this crate, so they cannot disagree. `PROTOCOL.md` beside it is made from the message tables here, and
 //! `wire/v1.snap` holds the frozen frames of every message.
+//!
+//! Rooms: `command` and `event` the messages, with the larger bodies in `board`, `hold`, `listen`, `profile` and `table`; `refusal`
+//! and `fault` what goes wrong; `frame` messages as bytes; `version` and `minor` what sides of different ages say to each other;
+//! `units`, `limits` and `timing` the numbers; `schema` all of it as data, for pages and other languages.
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -117,3 +121,7 @@ impl Event {
         frame::encode(header, |buffer| said.encode_body(buffer))
     }
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

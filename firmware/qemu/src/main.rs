@@ -5,6 +5,9 @@
 //! ```
 //! It is the same application as on the boards, compiled for the same processor, with UART0 as its link and UART1 as
 //! its DAC. Under `-icount` the sample index and the executed instructions do not depend on the host computer's speed.
+//!
+//! Rooms: `device` the two executors and the ports of the application, `cmsdk` the emulated board's registers. The image
+//! `slipline-bench` (`bin/bench`) counts the cycles of a block.
 #![cfg_attr(target_arch = "arm", no_std, no_main)]
 #![cfg_attr(not(test), warn(clippy::unwrap_used, clippy::expect_used))]
 

@@ -8,6 +8,10 @@
 //!                        |
 //!                        +--> mirror (the device's own renderer) --> DAC codes
 //! ```
+//! Rooms: `connection`, `commands` and `channel` the client, `journal` and `snapshot` what it knows, `drive`, `chord`, `comb`,
+//! `hold`, `listen` and `table` requests in physical units, `mirror` and `simulator` the device application on this computer,
+//! `native` this computer's ports.
+//!
 //! [`connection`] is the state machine (connect, lose, look again); below it `commands` selects the next
 //! command and `channel` numbers, times out and repeats (stop-and-wait ARQ). All receive the time from their
 //! caller and own no thread, so tests, the simulation and a browser can run them. With the feature `native`,
@@ -93,3 +97,8 @@ pub use trigger_outcome::TriggerOutcome;
 pub use slipline_protocol as protocol;
 /// Codes of one block: the device takes up changes between blocks.
 pub use slipline_protocol::limits::BLOCK;
+
+// The example opens the simulated device by this computer's worker.
+#[cfg(all(doctest, feature = "native", feature = "simulator"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

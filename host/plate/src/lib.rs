@@ -9,6 +9,14 @@
 //!
 //! SI units throughout. x = 0 is the driven, wide end. The time factor is e^(-j omega t), so a wave into the plate is
 //! e^(+j k x), and loss is K^2 -> K^2 (1 + j eta). The crate contains no protocol, no window and no device.
+//!
+//! Rooms, from below:
+//! - numbers: `quantity` as users type and read them, `special` functions, `text_table` and `exchange` their texts;
+//! - the plate: `definition` from a text to a checked plate, `design` from a wish to a plate, `truth` a random one near a nominal;
+//! - its waves: `frequency` along the middle line at one frequency, `plane` over the plate, `time` and `sheet` both in time;
+//! - its use: `table` from a place to frequency and gain, `texture` several tones, `feeling` and `merit` what a finger has of it;
+//! - against the real one: `calibrate` from measurements to a plate, `check` the limits of the model ("lights");
+//! - `paper` and `physics`: the figures of the pages.
 
 #![forbid(unsafe_code)]
 // The crate is part of the browser build; clippy.toml lists the functions that a browser does not have.
@@ -64,3 +72,7 @@ pub use time::{
 
 /// A text that is part of the program, such as the name of a field. Under this name serde does not borrow it.
 pub type StaticText = &'static str;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
