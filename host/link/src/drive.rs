@@ -56,6 +56,7 @@ impl DriveRequest {
 
 /// Why a drive cannot be converted to the device's units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum DriveError {
     /// There is no table by which to place tones.
     #[error("the device has no turning-point table: upload one first")]

@@ -49,6 +49,7 @@ pub struct Foreign {
 
 /// Why a file is no measurement.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// A mistake in a file of this program's own format.
     #[error(transparent)]
