@@ -26,6 +26,7 @@
 //! - `refusal.rs`: refusals and their ranges; `slipline-app` checks them, `slipline-link` words them. Tests:
 //!   `tests/tests/limits.rs`
 //! - `fault.rs`: faults; `slipline-app` raises them in `safety`. Tests: `tests/tests/health.rs`
+//! - `timing.rs`: the times of the protocol in samples of a device
 //! - `table.rs`, `units.rs`: the arithmetic of the turning-point table, and the integer units
 //!
 //! The Python client (`tests/protocol/`) is written from `PROTOCOL.md`, never from this code.
@@ -56,6 +57,7 @@ pub mod profile;
 pub mod refusal;
 pub mod schema;
 pub mod table;
+pub mod timing;
 pub mod units;
 pub mod version;
 
@@ -137,3 +139,7 @@ impl Event {
         frame::encode(header, |buffer| said.encode_body(buffer))
     }
 }
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

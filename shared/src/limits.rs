@@ -1,5 +1,7 @@
 //! Limits that host and device share. Times are in milliseconds; a device converts them into samples of its own rate.
 
+/// Samples of a device's block: it takes up changes between blocks.
+pub const BLOCK: usize = 128;
 /// Tones that sound at once, at most.
 pub const MAX_TONES: usize = 16;
 /// Knots of a turning-point table, at most.
@@ -36,8 +38,8 @@ pub const CHORD_PERIOD_LOG2: (u8, u8) = (7, 14);
 pub const MAX_HARMONIC: u16 = ((1u32 << CHORD_PERIOD_LOG2.1) * MAX_FREQUENCY_PER_MILLE / 1000) as u16;
 /// A comb's period in blocks of 128 samples: 128 to 8 388 480 samples.
 pub const COMB_PERIOD_BLOCKS: (u16, u16) = (1, u16::MAX);
-/// Samples in the block in which a comb's period is counted: the device's block.
-pub const COMB_BLOCK: u32 = 128;
+/// Samples in the block in which a comb's period is counted.
+pub const COMB_BLOCK: u32 = BLOCK as u32;
 /// Tones of one `Listened`: eight of up to 20 bytes and the rest fit into [`MAX_BODY`].
 pub const LISTENED_TONES: usize = 8;
 /// Values of a capture, at most.
@@ -69,6 +71,9 @@ pub const RESONANCE_UHZ: (u64, u64) = (100_000, 10_000_000_000_000);
 pub const QUALITY_PER_MILLE: (u32, u32) = (100, 1_000_000);
 /// Its travel at full scale far below the resonance, in millionths of its peak travel: up to 1000 times as far.
 pub const STATIC_TRAVEL_PPM: (u32, u32) = (1, 1_000_000_000);
+/// Periods of the resonance that a drive with a limit of the travel takes at least. Within two of them a raised cosine leaves
+/// little free motion.
+pub const GLIDE_PERIODS: u64 = 2;
 
 /// A connected host sends a keep-alive after each period of this length.
 pub const KEEP_ALIVE_PERIOD_MS: u32 = 200;

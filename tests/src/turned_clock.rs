@@ -1,7 +1,7 @@
 //! A clock that a test turns, for workers on their own threads: no verdict depends on the computer's speed.
 
+use slipline_link::Clock;
 use slipline_link::native::Handle;
-use slipline_link::simulator::realtime::Clock;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};

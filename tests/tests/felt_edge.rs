@@ -75,7 +75,7 @@ fn the_field_is_that_of_what_the_device_plays(name: &str, setup: &Setup, table: 
     let on_device = device_table(table).unwrap();
     for i in 0..=TURNING_POINTS {
         let share = f64::from(i) / f64::from(TURNING_POINTS);
-        let position_m = table.span_start_m + (table.span_end_m - table.span_start_m) * share;
+        let position_m = table.span_m().0 + (table.span_m().1 - table.span_m().0) * share;
         let tone = ToneSetup { position_m, ..setup.tones[0] };
         let position = on_device.position(position_m).unwrap();
         let played = ToneDrive {

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use slipline_app::Timing;
-use slipline_app::safety::excursion::shortest_glide;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::table::DeviceTable;
 use slipline_link::{DriveRequest, LinkState, Outcome, Request, Severity, Sounding};
@@ -100,7 +99,7 @@ fn a_glide_that_the_actuator_cannot_follow_is_refused_with_the_shortest() {
             got: i64::from(SHORTEST) - 1
         }
     );
-    assert_eq!(shortest_glide(&COIL, &Timing::at(RATE_HZ)), SHORTEST);
+    assert_eq!(Timing::at(RATE_HZ).shortest_glide(&COIL), SHORTEST);
 }
 
 #[test]

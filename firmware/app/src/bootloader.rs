@@ -2,9 +2,8 @@
 
 use slipline_protocol::frame::CRC;
 use slipline_protocol::refusal::Refusal;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
-
-use crate::timing::Timing;
 
 /// The entry to the bootloader. The controller checks that the device is disarmed.
 #[derive(Clone, Copy, Debug, Default)]

@@ -28,6 +28,7 @@ use slipline_protocol::event::{
 };
 use slipline_protocol::limits;
 use slipline_protocol::refusal::{Busy, Field, Refusal};
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
 
 use crate::bootloader::BootloaderEntry;
@@ -45,7 +46,7 @@ use crate::safety::excursion::Excursion;
 use crate::safety::thermal::Thermal;
 use crate::slots::TableRef;
 use crate::store::Budget;
-use crate::timing::{BLOCK_SAMPLES, Timing};
+use crate::timing::BLOCK_SAMPLES;
 use crate::upload::{self, Upload};
 
 /// The facts about a device that never change.

@@ -88,4 +88,5 @@ pub use safety::crash::CrashRecord;
 pub use safety::supervisor::Supervisor;
 /// The protocol's word for why a device was reset; a shell reads it from the hardware.
 pub use slipline_protocol::event::ResetCause;
-pub use timing::Timing;
+/// The protocol's times in samples; a shell makes them for its rate.
+pub use slipline_protocol::timing::Timing;

@@ -21,6 +21,7 @@ mod revision;
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use slipline_protocol::event::Fault;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{Gain, SampleIndex};
 
 use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
@@ -34,7 +35,7 @@ use crate::motion::outline::Outline;
 use crate::planning::ramp::RampShape;
 use crate::ports::{Button, CycleCounter, DacStream, Mute, RendererPorts, SenseStream, Trigger};
 use crate::safety::foldback::Foldback;
-use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS, Timing};
+use crate::timing::{BLOCK_SAMPLES, SETTLE_BLOCKS, TICK_BLOCKS};
 
 /// The thermal limit moves by at most this much of full scale a block: from full to nothing in 65 blocks, 21 ms at
 /// 400 kS/s, as slow as the amplitude ramps of a glide.

@@ -2,11 +2,10 @@
 
 use crate::out_of_range::OutOfRange;
 use crate::table;
-use slipline_app::Timing;
-use slipline_app::safety::excursion::shortest_glide;
 use slipline_protocol::command::{Apply, Drive, TableHeader, Tone, TravelLimit};
 use slipline_protocol::event::Identity;
 use slipline_protocol::limits::MIN_MASTER_CDB;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
 /// One tone, in metres and shares.
@@ -57,6 +56,7 @@ impl DriveRequest {
 
 /// Why a drive cannot be converted to the device's units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum DriveError {
     /// There is no table by which to place tones.
     #[error("the device has no turning-point table: upload one first")]
@@ -154,6 +154,6 @@ pub(crate) fn glide(
     // A float beyond u32 saturates; the device's range is applied afterwards.
     let glide = (glide_s * f64::from(identity.sample_rate_hz)).round() as u32;
     let timing = Timing::at(identity.sample_rate_hz);
-    let shortest = travel.map_or(0, |limit| shortest_glide(limit, &timing)).max(identity.min_glide);
+    let shortest = travel.map_or(0, |limit| timing.shortest_glide(limit)).max(identity.min_glide);
     Ok(glide.min(identity.max_glide).max(shortest))
 }

@@ -6,6 +6,7 @@ use std::io::{self, ErrorKind};
 
 /// An error of the link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum LinkError {
     /// The port does not exist.
     #[error("there is no port {0}: is the device plugged in?")]

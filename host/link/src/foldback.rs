@@ -4,8 +4,8 @@
 //! and in the periods before it, and the number of changes since the reset. So a host that missed statuses in
 //! between still knows every step, or detects that one is missing.
 
-use slipline_app::Timing;
 use slipline_protocol::event::Status;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
 
 /// The steps of the fold-back that a status reports and the previous status did not.

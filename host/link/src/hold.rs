@@ -2,16 +2,14 @@
 
 use crate::drive::DriveError;
 use crate::out_of_range::OutOfRange;
-use slipline_app::BLOCK;
-use slipline_app::Timing;
-use slipline_app::safety::excursion::shortest_glide;
 use slipline_protocol::command::TravelLimit;
 use slipline_protocol::event::Identity;
 pub use slipline_protocol::hold::{HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldState};
 use slipline_protocol::hold::{HoldSetting, HoldTone};
 use slipline_protocol::limits::{
-    HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB, MAX_RISE_CDB,
+    BLOCK, HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_APPLY_AHEAD_MS, MAX_HOLD_CDB, MAX_RISE_CDB,
 };
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::CentiDecibel;
 
 /// Steps per code of an amplitude on the wire.
@@ -71,7 +69,7 @@ impl HoldRequest {
         travel: Option<&TravelLimit>,
     ) -> Result<HoldSetting, DriveError> {
         let timing = Timing::at(identity.sample_rate_hz);
-        let glide = travel.map_or(timing.min_glide, |limit| shortest_glide(limit, &timing));
+        let glide = travel.map_or(timing.min_glide, |limit| timing.shortest_glide(limit));
         // The levels glide for half of a window and its pause.
         let shortest =
             glide.saturating_mul(2).div_ceil(BLOCK as u32).saturating_sub(HOLD_PAUSE_BLOCKS.into());

@@ -8,11 +8,16 @@
 //!                        |
 //!                        +--> mirror (the device's own renderer) --> DAC codes
 //! ```
+//! Rooms: `connection`, `commands` and `channel` the client, `journal` and `snapshot` what it knows, `drive`, `chord`, `comb`,
+//! `hold`, `listen` and `table` requests in physical units, `mirror` and `simulator` the device application on this computer,
+//! `native` this computer's ports.
+//!
 //! [`connection`] is the state machine (connect, lose, look again); below it `commands` selects the next
 //! command and `channel` numbers, times out and repeats (stop-and-wait ARQ). All receive the time from their
 //! caller and own no thread, so tests, the simulation and a browser can run them. With the feature `native`,
 //! a worker thread runs them on this computer's serial ports and sockets; `driver_watch` ends the drive when
-//! the program that drives through that thread hangs. Requests and snapshots are plain data, for a program
+//! the program that drives through that thread hangs. The features `mirror` and `simulator`, on by default, bring the device
+//! application along; a client builds without them: `examples/client.rs`. Requests and snapshots are plain data, for a program
 //! whose link runs in another worker of a browser: [`SnapshotUpdate`].
 //!
 //! # Rooms
@@ -54,6 +59,7 @@
 
 mod channel;
 pub mod chord;
+mod clock;
 mod comb;
 mod commands;
 pub mod connection;
@@ -67,6 +73,7 @@ mod journal;
 mod lease;
 mod listen;
 mod log;
+#[cfg(feature = "mirror")]
 pub mod mirror;
 #[cfg(feature = "native")]
 #[cfg_attr(
@@ -81,6 +88,7 @@ mod recorder;
 mod rediscovery;
 mod refusal;
 mod request;
+#[cfg(feature = "simulator")]
 pub mod simulator;
 mod snapshot;
 mod snapshot_update;
@@ -94,6 +102,7 @@ mod undecided;
 pub mod upkeep;
 
 pub use chord::ChordRequest;
+pub use clock::Clock;
 pub use comb::CombRequest;
 pub use drive::{DriveError, DriveRequest, ToneRequest};
 pub use driver_watch::{SIGN_PATIENCE, SIGN_PERIOD};
@@ -116,9 +125,12 @@ pub use table::{DeviceTable, DeviceTableError};
 pub use trace::{FRAMES, FRAMES_KEPT, TracedFrame, TracedMessage};
 pub use trigger_outcome::TriggerOutcome;
 
-/// Codes of one block: the device takes up changes between blocks.
-pub use slipline_app::BLOCK;
-/// The two ways a device ramps to silence.
-pub use slipline_app::Stop;
 /// The messages, units and limits that the link's own types are made of.
 pub use slipline_protocol as protocol;
+/// Codes of one block: the device takes up changes between blocks.
+pub use slipline_protocol::limits::BLOCK;
+
+// The example opens the simulated device by this computer's worker.
+#[cfg(all(doctest, feature = "native", feature = "simulator"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

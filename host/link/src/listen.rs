@@ -1,7 +1,6 @@
 //! Requests to measure at the device's inputs, and the results.
 
-use slipline_app::BLOCK;
-use slipline_protocol::limits::MAX_TONES;
+use slipline_protocol::limits::{BLOCK, MAX_TONES};
 pub use slipline_protocol::listen::WindowShape;
 use slipline_protocol::listen::{self, CaptureWindow, ListenWindow};
 use slipline_protocol::units::SampleIndex;

@@ -18,7 +18,7 @@ use crate::played::Played;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use slipline_app::bank::BLOCK;
 use slipline_app::listening::lock_in;
-use slipline_app::mailbox::{Mailbox, Stop};
+use slipline_app::mailbox::Mailbox;
 use slipline_app::planning::chord::ChordTones;
 use slipline_app::planning::plan::Planner;
 use slipline_app::planning::ramp::RampShape;
@@ -26,6 +26,9 @@ use slipline_app::slots::TableRef;
 use slipline_app::{Renderer, Timing};
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::SampleIndex;
+
+/// How fast a device ramps to silence.
+pub use slipline_app::Stop;
 
 /// An accepted change that is still to be applied.
 #[derive(Clone, Debug)]

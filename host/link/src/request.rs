@@ -17,6 +17,7 @@ use std::time::Duration;
 /// overtake all others, and a newer [`Request::Play`] or a [`Request::Disarm`] replaces a [`Request::Play`]
 /// that the device has not accepted yet.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum Request {
     /// Open this port and say hello. An open connection is closed first. A port that does not exist is refused
     /// ([`LinkError::NoSuchPort`](crate::LinkError::NoSuchPort)), and waited for if [`Request::AutoReconnect`] is on.
@@ -111,6 +112,7 @@ pub struct Ticket(pub u64);
 
 /// The outcome of a request.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum Outcome {
     /// Done; the sample index from which it takes effect, or the device's present one.
     Done {

@@ -44,6 +44,7 @@ pub struct DeviceTable {
 
 /// Why a table is not valid for a device.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DeviceTableError {
     /// A length, rate, frequency or gain is not a number or does not fit its field.
     #[error("the table's {0}")]

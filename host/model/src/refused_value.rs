@@ -64,6 +64,7 @@ impl RefusedValue {
             | PlateError::Unexpected { .. }
             | PlateError::ControlCharacter { .. }
             | PlateError::NotNarrowing { .. } => None,
+            _ => None,
         };
         Self { field, value, range: None }
     }

@@ -105,7 +105,7 @@ fn green_run(plate: &Plate, names: &mut Vec<&'static str>) -> Result<Option<(f64
 fn felt_edge_m(plate: &Plate, table: &DriveTable, turns_m: f64) -> Option<f64> {
     let frequency_hz = plate.frequency_for_boundary_hz(turns_m);
     let response = respond(plate, frequency_hz, 801, Equation::Corrected).ok()?;
-    let scale = table.peak_at_full_scale_m / response.peak?.amplitude;
+    let scale = table.peak_at_full_scale_m() / response.peak?.amplitude;
     let squares: Vec<f64> = response.amplitude.iter().map(|at| 0.5 * (at.norm() * scale).powi(2)).collect();
     let strength = Feeling::default().strength(plate, &[FeltTone { frequency_hz, squares: &squares }]);
     match Feeling::edge(plate, &strength) {

@@ -97,3 +97,7 @@ pub use time::{
 
 /// A text that is part of the program, such as the name of a field. Under this name serde does not borrow it.
 pub type StaticText = &'static str;
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

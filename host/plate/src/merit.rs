@@ -96,7 +96,7 @@ fn edge_width_m(texture: &Texture, target: &Target) -> f64 {
 
 /// The least distance of a second peak, metres; see [`Merit::two_point_m`].
 fn two_point_m(palette: &Palette<'_>, turning_point_m: f64) -> Result<Option<f64>, TextureError> {
-    let start_m = palette.table().span_start_m;
+    let start_m = palette.table().span_m().0;
     let step_m = (turning_point_m - start_m) / NEIGHBOURS as f64;
     if step_m <= 0.0 {
         return Ok(None);

@@ -220,7 +220,7 @@ fn the_membrane_that_one_can_build_is_the_textbooks_in_air_and_reaches_as_far() 
     assert!((ends[0] * ends[1] - 1.0).abs() < 0.05 && (ends[0] - 1.14).abs() < 0.01, "{ends:?}");
     assert!((low_hz - 78.51).abs() < 0.05 && (high_hz - 209.09).abs() < 0.05, "{low_hz} {high_hz}");
     let table = DriveTable::build(&built, 400e3, 65).expect("a table");
-    assert!(table.knots.iter().all(|knot| knot.peak_present));
+    assert!(table.knots().iter().all(|knot| knot.peak_present));
 }
 
 /// A tone on the sheet against the one-mode equation: the largest difference over the largest amplitude, and how much farther and

@@ -8,13 +8,13 @@ const KNOTS: usize = 33;
 
 /// Peak heights in two dimensions with the table's gains, over the height that the table states, dB, knot by knot.
 fn levels_db(plate: &Plate, table: &DriveTable) -> Vec<f64> {
-    let promised = table.peak_at_full_scale_m / plate.spec().full_scale_m;
+    let promised = table.peak_at_full_scale_m() / plate.spec().full_scale_m;
     let setup = plane::Setup::of(plate);
     let level = |knot: &Knot| {
         let response = plane::respond(plate, knot.frequency_hz, 601, &setup).expect("enters");
         decibels(knot.gain * response.peak.expect("a peak").amplitude / promised)
     };
-    table.knots.iter().map(level).collect()
+    table.knots().iter().map(level).collect()
 }
 
 /// Smallest and largest of these.

@@ -305,7 +305,7 @@ fn stripes_are_felt_as_deep_as_the_mean_square_under_the_contact_says() {
 /// time.
 fn swings_db(palette: &Palette<'_>, texture: &Texture, even_m: (f64, f64)) -> Vec<f64> {
     let table = palette.table();
-    let rate_hz = table.sample_rate_hz;
+    let rate_hz = table.sample_rate_hz();
     let mut line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES).expect("a line");
     let code = |n: usize| -> f32 {
         let tone = |tone: &TextureTone| {

@@ -50,11 +50,11 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         let frequency = |knot: Option<&slipline_plate::Knot>| {
             knot.map_or_else(String::new, |knot| show_frequency(knot.frequency_hz))
         };
-        let peaks = match table.knots_without_peak {
+        let peaks = match table.knots_without_peak() {
             0 => "everywhere".to_owned(),
             count => format!("missing at {count} knots: loss leaves none there"),
         };
-        let travel = match table.travel {
+        let travel = match table.travel() {
             None => "not limited: the plate file names no peak travel".to_owned(),
             Some(travel) => {
                 let lowered = if travel.scale < 1.0 {
@@ -69,16 +69,19 @@ pub(super) fn run(arguments: &TableArguments, as_json: bool) -> Result<(), Failu
         let mut lines = vec![
             ("Plate", plate.name().to_owned()),
             ("Sample rate", show_frequency(rate_hz)),
-            ("Span", format!("{} to {}", show_place(table.span_start_m), show_place(table.span_end_m))),
-            ("Band", format!("{} to {}", frequency(table.knots.first()), frequency(table.knots.last()))),
-            ("Knots", format!("{}, CRC {:08x}", table.knots.len(), device_table.crc())),
-            ("Peak at level 1", show_length(table.peak_at_full_scale_m)),
+            ("Span", format!("{} to {}", show_place(table.span_m().0), show_place(table.span_m().1))),
+            ("Band", format!("{} to {}", frequency(table.knots().first()), frequency(table.knots().last()))),
+            ("Knots", format!("{}, CRC {:08x}", table.knots().len(), device_table.crc())),
+            ("Peak at level 1", show_length(table.peak_at_full_scale_m())),
             ("Travel", travel),
             ("Peaks", peaks),
-            ("Departure", format!("{} dB at most between the knots", with_decimals(table.worst_error_db, 2))),
+            (
+                "Departure",
+                format!("{} dB at most between the knots", with_decimals(table.worst_error_db(), 2)),
+            ),
             (
                 "Without gains",
-                format!("{} dB swing over the span", with_decimals(table.swing_without_gain_db, 1)),
+                format!("{} dB swing over the span", with_decimals(table.swing_without_gain_db(), 1)),
             ),
             (
                 "Sensitivity",

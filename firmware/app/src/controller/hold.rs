@@ -28,7 +28,6 @@ use crate::listening::lock_in::{Shape, Window};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;
-use crate::safety::excursion::shortest_glide;
 use crate::timing::{BLOCK_SAMPLES, block_at_or_after};
 
 /// Blocks that planning a drive takes at most while a hold has all lock-ins at work, on a board.
@@ -144,7 +143,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
     fn setting(&self, asked: &HoldSetting) -> Result<LoopSetting, Refusal> {
         let timing = &self.timing;
         let limits = [self.excursion.limit(), self.bounds.travel.limit()].into_iter().flatten();
-        let shortest = limits.map(|limit| shortest_glide(&limit, timing)).max().unwrap_or(timing.min_glide);
+        let shortest = limits.map(|limit| timing.shortest_glide(&limit)).max().unwrap_or(timing.min_glide);
         // The levels glide for half a period.
         let blocks = |glide: u32| u64::from(glide).saturating_mul(2).div_ceil(BLOCK_SAMPLES);
         let pause = u64::from(HOLD_PAUSE_BLOCKS);

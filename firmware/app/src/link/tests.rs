@@ -14,6 +14,7 @@ use slipline_protocol::command::{Apply, Drive, Hello, TableChunk, TableHeader, T
 use slipline_protocol::event::State;
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::table::{self, Knot};
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder, Event};
@@ -22,7 +23,7 @@ use super::*;
 use crate::bank::BLOCK;
 use crate::ports::NoFlash;
 use crate::renderer::Renderer;
-use crate::timing::{TICK_BLOCKS, Timing};
+use crate::timing::TICK_BLOCKS;
 
 const RATE: u32 = 400_000;
 

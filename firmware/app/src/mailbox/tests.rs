@@ -5,6 +5,7 @@ use std::format;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use slipline_protocol::limits::MAX_TONES;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
@@ -16,7 +17,6 @@ use crate::planning::program::{Program, Target};
 use crate::ports::{CycleCounter, DacStream, HasMuted, Mute, RendererPorts, Underrun};
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
-use crate::timing::Timing;
 
 /// Blocks between two changes of the thermal limit at 400 kS/s: 320 ms.
 const LIMIT_BLOCKS: u64 = 1000;

@@ -39,13 +39,9 @@ use slipline_protocol::table::{self, Knot, Setting};
 use slipline_protocol::units::{FinePosition, Gain, Level, Phase, PhaseStep, per_mille};
 
 pub use self::proof::{Candidate, Extent, Proof};
-use crate::bank::BLOCK;
 use crate::planning::level::master_gain;
 use crate::planning::program::Target;
 use crate::range::in_range;
-
-// A comb's period is counted in the renderer's blocks.
-const _: () = assert!(COMB_BLOCK as usize == BLOCK);
 
 /// A chord's tones, checked: step, phase and level of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,6 +7,7 @@
 use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
 use crate::bank::{BLOCK, MAX_STEP_CHANGE};
@@ -18,7 +19,6 @@ use crate::planning::program::{Program, Target};
 use crate::planning::ramp::RampShape;
 use crate::range::in_range;
 use crate::slots::{Extremes, TableRef, TableSlots};
-use crate::timing::Timing;
 
 /// Inputs of the planner: tables, ramp shape, limits of time, and the check for a stop.
 pub struct Planner<'a> {

@@ -13,6 +13,7 @@ use slipline_protocol::event::{Fault, ProfileReport, StoredConfig};
 use slipline_protocol::limits::{self, MAX_RISE_CDB};
 use slipline_protocol::profile::ActuatorProfile;
 use slipline_protocol::refusal::{Field, Refusal};
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{Gain, per_mille};
 
 use crate::motion::Motion;
@@ -21,7 +22,6 @@ use crate::range::in_range;
 use crate::safety::excursion::Excursion;
 use crate::safety::thermal::CoilConstants;
 use crate::slots::{TableRef, TableSlots};
-use crate::timing::Timing;
 
 /// The profile in force and what follows from it.
 pub struct Bounds {

@@ -10,7 +10,7 @@
 //! the ends.
 //!
 //! This is the steady travel. A change adds free motion to it, the more the faster it is, so that with a limit a drive
-//! takes at least [`PERIODS`] of the resonance. A limit belongs to a session: one that is set for a plate must not judge
+//! takes at least [`GLIDE_PERIODS`](limits::GLIDE_PERIODS) of the resonance. A limit belongs to a session: one that is set for a plate must not judge
 //! another host's tables. All of this runs on the thread side; the renderer does not know the limit.
 
 #![cfg_attr(not(test), deny(clippy::arithmetic_side_effects))]
@@ -22,6 +22,7 @@ use slipline_protocol::command::TravelLimit;
 use slipline_protocol::limits::{self, MAX_KNOT_STEP};
 use slipline_protocol::refusal::{Field, Refusal};
 use slipline_protocol::table::Setting;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::Gain;
 
 use self::groups::Groups;
@@ -29,10 +30,6 @@ use self::law::Law;
 use crate::motion::Motion;
 use crate::motion::trajectory::{SettingTrajectory, ToneTrajectory};
 use crate::slots::{SlotIndex, TableRef, TableSlots, knots_between};
-use crate::timing::Timing;
-
-/// Periods of the resonance that a drive takes at least. Within two of them a raised cosine leaves little free motion.
-pub const PERIODS: u64 = 2;
 
 /// The limit in force, if any, and the travels of the two tables by it.
 #[derive(Clone, Debug)]
@@ -116,7 +113,7 @@ impl Excursion {
     pub fn check_glide(&self, glide: u32, timing: &Timing) -> Result<(), Refusal> {
         // A glide that is too short for any motion is refused where it is planned.
         let Some((limit, _)) = &self.limit else { return Ok(()) };
-        let shortest = shortest_glide(limit, timing);
+        let shortest = timing.shortest_glide(limit);
         if glide >= shortest {
             return Ok(());
         }
@@ -174,17 +171,6 @@ impl Excursion {
             }
         }
     }
-}
-
-/// The shortest glide of a drive with a limit, in samples: [`PERIODS`] of the resonance, at most the longest possible
-/// glide. The host makes its drives by the same rule.
-#[must_use]
-pub fn shortest_glide(limit: &TravelLimit, timing: &Timing) -> u32 {
-    let samples = PERIODS
-        .saturating_mul(u64::from(timing.sample_rate_hz))
-        .saturating_mul(1_000_000)
-        .div_ceil(limit.resonance_uhz.max(1));
-    u32::try_from(samples).unwrap_or(u32::MAX).clamp(timing.min_glide, timing.max_glide)
 }
 
 /// The steps between two, and those that are off by a part of `difference` (of the upper half of a step), too.

@@ -1,9 +1,8 @@
 //! How often the table's slots may be erased: flash wears, and a host that stores two tables in turn would wear it out in hours.
 
 use slipline_protocol::limits::STORES;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
-
-use crate::timing::Timing;
 
 /// The stores that are left: a bucket of [`STORES`], to which each
 /// [`STORE_PERIOD_MS`](slipline_protocol::limits::STORE_PERIOD_MS) adds one. A start fills it.

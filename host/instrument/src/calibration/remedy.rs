@@ -54,6 +54,7 @@ impl Remedy {
             | CalibrateError::AnotherSensor { .. }
             | CalibrateError::PhasesUnlike { .. }
             | CalibrateError::Ambiguous { .. } => Self::Page(WizardPage::Plate),
+            _ => Self::Page(WizardPage::Plate),
         }
     }
 

@@ -130,7 +130,7 @@ impl Instrument {
 
     /// The peak at level 1 and full master, in metres; `None` until the plate's table is finished.
     pub fn full_peak_m(&self) -> Option<f64> {
-        self.drive_table().map(|table| table.peak_at_full_scale_m)
+        self.drive_table().map(|table| table.peak_at_full_scale_m())
     }
 
     /// The table of the setup's plate, once it is finished.

@@ -49,6 +49,7 @@ pub(super) fn ended_by(outcome: &Outcome) -> MeasureError {
         Outcome::Done { .. } | Outcome::Listened(_) | Outcome::Captured(_) | Outcome::Digest(_) => {
             MeasureError::Refused(Refusal::UnexpectedReply)
         }
+        _ => MeasureError::Refused(Refusal::UnexpectedReply),
     }
 }
 

@@ -413,6 +413,7 @@ impl<W: BlockingLink> Client<W> {
             | Outcome::DeviceTooOld
             | Outcome::Superseded
             | Outcome::NotConnected => Err(ClientError::Unexpected),
+            _ => Err(ClientError::Unexpected),
         }
     }
 }

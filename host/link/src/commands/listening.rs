@@ -7,8 +7,7 @@ use crate::listen::{Captured, Listened};
 use crate::recorder::Recorder;
 use crate::refusal::Refusal;
 use crate::request::Outcome;
-use slipline_app::timing::BLOCK_SAMPLES;
-use slipline_protocol::limits::LISTENED_TONES;
+use slipline_protocol::limits::{BLOCK, LISTENED_TONES};
 use slipline_protocol::listen::{self, Progress};
 use slipline_protocol::units::SampleIndex;
 use std::sync::Arc;
@@ -18,7 +17,7 @@ use std::time::Duration;
 const PAUSE: Duration = Duration::from_millis(5);
 /// Samples from an input block to its report. The device's clock is that of the block that it renders next; a
 /// block then waits, plays, is sampled, and is reported in the following turn.
-const BEHIND: u64 = 4 * BLOCK_SAMPLES;
+const BEHIND: u64 = 4 * BLOCK as u64;
 
 impl CommandQueue {
     /// The device measures from an index on: the result is requested at the window's end.
@@ -26,7 +25,7 @@ impl CommandQueue {
         let Job::Listen(request) = task.job else { return };
         // The device has discarded the previous measurement.
         self.drop_tasks(recorder, |job| matches!(job, Job::ListenRead(_)));
-        let end = at.saturating_add(BLOCK_SAMPLES * u64::from(request.blocks));
+        let end = at.saturating_add(BLOCK as u64 * u64::from(request.blocks));
         let listened = Listened::begun(at, request.blocks);
         let reading = ListenReading { request, first_slot: 0, listened };
         self.read_after(end, Task::new(task.ticket, Job::ListenRead(Box::new(reading))), recorder, now);

@@ -23,9 +23,10 @@ pub use history::DeviceHistory;
 use super::Mirror;
 use crate::journal::{Acknowledged, Change};
 use exactness::Exactness;
+use slipline_app::Stop;
 use slipline_app::bank::BLOCK;
 use slipline_app::bank::code::MID_SCALE;
-use slipline_app::{Stop, Timing};
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::SampleIndex;
 use std::collections::VecDeque;
 

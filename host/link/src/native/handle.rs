@@ -1,7 +1,7 @@
 //! The handles of the worker: they send requests, read snapshots and give signs of life. Only the waits block.
 
+use crate::clock::Clock;
 use crate::request::{Outcome, Request, Ticket};
-use crate::simulator::realtime::Clock;
 use crate::snapshot::Snapshot;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

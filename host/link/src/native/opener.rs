@@ -1,14 +1,17 @@
-//! Opens this computer's ports and the simulated device.
+//! Opens this computer's ports.
 
 use super::serial;
 use super::serial_ports::list_ports;
+#[cfg(feature = "simulator")]
+use super::simulated::Simulated;
 use super::watch::Watch;
+use crate::clock::Clock;
 use crate::error::LinkError;
 use crate::port::{Port, PortInfo};
-use crate::simulator::realtime::{Clock, RealtimeDevice, RealtimeLine};
-use crate::simulator::{Options, SimulatedDevice, SimulatedInputs};
+#[cfg(feature = "simulator")]
+use crate::simulator::SimulatedInputs;
 use crate::transport::{Opener, Waker};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// The computer's monotonic clock, starting now.
@@ -18,35 +21,34 @@ pub fn system_clock() -> Clock {
     Arc::new(move || since.elapsed())
 }
 
-impl Watch for RealtimeLine {}
-
-/// Creates the inputs of a simulated device that is switched on.
-type Wiring = Box<dyn FnMut() -> Box<dyn SimulatedInputs> + Send>;
-
-/// Opens ports of this computer. The simulated device is switched on at its first use and stays on.
+/// Opens ports of this computer. With the feature `simulator` it has the simulated device, too, which is switched on at its
+/// first use and stays on.
 pub struct SystemOpener {
-    simulated: Option<Arc<Mutex<RealtimeDevice>>>,
-    wiring: Option<Wiring>,
-    clock: Clock,
+    #[cfg(feature = "simulator")]
+    simulated: Simulated,
 }
 
 impl Default for SystemOpener {
     fn default() -> Self {
-        Self::in_time_of(system_clock())
+        Self {
+            #[cfg(feature = "simulator")]
+            simulated: Simulated::new(None, system_clock()),
+        }
     }
 }
 
+#[cfg(feature = "simulator")]
 impl SystemOpener {
     /// As the default one, with a simulated device that runs by this clock.
     #[must_use]
     pub const fn in_time_of(clock: Clock) -> Self {
-        Self { simulated: None, wiring: None, clock }
+        Self { simulated: Simulated::new(None, clock) }
     }
 
     /// As the default one, but its simulated device has the inputs of `wiring`, which is called when the
-    /// device is switched on. The sample rate is that of [`Options::default`].
+    /// device is switched on. The sample rate is that of [`Options::default`](crate::simulator::Options).
     pub fn with_inputs(wiring: impl FnMut() -> Box<dyn SimulatedInputs> + Send + 'static) -> Self {
-        Self { wiring: Some(Box::new(wiring)), ..Self::default() }
+        Self { simulated: Simulated::new(Some(Box::new(wiring)), system_clock()) }
     }
 }
 
@@ -57,19 +59,16 @@ impl Opener for SystemOpener {
         list_ports()
     }
 
+    #[cfg_attr(
+        not(feature = "simulator"),
+        expect(unused_variables, reason = "only the simulated device wakes the worker itself")
+    )]
     fn open(&mut self, port: &Port, waker: &Waker) -> Result<Self::Transport, LinkError> {
         match port {
-            Port::Simulated => {
-                let (wiring, clock) = (&mut self.wiring, &self.clock);
-                let device = self.simulated.get_or_insert_with(|| {
-                    let device = match wiring {
-                        Some(wiring) => SimulatedDevice::with_inputs(Options::default(), wiring()),
-                        None => SimulatedDevice::new(Options::default()),
-                    };
-                    Arc::new(Mutex::new(RealtimeDevice::new(device, clock.clone())))
-                });
-                Ok(Box::new(RealtimeLine::new(device.clone(), waker.clone())))
-            }
+            #[cfg(feature = "simulator")]
+            Port::Simulated => Ok(Box::new(self.simulated.open(waker))),
+            #[cfg(not(feature = "simulator"))]
+            Port::Simulated => Err(LinkError::Io("this program has no simulated device".to_owned())),
             Port::Serial(name) => Ok(Box::new(serial::open(name)?)),
             #[cfg(unix)]
             Port::Unix(path) => Ok(Box::new(super::socket::open(path)?)),

@@ -3,7 +3,7 @@
 use crate::port::{Port, PortInfo, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
 use serialport::{SerialPortType, UsbPortInfo};
 
-/// Every port that exists now: the simulated device, then Slipline devices, then the other serial ports by name.
+/// Every port that exists now: the simulated device if this program has it, then Slipline devices, then the other serial ports by name.
 ///
 /// macOS has two names for each port. Only the `cu.` one is listed: opening the `tty.` one waits for a
 /// carrier, which is never signalled. Ports that cannot be listed (no permission) are omitted; they can still
@@ -17,7 +17,8 @@ pub fn list_ports() -> Vec<PortInfo> {
         .map(|port| describe(port.port_name, &port.port_type))
         .collect();
     serial.sort_by(|a, b| b.is_ours.cmp(&a.is_ours).then_with(|| a.label.cmp(&b.label)));
-    std::iter::once(PortInfo::simulated()).chain(serial).collect()
+    let simulated = cfg!(feature = "simulator").then(PortInfo::simulated);
+    simulated.into_iter().chain(serial).collect()
 }
 
 fn describe(name: String, kind: &SerialPortType) -> PortInfo {

@@ -30,6 +30,7 @@ const SEAT_PAUSE: Duration = Duration::from_millis(5);
 
 /// Why the device cannot be served at a path.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ServeError {
     /// The path is a file of another kind.
     #[error("{0} exists and is not a socket; it is not replaced")]

@@ -10,13 +10,13 @@
 use super::handle::{Handle, Shared, lock};
 use super::opener::{SystemOpener, system_clock};
 use super::watch::{Wakes, Watch};
+use crate::clock::Clock;
 use crate::connection::{Connection, Nonces};
 use crate::driver_watch::SIGN_PERIOD;
 use crate::error::LinkError;
 use crate::log::Severity;
 use crate::recorder::Recorder;
 use crate::request::{Outcome, Request, Ticket};
-use crate::simulator::realtime::Clock;
 use crate::snapshot::{LinkState, Snapshot};
 use crate::transport::{Opener, Waker};
 use std::io;

@@ -27,6 +27,7 @@ const PATIENCE_BLOCKS: u64 = 62_500;
 
 /// Why the loopback did not carry out a request.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LoopbackError {
     /// The device or the link refused.
     #[error(transparent)]

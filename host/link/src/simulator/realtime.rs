@@ -7,6 +7,7 @@
 //! Where a host has sent it into its bootloader it restarts, as a board that is not flashed there.
 
 use super::device::SimulatedDevice;
+use crate::clock::Clock;
 use crate::transport::{Transport, Waker, read_received};
 use slipline_app::bank::BLOCK;
 use slipline_protocol::event::ResetCause;
@@ -22,9 +23,6 @@ const LONGEST_CATCH_UP: Duration = Duration::from_secs(2);
 
 /// A rendering that takes less is never too slow: the clock may be coarse, and the system may do other things.
 const NOTABLE: Duration = Duration::from_millis(100);
-
-/// The time since a fixed moment, monotonic: the computer's clock, or a test's.
-pub type Clock = Arc<dyn Fn() -> Duration + Send + Sync>;
 
 /// A simulated device and its present time.
 pub struct RealtimeDevice {

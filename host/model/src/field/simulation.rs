@@ -174,12 +174,12 @@ pub fn table_for_watched(
 /// # Errors
 /// [`DeviceTableError`]: the value that does not fit the device's units.
 pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
-    let span_m = (table.span_start_m, table.span_end_m);
-    let knots = table.knots.iter().map(|knot| (knot.frequency_hz, knot.gain));
+    let span_m = table.span_m();
+    let knots = table.knots().iter().map(|knot| (knot.frequency_hz, knot.gain));
     let device_table =
-        DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)?
-            .with_heights(table.nominal_heights.clone())?;
-    match table.travel {
+        DeviceTable::from_knots(span_m, table.sample_rate_hz(), knots, table.peak_at_full_scale_m())?
+            .with_heights(table.nominal_heights().to_vec())?;
+    match table.travel() {
         None => Ok(device_table),
         Some(TableTravel { resonance_hz, quality, static_share, .. }) => {
             device_table.with_travel_limit(resonance_hz, quality, static_share)
@@ -189,9 +189,9 @@ pub fn device_table(table: &DriveTable) -> Result<DeviceTable, DeviceTableError>
 
 /// The same table with every gain at full scale.
 fn without_gains(table: &DriveTable) -> Result<DeviceTable, DeviceTableError> {
-    let span_m = (table.span_start_m, table.span_end_m);
-    let knots = table.knots.iter().map(|knot| (knot.frequency_hz, 1.0));
-    DeviceTable::from_knots(span_m, table.sample_rate_hz, knots, table.peak_at_full_scale_m)
+    let span_m = table.span_m();
+    let knots = table.knots().iter().map(|knot| (knot.frequency_hz, 1.0));
+    DeviceTable::from_knots(span_m, table.sample_rate_hz(), knots, table.peak_at_full_scale_m())
 }
 
 impl Simulation<'_> {
@@ -213,7 +213,7 @@ impl Simulation<'_> {
         let played = self.sounding.clone();
         let played = played.unwrap_or_else(|| Sounding::Drive(DriveRequest::at(self.tones)));
         // With a travel limit the link extends the glide.
-        let glide_s = table.travel.map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(glide_s(&played));
+        let glide_s = table.travel().map_or(0.0, |travel| 2.0 / travel.resonance_hz).max(glide_s(&played));
         let mut begun = Vec::new();
         chain.perform(Request::Play(played), |codes| begun.extend_from_slice(codes))?;
         let sounding = if self.sounding.is_some() { sounding(&asked, &chain, &device_table) } else { asked };

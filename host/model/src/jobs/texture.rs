@@ -66,7 +66,7 @@ pub struct Textured {
 
 /// The RMS displacement of a texture's tones at the palette's places, in metres.
 fn rms_m(palette: &Palette<'_>, made: &Made) -> Result<Vec<f64>, TextureError> {
-    let peak_m = palette.table().peak_at_full_scale_m;
+    let peak_m = palette.table().peak_at_full_scale_m();
     let positions_m: Vec<f64> = made.tones.iter().map(|tone| tone.position_m).collect();
     let powers: Vec<f64> = made.tones.iter().map(|tone| (tone.level * peak_m).powi(2)).collect();
     let squares = palette.squares(&positions_m)?.times(&powers);

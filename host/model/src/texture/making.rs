@@ -137,7 +137,7 @@ pub fn make(
         }
         Wish::Beat { place_m, beat_hz } => {
             let table = palette.table();
-            let band_hz = table.frequency_hz(table.span_end_m) - table.frequency_hz(table.span_start_m);
+            let band_hz = table.frequency_hz(table.span_m().1) - table.frequency_hz(table.span_m().0);
             // Such a beat would leave no place.
             if beat_hz > band_hz {
                 let range = Range::new(BEAT_RANGE_HZ.0, BEAT_RANGE_HZ.1.min(band_hz), "Hz");

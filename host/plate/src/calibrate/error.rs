@@ -9,6 +9,7 @@ use thiserror::Error;
 /// Why no calibration was made. What a measurement does not carry is refused: a plate file from it would look as good as
 /// any other.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum CalibrateError {
     /// A number of a measurement or of what was known beforehand is outside its range.
     #[error("{0}")]

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 /// Why a plate could not be checked.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum CheckError {
     /// A boundary is not on the plate.
     #[error("{0}, on the plate")]

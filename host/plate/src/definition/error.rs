@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Why a plate was refused. `Display` names the fields as a plate file does; [`PlateError::worded`] can use other names.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum PlateError {
     /// A number is outside its range (or not a number).
     OutOfRange {
@@ -143,6 +144,7 @@ pub enum Consequence {
 
 /// Why a plate file was refused, with the line if it is known.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PlateFileError {
     /// The file exceeds [`crate::PLATE_FILE_BYTES_MAX`] and was not parsed.
     #[error(transparent)]

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Reason why the amplitude was not computed.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum RespondError {
     /// The frequency is below the cut-off at the driven end: no wave propagates.
     #[error("{}", must_be(

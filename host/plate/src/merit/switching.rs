@@ -41,14 +41,14 @@ impl Peak {
             frequency_hz: table.frequency_hz(turning_point_m),
             gain: table.gain(turning_point_m),
             place,
-            amplitude_m: (2.0 * squares[place]).sqrt() * table.peak_at_full_scale_m,
+            amplitude_m: (2.0 * squares[place]).sqrt() * table.peak_at_full_scale_m(),
         })
     }
 
     /// Time from the code that switches the tone on until the peak stays within 10 % of its amplitude, seconds; `None`
     /// if the plate has no time-domain line.
     pub(super) fn switching_time_s(&self, palette: &Palette<'_>) -> Option<f64> {
-        let rate_hz = palette.table().sample_rate_hz;
+        let rate_hz = palette.table().sample_rate_hz();
         let line = TimeDomainLine::new(palette.plate(), rate_hz, PLACES).ok()?;
         let mut line = line.with_every_step();
         let block = (rate_hz / line.step_rate_hz()).round().max(1.0) as usize;

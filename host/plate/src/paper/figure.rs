@@ -96,6 +96,7 @@ pub struct Figure {
 
 /// Reasons why a figure could not be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FigureError {
     /// The plate of a figure is not among the presets.
     #[error("the preset plate \"{0}\" does not exist")]

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 /// Reason why the two-dimensional field was not computed.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum PlaneError {
     /// The frequency does not enter the plate, or the frequency or the number of points is out of range.
     #[error("{0}")]

@@ -144,6 +144,7 @@ impl<A: fmt::Display + fmt::Debug> std::error::Error for NotAllowed<A> {}
 
 /// Reason why a typed value is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum QuantityError {
     /// The text does not begin with a number.
     #[error("{0:?} does not begin with a number")]

@@ -148,6 +148,7 @@ impl SheetGrid {
 
 /// Why a sheet was refused.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SheetError {
     /// The plate is in bending, which the scalar wave equation does not describe.
     #[error(

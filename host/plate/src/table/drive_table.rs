@@ -15,6 +15,8 @@ use crate::definition::plate::Plate;
 use crate::progress::Progress;
 use crate::quantity::{OutOfRange, decibels};
 use crate::special::ramp::ramp;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
 
 /// One knot of the table.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -30,42 +32,51 @@ pub struct Knot {
     pub peak_present: bool,
 }
 
-/// A turning-point table for one plate at one sample rate.
+/// A turning-point table for one plate at one sample rate. [`DriveTable::build`] makes it: its knots rise in frequency, and its
+/// gains level the peak.
 ///
 /// ```
 /// use slipline_plate::{DriveTable, preset};
 ///
 /// let table = DriveTable::build(&preset("membrane").unwrap(), 400e3, 65).unwrap();
-/// assert_eq!(table.knots.len(), 65);
-/// assert!(table.knots.iter().all(|knot| knot.gain > 0.0 && knot.gain <= 1.0));
+/// assert_eq!(table.knots().len(), 65);
+/// assert!(table.knots().iter().all(|knot| knot.gain > 0.0 && knot.gain <= 1.0));
 /// ```
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct DriveTable {
-    /// Position of the first knot, metres.
-    pub span_start_m: f64,
-    /// Position of the last knot, metres.
-    pub span_end_m: f64,
-    /// Sample rate the table was made for, Hz.
-    pub sample_rate_hz: f64,
-    /// The knots, uniform in position.
-    pub knots: Vec<Knot>,
-    /// Peak displacement at level 1 (DAC amplitude = gain), metres; the same over the whole span.
-    pub peak_at_full_scale_m: f64,
-    /// Largest deviation of the peak from that level, dB; measured at each knot and at three positions between each
-    /// two, for the nominal wave speed.
-    pub worst_error_db: f64,
-    /// Largest distance between a commanded boundary and the turning point of the table's frequency, metres.
-    pub worst_shift_m: f64,
-    /// Largest over smallest peak on the span if all gains were equal, dB.
-    pub swing_without_gain_db: f64,
-    /// Number of knots without a turning-point peak.
-    pub knots_without_peak: usize,
-    /// The peak over [`DriveTable::peak_at_full_scale_m`] at each knot and at three positions between each two, for
-    /// the nominal wave speed and loss. With a tolerance the gains level the middle of the tolerance interval, so the
-    /// nominal plate itself is off by up to [`DriveTable::worst_error_db`].
-    pub nominal_heights: Vec<f64>,
-    /// The effect of the actuator's peak travel on the table; `None` if the plate file does not limit the travel.
-    pub travel: Option<TableTravel>,
+    span_start_m: f64,
+    span_end_m: f64,
+    sample_rate_hz: f64,
+    #[serde(deserialize_with = "in_order")]
+    knots: Vec<Knot>,
+    peak_at_full_scale_m: f64,
+    worst_error_db: f64,
+    worst_shift_m: f64,
+    swing_without_gain_db: f64,
+    knots_without_peak: usize,
+    #[serde(deserialize_with = "two_or_more")]
+    nominal_heights: Vec<f64>,
+    travel: Option<TableTravel>,
+}
+
+/// Knots from another worker of a browser: what [`DriveTable::build`] makes can be interpolated.
+fn in_order<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Knot>, D::Error> {
+    let knots = Vec::<Knot>::deserialize(from)?;
+    let rise = knots.windows(2).all(|pair| pair[0].frequency_hz < pair[1].frequency_hz);
+    let fit = rise && knots.iter().all(|knot| knot.gain > 0.0 && knot.gain <= 1.0);
+    if fit && (2..=KNOTS_MAX).contains(&knots.len()) {
+        Ok(knots)
+    } else {
+        Err(D::Error::custom(
+            "a table has 2 to 1025 knots of rising frequency, with gains above 0 and at most 1",
+        ))
+    }
+}
+
+/// Heights from another worker, likewise.
+fn two_or_more<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+    let heights = Vec::<f64>::deserialize(from)?;
+    if heights.len() < 2 { Err(D::Error::custom("a table has 2 heights or more")) } else { Ok(heights) }
 }
 
 /// Steps of a device's phase in one period.
@@ -154,6 +165,69 @@ impl DriveTable {
         Ok(table)
     }
 
+    /// Positions of the first and the last knot, metres.
+    #[must_use]
+    pub const fn span_m(&self) -> (f64, f64) {
+        (self.span_start_m, self.span_end_m)
+    }
+
+    /// Sample rate that the table is made for, Hz.
+    #[must_use]
+    pub const fn sample_rate_hz(&self) -> f64 {
+        self.sample_rate_hz
+    }
+
+    /// The knots, uniform in position: 2 to 1025, of rising frequency.
+    #[must_use]
+    pub fn knots(&self) -> &[Knot] {
+        &self.knots
+    }
+
+    /// Peak displacement at level 1 (DAC amplitude = gain), metres; the same over the whole span.
+    #[must_use]
+    pub const fn peak_at_full_scale_m(&self) -> f64 {
+        self.peak_at_full_scale_m
+    }
+
+    /// Largest deviation of the peak from that level, dB; measured at each knot and at three positions between each
+    /// two, for the nominal wave speed.
+    #[must_use]
+    pub const fn worst_error_db(&self) -> f64 {
+        self.worst_error_db
+    }
+
+    /// Largest distance between a commanded boundary and the turning point of the table's frequency, metres.
+    #[must_use]
+    pub const fn worst_shift_m(&self) -> f64 {
+        self.worst_shift_m
+    }
+
+    /// Largest over smallest peak on the span if all gains were equal, dB.
+    #[must_use]
+    pub const fn swing_without_gain_db(&self) -> f64 {
+        self.swing_without_gain_db
+    }
+
+    /// Number of knots without a turning-point peak.
+    #[must_use]
+    pub const fn knots_without_peak(&self) -> usize {
+        self.knots_without_peak
+    }
+
+    /// The peak over [`DriveTable::peak_at_full_scale_m`] at each knot and at three positions between each two, for
+    /// the nominal wave speed and loss. With a tolerance the gains level the middle of the tolerance interval, so the
+    /// nominal plate itself is off by up to [`DriveTable::worst_error_db`].
+    #[must_use]
+    pub fn nominal_heights(&self) -> &[f64] {
+        &self.nominal_heights
+    }
+
+    /// The effect of the actuator's peak travel on the table; `None` if the plate file does not limit the travel.
+    #[must_use]
+    pub const fn travel(&self) -> Option<TableTravel> {
+        self.travel
+    }
+
     /// Frequency at `position_m` metres, Hz, interpolated linearly as the device does. Positions outside the span give
     /// its nearest end, NaN its start.
     pub fn frequency_hz(&self, position_m: f64) -> f64 {
@@ -205,5 +279,29 @@ impl DriveTable {
             self.worst_shift_m = self.worst_shift_m.max((turning - x).abs());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_from_elsewhere_is_taken_only_if_it_can_be_interpolated() {
+        let plate = crate::preset("membrane").expect("a preset");
+        let table = DriveTable::build(&plate, 400e3, 17).expect("a table");
+        let sent = |table: &DriveTable| {
+            postcard::from_bytes::<DriveTable>(&postcard::to_extend(table, Vec::new()).expect("bytes"))
+        };
+        assert_eq!(sent(&table), Ok(table.clone()));
+        let is_refused = |change: fn(&mut DriveTable)| {
+            let mut changed = table.clone();
+            change(&mut changed);
+            sent(&changed).is_err()
+        };
+        assert!(is_refused(|it| it.knots.reverse()), "falling frequencies");
+        assert!(is_refused(|it| it.knots.truncate(1)), "one knot");
+        assert!(is_refused(|it| it.knots[3].gain = 1.5), "a gain above 1");
+        assert!(is_refused(|it| it.nominal_heights.clear()), "no heights");
     }
 }

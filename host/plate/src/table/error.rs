@@ -11,6 +11,7 @@ pub const KNOTS_MAX: usize = 1025;
 
 /// Reason why a table could not be made.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum TableError {
     /// The sample rate cannot carry the plate's band.
     #[error("{0}")]

@@ -42,12 +42,12 @@ fn watched(
     actual_plate: &Plate,
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivity, TableError> {
-    let intended = table.peak_at_full_scale_m / table_plate.spec().full_scale_m;
+    let intended = table.peak_at_full_scale_m() / table_plate.spec().full_scale_m;
     // The sample rate must carry the table's frequencies; the band of the actual plate may end higher.
-    let drive_to_peak = DriveToPeak::unchecked(actual_plate, table.sample_rate_hz);
+    let drive_to_peak = DriveToPeak::unchecked(actual_plate, table.sample_rate_hz());
     let mut result =
-        Sensitivity { highest_db: 0.0, lowest_db: 0.0, worst_db: 0.0, worst_at_m: table.span_start_m };
-    let places = ramp(table.span_start_m, table.span_end_m, PLACES);
+        Sensitivity { highest_db: 0.0, lowest_db: 0.0, worst_db: 0.0, worst_at_m: table.span_m().0 };
+    let places = ramp(table.span_m().0, table.span_m().1, PLACES);
     let frequencies: Vec<f64> = places.clone().map(|x| table.frequency_hz(x)).collect();
     for (x, level) in places.zip(drive_to_peak.levels(&frequencies, progress)?) {
         let error_db = decibels(level.amplitude * table.gain(x) / intended);
@@ -71,10 +71,10 @@ pub fn sensitivity_per_percent(
     plate: &Plate,
     progress: &mut Progress<'_>,
 ) -> Result<Sensitivity, TableError> {
-    if table.knots.len() == KNOTS_MAX {
+    if table.knots().len() == KNOTS_MAX {
         return per_percent(table, plate, progress);
     }
-    let rate_hz = table.sample_rate_hz;
+    let rate_hz = table.sample_rate_hz();
     let finest = DriveTable::build_watched(plate, rate_hz, KNOTS_MAX, &mut progress.part(0.0, 0.8))?;
     per_percent(&finest, plate, &mut progress.part(0.8, 1.0))
 }

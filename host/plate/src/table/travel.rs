@@ -73,17 +73,17 @@ mod tests {
     #[test]
     fn a_table_beyond_the_peak_travel_is_lowered_as_a_whole_and_only_as_far_as_needed() {
         let (free, limited) = (table(None), table(Some(Travel { peak_m: 1e-3, static_m: 8e-3 })));
-        let travel = limited.travel.expect("limited");
-        assert_eq!(free.travel, None);
+        let travel = limited.travel().expect("limited");
+        assert_eq!(free.travel(), None);
         assert_eq!((travel.resonance_hz, travel.quality, travel.static_share), (100.0, 4.0, 8.0));
         assert!(travel.scale < 0.9 && (travel.largest_share - super::USED).abs() < 1e-12, "{travel:?}");
-        for (free, limited) in free.knots.iter().zip(&limited.knots) {
+        for (free, limited) in free.knots().iter().zip(limited.knots()) {
             assert!((limited.gain / free.gain - travel.scale).abs() < 1e-12);
             assert_eq!(limited.frequency_hz, free.frequency_hz);
         }
-        let lowered = limited.peak_at_full_scale_m / free.peak_at_full_scale_m;
+        let lowered = limited.peak_at_full_scale_m() / free.peak_at_full_scale_m();
         assert!((lowered - travel.scale).abs() < 1e-12, "the stated level is lowered as well");
-        assert!(limited.worst_error_db < free.worst_error_db + 1e-9);
+        assert!(limited.worst_error_db() < free.worst_error_db() + 1e-9);
     }
 
     #[test]
@@ -123,10 +123,10 @@ mod tests {
     #[test]
     fn a_table_within_the_peak_travel_keeps_its_levels_to_the_last_bit() {
         let (free, wide) = (table(None), table(Some(Travel { peak_m: 0.1, static_m: 1e-3 })));
-        let travel = wide.travel.expect("limited");
+        let travel = wide.travel().expect("limited");
         assert_eq!((travel.scale, travel.lowered_db()), (1.0, 0.0));
         assert!(travel.largest_share < 0.05);
-        assert_eq!(wide.knots, free.knots);
-        assert_eq!(wide.peak_at_full_scale_m, free.peak_at_full_scale_m);
+        assert_eq!(wide.knots(), free.knots());
+        assert_eq!(wide.peak_at_full_scale_m(), free.peak_at_full_scale_m());
     }
 }

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Reason why a texture could not be made.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum TextureError {
     /// A value is outside its range.
     #[error("{0}")]

@@ -87,7 +87,7 @@ impl Texture {
         let squares = palette.squares(&positions_m)?.times(&powers);
         let figures = Figures::of(&squares, &places_m, target);
         let (tones, scale) = loudest_that_fits(palette, &positions_m, &powers);
-        let peak_m = palette.table().peak_at_full_scale_m * scale;
+        let peak_m = palette.table().peak_at_full_scale_m() * scale;
         Ok(Self {
             tones,
             wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
@@ -111,7 +111,7 @@ impl Texture {
         scale: f64,
         palette: &Palette<'_>,
     ) -> Self {
-        let peak_m = palette.table().peak_at_full_scale_m * scale;
+        let peak_m = palette.table().peak_at_full_scale_m() * scale;
         Self {
             tones,
             wanted_m: target.wanted.iter().map(|wanted| wanted * peak_m).collect(),
@@ -133,7 +133,7 @@ impl Texture {
     /// The same tones with `rms_m` metres at the target's largest amplitude; unchanged if they cannot be as loud.
     #[must_use]
     pub fn at_level(&self, rms_m: f64, palette: &Palette<'_>) -> Self {
-        self.scaled((rms_m / (self.scale * palette.table().peak_at_full_scale_m)).min(1.0))
+        self.scaled((rms_m / (self.scale * palette.table().peak_at_full_scale_m())).min(1.0))
     }
 
     /// The same tones, `factor` (0 to 1) times as loud.

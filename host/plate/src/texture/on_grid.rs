@@ -62,7 +62,7 @@ impl Texture {
         target: &Target,
     ) -> Result<Option<ChordTexture>, TextureError> {
         let table = palette.table();
-        let base_hz = table.sample_rate_hz / f64::from(CHORD_PERIOD);
+        let base_hz = table.sample_rate_hz() / f64::from(CHORD_PERIOD);
         let (start_m, end_m) = target.allowed_m;
         let (lowest, highest) = (
             (table.frequency_hz(start_m) / base_hz).ceil() as u32,
@@ -129,7 +129,7 @@ fn parted(nearest: &[u32], lowest: u32, highest: u32, base_hz: f64) -> Vec<u32> 
 /// The place of the span with this frequency, metres; the frequency must be within those of the table.
 fn place_of(palette: &Palette<'_>, frequency_hz: f64) -> f64 {
     let table = palette.table();
-    let (mut low_m, mut high_m) = (table.span_start_m, table.span_end_m);
+    let (mut low_m, mut high_m) = table.span_m();
     for _ in 0..HALVINGS {
         let middle_m = 0.5 * (low_m + high_m);
         if table.frequency_hz(middle_m) < frequency_hz { low_m = middle_m } else { high_m = middle_m }

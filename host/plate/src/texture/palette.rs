@@ -24,7 +24,7 @@ pub struct Palette<'a> {
 impl<'a> Palette<'a> {
     /// The tones of `table` on `plate`; the table was made for this plate or for a similar one.
     pub fn new(plate: &'a Plate, table: &'a DriveTable) -> Self {
-        let highest_hz = table.frequency_hz(table.span_end_m);
+        let highest_hz = table.frequency_hz(table.span_m().1);
         let step_m = plate.length_m() / (PLACES - 1) as f64;
         let stride = numerov::refinement(plate, highest_hz, step_m);
         let grid = Grid::new(plate, Equation::Corrected, PLACES, stride);
@@ -90,7 +90,7 @@ impl<'a> Palette<'a> {
     /// Displacement of the driven end for a tone of level 1, over the table's peak at full scale.
     fn scale(&self, position_m: f64, frequency_hz: f64) -> Complex64 {
         let drive = self.plate.drive_response(frequency_hz);
-        let dac = self.table.gain(position_m) * hold_droop(frequency_hz, self.table.sample_rate_hz);
-        drive * dac * self.plate.spec().full_scale_m / self.table.peak_at_full_scale_m
+        let dac = self.table.gain(position_m) * hold_droop(frequency_hz, self.table.sample_rate_hz());
+        drive * dac * self.plate.spec().full_scale_m / self.table.peak_at_full_scale_m()
     }
 }

@@ -36,7 +36,7 @@ pub fn stripes_felt_db(stripes_m: f64, contact_m: f64) -> f64 {
 pub fn stripes(palette: &Palette<'_>, distance_m: f64) -> Result<TextureTone, TextureError> {
     let table = palette.table();
     let at = |x: f64| stripes_m(palette.plate(), table.frequency_hz(x)).ok_or(TextureError::Silent);
-    let (mut wide_m, mut narrow_m) = (table.span_start_m, table.span_end_m);
+    let (mut wide_m, mut narrow_m) = table.span_m();
     OutOfRange::check("stripes", distance_m, Range::new(at(narrow_m)?, at(wide_m)?, "m"))?;
     for _ in 0..HALVINGS {
         let middle_m = 0.5 * (wide_m + narrow_m);
@@ -54,12 +54,12 @@ pub fn beat(palette: &Palette<'_>, place_m: f64, beat_hz: f64) -> Result<[Textur
     OutOfRange::check("beat frequency", beat_hz, Range::new(BEAT_RANGE_HZ.0, BEAT_RANGE_HZ.1, "Hz"))?;
     let table = palette.table();
     let peak_m = |frequency_hz: f64| palette.plate().airy_peak_m(frequency_hz).unwrap_or(0.0);
-    let (low_hz, high_hz) = (table.frequency_hz(table.span_start_m), table.frequency_hz(table.span_end_m));
+    let (low_hz, high_hz) = (table.frequency_hz(table.span_m().0), table.frequency_hz(table.span_m().1));
     let (lowest_hz, highest_hz) = (low_hz + 0.5 * beat_hz, high_hz - 0.5 * beat_hz);
     // For a band narrower than the beat this range is empty, and every place is outside it.
     OutOfRange::check("beat", place_m, Range::new(peak_m(lowest_hz), peak_m(highest_hz), "m"))?;
     let middle_hz = zero_of(lowest_hz, highest_hz, |hz| peak_m(hz) - place_m);
-    let at = |hz: f64| zero_of(table.span_start_m, table.span_end_m, |x| table.frequency_hz(x) - hz);
+    let at = |hz: f64| zero_of(table.span_m().0, table.span_m().1, |x| table.frequency_hz(x) - hz);
     let positions_m = [middle_hz - 0.5 * beat_hz, middle_hz + 0.5 * beat_hz].map(at);
     let level = HEADROOM / positions_m.iter().map(|&x| table.gain(x)).sum::<f64>();
     Ok(positions_m.map(|x| tone(palette, x, level.min(1.0))))

@@ -38,7 +38,7 @@ impl Texture {
     fn strength(&self, palette: &Palette<'_>, feeling: &Feeling) -> Result<Vec<f64>, TextureError> {
         let positions_m: Vec<f64> = self.tones.iter().map(|tone| tone.position_m).collect();
         let columns = palette.squares(&positions_m)?;
-        let peak_m = palette.table().peak_at_full_scale_m;
+        let peak_m = palette.table().peak_at_full_scale_m();
         let fields: Vec<Vec<f64>> = columns
             .iter()
             .zip(&self.tones)
@@ -77,7 +77,7 @@ impl Texture {
             let edge = texture.felt_edge(palette, feeling)?;
             Ok((texture, target, edge))
         };
-        let (mut low_m, mut high_m) = (shortest_m(palette), palette.table().span_end_m);
+        let (mut low_m, mut high_m) = (shortest_m(palette), palette.table().span_m().1);
         let (first, last) = (at(low_m)?, at(high_m)?);
         let whole = Range::new(0.0, palette.plate().length_m(), "m");
         // If nothing is felt, the edge counts as one at the driven end.
@@ -131,7 +131,7 @@ impl Texture {
 /// The nearest turning point of the span with an even area of at least two places, metres.
 fn shortest_m(palette: &Palette<'_>) -> f64 {
     let table = palette.table();
-    let (mut short_m, mut long_m) = (table.span_start_m, table.span_end_m);
+    let (mut short_m, mut long_m) = table.span_m();
     if Target::solid(palette, short_m).is_ok() {
         return short_m;
     }

@@ -52,7 +52,7 @@ impl Target {
     /// wave cannot enter, [`TextureError::TooShort`] if the area has fewer than two places.
     pub fn solid(palette: &Palette<'_>, turning_point_m: f64) -> Result<Self, TextureError> {
         let table = palette.table();
-        let span = (table.span_start_m, table.span_end_m);
+        let span = table.span_m();
         OutOfRange::check("turning point", turning_point_m, Range::new(span.0, span.1, "m"))?;
         let plate = palette.plate();
         let frequency_hz = table.frequency_hz(turning_point_m);
@@ -103,7 +103,7 @@ impl Target {
         Ok(Self {
             wanted: places.iter().map(|&x| value_at(breakpoints, x) / largest).collect(),
             weight: places.iter().map(|x| if drawn.contains(x) { 1.0 } else { 0.0 }).collect(),
-            allowed_m: (table.span_start_m, table.span_end_m),
+            allowed_m: table.span_m(),
             wanted_kind: Wanted::Profile,
         })
     }

@@ -69,10 +69,10 @@ fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
         (0..=20).map(|i| low * (high / low).powf(0.1 + 0.04 * f64::from(i))).collect();
     // The felt edge of each frequency with a plate's table, and the peak that this table predicts: at the level that
     // the plain file predicts for the stated threshold.
-    let loud = level(name) * rig.table(&rig.nominal).peak_at_full_scale_m;
+    let loud = level(name) * rig.table(&rig.nominal).peak_at_full_scale_m();
     let felt = |plate: &Plate, stated: &Feeling| -> Vec<(f64, f64, f64)> {
         let table = rig.table(plate);
-        let level = (loud * stated.threshold / table.peak_at_full_scale_m).min(1.0);
+        let level = (loud * stated.threshold / table.peak_at_full_scale_m()).min(1.0);
         let edge = |&hz: &f64| {
             let boundary_m = plate.turning_point_m(hz).expect("enters");
             let tone = rig.tone(hz, gain * level * table.gain(boundary_m));

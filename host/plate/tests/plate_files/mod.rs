@@ -213,7 +213,7 @@ fn a_calibration_is_read_written_and_corrects_the_drive() {
         assert_eq!(Plate::from_toml(&plate.to_toml()).as_ref(), Ok(plate));
     }
     assert!((plate.drive_response(100.0) / plain.drive_response(100.0) - 10.0).norm() < 1e-9);
-    let peak = |plate: &Plate| DriveTable::build(plate, 400e3, 17).expect("a table").peak_at_full_scale_m;
+    let peak = |plate: &Plate| DriveTable::build(plate, 400e3, 17).expect("a table").peak_at_full_scale_m();
     assert!((peak(&plate) / peak(&plain) - 10.0).abs() < 1e-9, "what the table levels");
     let known = read(
         "level_tolerance_db = 0.4\nresistance_tolerance_n_s_per_m = 0.1\nmass_tolerance_kg = 1e-4\nstiffness_tolerance_n_per_m = 20.0\n",

@@ -8,6 +8,7 @@ use proptest::prelude::*;
 use slipline_protocol::command::{Apply, ChordTone, Drive};
 use slipline_protocol::limits::{MAX_HARMONIC, MAX_KNOT_STEP};
 use slipline_protocol::refusal::Busy;
+use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
 use super::*;
@@ -18,7 +19,6 @@ use crate::planning::plan::Planner;
 use crate::planning::ramp::RampShape;
 use crate::renderer::Renderer;
 use crate::slots::{SlotIndex, TableRef};
-use crate::timing::Timing;
 
 const RATE: u32 = 400_000;
 const GLIDE: u32 = 2000;

@@ -88,7 +88,7 @@ impl TravelBench {
     }
 
     fn shortest(&self) -> u32 {
-        shortest_glide(&self.limit, &self.timing)
+        self.timing.shortest_glide(&self.limit)
     }
 
     fn planner<'a>(&'a self, is_stopped: &'a mut dyn FnMut() -> bool) -> Planner<'a> {
@@ -299,7 +299,7 @@ fn a_glide_shorter_than_two_periods_of_the_resonance_is_refused_with_the_shortes
     assert_eq!(bench.ask(&drive(&[(0, 9)], shortest - 1)), Err(refused));
     assert_eq!(bench.ask(&drive(&[(0, 9)], shortest)), Ok(()));
     // Never more than the longest glide, and never less than the shortest of a device without a limit.
-    let shortest = |resonance_hz| shortest_glide(&limit(resonance_hz, 2.0, 0.1), &bench.timing);
+    let shortest = |resonance_hz| bench.timing.shortest_glide(&limit(resonance_hz, 2.0, 0.1));
     assert_eq!((shortest(0.1), shortest(1e6)), (bench.timing.max_glide, bench.timing.min_glide));
 }
 

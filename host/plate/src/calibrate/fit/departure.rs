@@ -39,7 +39,7 @@ pub struct Departure {
 /// [`TableError`]: the table of `stated`, or a frequency that does not move `actual`.
 pub fn departure(stated: &Plate, actual: &Plate, sample_rate_hz: f64) -> Result<Departure, TableError> {
     let table = DriveTable::build(stated, sample_rate_hz, KNOTS)?;
-    let places_m: Vec<f64> = ramp(table.span_start_m, table.span_end_m, BOUNDARIES).collect();
+    let places_m: Vec<f64> = ramp(table.span_m().0, table.span_m().1, BOUNDARIES).collect();
     let frequencies_hz: Vec<f64> = places_m.iter().map(|&place_m| table.frequency_hz(place_m)).collect();
     let levels =
         DriveToPeak::unchecked(actual, sample_rate_hz).levels(&frequencies_hz, &mut Progress::unwatched())?;

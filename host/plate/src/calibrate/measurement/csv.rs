@@ -28,6 +28,7 @@ const FIELDS: [&str; 5] = ["place_m", "place_tolerance_m", "sensor", "unit_per_r
 
 /// Why a text is no measurement.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CsvError {
     /// A line that cannot be read.
     #[error(transparent)]

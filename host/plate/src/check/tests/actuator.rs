@@ -101,7 +101,7 @@ fn a_resonator_whose_table_needs_few_steps_of_the_dac_is_not_green() {
         assert_eq!(found.colour == Colour::Green, value >= 16.0, "{found:?}");
         // The lowest gain of the table, whose knots are nearer to the resonances than the light's boundaries.
         let table = crate::DriveTable::build(&plate, 400e3, 257).expect("table");
-        let lowest = table.knots.iter().map(|knot| knot.gain).fold(1.0, f64::min);
+        let lowest = table.knots().iter().map(|knot| knot.gain).fold(1.0, f64::min);
         steps.push((value, 2047.5 * lowest));
     }
     assert!(steps[0].0 > 16.0 && steps[1].0 < 16.0, "{steps:?}");

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Reason why a line could not be made.
 #[derive(Debug, Clone, PartialEq, Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum LineError {
     /// The sample rate cannot carry the plate's band.
     #[error(transparent)]

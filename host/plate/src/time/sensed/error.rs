@@ -12,6 +12,7 @@ pub(super) const CLAMPED_ERROR_MAX: f64 = 0.1;
 
 /// Reason why a place cannot be sensed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
 pub enum SenseError {
     /// The place or the delay is out of range.
     #[error("{0}")]

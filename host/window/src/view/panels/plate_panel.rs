@@ -117,9 +117,13 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         }
         TableState::Ready(made) => {
             let table = &made.drive_table;
-            row(ui, "Table", format!("{} knots, {:.0} kS/s", table.knots.len(), table.sample_rate_hz * 1e-3));
-            row(ui, "Peak at level 1", show_length(table.peak_at_full_scale_m));
-            if let Some(travel) = table.travel {
+            row(
+                ui,
+                "Table",
+                format!("{} knots, {:.0} kS/s", table.knots().len(), table.sample_rate_hz() * 1e-3),
+            );
+            row(ui, "Peak at level 1", show_length(table.peak_at_full_scale_m()));
+            if let Some(travel) = table.travel() {
                 let percent = 100.0 * travel.largest_share;
                 row(ui, "Travel at level 1", format!("{percent:.0} % of the peak travel at most"));
                 if travel.scale < 1.0 {
@@ -127,8 +131,8 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                     ui.label(RichText::new(text).small().color(palette.warn));
                 }
             }
-            row(ui, "Levelled out", format!("{:.1} dB of swing", table.swing_without_gain_db));
-            row(ui, "Left between knots", format!("{:.2} dB", table.worst_error_db));
+            row(ui, "Levelled out", format!("{:.1} dB of swing", table.swing_without_gain_db()));
+            row(ui, "Left between knots", format!("{:.2} dB", table.worst_error_db()));
             if let Some(decibel) = made.sensitivity_db {
                 let colour = if decibel > 3.0 { palette.warn } else { palette.text };
                 row(ui, "If waves are 1 % faster", RichText::new(format!("±{decibel:.2} dB")).color(colour));
@@ -137,9 +141,10 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                     ui.label(RichText::new(text).small().color(palette.warn));
                 }
             }
-            if table.knots_without_peak > 0 {
-                let (start, end) = (table.span_start_m, table.span_end_m);
-                let places = table.knots.iter().filter(|knot| !knot.peak_present).map(|knot| knot.position_m);
+            if table.knots_without_peak() > 0 {
+                let (start, end) = table.span_m();
+                let places =
+                    table.knots().iter().filter(|knot| !knot.peak_present).map(|knot| knot.position_m);
                 let (low, high) = places.fold((end, start), |(low, high), x| (low.min(x), high.max(x)));
                 let text = format!(
                     "No peak stands from {} to {}: the loss is too high.",

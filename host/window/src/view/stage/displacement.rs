@@ -160,7 +160,7 @@ mod tests {
             let plate = &setup.plate;
             let table = DriveTable::build(plate, 400e3, 17).unwrap();
             let field = SteadyField::solve(plate, &steady_tones(&setup, Some(&table)));
-            let full_peak_m = table.peak_at_full_scale_m;
+            let full_peak_m = table.peak_at_full_scale_m();
             let full_m =
                 full_colour_m(Some(&field), full_peak_m) / magnification(field.highest_m() / full_peak_m);
             let slowest_hz =

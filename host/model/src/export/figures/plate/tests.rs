@@ -15,7 +15,7 @@ fn subject(preset: &str) -> Subject {
         predicted,
         sheet: None,
         measured: None,
-        full_peak_m: table.peak_at_full_scale_m,
+        full_peak_m: table.peak_at_full_scale_m(),
         is_largest: false,
         wave_time_s: 0.0,
     }

@@ -98,6 +98,7 @@ impl fmt::Display for ForeignRead {
 
 /// Why a file is no measurement.
 #[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FileError {
     /// A mistake in a file of this program's own format.
     #[error(transparent)]

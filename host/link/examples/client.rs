@@ -1,7 +1,7 @@
-//! A device from connection to stop: table, arm, drive, status, stop.
+//! A client of a device: hello, table, arm, one tone for a second, stop.
 //!
-//! `cargo run -p slipline-link --features native --example drive -- [PORT]`; PORT is `sim` (the default), the name of
-//! a serial port, or `unix:PATH`.
+//! `cargo run -p slipline-link --no-default-features --features native --example client -- PORT`; PORT is the name of a serial
+//! port or `unix:PATH`. With the default features it may be `sim`, the simulated device.
 
 use slipline_link::native::Worker;
 use slipline_link::{DeviceTable, DriveRequest, Outcome, Port, Request, Sounding};
@@ -13,7 +13,7 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_secs(30);
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let port: Port = std::env::args().nth(1).as_deref().unwrap_or("sim").parse()?;
+    let port: Port = std::env::args().nth(1).ok_or("name a port")?.parse()?;
     // When the worker is dropped, also after an error, it stops and disarms the device.
     let worker = Worker::spawn(|| ())?;
     worker.send(Request::AutoReconnect(false));
@@ -32,11 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let at = perform(&worker, Request::Play(Sounding::Drive(DriveRequest::at(&[(0.05, 0.5)]))))?;
     println!("drives from sample {at} on");
     // The worker's own pause and wait give the signs of life that are required while the device is armed.
-    worker.pause(Duration::from_millis(500));
-
-    perform(&worker, Request::Refresh)?;
-    let status = worker.snapshot().status.ok_or("the device has not reported its status")?;
-    println!("{:?} at sample {}, faults: {}", status.state, status.now, status.faults);
+    worker.pause(Duration::from_secs(1));
 
     let at = perform(&worker, Request::Stop)?;
     println!("ramps to silence from sample {at} on");
