@@ -30,5 +30,5 @@ fn what_cannot_be_held_is_refused() {
     assert!(of(&["--sensor", "30mm"], 2).contains("--hold"));
     // No sensor receives full silence.
     let message = of(&["--level", "0.00002", "--hold"], 1);
-    assert!(message.contains("codes only"), "{message}");
+    assert!(message.contains("receives only"), "{message}");
 }
