@@ -37,6 +37,8 @@ mod session;
 mod sounding;
 #[path = "in_use/texturing.rs"]
 mod texturing;
+#[path = "in_use/verifying.rs"]
+mod verifying;
 
 use session::Session;
 use slipline_instrument::MeasureIntent;

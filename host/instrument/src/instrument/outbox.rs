@@ -1,7 +1,8 @@
 //! What goes out to the shell beside what is shown: messages, actions, and when the next turn is due.
 //!
-//! A message about a state stays as long as the state; a message about an event disappears after a time. Each can be dismissed. The log has each of them whole: a refusal in the link's own line, which the
-//! message only introduces, the others in a line of their own.
+//! A message about a state stays as long as the state; a message about an event disappears after a time. Each can be dismissed.
+//! The log has each of them whole: a refusal in the link's own line, which the message only introduces, the others in a line of
+//! their own.
 
 use super::shell::{Output, Page};
 use super::shown::Notice;

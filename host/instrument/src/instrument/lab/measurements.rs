@@ -83,23 +83,6 @@ impl Measurements {
         }
     }
 
-    /// Reads a sweep's description, for the waiting recording and later ones.
-    fn open_sweep(&mut self, name: &str, text: &str, out: &mut Outbox) {
-        match PlayedSweep::from_toml(text) {
-            Ok(played) => {
-                let played = Some((name.to_owned(), Arc::new(played)));
-                self.sweep.clone_from(&played);
-                if let Some(Asked { content: AskedContent::Recording { sweep, .. }, refused, .. }) =
-                    &mut self.foreign
-                {
-                    (*sweep, *refused) = (played, None);
-                }
-                out.post(format!("Opened {name}: the sweep of the recordings"));
-            }
-            Err(error) => out.not_opened(name, &error),
-        }
-    }
-
     /// Asks the user for the metadata of a file.
     fn ask(&mut self, name: &str, content: AskedContent, metadata: ForeignMetadata) {
         let name = name.to_owned();
@@ -172,13 +155,26 @@ impl Lab {
         }
     }
 
-    /// Reads a sweep's description; returns whether the text is one.
+    /// Reads a sweep's description, for the waiting recording and later ones; returns whether the text is
+    /// one.
     pub(crate) fn opened_sweep(&mut self, name: &str, text: &str, out: &mut Outbox) -> bool {
-        let is_one = PlayedSweep::is_one(text);
-        if is_one {
-            self.measurements.open_sweep(name, text, out);
+        if !PlayedSweep::is_one(text) {
+            return false;
         }
-        is_one
+        match PlayedSweep::from_toml(text) {
+            Ok(played) => {
+                let played = Some((name.to_owned(), Arc::new(played)));
+                self.measurements.sweep.clone_from(&played);
+                if let Some(Asked { content: AskedContent::Recording { sweep, .. }, refused, .. }) =
+                    &mut self.measurements.foreign
+                {
+                    (*sweep, *refused) = (played, None);
+                }
+                out.post(format!("Opened {name}: the sweep of the recordings"));
+            }
+            Err(error) => out.not_opened(name, &error),
+        }
+        true
     }
 
     /// Reads a measurement's file and opens its page. The user is asked for metadata that a file by another

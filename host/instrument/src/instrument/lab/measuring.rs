@@ -226,31 +226,20 @@ impl Lab {
         let Some(under_way) = self.live.run.take() else { return };
         let UnderWay { measuring, name, answers, has_stopped_drive, .. } = under_way;
         let next = if has_stopped_drive { DRIVE_ENDED } else { "" };
-        match measuring.finish() {
-            Ok(measured) => self.take_measured(&name, measured, answers, next, reach),
+        let Measured { measurement, warnings, .. } = match measuring.finish() {
+            Ok(measured) => measured,
             Err(MeasureError::Cancelled) => {
-                reach.out.post(format!("The measurement was cancelled.{next}"));
+                return reach.out.post(format!("The measurement was cancelled.{next}"));
             }
             Err(error) => {
                 let text = format!("{}{next}", not_measured(&error));
                 self.live.failed = Some(text.clone());
-                reach.out.fail(text);
+                return reach.out.fail(text);
             }
-        }
-    }
-
-    fn take_measured(
-        &mut self,
-        name: &str,
-        measured: Measured,
-        answers: Option<usize>,
-        next: &str,
-        reach: &mut Reach<'_>,
-    ) {
-        let Measured { measurement, warnings, .. } = measured;
+        };
         let count = measurement.points.len();
         self.rig.note_measured();
-        match self.measurements.add(name, measurement) {
+        match self.measurements.add(&name, measurement) {
             Ok(number) => {
                 if let Some(sensor) = answers {
                     self.take_answer(sensor, number);

@@ -31,7 +31,7 @@ use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
 
 /// Measurements of the plate, and what needs its sensor.
-pub struct Lab {
+pub(crate) struct Lab {
     measurements: Measurements,
     live: Live,
     rig: Rig,

@@ -164,7 +164,8 @@ impl Rig {
             return true;
         };
         let (full_scale, place_m) = (Some(standing.full_scale), standing.hand.place_m());
-        self.look_for(RigJob { finger, full_scale, place_m, ..standing.job.clone() });
+        let wanted = RigJob { finger, full_scale, place_m, ..standing.job.clone() };
+        self.look_for(wanted);
         false
     }
 

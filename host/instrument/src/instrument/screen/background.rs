@@ -140,7 +140,7 @@ impl Screen {
         let made = self.textures.take_result()?;
         // While a profile is drawn, each fit is waited for by itself.
         self.background.since = self.background.since.filter(|(what, _)| *what != Awaited::Texture);
-        self.drawn_edit(&made?)
+        made.and_then(|made| self.drawn_edit(&made))
     }
 
     fn decide_source(&mut self, sight: Sight<'_>) {
