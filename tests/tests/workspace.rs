@@ -264,3 +264,70 @@ fn cargo_run_means_the_app() {
     let defaults: Vec<_> = packages.iter().filter_map(|package| package["default_run"].as_str()).collect();
     assert_eq!(defaults, ["slipline"]);
 }
+
+/// The rooms of the instrument, each with those that it uses: a room is a folder, and its type has the same name.
+const ROOMS: [(&str, &[&str]); 4] =
+    [("desk", &[]), ("drive", &[]), ("lab", &["desk", "drive"]), ("screen", &["desk", "drive", "lab"])];
+
+/// The Rust files of a folder of the instrument, each with its path and its lines that are not comments.
+fn instrument_files(folder: &str) -> Vec<(String, String)> {
+    let files = rust_files(&root().join("host/instrument/src/instrument").join(folder));
+    let code = |file: &Path| {
+        let text = std::fs::read_to_string(file).expect("a source file");
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        code.collect::<Vec<_>>().join("\n")
+    };
+    let files: Vec<_> = files.iter().map(|file| (file.display().to_string(), code(file))).collect();
+    assert!(!files.is_empty(), "{folder} has no sources");
+    files
+}
+
+/// The fields of a struct, a line each.
+fn fields<'a>(code: &'a str, name: &str) -> Vec<&'a str> {
+    let (_, body) = code.split_once(&format!("struct {name} {{\n")).unwrap_or_else(|| panic!("no {name}"));
+    body.lines().take_while(|line| *line != "}").map(str::trim).collect()
+}
+
+#[test]
+fn each_room_of_the_instrument_is_whole_and_uses_no_other_but_those_of_the_design() {
+    let all = instrument_files("");
+    let parts = |name: &str| all.iter().filter(|(_, code)| code.contains(&format!("impl {name} {{"))).count();
+    let (_, hub) = all.iter().find(|(path, _)| path.ends_with("instrument/mod.rs")).expect("the instrument");
+    let of_instrument = fields(hub, "Instrument");
+    assert!(of_instrument.len() <= 8, "{of_instrument:?}");
+    assert!(parts("Instrument") <= 5, "the instrument itself only joins the rooms");
+    for (room, used) in ROOMS {
+        let name = format!("{}{}", room[..1].to_uppercase(), &room[1..]);
+        let files = instrument_files(room);
+        let own = files.iter().filter(|(_, code)| code.contains(&format!("impl {name} {{"))).count();
+        assert!(
+            own <= 5 && own == parts(&name),
+            "{name} stands in {own} files of its own, {} in all",
+            parts(&name)
+        );
+        for (path, code) in files {
+            for field in
+                if code.contains(&format!("struct {name} {{")) { fields(&code, &name) } else { Vec::new() }
+            {
+                assert!(!field.starts_with("pub"), "{path}: {field}: a room's fields are its own");
+            }
+            if path.ends_with("tests.rs") {
+                continue;
+            }
+            for (other, _) in ROOMS.iter().filter(|(other, _)| *other != room) {
+                for prefix in ["super::", "instrument::"] {
+                    for (at, path_of_other) in code.match_indices(&format!("{prefix}{other}::")) {
+                        let item = &code[at + path_of_other.len()..];
+                        let is_face = item.starts_with(|first: char| first.is_uppercase() || first == '{');
+                        assert!(used.contains(other) && is_face, "{path} reaches into {other}");
+                    }
+                }
+            }
+            let names = code.split(|character: char| !character.is_alphanumeric() && character != '_');
+            assert!(
+                !names.into_iter().any(|name| name == "Instrument"),
+                "{path}: a room knows no instrument"
+            );
+        }
+    }
+}

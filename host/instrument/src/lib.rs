@@ -61,7 +61,8 @@ pub mod requests;
 pub mod rig;
 
 pub use instrument::{
-    Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
-    DesignState, DeviceIntent, DragRecorder, HoldScene, Instrument, Jobs, Link, LiveScene, MeasureDraft,
-    MeasureIntent, MeasureScene, Notice, Output, Page, SAFE_MODE, Shown, TextureScene, Waiting,
+    Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene, DesignState, Desk,
+    DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene, MeasureDraft,
+    MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, SAFE_MODE, Screen, Shown, TextureScene,
+    Waiting,
 };

@@ -37,6 +37,8 @@ mod session;
 mod sounding;
 #[path = "in_use/texturing.rs"]
 mod texturing;
+#[path = "in_use/verifying.rs"]
+mod verifying;
 
 use session::Session;
 use slipline_instrument::MeasureIntent;
@@ -57,7 +59,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
 
     // A drag of many moves is one gesture; undo reverts all of it.
     let first_m = session.line_m();
-    session.instrument.begin_gestures(1);
+    session.instrument.desk.begin_gestures(1);
     session.attention.is_dragging = true;
     for mm in 150..180 {
         session.instrument.drag_line(0, &[f64::from(mm) * 1e-3]);
@@ -75,7 +77,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     session.pass(500);
     session.instrument.play_texture();
     session.pass(500);
-    assert!(session.instrument.setup().tones.len() > 1, "{}", session.notice());
+    assert!(session.instrument.desk.setup().tones.len() > 1, "{}", session.notice());
     let sent = session.sent();
     assert!(sent.iter().any(|kind| kind == "Chord" || kind == "Drive"), "{sent:?}");
     session.instrument.save_texture();
@@ -97,7 +99,7 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     let nominal = slipline_plate::preset("membrane").unwrap();
     let truth = secret(&Arc::new(nominal.clone()), 1).unwrap();
     let off_mm = |plate: &Plate| 1e3 * departure(plate, &truth, 400e3).unwrap().boundary_m;
-    let used = Arc::clone(&session.instrument.setup().plate);
+    let used = Arc::clone(&session.instrument.desk.setup().plate);
     let (before_mm, after_mm) = (off_mm(&nominal), off_mm(&used));
     assert!(after_mm < 1.0 && after_mm < 0.3 * before_mm, "{before_mm} {after_mm} mm");
     assert!(session.sent().contains(&"Comb".to_owned()));
@@ -107,10 +109,10 @@ fn a_session_from_the_first_connection_to_a_pulled_cable() {
     // The cable is pulled and plugged in again: nothing sounds automatically; Drive continues.
     session.worker.borrow().plug(false);
     session.pass(1000);
-    assert!(!session.instrument.snapshot().is_connected());
+    assert!(!session.instrument.drive.snapshot().is_connected());
     session.worker.borrow().plug(true);
     session.pass(3000);
-    assert!(session.instrument.snapshot().is_connected(), "{}", session.notice());
+    assert!(session.instrument.drive.snapshot().is_connected(), "{}", session.notice());
     session.instrument.start();
     session.pass(1500);
     assert_eq!(session.state(), Some(State::Driving));

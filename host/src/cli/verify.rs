@@ -8,7 +8,7 @@ use super::rig::PortArgument;
 use super::{argument, output};
 use clap::Args;
 use serde_json::json;
-use slipline_instrument::native::{Verified, verify_windows_s};
+use slipline_instrument::measure::{Verified, verify_windows_s};
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_plate::quantity::Measure;
 

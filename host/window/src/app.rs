@@ -145,7 +145,7 @@ impl App {
             view: ViewState::default(),
             screenshots: channel(),
         };
-        app.instrument.perform_device(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
+        app.instrument.drive.perform(DeviceIntent::AutoReconnect(app.settings.auto_reconnect));
         if first_setup().is_some_and(|first| first.plate == app.setup().plate) {
             app.rest_finger();
         }
@@ -162,7 +162,7 @@ impl App {
     /// The user's setup.
     #[must_use]
     pub fn setup(&self) -> &Setup {
-        self.instrument.setup()
+        self.instrument.desk.setup()
     }
 
     /// The settings that are kept between runs.
@@ -184,29 +184,29 @@ impl App {
 
     /// Shows a failure.
     pub fn fail(&mut self, text: String) {
-        self.instrument.fail(text);
+        self.instrument.out.fail(text);
     }
 
     /// The recorded drag.
     #[must_use]
     pub fn recorder(&self) -> &DragRecorder {
-        self.instrument.recorder()
+        self.instrument.desk.recorder()
     }
 
     /// The latest message that is shown, if any.
     #[must_use]
     pub fn notice(&self) -> Option<&Notice> {
-        self.instrument.notices().max_by_key(|notice| notice.number)
+        self.instrument.out.notices().max_by_key(|notice| notice.number)
     }
 
     /// Processes everything that happened since the last frame. Paints nothing.
     pub fn logic(&mut self, ctx: &egui::Context) {
         self.attend(ctx);
-        let revision = self.instrument.snapshot().revision;
+        let revision = self.instrument.drive.snapshot().revision;
         self.instrument.take_reports();
-        if self.instrument.snapshot().revision != revision {
+        if self.instrument.drive.snapshot().revision != revision {
             // The link decides, but only after it has received what the user has just chosen.
-            self.settings.auto_reconnect = self.instrument.snapshot().auto_reconnect;
+            self.settings.auto_reconnect = self.instrument.drive.snapshot().auto_reconnect;
         }
         self.take_results();
         self.advance_demonstration(ctx);
@@ -235,13 +235,13 @@ impl App {
                 let extension = format.extension();
                 self.save(&format!("figure.{extension}"), "Picture", extension, bytes);
             }
-            Some(Err(reason)) => self.instrument.fail(format!("The figure could not be made: {reason}")),
+            Some(Err(reason)) => self.instrument.out.fail(format!("The figure could not be made: {reason}")),
             None => {}
         }
         if let Ok(image) = self.screenshots.1.try_recv() {
             match screenshot_png(&image) {
                 Ok(bytes) => self.save("screenshot.png", "Picture", "png", bytes),
-                Err(error) => self.instrument.fail(format!("The screenshot could not be made: {error}")),
+                Err(error) => self.instrument.out.fail(format!("The screenshot could not be made: {error}")),
             }
         }
     }
@@ -281,7 +281,7 @@ impl App {
     /// The ports to choose from: those that were found, and the present one.
     fn listed_ports(&self) -> Vec<PortInfo> {
         let mut ports = self.ports.clone();
-        let current = self.instrument.snapshot().port.clone();
+        let current = self.instrument.drive.snapshot().port.clone();
         if let Some(port) = current.filter(|port| ports.iter().all(|info| info.port != *port)) {
             ports.push(PortInfo { label: port.to_string(), port, is_ours: false, usb_serial: None });
         }

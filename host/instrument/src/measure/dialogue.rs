@@ -21,6 +21,9 @@ pub struct Dialogue(Rc<RefCell<State>>);
 struct State {
     asked: Option<Request>,
     outcome: Option<Outcome>,
+    /// A request whose outcome is awaited while others are sent; and that outcome.
+    begun: Option<Request>,
+    ended: Option<Outcome>,
     /// The device's sample index in its last status.
     now: u64,
     codes: Option<Codes>,
@@ -64,6 +67,22 @@ impl Dialogue {
     pub(super) async fn done(&self, request: Request) -> Result<u64, MeasureError> {
         let outcome = self.ask(request).await;
         if let Outcome::Done { at } = outcome { Ok(at) } else { Err(ended_by(&outcome)) }
+    }
+
+    /// Sends a request whose outcome is awaited by [`ended`](Self::ended), while other requests are sent.
+    pub(super) fn begin(&self, request: Request) {
+        self.0.borrow_mut().begun = Some(request);
+    }
+
+    /// The outcome of the request that was begun last; `None` if there is none by the time the device has passed this sample.
+    pub(super) async fn ended(&self, sample: u64) -> Result<Option<Outcome>, MeasureError> {
+        loop {
+            let ended = self.0.borrow_mut().ended.take();
+            if ended.is_some() || self.now() > sample {
+                return Ok(ended);
+            }
+            self.done(Request::Refresh).await?;
+        }
     }
 
     /// Stops the drive.
@@ -138,6 +157,14 @@ impl Dialogue {
 
     pub(super) fn answer(&self, outcome: Outcome) {
         self.0.borrow_mut().outcome = Some(outcome);
+    }
+
+    pub(super) fn begun(&self) -> Option<Request> {
+        self.0.borrow_mut().begun.take()
+    }
+
+    pub(super) fn end(&self, outcome: Outcome) {
+        self.0.borrow_mut().ended = Some(outcome);
     }
 
     pub(super) fn own_table(&self) -> Option<Arc<DeviceTable>> {

@@ -33,6 +33,9 @@ pub enum MeasureError {
     /// The codes that the device has played are not completely known.
     #[error("it is not known which codes the device has played: the link lost some of its reports")]
     Unknown,
+    /// The digest of a window of codes was not received.
+    #[error("the device gave no digest")]
+    NoDigest,
     /// The two sweeps were not played alike.
     #[error("the device turned its tones down between two sweeps: let it cool, or lower the level")]
     TurnedDown,

@@ -7,6 +7,7 @@
 //! Plate, Wanted --SweepPlan-> one gliding tone --Sweeping--> Measured
 //!                --PlayedSweep-> two of them ---Playing--> a recorder's WAV file --HeardSweep--> responses
 //! Plate, circuit -----------> quiet comb --DriveChecking--> whether the drive is on --AfterCheck--> Measuring
+//! Plate ---------------------> windows of codes --Verifying--> whether they are the mirror's
 //! ```
 //! Each is a [`Procedure`] without a clock and a port, so the command line, the app and the tests [`Run`] the
 //! same steps.
@@ -25,6 +26,7 @@ mod procedure;
 mod setback;
 mod signal;
 mod sweep;
+mod verifying;
 
 pub use after_check::AfterCheck;
 pub use answers::{Measured, Sensor, Warning};
@@ -40,3 +42,4 @@ pub use sweep::{
     Chirp, HeardError, HeardSweep, PLAYED_BYTES_MAX, PlayedFileError, PlayedSweep, Playing, QUIETER, SWEEP_S,
     SweepPlan, Sweeping,
 };
+pub use verifying::{Verified, VerifiedWindow, Verifying, verify_windows_s};

@@ -60,6 +60,8 @@ pub struct Run<P: Procedure> {
     stage: Stage,
     is_asked: bool,
     awaited: Option<Ticket>,
+    /// The request whose outcome is awaited while others are sent.
+    begun: Option<Ticket>,
     heard: Option<P::Heard>,
     error: Option<MeasureError>,
 }
@@ -74,6 +76,7 @@ impl<P: Procedure> Run<P> {
             stage: Stage::Running,
             is_asked: false,
             awaited: None,
+            begun: None,
             heard: None,
             error: None,
         }
@@ -87,7 +90,15 @@ impl<P: Procedure> Run<P> {
                 self.awaited = None;
                 self.take(outcome);
             }
-            match self.step() {
+            if let Some(outcome) = self.begun.and_then(|ticket| snapshot.outcome(ticket)) {
+                self.begun = None;
+                self.dialogue.end(outcome.clone());
+            }
+            let step = self.step();
+            if let Some(request) = self.dialogue.begun() {
+                self.begun = Some(send(request));
+            }
+            match step {
                 NextStep::Ask(request) => self.awaited = Some(send(request)),
                 NextStep::Wait => return true,
                 NextStep::Ended => return false,

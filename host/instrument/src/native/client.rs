@@ -3,16 +3,16 @@
 
 use super::ClientError;
 use crate::Link;
-use crate::measure::{Procedure, Run};
+use crate::measure::{MeasureError, Procedure, Run, Verified, Verifying};
 use crate::rig::PreparedRig;
 use slipline_link::native::{Handle, SystemOpener, Worker};
-use slipline_link::protocol::command::DigestWindow;
-use slipline_link::protocol::event::{Digest, Identity, State};
+use slipline_link::protocol::event::{Identity, State};
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::table::DeviceTable;
 use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket};
+use slipline_plate::Plate;
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -297,26 +297,6 @@ impl<W: BlockingLink> Client<W> {
         self.perform_at(Request::Refresh)
     }
 
-    /// Requests a digest of a future window of the device's codes, runs `act` meanwhile, and then waits up to
-    /// `patience` for the digest.
-    ///
-    /// # Errors
-    /// Those of `act`, [`ClientError::Refused`] and [`ClientError::NoDigest`].
-    pub fn digest<E: From<ClientError>>(
-        &self,
-        window: DigestWindow,
-        patience: Duration,
-        act: impl FnOnce() -> Result<(), E>,
-    ) -> Result<Digest, E> {
-        let ticket = self.link.send(Request::Digest(window));
-        act()?;
-        match self.link.wait(ticket, patience) {
-            Some(Outcome::Digest(digest)) => Ok(digest),
-            Some(Outcome::Refused(refusal)) => Err(ClientError::Refused(refusal).into()),
-            _ => Err(self.interrupted_or(ClientError::NoDigest).into()),
-        }
-    }
-
     /// Arms the device, runs a procedure to its end, and disarms the device. `watch` receives the progress, 0
     /// to 1.
     ///
@@ -351,6 +331,23 @@ impl<W: BlockingLink> Client<W> {
         let found = run.finish()?;
         self.disarm()?;
         Ok(found)
+    }
+
+    /// Arms the device, which holds the table of this plate, plays this number of tones, 1 to 16, and compares the codes of
+    /// four windows of this length ([`verify_windows_s`](crate::measure::verify_windows_s)) with the mirror's; then it stops and
+    /// disarms the device.
+    ///
+    /// # Errors
+    /// [`ClientError::NotComparable`], and those of [`Client::run`].
+    pub fn verify(&self, plate: &Plate, tones: u8, window_s: f64) -> Result<Verified, ClientError> {
+        let rate_hz = f64::from(self.identity()?.sample_rate_hz);
+        let verified = self.run(Verifying::new(plate, tones, window_s, rate_hz), |_| ());
+        verified.map_err(|error| match error {
+            ClientError::Procedure(MeasureError::Fault(_) | MeasureError::Unknown) => {
+                ClientError::NotComparable(self.snapshot().status.and_then(|status| status.first_fault))
+            }
+            error => error,
+        })
     }
 
     /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up, if the device

@@ -49,9 +49,6 @@ pub enum ClientError {
     /// The outcome belongs to another request.
     #[error("the device's reply belongs to another request")]
     Unexpected,
-    /// The digest of a window of codes was not received.
-    #[error("the device gave no digest")]
-    NoDigest,
     /// The user has interrupted the call; the drive is stopped.
     #[error("interrupted: the drive was stopped")]
     Interrupted,

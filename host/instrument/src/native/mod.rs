@@ -6,7 +6,6 @@ mod error;
 mod hold;
 mod interruptible;
 mod measurer;
-mod verify;
 mod wait;
 
 pub use arming::ArmingConsent;
@@ -14,4 +13,3 @@ pub use client::{BlockingLink, Client, LEASE};
 pub use error::ClientError;
 pub use interruptible::InterruptibleLink;
 pub use measurer::Measurer;
-pub use verify::{Verified, VerifiedWindow, verify_windows_s};

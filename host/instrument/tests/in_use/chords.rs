@@ -35,7 +35,7 @@ fn falling() -> (Setup, DriveTable) {
 
 /// Whether the latest thing that sounds is a chord; `None` if nothing does.
 fn sounds_as_chord(session: &Session) -> Option<bool> {
-    let snapshot = session.instrument.snapshot();
+    let snapshot = session.instrument.drive.snapshot();
     sounding::sounding(snapshot)?;
     let is_chord = |change: &Change| match change {
         Change::Play(Played::Chord(_)) => Some(true),
@@ -61,9 +61,9 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     let (setup, table) = falling();
     assert!(setup.chord_gain_db.is_some_and(|gain_db| gain_db > 0.5), "{:?}", setup.chord_gain_db);
     let mut session = Session::driving_setup(setup.clone());
-    assert!(session.instrument.setup() == &setup);
+    assert!(session.instrument.desk.setup() == &setup);
     assert_eq!(sounds_as_chord(&session), Some(true));
-    let sounding = sounding::sounding(session.instrument.snapshot()).unwrap();
+    let sounding = sounding::sounding(session.instrument.drive.snapshot()).unwrap();
     assert_eq!(sounding.tones.len(), setup.tones.len());
     for tone in &setup.tones {
         let drawn = SteadyTone::of(&setup, tone, &table);
@@ -75,9 +75,9 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
     session.take_requests();
     session.move_to(session.line_mm() - 1.0);
     session.pass(400);
-    assert_eq!(session.instrument.setup().chord_gain_db, None);
+    assert_eq!(session.instrument.desk.setup().chord_gain_db, None);
     assert_eq!(sounds_as_chord(&session), Some(false));
-    assert!(session.is_driving() && session.instrument.notices().next().is_none());
+    assert!(session.is_driving() && session.instrument.out.notices().next().is_none());
     assert!(matches!(played(&session)[..], [Request::Stop, Request::Play(Sounding::Drive(_))]));
     // What was undone sounds as it did.
     session.instrument.undo();
@@ -110,12 +110,12 @@ fn a_texture_for_a_device_that_plays_no_chords_says_how_much_quieter_it_is() {
             instrument.turn();
         }
         instrument.play_texture();
-        let told = instrument.notices().last().unwrap().text.clone();
+        let told = instrument.out.notices().last().unwrap().text.clone();
         assert_eq!(
             told.starts_with("This device plays no chords: the texture is "),
             is_told,
             "{minor}: {told}"
         );
-        assert!(instrument.setup().tones.len() > 1);
+        assert!(instrument.desk.setup().tones.len() > 1);
     }
 }

@@ -19,12 +19,12 @@ fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
     session.pass(500);
     let told = "Stopped after 10 minutes without a command. Press Drive to resume.";
     assert_eq!(session.notice(), told);
-    assert!(session.instrument.snapshot().log.iter().any(|entry| entry.text == told), "whole");
+    assert!(session.instrument.drive.snapshot().log.iter().any(|entry| entry.text == told), "whole");
     session.pass(1000);
     assert!(!session.is_driving(), "not before it is asked to");
     session.instrument.start();
     session.pass(1000);
-    assert!(session.is_driving() && session.instrument.notices().next().is_none());
+    assert!(session.is_driving() && session.instrument.out.notices().next().is_none());
 }
 
 /// An instrument on this device.
@@ -43,6 +43,7 @@ fn turn(instrument: &mut Instrument) {
 
 fn notice(instrument: &Instrument) -> String {
     instrument
+        .out
         .notices()
         .max_by_key(|notice| notice.number)
         .map_or_else(String::new, |notice| notice.text.clone())

@@ -22,15 +22,15 @@ fn stays(session: &Session, before_mm: f64) -> bool {
 fn neither_a_level_nor_another_tone_moves_the_line() {
     let mut session = felt(slipline_plate::preset("al-bending").unwrap(), 0.8);
     let before_mm = session.line_mm();
-    let turning_point_m = session.instrument.setup().tones[0].position_m;
+    let turning_point_m = session.instrument.desk.setup().tones[0].position_m;
     session.edit(&Edit::Master(-6.0));
     assert!(stays(&session, before_mm), "{before_mm} {}", session.line_mm());
-    assert!(session.instrument.setup().tones[0].position_m > turning_point_m + 0.005);
+    assert!(session.instrument.desk.setup().tones[0].position_m > turning_point_m + 0.005);
     // Its master is lowered for it.
     session.edit(&Edit::Master(0.0));
-    let (start_m, end_m) = session.instrument.setup().plate.span_m();
+    let (start_m, end_m) = session.instrument.desk.setup().plate.span_m();
     session.edit(&Edit::Add { position_m: 0.5 * (start_m + end_m) });
-    assert!(session.instrument.setup().master_db < -1.0);
+    assert!(session.instrument.desk.setup().master_db < -1.0);
     assert!(stays(&session, before_mm), "{before_mm} {}", session.line_mm());
 }
 
@@ -39,10 +39,10 @@ fn the_line_holds_what_it_held_when_a_finger_feels_less() {
     let mut session = felt(membrane(1.0), 0.03);
     let before_mm = session.line_mm();
     session.edit(&Edit::Feeling(Feeling { threshold: 2.0, ..Feeling::default() }));
-    assert_eq!(session.instrument.setup().feeling.threshold, 2.0);
+    assert_eq!(session.instrument.desk.setup().feeling.threshold, 2.0);
     assert!(stays(&session, before_mm));
     // The turning point has moved, so that the line could stay.
-    let setup = session.instrument.setup();
+    let setup = session.instrument.desk.setup();
     let line = Line::of(setup, &setup.tones[0], None);
     assert!(line.holds == Holds::TurningPoint && line.place_m > 0.18 + 0.001, "{line:?}");
 }

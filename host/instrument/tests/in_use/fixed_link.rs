@@ -21,7 +21,7 @@ pub(crate) struct FixedLink {
 
 /// Link and device while the simulated device drives.
 pub(crate) fn driving() -> Snapshot {
-    (**Session::driving().instrument.snapshot()).clone()
+    (**Session::driving().instrument.drive.snapshot()).clone()
 }
 
 /// A device with a real plate on it, in this state.

@@ -97,7 +97,7 @@ fn it_listens_holds_and_says_what_a_finger_takes() {
     session.pass(300);
     assert!(!is_on(&session) && standing(&session) == "Off" && session.is_driving());
     assert_eq!(orders(&session), (0, 1));
-    assert!(!session.instrument.snapshot().is_holding());
+    assert!(!session.instrument.drive.snapshot().is_holding());
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn stop_ends_it_and_drive_does_not_bring_it_back() {
     assert_eq!(standing(&session), "Not held any more: the drive was stopped");
     session.instrument.start();
     session.pass(1000);
-    assert!(session.is_driving() && !is_on(&session) && !session.instrument.snapshot().is_holding());
+    assert!(session.is_driving() && !is_on(&session) && !session.instrument.drive.snapshot().is_holding());
 }
 
 #[test]
@@ -174,10 +174,10 @@ fn the_calibrations_look_at_the_sensor_ends_it() {
     let (mut session, _) = held();
     session.instrument.perform_calibrate(CalibrateIntent::Open);
     session.pass(200);
-    assert!(session.instrument.snapshot().is_holding(), "the first page needs no sensor");
+    assert!(session.instrument.drive.snapshot().is_holding(), "the first page needs no sensor");
     session.open_wizard(WizardPage::FirstPlace);
     session.pass(1500);
-    assert!(!session.instrument.snapshot().is_holding() && session.is_driving());
+    assert!(!session.instrument.drive.snapshot().is_holding() && session.is_driving());
     assert!(session.instrument.shown().measure.live.signal.is_some());
 }
 

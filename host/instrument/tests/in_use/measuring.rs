@@ -139,7 +139,7 @@ fn the_sensor_is_seen_while_it_is_put_in_its_place() {
 fn the_calibrations_pages_measure_too() {
     let mut session = Session::sensed(Half(2));
     open_calibration(&mut session, WizardPage::FirstAnswer);
-    let [proposed_m, _] = CalibrationWizard::of(&session.instrument.setup().plate).places_m();
+    let [proposed_m, _] = CalibrationWizard::of(&session.instrument.desk.setup().plate).places_m();
     assert_eq!(session.instrument.shown().measure.live.draft.place_m, proposed_m);
     let answer = |session: &Session| {
         let calibration = session.instrument.shown().calibration.unwrap().calibration.clone();

@@ -113,7 +113,7 @@ impl Hands for Session {
     }
 
     fn move_line(&mut self, mm: u32) {
-        self.instrument.begin_gestures(1);
+        self.instrument.desk.begin_gestures(1);
         self.instrument.drag_line(0, &[f64::from(mm) * 1e-3]);
         self.turn();
     }
@@ -158,7 +158,7 @@ impl Hands for Session {
     }
 
     fn replay(&mut self) {
-        self.instrument.play(true);
+        self.instrument.desk.play(true);
         self.turn();
     }
 

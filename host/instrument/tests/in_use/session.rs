@@ -109,7 +109,7 @@ impl Session {
     ) -> Self {
         let worker = Rc::new(RefCell::new(SteppedWorker::new(true, inputs)));
         let mut instrument = Instrument::new(link(Rc::clone(&worker)), jobs, bench, setup);
-        instrument.perform_device(DeviceIntent::AutoReconnect(true));
+        instrument.drive.perform(DeviceIntent::AutoReconnect(true));
         instrument.connect(Port::Simulated);
         let attention = Attention { is_animated: true, is_measurements_open: true, ..Attention::default() };
         Self { instrument, worker, attention, saved: Vec::new() }
@@ -132,7 +132,7 @@ impl Session {
             }
             self.pass(50);
         }
-        panic!("never: {what}: {:?}", self.instrument.snapshot().log);
+        panic!("never: {what}: {:?}", self.instrument.drive.snapshot().log);
     }
 
     /// The shell hangs for this time: nothing turns the instrument, and the link gets no signs of life.
@@ -152,7 +152,7 @@ impl Session {
         self.instrument.attend(self.attention);
         self.instrument.take_reports();
         self.instrument.turn();
-        for output in self.instrument.take_outputs() {
+        for output in self.instrument.out.take_outputs() {
             match output {
                 Output::Open(page) => {
                     self.attention.has_page = true;
@@ -195,7 +195,7 @@ impl Session {
 
     /// Whether a line of the log contains this.
     pub(crate) fn is_logged(&self, part: &str) -> bool {
-        self.instrument.snapshot().log.iter().any(|entry| entry.text.contains(part))
+        self.instrument.drive.snapshot().log.iter().any(|entry| entry.text.contains(part))
     }
 
     /// Whether the plate is being measured.
@@ -205,14 +205,14 @@ impl Session {
 
     /// Moves the line of the first tone to this place in millimetres, as another gesture.
     pub(crate) fn move_to(&mut self, mm: f64) {
-        self.instrument.begin_gestures(1);
+        self.instrument.desk.begin_gestures(1);
         self.instrument.drag_line(0, &[mm * 1e-3]);
         self.turn();
     }
 
     /// Makes a change, as another gesture.
     pub(crate) fn edit(&mut self, edit: &Edit) {
-        self.instrument.begin_gestures(1);
+        self.instrument.desk.begin_gestures(1);
         self.instrument.edit(edit);
         self.turn();
     }
@@ -223,7 +223,7 @@ impl Session {
     }
 
     pub(crate) fn state(&self) -> Option<State> {
-        self.instrument.snapshot().status.map(|status| status.state)
+        self.instrument.drive.snapshot().status.map(|status| status.state)
     }
 
     /// The place of the first tone's line, in millimetres.
@@ -237,6 +237,7 @@ impl Session {
 
     pub(crate) fn notice(&self) -> String {
         self.instrument
+            .out
             .notices()
             .max_by_key(|notice| notice.number)
             .map_or_else(String::new, |it| it.text.clone())

@@ -8,9 +8,9 @@ use slipline_model::sounding::sounding;
 
 /// The device plays, within a thousandth, the frequencies that the screen's setup asks for.
 fn assert_screen_sounds(session: &Session) {
-    let acknowledged = sounding(session.instrument.snapshot()).expect("something sounds");
+    let acknowledged = sounding(session.instrument.drive.snapshot()).expect("something sounds");
     let acknowledged: Vec<f64> = acknowledged.tones.iter().map(|tone| tone.frequency_hz).collect();
-    let setup = session.instrument.setup();
+    let setup = session.instrument.desk.setup();
     let wanted: Vec<f64> =
         setup.tones.iter().map(|tone| setup.plate.frequency_for_boundary_hz(tone.position_m)).collect();
     assert_eq!(acknowledged.len(), wanted.len(), "{acknowledged:?} sounds, {wanted:?} is on the screen");
@@ -32,7 +32,7 @@ fn two_tones() -> Session {
 
 /// Moves the second tone to this place, in millimetres.
 fn move_second(session: &mut Session, mm: f64) {
-    let slot = session.instrument.setup().tones[1].slot;
+    let slot = session.instrument.desk.setup().tones[1].slot;
     session.edit(&Edit::Move { slot, position_m: mm * 1e-3 });
 }
 
@@ -41,7 +41,7 @@ fn a_setup_that_is_opened_or_taken_back_sounds_also_on_the_same_plate() {
     let mut session = Session::driving();
     session.move_to(100.0);
     session.pass(200);
-    let opened = session.instrument.setup().clone();
+    let opened = session.instrument.desk.setup().clone();
     session.move_to(250.0);
     session.pass(200);
     assert_screen_sounds(&session);
@@ -61,7 +61,7 @@ fn a_tone_that_is_added_can_be_dragged_anywhere() {
     for mm in [80.0, 103.0, 150.0, 200.0, 280.0] {
         move_second(&mut session, mm);
         session.pass(200);
-        assert!(session.instrument.notices().all(|notice| !notice.is_error), "{mm} mm");
+        assert!(session.instrument.out.notices().all(|notice| !notice.is_error), "{mm} mm");
         assert_screen_sounds(&session);
     }
 }
@@ -74,7 +74,7 @@ fn a_glide_that_would_be_too_loud_on_its_way_goes_by_rest() {
     let [least, most] = extremes(&session);
     let fits_db = |gain: f64| -20.0 * (2.0 * gain).log10() - 0.1;
     for (place_m, gain) in [least, most] {
-        let mut setup = session.instrument.setup().clone();
+        let mut setup = session.instrument.desk.setup().clone();
         setup.master_db = fits_db(gain);
         for tone in &mut setup.tones {
             tone.position_m = place_m;
@@ -140,7 +140,7 @@ fn drive_while_a_table_is_on_its_way_is_sent_once_the_device_holds_it() {
 
 /// The places of the table's smallest and largest gain: place in metres and gain.
 fn extremes(session: &Session) -> [(f64, f64); 2] {
-    let plate = &session.instrument.setup().plate;
+    let plate = &session.instrument.desk.setup().plate;
     let (table, _) = slipline_model::field::simulation::table_for(plate, 400_000).expect("a table");
     let places = (80..=280).map(|mm| 1e-3 * f64::from(mm)).map(|place_m| (place_m, table.gain(place_m)));
     let least = places.clone().min_by(|a, b| a.1.total_cmp(&b.1)).expect("places");

@@ -19,7 +19,7 @@ fn first_start(kind: WishKind) -> Session {
 fn draft(session: &mut Session, change: impl FnOnce(&mut WishDraft)) {
     let mut draft = session.instrument.shown().texture.draft.clone();
     change(&mut draft);
-    session.instrument.draft_texture(draft);
+    session.instrument.screen.draft_texture(draft);
     session.pass(600);
 }
 
@@ -36,10 +36,10 @@ fn a_texture_begins_from_rest_and_is_not_refused_for_the_way_to_it() {
     let mut session = first_start(WishKind::Profile);
     session.instrument.play_texture();
     session.pass(600);
-    assert!(session.instrument.setup().tones.len() > 1 && session.is_driving());
+    assert!(session.instrument.desk.setup().tones.len() > 1 && session.is_driving());
     session.instrument.undo();
     session.pass(600);
-    assert_eq!(session.instrument.setup().tones.len(), 1);
+    assert_eq!(session.instrument.desk.setup().tones.len(), 1);
     assert!(!session.is_logged("add up to"), "the device refused the way first");
 }
 
@@ -56,7 +56,7 @@ fn bad_profiles_are_refused_by_name_and_change_nothing() {
     ] {
         session.instrument.take_profile(name, bytes);
         session.turn();
-        let notice = session.instrument.notices().last().unwrap().clone();
+        let notice = session.instrument.out.notices().last().unwrap().clone();
         assert!(notice.is_error && notice.text.contains(name) && notice.text.contains(reason), "{notice:?}");
         assert_eq!(profile(&session), before);
     }

@@ -186,6 +186,13 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
     }
 }
 
+/// A queue that does nothing: no job has a result.
+impl<Job: Send + 'static, Done: Send + 'static> Default for JobQueue<Job, Done> {
+    fn default() -> Self {
+        Self::inline(|_, _| None)
+    }
+}
+
 impl<Job, Done> Drop for JobQueue<Job, Done> {
     fn drop(&mut self) {
         self.task.end();

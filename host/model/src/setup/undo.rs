@@ -52,13 +52,15 @@ pub struct History {
 
 impl History {
     /// Records a change of the setup from `before` to `after`.
-    pub fn note(&mut self, before: &Setup, after: &Setup, edit: &Edit, gesture: Gesture) {
+    pub fn note(&mut self, before: Setup, after: &Setup, edit: &Edit, gesture: Gesture) {
         self.future.clear();
         let slot = edit.slot().filter(|_| gesture.source == EditSource::User);
         let key = Some((gesture, edit.name(), slot));
         if let Some(step) = self.past.iter_mut().rev().find(|step| step.lasts == key) {
             // Undoing the gesture must keep the later changes of other sources.
-            step.from = with(before, &step.to, &step.from);
+            if before != step.to {
+                step.from = with(&before, &step.to, &step.from);
+            }
             step.to = after.clone();
             return;
         }
@@ -67,7 +69,7 @@ impl History {
         if self.past.len() == DEPTH {
             self.past.remove(0);
         }
-        self.past.push(Step { from: before.clone(), to: after.clone(), name: edit.name(), lasts: key });
+        self.past.push(Step { from: before, to: after.clone(), name: edit.name(), lasts: key });
     }
 
     /// Undoes the latest gesture: takes the present setup and returns the one without it.
@@ -148,7 +150,7 @@ mod tests {
         for mm in [110, 115, 120] {
             let edit = Edit::Move { slot: 0, position_m: f64::from(mm) * 1e-3 };
             let next = apply(&present, &edit).unwrap();
-            history.note(&present, &next, &edit, user(7));
+            history.note(present, &next, &edit, user(7));
             present = next;
         }
         let moved = present.clone();
@@ -158,7 +160,7 @@ mod tests {
         assert_eq!(history.redo(&back).unwrap(), moved);
         // Another press of the pointer is another step.
         let edit = Edit::Move { slot: 0, position_m: 0.13 };
-        history.note(&moved, &apply(&moved, &edit).unwrap(), &edit, user(8));
+        history.note(moved.clone(), &apply(&moved, &edit).unwrap(), &edit, user(8));
         assert!(history.redo_name().is_none() && history.undo(&moved).is_some());
     }
 
@@ -173,7 +175,7 @@ mod tests {
         for (edit, level) in moves.iter().zip(&levels) {
             for (edit, gesture) in [(edit, score), (level, user(7))] {
                 let next = apply(&present, edit).unwrap();
-                history.note(&present, &next, edit, gesture);
+                history.note(present, &next, edit, gesture);
                 present = next;
             }
         }

@@ -20,7 +20,6 @@ impl From<ClientError> for Failure {
             | ClientError::Unguarded(_)
             | ClientError::NoProfile
             | ClientError::Unexpected
-            | ClientError::NoDigest
             | ClientError::Interrupted
             | ClientError::NotHeld(_)
             | ClientError::NotOn(_)

@@ -29,7 +29,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_instrument::hold::{Holding, MAX_RISE};
-use slipline_instrument::native::{ArmingConsent, Client, ClientError, InterruptibleLink, verify_windows_s};
+use slipline_instrument::measure::verify_windows_s;
+use slipline_instrument::native::{ArmingConsent, Client, ClientError, InterruptibleLink};
 use slipline_instrument::rig::PreparedRig;
 use slipline_link::protocol::limits::MAX_TONES;
 use slipline_link::{DeviceTable, Port};
@@ -233,9 +234,7 @@ impl Device {
             OutOfRange::check("window_s", window_s, windows).map_err(|it| Failure::out_of_range(&it))?;
             may_be_armed(client, consent)?;
             client.disarm()?;
-            let verified = client.verify(&plate, tones, window_s)?;
-            client.disarm()?;
-            Ok(fields(&verified))
+            Ok(fields(&client.verify(&plate, tones, window_s)?))
         })?;
         Answer::of(py, verified)
     }

@@ -47,7 +47,7 @@ fn shares_at(time_s: f64) -> (f64, f64) {
 impl App {
     /// Shows what the window is for, until the first input.
     pub fn demonstrate(&mut self) {
-        let setup = self.instrument.setup();
+        let setup = self.instrument.desk.setup();
         if let Some(tone) = setup.tones.first() {
             let line = (tone.slot, tone.position_m);
             self.lead = Lead::Demonstration(Demonstration { began_s: None, line });
@@ -57,13 +57,13 @@ impl App {
     /// Goes on with the demonstration, or ends it.
     pub(super) fn advance_demonstration(&mut self, ctx: &egui::Context) {
         let Lead::Demonstration(under_way) = self.lead else { return };
-        let snapshot = self.instrument.snapshot();
+        let snapshot = self.instrument.drive.snapshot();
         let is_elsewhere = snapshot.is_connected() && !snapshot.is_simulated();
         if is_elsewhere || self.dialog.is_some() || ctx.input(has_input) {
             return self.end_demonstration();
         }
         let now_s = ctx.input(|input| input.time);
-        if self.instrument.sounding_on_screen().is_none() {
+        if self.instrument.screen.sounding().is_none() {
             if under_way.began_s.is_some() {
                 self.end_demonstration();
             }
@@ -76,13 +76,13 @@ impl App {
         self.lead = Lead::Demonstration(Demonstration { began_s: Some(began_s), ..under_way });
         let (finger, line) = shares_at(now_s - began_s);
         let (slot, turns_m) = under_way.line;
-        let (start_m, _) = self.instrument.setup().plate.span_m();
+        let (start_m, _) = self.instrument.desk.setup().plate.span_m();
         self.instrument.show_line(slot, turns_m + line * (start_m - turns_m));
         let line_m = self.instrument.line(slot).map_or(turns_m, |line| line.place_m);
-        if self.instrument.finger().is_none() {
+        if self.instrument.screen.finger().is_none() {
             self.instrument.touch(Touch::Ideal);
         }
-        self.instrument.move_finger(finger * line_m);
+        self.instrument.screen.move_finger(finger * line_m);
         ctx.request_repaint();
     }
 
@@ -99,9 +99,9 @@ impl App {
     /// Lays a finger that takes nothing half-way to the line.
     pub(super) fn rest_finger(&mut self) {
         self.instrument.touch(Touch::Ideal);
-        if let Some(line) = self.instrument.line(self.instrument.selected()) {
+        if let Some(line) = self.instrument.line(self.instrument.desk.selected()) {
             let half_m = 0.5 * line.place_m;
-            self.instrument.move_finger(half_m);
+            self.instrument.screen.move_finger(half_m);
         }
     }
 }

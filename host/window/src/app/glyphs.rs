@@ -19,8 +19,10 @@ impl App {
             return;
         }
         let ports = self.ports.iter().map(|port| port.label.as_str());
-        let names =
-            ports.chain([self.instrument.setup().plate.name(), &self.instrument.background().draft.name]);
+        let names = ports.chain([
+            self.instrument.desk.setup().plate.name(),
+            &self.instrument.screen.background().draft.name,
+        ]);
         if names.clone().flat_map(str::chars).eq(self.glyphs.looked_at.chars()) {
             return;
         }
@@ -39,7 +41,7 @@ impl App {
         let codes: Vec<String> = missing.iter().take(4).map(|&c| format!("U+{:04X}", u32::from(c))).collect();
         let more = if missing.len() > codes.len() { " and others" } else { "" };
         self.glyphs.reported.extend(missing);
-        self.instrument.fail(format!(
+        self.instrument.out.fail(format!(
             "No font of this system has the characters {}{more}: they are shown as boxes. Install a font of their \
              script, such as Noto Sans CJK, and start Slipline again.",
             codes.join(", ")

@@ -37,7 +37,7 @@ impl App {
             None => None,
         };
         let closed = closed.filter(|_| ctx.input(|input| input.key_pressed(Key::Escape)));
-        let notice = closed.map(|closed| by_escape(closed, self.instrument.snapshot()));
+        let notice = closed.map(|closed| by_escape(closed, self.instrument.drive.snapshot()));
         if closed.is_some() && self.dialog.is_none() {
             self.view.brush = Brush::default();
         }
@@ -95,17 +95,17 @@ impl App {
             if focused.is_some() && self.view.focused_finger == focused {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0 {
-                    asked.push(Intent::MoveFinger(self.instrument.finger_place_m() + step_m));
+                    asked.push(Intent::MoveFinger(self.instrument.screen.finger_place_m() + step_m));
                 }
             } else if (focused.is_none() && !self.view.is_measuring())
                 || (focused.is_some() && self.view.focused_handle == focused)
             {
                 let step_m = arrow_step_m(input);
                 if step_m != 0.0
-                    && let Some(line) = self.instrument.line(self.instrument.selected())
+                    && let Some(line) = self.instrument.line(self.instrument.desk.selected())
                 {
                     asked.push(Intent::MoveLine {
-                        slot: self.instrument.selected(),
+                        slot: self.instrument.desk.selected(),
                         place_m: line.place_m + step_m,
                     });
                 }
@@ -118,10 +118,10 @@ impl App {
                 matches!(intent, Intent::StopKey | Intent::MoveLine { .. } | Intent::MoveFinger(_))
             });
         }
-        self.instrument.begin_gestures(presses);
+        self.instrument.desk.begin_gestures(presses);
         self.perform(ctx, asked);
         if let Some(notice) = notice {
-            self.instrument.post(notice);
+            self.instrument.out.post(notice);
         }
     }
 

@@ -57,10 +57,10 @@ impl App {
         }
         let next = (kiosk.scene + 1) % SCENES.len();
         self.lead = Lead::Scenes(Kiosk { scene: next, since_s: Some(now_s) });
-        if self.instrument.snapshot().is_simulated() {
+        if self.instrument.drive.snapshot().is_simulated() {
             self.start_scene(next);
             // The visitor who stopped the simulated plate has gone.
-            let state = self.instrument.snapshot().status.map(|status| status.state);
+            let state = self.instrument.drive.snapshot().status.map(|status| status.state);
             if matches!(state, Some(State::Armed | State::Idle)) {
                 self.instrument.start();
             }

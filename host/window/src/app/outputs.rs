@@ -44,7 +44,7 @@ impl App {
 
     /// Carries out what the instrument asks of the window.
     pub(super) fn carry_out(&mut self, ctx: &egui::Context) {
-        for output in self.instrument.take_outputs() {
+        for output in self.instrument.out.take_outputs() {
             match output {
                 Output::Open(Page::Calibration) => self.dialog = Some(Dialog::Calibrate),
                 Output::Open(Page::Measurements) => self.view.open_measure(),
@@ -55,7 +55,7 @@ impl App {
                 Output::Save { name, kind, extension, bytes } => self.save(&name, kind, extension, bytes),
             }
         }
-        if let Some(after) = self.instrument.take_wake() {
+        if let Some(after) = self.instrument.out.take_wake() {
             ctx.request_repaint_after(after);
         }
     }
@@ -72,7 +72,7 @@ impl App {
             let viewport = input.viewport();
             viewport.minimized != Some(true) && viewport.occluded != Some(true)
         });
-        if !self.instrument.is_sounding() || !is_visible {
+        if !self.instrument.screen.is_sounding() || !is_visible {
             return;
         }
         if self.settings.animate {

@@ -37,14 +37,14 @@ impl App {
             match intent {
                 Intent::Edit(edit) => self.instrument.edit(&edit),
                 Intent::MoveLine { slot, place_m } => {
-                    self.instrument.end_replay();
+                    self.instrument.desk.end_replay();
                     self.instrument.drag_line(slot, &[place_m]);
                 }
                 Intent::Device(asked) => {
                     if let DeviceIntent::AutoReconnect(looks) = asked {
                         self.settings.auto_reconnect = looks;
                     }
-                    self.instrument.perform_device(asked);
+                    self.instrument.drive.perform(asked);
                 }
                 Intent::Connect(port) => self.connect(port),
                 Intent::Start if self.view.is_stopped => {}
@@ -57,25 +57,25 @@ impl App {
                 Intent::Disarm => self.instrument.disarm(),
                 Intent::HoldLevel(is_on) => self.instrument.switch_hold(is_on),
                 Intent::MaxRise(decibels) => self.instrument.choose_max_rise(decibels),
-                Intent::Select(slot) => self.instrument.select(slot),
+                Intent::Select(slot) => self.instrument.desk.select(slot),
                 Intent::Touch(touch) => self.instrument.touch(touch),
-                Intent::MoveFinger(place_m) => self.instrument.move_finger(place_m),
+                Intent::MoveFinger(place_m) => self.instrument.screen.move_finger(place_m),
                 Intent::Sound(choice) => self.choose_sound(choice),
                 Intent::Volume(volume) => self.settings.volume = volume.clamp(0.0, 1.0),
                 Intent::Grab(grab) => {
-                    self.instrument.end_replay();
+                    self.instrument.desk.end_replay();
                     self.grab = Some(grab);
                 }
                 Intent::Switch => self.instrument.switch_setups(),
                 Intent::Record(records) => self.instrument.record(records),
-                Intent::Play(plays) => self.instrument.play(plays),
+                Intent::Play(plays) => self.instrument.desk.play(plays),
                 Intent::Seek(time_s) => self.instrument.seek(time_s),
-                Intent::Loop(is_looped) => self.instrument.loop_replay(is_looped),
+                Intent::Loop(is_looped) => self.instrument.desk.loop_replay(is_looped),
                 Intent::Speed(speed) => {
                     self.settings.speed = speed.clamp(*SPEEDS.start(), *SPEEDS.end());
                 }
                 Intent::Scrub(time_s) => {
-                    if self.instrument.scrub(time_s) {
+                    if self.instrument.screen.scrub(time_s) {
                         self.settings.animate = false;
                     }
                 }
@@ -91,15 +91,15 @@ impl App {
                 Intent::OpenDialog => self.desk.files.begin(FileJob::Choose),
                 Intent::Open(path) => self.desk.files.begin(FileJob::Open(path)),
                 Intent::SaveDialog => {
-                    let text = setup_file::write(self.instrument.setup());
+                    let text = setup_file::write(self.instrument.desk.setup());
                     self.save("setup.toml", "Setup", "toml", text.into_bytes());
                 }
                 Intent::SavePlateDialog => {
-                    let text = self.instrument.setup().plate.to_toml();
+                    let text = self.instrument.desk.setup().plate.to_toml();
                     self.save("plate.toml", "Plate", "toml", text.into_bytes());
                 }
                 Intent::Share => self.share(ctx),
-                Intent::Design(draft) => self.instrument.design(*draft),
+                Intent::Design(draft) => self.instrument.screen.design(*draft),
                 Intent::UseDesign => {
                     if let Some(designed) = self.designed() {
                         self.instrument.edit(&Edit::Plate(Arc::new(designed.plate.clone())));
@@ -116,9 +116,9 @@ impl App {
                         self.desk.files.begin(FileJob::SaveFolder(cut_files(&designed)));
                     }
                 }
-                Intent::Texture(draft) => self.instrument.draft_texture(*draft),
+                Intent::Texture(draft) => self.instrument.screen.draft_texture(*draft),
                 Intent::Draw(path) => self.instrument.draw_texture(&path),
-                Intent::EndDrawing => self.instrument.end_drawing(),
+                Intent::EndDrawing => self.instrument.screen.end_drawing(),
                 Intent::PlayTexture => self.instrument.play_texture(),
                 Intent::SaveTexture => self.instrument.save_texture(),
                 Intent::OpenProfile => self.desk.files.begin(FileJob::ChooseProfile),
@@ -126,10 +126,10 @@ impl App {
                 Intent::Calibrate(intent) => self.instrument.perform_calibrate(intent),
                 Intent::CheckPlane => self.instrument.check_plane(),
                 Intent::CancelWork => self.instrument.cancel_work(),
-                Intent::MakeTable => self.instrument.make_table(),
+                Intent::MakeTable => self.instrument.drive.make_table(),
                 Intent::Wave(wish) => self.settings.wave = wish,
                 Intent::Export(export) => self.export(ctx, export),
-                Intent::Upload => self.instrument.upload(),
+                Intent::Upload => self.instrument.drive.upload(),
                 Intent::Theme(choice) => {
                     self.settings.theme = choice;
                     set_theme(ctx, choice);
@@ -141,12 +141,12 @@ impl App {
                     self.dialog = dialog.or(self.behind.take());
                 }
                 Intent::Path(text, may_replace) => self.take_path(&text, may_replace),
-                Intent::WriteProfile(profile) => self.instrument.write_profile(*profile),
+                Intent::WriteProfile(profile) => self.instrument.drive.write_profile(*profile),
                 Intent::Confirmed(confirm) => {
                     self.dialog = None;
                     self.confirmed(confirm);
                 }
-                Intent::DismissNotice(number) => self.instrument.dismiss_notice(number),
+                Intent::DismissNotice(number) => self.instrument.out.dismiss(number),
                 Intent::RefreshPorts => self.look_for_ports(),
                 Intent::AskForPort => {
                     if let Some(ask) = &mut self.desk.ask_for_port {
@@ -200,13 +200,13 @@ impl App {
     /// Copies the address that shows the setup.
     fn share(&mut self, ctx: &egui::Context) {
         let Some(address) = &self.desk.address else { return };
-        let address = format!("{address}#{}", fragment::write(self.instrument.setup()));
-        self.instrument.post(format!("Copied the address of this setup: {} characters", address.len()));
+        let address = format!("{address}#{}", fragment::write(self.instrument.desk.setup()));
+        self.instrument.out.post(format!("Copied the address of this setup: {} characters", address.len()));
         ctx.copy_text(address);
     }
 
     fn confirmed(&mut self, confirm: Confirm) {
-        let snapshot = self.instrument.snapshot();
+        let snapshot = self.instrument.drive.snapshot();
         let asked = match confirm {
             Confirm::Arm => DeviceIntent::Arm,
             Confirm::Store => DeviceIntent::Store,
@@ -223,36 +223,42 @@ impl App {
                 self.settings.arms_without_profile(unit);
             }
         }
-        self.instrument.perform_device(asked);
+        self.instrument.drive.perform(asked);
     }
 
     /// The plate that was designed from the present draft.
     fn designed(&self) -> Option<Arc<Design>> {
-        let DesignState::Ready(designed) = &self.instrument.background().design else { return None };
+        let DesignState::Ready(designed) = &self.instrument.screen.background().design else { return None };
         designed.result.as_ref().ok().cloned()
     }
 
     fn diagnostics(&self) -> String {
-        report::text(self.instrument.snapshot(), self.instrument.setup(), self.instrument.shown().table)
+        report::text(
+            self.instrument.drive.snapshot(),
+            self.instrument.desk.setup(),
+            self.instrument.shown().table,
+        )
     }
 
     fn export(&mut self, ctx: &egui::Context, what: Export) {
-        if matches!(what, Export::Figure(_) | Export::Envelope) && self.instrument.load().is_some() {
+        if matches!(what, Export::Figure(_) | Export::Envelope) && self.instrument.screen.load().is_some() {
             // The simulated plate beside the prediction has no finger.
-            self.instrument.post("The export shows the plate without the finger".to_owned());
-            let touch = self.instrument.lift_finger();
+            self.instrument.out.post("The export shows the plate without the finger".to_owned());
+            let touch = self.instrument.screen.lift_finger();
             self.export(ctx, what);
-            return self.instrument.touch_again(touch);
+            return self.instrument.screen.touch_again(touch);
         }
         match what {
             Export::Figure(format) => {
-                let Some(full_peak_m) = self.instrument.full_peak_m() else { return self.fail_unknown() };
+                let Some(full_peak_m) = self.instrument.drive.full_peak_m() else {
+                    return self.fail_unknown();
+                };
                 let subject = Subject {
-                    setup: self.instrument.setup().clone(),
+                    setup: self.instrument.desk.setup().clone(),
                     predicted: self.instrument.shown().predicted.clone(),
-                    sounding: self.instrument.sounding_on_screen().cloned(),
-                    sheet: self.instrument.shown_sheet().cloned(),
-                    measured: self.instrument.current_measured().cloned(),
+                    sounding: self.instrument.screen.sounding().cloned(),
+                    sheet: self.instrument.screen.sheet().cloned(),
+                    measured: self.instrument.screen.current_measured().cloned(),
                     full_peak_m,
                     is_largest: self.settings.show_amplitude,
                     wave_time_s: self.instrument.shown().wave_time_s,
@@ -269,32 +275,36 @@ impl App {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Screenshot(taken));
             }
             Export::Envelope => {
-                let Some(full_peak_m) = self.instrument.full_peak_m() else { return self.fail_unknown() };
-                let measured = self.instrument.current_measured();
+                let Some(full_peak_m) = self.instrument.drive.full_peak_m() else {
+                    return self.fail_unknown();
+                };
+                let measured = self.instrument.screen.current_measured();
                 let text = csv_wav::envelope_csv(
-                    self.instrument.setup(),
+                    self.instrument.desk.setup(),
                     self.instrument.shown().predicted,
                     measured,
                     full_peak_m,
                 );
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());
             }
-            Export::Waveform | Export::Sound if self.instrument.is_waveform_unknown() => {
-                self.instrument.fail(UNKNOWN_CODES.to_owned());
+            Export::Waveform | Export::Sound if self.instrument.screen.is_waveform_unknown() => {
+                self.instrument.out.fail(UNKNOWN_CODES.to_owned());
             }
             Export::Waveform => match csv_wav::waveform_csv(self.instrument.shown().waveform) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
-                None => self.instrument.fail("Nothing is driven, so there is no waveform to save".to_owned()),
+                None => {
+                    self.instrument.out.fail("Nothing is driven, so there is no waveform to save".to_owned())
+                }
             },
             Export::Sound => match csv_wav::wav(self.instrument.shown().waveform) {
                 Ok(Some(bytes)) => self.save("drive.wav", "Sound", "wav", bytes),
                 Ok(None) => {
-                    self.instrument.fail("Nothing is driven, so there is no drive to save".to_owned());
+                    self.instrument.out.fail("Nothing is driven, so there is no drive to save".to_owned());
                 }
-                Err(error) => self.instrument.fail(format!("The sound could not be made: {error}")),
+                Err(error) => self.instrument.out.fail(format!("The sound could not be made: {error}")),
             },
             Export::Recording => {
-                let text = self.instrument.recorder().recording().to_csv();
+                let text = self.instrument.desk.recorder().recording().to_csv();
                 self.save("drag.csv", "Recording", "csv", text.into_bytes());
             }
             Export::Diagnostics => {
@@ -307,7 +317,7 @@ impl App {
     fn fail_unknown(&mut self) {
         let text =
             "The plate's table is not made yet, so its heights are not known: connect, and wait for it";
-        self.instrument.fail(text.to_owned());
+        self.instrument.out.fail(text.to_owned());
     }
 
     pub(super) fn file_event(&mut self, event: FileEvent) {
@@ -319,7 +329,7 @@ impl App {
                 let name = name_of(&path);
                 let text = match text {
                     Ok(text) => text,
-                    Err(error) => return self.instrument.not_opened(&name, &error),
+                    Err(error) => return self.instrument.out.not_opened(&name, &error),
                 };
                 if self.instrument.opened_table(&name, &text) || self.instrument.opened_sweep(&name, &text) {
                     return;
@@ -330,16 +340,16 @@ impl App {
                 if profile_file::is_one(&text) {
                     match profile_file::read(&text) {
                         Ok(profile) => self.dialog = Some(Dialog::Profile(Box::new(profile))),
-                        Err(error) => self.instrument.not_opened(&name, &error),
+                        Err(error) => self.instrument.out.not_opened(&name, &error),
                     }
                     return;
                 }
                 match setup_file::read(&text) {
                     Ok(opened) => self.use_opened(opened),
-                    Err(error) => return self.instrument.not_opened(&name, &error),
+                    Err(error) => return self.instrument.out.not_opened(&name, &error),
                 }
                 self.settings.used(&path);
-                self.instrument.post(format!("Opened {name}"));
+                self.instrument.out.post(format!("Opened {name}"));
             }
             FileEvent::Measurement(path, bytes) => {
                 let name = name_of(&path);
@@ -350,7 +360,7 @@ impl App {
                             self.instrument.open_measurement(&name, bytes);
                         }
                     }
-                    Err(error) => self.instrument.not_opened(&name, &error),
+                    Err(error) => self.instrument.out.not_opened(&name, &error),
                 }
             }
             FileEvent::Profile(path, bytes) => {
@@ -360,7 +370,7 @@ impl App {
                 }
                 match bytes {
                     Ok(bytes) => self.instrument.take_profile(&name_of(&path), &bytes),
-                    Err(error) => self.instrument.not_opened(&name_of(&path), &error),
+                    Err(error) => self.instrument.out.not_opened(&name_of(&path), &error),
                 }
             }
             FileEvent::Saved(path, Ok(())) => {
@@ -368,12 +378,12 @@ impl App {
                     self.settings.used(&path);
                 }
                 let logged = format!("Saved {}.", name_of(&path));
-                self.instrument.report(Severity::Info, format!("Saved {}", path.display()), logged);
+                self.instrument.out.report(Severity::Info, format!("Saved {}", path.display()), logged);
             }
             FileEvent::Saved(path, Err(reason)) => {
                 let said = |name: &dyn Display| format!("{name} was not saved: {reason}");
                 let (shown, logged) = (said(&path.display()), said(&name_of(&path)));
-                self.instrument.report(Severity::Error, shown, logged);
+                self.instrument.out.report(Severity::Error, shown, logged);
             }
             FileEvent::NoDialog(job) => self.ask_for_path(job, None),
             FileEvent::Exists(path, save) => self.ask_for_path(FileJob::Save(save), Some(&path)),

@@ -22,7 +22,7 @@ impl App {
     /// The present sound.
     pub(super) fn sound_choice(&self) -> SoundChoice {
         self.hearing.chosen.unwrap_or_else(|| {
-            let is_usual = self.instrument.snapshot().is_simulated() && self.settings.hear_finger;
+            let is_usual = self.instrument.drive.snapshot().is_simulated() && self.settings.hear_finger;
             if is_usual { SoundChoice::Finger } else { SoundChoice::Off }
         })
     }
@@ -31,7 +31,7 @@ impl App {
     /// is kept between runs.
     pub(super) fn choose_sound(&mut self, choice: SoundChoice) {
         self.hearing.chosen = Some(choice);
-        if self.instrument.snapshot().is_simulated() && choice != SoundChoice::Drive {
+        if self.instrument.drive.snapshot().is_simulated() && choice != SoundChoice::Drive {
             self.settings.hear_finger = choice == SoundChoice::Finger;
         }
         if matches!(self.desk.speaker.state(), SpeakerState::Failed(_)) {
@@ -54,13 +54,13 @@ impl App {
         if self.sound_choice() != SoundChoice::Drive {
             return None;
         }
-        if self.instrument.snapshot().is_holding() {
+        if self.instrument.drive.snapshot().is_holding() {
             return Some(
                 "The drive is played at its own levels: what the level hold adds is not heard.".to_owned(),
             );
         }
         let highest = show_frequency(slipline_model::sound::HIGHEST_DRIVE_HZ);
-        let left_out = show_frequency(left_out_hz(&sounding::sounding(self.instrument.snapshot())?)?);
+        let left_out = show_frequency(left_out_hz(&sounding::sounding(self.instrument.drive.snapshot())?)?);
         Some(format!("A sound card plays the drive up to {highest}: the tone of {left_out} is left out."))
     }
 
@@ -68,14 +68,14 @@ impl App {
         if !self.settings.animate || !self.hearing.has_touched {
             return None;
         }
-        let (finger, full_peak_m) = (self.instrument.finger()?, self.instrument.full_peak_m()?);
-        let field = self.instrument.sounding_on_screen()?;
-        let met = self.instrument.trace().latest();
-        Some(at_finger(&self.instrument.setup().plate, field, &finger, full_peak_m, met))
+        let (finger, full_peak_m) = (self.instrument.screen.finger()?, self.instrument.drive.full_peak_m()?);
+        let field = self.instrument.screen.sounding()?;
+        let met = self.instrument.screen.trace().latest();
+        Some(at_finger(&self.instrument.desk.setup().plate, field, &finger, full_peak_m, met))
     }
 
     fn sound_of_drive(&self) -> Option<Sound> {
-        let status = self.instrument.snapshot().status?;
-        Some(of_drive(&sounding::sounding(self.instrument.snapshot())?, status.foldback_per_mille))
+        let status = self.instrument.drive.snapshot().status?;
+        Some(of_drive(&sounding::sounding(self.instrument.drive.snapshot())?, status.foldback_per_mille))
     }
 }

@@ -1,13 +1,13 @@
 //! A measurement with the connected device: one request after the other, without blocking. STOP, a fault, a
 //! lost device and another plate end it; its last request is a stop.
 
-use super::Instrument;
-use super::MeasureDraft;
 use super::rig::Rig;
-use super::shown::LiveScene;
 use super::signal::{Looks, SENSOR_INPUT};
-use super::start::Obstacle;
+use super::{Lab, MeasureDraft, Reach, is_at_bench};
 use crate::hold::HoldEnd;
+use crate::instrument::drive::Obstacle;
+use crate::instrument::shown::LiveScene;
+use crate::jobs::rig::RigJob;
 use crate::measure::{
     AfterCheck, CURRENT_INPUT, DriveChecking, MeasureError, Measured, Measuring, Plan, Run, Sensor, Wanted,
 };
@@ -37,48 +37,41 @@ struct UnderWay {
 
 /// The state of the measurements with the device.
 #[derive(Default)]
-pub(crate) struct Live {
-    pub(crate) draft: MeasureDraft,
+pub(super) struct Live {
+    pub(super) draft: MeasureDraft,
     run: Option<UnderWay>,
     /// Why the last measurement failed.
     failed: Option<String>,
-    /// The rig of the simulated device.
-    pub(crate) rig: Rig,
     /// Short captures of the input while the sensor is being placed.
-    pub(crate) looks: Looks,
+    pub(super) looks: Looks,
     /// Number of runs so far, for their names.
     count: u32,
 }
 
 impl Live {
-    pub(crate) fn scene(&self, now: u64, is_drive_known: bool) -> LiveScene<'_> {
+    pub(super) fn scene(&self, now: u64, rig: &Rig, is_drive_known: bool) -> LiveScene<'_> {
         let run = self.run.as_ref().map(|run| run.measuring.progress(now) as f32);
-        let progress = run.or(self.rig.is_awaited().then_some(0.0));
         LiveScene {
             draft: &self.draft,
-            progress,
+            progress: run.or(rig.is_awaited().then_some(0.0)),
             is_checking: self.run.as_ref().is_some_and(|run| run.measuring.is_checking()),
             is_drive_known,
             failed: self.failed.as_deref(),
             signal: self.looks.latest,
-            is_secret: self.rig.is_secret(),
-            is_secret_measured: self.rig.truth().is_some_and(|(_, is_measured)| is_measured),
+            is_secret: rig.is_secret(),
+            is_secret_measured: rig.truth().is_some_and(|(_, is_measured)| is_measured),
         }
     }
 
     /// Whether the measurement under way handles this request's outcome.
-    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
+    pub(super) fn awaits(&self, ticket: Ticket) -> bool {
         self.run.as_ref().is_some_and(|run| run.measuring.awaited() == Some(ticket))
             || self.looks.awaits(ticket)
     }
 
-    /// Whether the device's input is listened to.
-    pub(crate) fn is_heard(&self) -> bool {
-        self.is_under_way() || self.looks.is_looking()
-    }
-
-    pub(crate) fn is_under_way(&self) -> bool {
-        self.run.is_some() || self.rig.is_awaited()
+    /// Whether the device is measuring.
+    pub(super) const fn is_running(&self) -> bool {
+        self.run.is_some()
     }
 }
 
@@ -99,29 +92,29 @@ enum MeasuringRefused {
     Measure(#[from] MeasureError),
 }
 
-impl Instrument {
+impl Lab {
     /// Starts a measurement, or reports the obstacle.
-    pub(crate) fn begin_measuring(&mut self, answers: Option<usize>) {
-        if self.live.is_under_way() {
+    pub(super) fn begin_measuring(&mut self, answers: Option<usize>, reach: &mut Reach<'_>) {
+        if self.is_measuring() {
             return;
         }
         self.live.failed = None;
-        match self.prepared_measuring() {
-            Err(refused) => self.notices.hinder(refused.to_string()),
-            Ok(_) if self.snapshot.is_simulated() && !self.is_rig_standing() => {
-                self.put_rig_together(answers);
+        match self.prepared_measuring(reach) {
+            Err(refused) => reach.out.hinder(refused.to_string()),
+            Ok(_) if reach.drive.snapshot().is_simulated() && !self.is_rig_standing(reach) => {
+                self.rig.put_together(self.wanted_rig(reach), answers);
             }
             Ok(measuring) => {
-                self.end_hold(HoldEnd::Measured);
-                self.make_ready();
-                let has_stopped_drive = self.autopilot.wants_drive();
-                self.autopilot.stopped();
-                self.end_replay();
+                self.end_hold(HoldEnd::Measured, reach.out);
+                reach.drive.make_ready();
+                let has_stopped_drive = reach.drive.is_wanted();
+                reach.drive.give_up();
+                reach.desk.end_replay();
                 self.live.count += 1;
                 let place = show_place(self.live.draft.place_m);
                 let name = format!("{place}, run {}", self.live.count);
-                let plate = Arc::clone(&self.setup.plate);
-                self.note(Severity::Info, format!("Measuring at {place}."));
+                let plate = Arc::clone(reach.desk.plate());
+                reach.drive.note(Severity::Info, format!("Measuring at {place}."));
                 let measuring = Run::of(measuring);
                 self.live.run = Some(UnderWay { measuring, plate, name, answers, has_stopped_drive });
             }
@@ -129,23 +122,23 @@ impl Instrument {
     }
 
     /// The measurement of the draft, or why the device cannot carry it out now.
-    fn prepared_measuring(&self) -> Result<AfterCheck<Measuring>, MeasuringRefused> {
-        if let Some(obstacle) = self.obstacle() {
+    fn prepared_measuring(&self, reach: &Reach<'_>) -> Result<AfterCheck<Measuring>, MeasuringRefused> {
+        let Reach { desk, drive, .. } = reach;
+        if let Some(obstacle) = drive.obstacle() {
             return Err(obstacle.into());
         }
-        let inputs = self.snapshot.inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
+        let inputs = drive.snapshot().inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
         let inputs = inputs.ok_or(MeasuringRefused::NoSensorInput)?;
-        let made = self.screen_table().filter(|_| self.is_table_there());
-        let made = made.ok_or(MeasuringRefused::NoTable)?;
-        let MeasureDraft { place_m, kind, level, is_checked, drive } = self.live.draft;
-        let plate = &self.setup.plate;
+        let made = drive.table_made().filter(|_| drive.is_table_there());
+        let table = &made.ok_or(MeasuringRefused::NoTable)?.device_table;
+        let MeasureDraft { place_m, kind, level, is_checked, drive: known_drive } = self.live.draft;
+        let (plate, rate_hz) = (desk.plate(), drive.sample_rate_hz());
         if !(0.0..=plate.length_m()).contains(&place_m) {
             return Err(MeasuringRefused::OffThePlate { place_m });
         }
         let wanted = Wanted { level, ..Wanted::of(plate) };
-        let plan = Plan::new(plate, &wanted, self.sample_rate_hz(), usize::from(inputs.lock_ins))?;
+        let plan = Plan::new(plate, &wanted, rate_hz, usize::from(inputs.lock_ins))?;
         let sensor = Sensor { place_m, kind, input: SENSOR_INPUT };
-        let table = &made.device_table;
         let measuring = Measuring::new(plan, Arc::clone(table), sensor, &inputs)?;
         if !is_checked {
             return Ok(AfterCheck::new(None, measuring));
@@ -153,80 +146,115 @@ impl Instrument {
         if inputs.inputs <= CURRENT_INPUT {
             return Err(MeasuringRefused::NoCurrentInput);
         }
-        let drive = if self.is_at_bench() { self.live.rig.known_drive() } else { Some(drive) };
-        let check =
-            |drive| DriveChecking::new(plate, drive, Arc::clone(table), self.sample_rate_hz(), &inputs);
+        let known_drive =
+            if is_at_bench(drive.snapshot()) { self.rig.known_drive() } else { Some(known_drive) };
+        let check = |known| DriveChecking::new(plate, known, Arc::clone(table), rate_hz, &inputs);
         // Without a drive the rig is put together first.
-        let checking = drive.map(check).transpose()?;
+        let checking = known_drive.map(check).transpose()?;
         Ok(AfterCheck::new(checking, measuring))
+    }
+
+    /// The rig that the draft needs.
+    fn wanted_rig(&self, reach: &Reach<'_>) -> RigJob {
+        self.rig.wanted(reach.desk.plate(), &self.live.draft, reach.drive.sample_rate_hz())
+    }
+
+    /// Whether that rig is on the bench; moves its sensor to the place of the draft.
+    pub(super) fn is_rig_standing(&self, reach: &Reach<'_>) -> bool {
+        self.rig.is_standing(&self.wanted_rig(reach))
+    }
+
+    /// Puts that rig on the bench of a simulated device.
+    pub(super) fn put_rig_up(&mut self, reach: &Reach<'_>) {
+        if is_at_bench(reach.drive.snapshot()) && !self.is_rig_standing(reach) {
+            self.rig.look_for(self.wanted_rig(reach));
+        }
     }
 
     /// Cancels the measurement under way.
     pub(crate) fn cancel_measuring(&mut self) {
-        self.live.rig.awaited_for = None;
+        self.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();
         }
     }
 
     /// Passes the device's outcomes on, and sends the next request.
-    pub(crate) fn update_measuring(&mut self) {
-        self.take_rig();
-        if self.update_signal() {
-            self.wake_after(LOOK);
+    pub(super) fn update_measuring(&mut self, reach: &mut Reach<'_>) {
+        match self.rig.take(self.hold.holding.is_on()) {
+            Ok(Some(answers)) => self.begin_measuring(answers, reach),
+            Ok(None) => {}
+            Err(reason) => {
+                self.hold.awaits_rig = false;
+                reach.out.fail(format!("The simulated plate cannot be measured: {reason}"));
+            }
         }
+        self.look_at_sensor(reach);
         let Some(run) = &mut self.live.run else { return };
-        if !Arc::ptr_eq(&run.plate, &self.setup.plate) {
+        if !Arc::ptr_eq(&run.plate, reach.desk.plate()) {
             run.measuring.cancel();
         }
         let was_checking = run.measuring.is_checking();
-        if !run.measuring.turn(&self.snapshot, |request| self.link.send(request)) {
-            return self.measured();
+        let drive = &*reach.drive;
+        if !run.measuring.turn(drive.snapshot(), |request| drive.send(request)) {
+            return self.measured(reach);
         }
         if was_checking && !run.measuring.is_checking() {
-            self.note(Severity::Info, DriveCheck::On.to_string());
+            drive.note(Severity::Info, DriveCheck::On.to_string());
         }
-        self.wake_after(LOOK);
+        reach.out.wake_after(LOOK);
+    }
+
+    /// Captures the sensor's signal while a page of the calibration shows it.
+    fn look_at_sensor(&mut self, reach: &mut Reach<'_>) {
+        let is_wanted = reach.attention.is_calibration_open
+            && self.calibration.has_sensor_in_hand()
+            && reach.drive.snapshot().is_connected()
+            && !self.is_measuring();
+        let Some(next) = Looks::next(reach.drive).filter(|_| is_wanted) else {
+            self.live.looks = Looks::default();
+            return;
+        };
+        self.end_hold(HoldEnd::Measured, reach.out);
+        self.put_rig_up(reach);
+        self.live.looks.update(next, reach.drive);
+        reach.out.wake_after(LOOK);
     }
 
     /// Stores the measurement, or reports why it failed.
-    fn measured(&mut self) {
+    fn measured(&mut self, reach: &mut Reach<'_>) {
         let Some(under_way) = self.live.run.take() else { return };
         let UnderWay { measuring, name, answers, has_stopped_drive, .. } = under_way;
         let next = if has_stopped_drive { DRIVE_ENDED } else { "" };
-        match measuring.finish() {
-            Ok(measured) => self.take_measured(&name, measured, answers, next),
+        let Measured { measurement, warnings, .. } = match measuring.finish() {
+            Ok(measured) => measured,
             Err(MeasureError::Cancelled) => {
-                self.notices.post(format!("The measurement was cancelled.{next}"));
+                return reach.out.post(format!("The measurement was cancelled.{next}"));
             }
             Err(error) => {
                 let text = format!("{}{next}", not_measured(&error));
                 self.live.failed = Some(text.clone());
-                self.fail(text);
+                return reach.out.fail(text);
             }
-        }
-    }
-
-    fn take_measured(&mut self, name: &str, measured: Measured, answers: Option<usize>, next: &str) {
-        let Measured { measurement, warnings, .. } = measured;
+        };
         let count = measurement.points.len();
-        self.note_measured();
-        match self.measures.add(name, measurement) {
+        self.rig.note_measured();
+        match self.measurements.add(&name, measurement) {
             Ok(number) => {
                 if let Some(sensor) = answers {
                     self.take_answer(sensor, number);
                 }
             }
-            Err(error) => return self.fail(slipline_link::capitalized(&error.to_string())),
+            Err(error) => return reach.out.fail(slipline_link::capitalized(&error.to_string())),
         }
         let sentences: Vec<String> = warnings.iter().map(|warning| warning.sentence()).collect();
         for sentence in &sentences {
-            self.note(Severity::Warning, sentence.clone());
+            reach.drive.note(Severity::Warning, sentence.clone());
         }
         let text = format!("Measured {name}: {count} answers.");
         match sentences.first() {
-            Some(first) => self.fail(format!("{text} {first}{next}")),
-            None => self.notices.post(format!("{text}{next}")),
+            Some(first) => reach.out.fail(format!("{text} {first}{next}")),
+            None => reach.out.post(format!("{text}{next}")),
         }
     }
 }

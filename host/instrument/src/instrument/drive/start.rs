@@ -1,13 +1,15 @@
 //! The Drive button: it sends the tones, or states the obstacle and its remedy.
 
-use super::Instrument;
-use super::{Output, Page};
+use super::Drive;
 use crate::autopilot;
 use crate::changes::Changes;
+use crate::instrument::outbox::Outbox;
+use crate::instrument::shell::{Attention, Page};
 use slipline_link::protocol::event::{Faults, State};
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::{LinkError, LinkState, Request};
 use slipline_model::jobs::table::TableState;
+use slipline_model::setup::Setup;
 
 /// The explanation of safe mode, and its remedy.
 pub const SAFE_MODE: &str = "Restarted after repeated crashes: it talks but does not drive. \
@@ -51,47 +53,36 @@ pub(crate) enum Obstacle {
     TableNotSent,
 }
 
-impl Instrument {
-    /// Handles a press of Drive: the tones are sent now, or as soon as the device is ready for them.
-    pub fn start(&mut self) {
-        if self.live.is_under_way() {
-            let text = "The plate is being measured: cancel that or press STOP first.";
-            return self.notices.hinder(text.to_owned());
-        }
+impl Drive {
+    /// Handles a press of Drive: the tones are sent now, or as soon as the device is ready for them; or states the obstacle.
+    pub(crate) fn start(&mut self, setup: &Setup, attention: &Attention, out: &mut Outbox) {
         if let Some(obstacle) = self.obstacle() {
-            self.notices.hinder(obstacle.to_string());
-            if obstacle == Obstacle::Muted && !self.attention.has_page {
-                self.outputs.push(Output::Open(Page::Arm));
+            out.hinder(obstacle.to_string());
+            if obstacle == Obstacle::Muted && !attention.has_page {
+                out.open(Page::Arm);
             }
             return;
         }
         self.make_ready();
-        let made = self.screen_table().cloned();
+        let made = self.table_made().cloned();
         if self.autopilot.start(&self.snapshot, made.as_deref()) {
-            self.send_drive();
-            return;
+            return self.play(setup);
         }
         if !self.is_table_there() {
             let text = "The drive starts as soon as the device holds the plate's table.";
-            self.notices.delay(text.to_owned());
+            out.delay(text.to_owned());
         }
-        self.run_autopilot(&Changes::default());
+        self.run_autopilot(&Changes::default(), setup, attention.uploads);
     }
 
     /// Clears a harmless fault and arms a simulated device.
-    pub(crate) fn make_ready(&mut self) {
+    pub(crate) fn make_ready(&self) {
         if autopilot::drive_clears_fault(&self.snapshot) {
-            self.link.send(Request::ClearFaults);
+            self.send(Request::ClearFaults);
         }
         if autopilot::drive_arms(&self.snapshot) {
-            self.link.send(Request::Arm);
+            self.send(Request::Arm);
         }
-    }
-
-    /// Whether the device holds the table of the plate on the screen.
-    pub(crate) fn is_table_there(&self) -> bool {
-        let on_device = self.snapshot.table.active.map(|header| header.crc);
-        self.screen_table().is_some_and(|made| on_device == Some(made.device_table.crc()))
     }
 
     /// The obstacle that prevents driving and does not disappear by itself, if there is one.
@@ -129,7 +120,7 @@ impl Instrument {
     fn obstacle_of_table(&self, is_simulated: bool) -> Option<Obstacle> {
         let is_coming = self.snapshot.upload.is_some();
         let may_go_on = !is_simulated && self.snapshot.table.active.is_some();
-        match &self.table {
+        match self.table() {
             _ if may_go_on || is_coming || self.is_table_there() => None,
             TableState::Failed(reason) => Some(Obstacle::NoTable(reason.to_string())),
             TableState::Cancelled => Some(Obstacle::TableGivenUp),

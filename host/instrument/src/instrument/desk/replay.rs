@@ -2,9 +2,12 @@
 //! limits, and is sent only if the plate is driven already. It does not arm the device, and the end of the
 //! drive ends it.
 
-use super::Instrument;
+use super::Desk;
+use crate::instrument::outbox::Outbox;
 use crate::recording::{Move, Recording};
+use slipline_model::field::line;
 use slipline_model::setup::undo::{EditSource, Gesture};
+use slipline_plate::DriveTable;
 use std::time::Duration;
 
 /// Time between two moves of a replay.
@@ -67,16 +70,23 @@ impl DragRecorder {
     }
 }
 
-impl Instrument {
+impl Desk {
     /// Begins a new recording, or ends it.
-    pub fn record(&mut self, records: bool) {
+    pub(crate) fn record(&mut self, records: bool, out: &mut Outbox) {
         self.end_replay();
         if records {
-            self.recorder.rests_at_s = None;
-            self.recorder.recording = Recording::default();
-            self.notices.post("Recording begins with the first move of a line.".to_owned());
+            self.take_recording(Recording::default());
+            out.post("Recording begins with the first move of a line.".to_owned());
         }
         self.recorder.begun = records.then_some(None);
+    }
+
+    /// Replaces the recording by one from a file.
+    pub(crate) fn take_recording(&mut self, recording: Recording) {
+        self.end_replay();
+        self.recorder.begun = None;
+        self.recorder.rests_at_s = None;
+        self.recorder.recording = recording;
     }
 
     /// Begins the replay, or ends it.
@@ -92,10 +102,20 @@ impl Instrument {
         });
     }
 
-    /// Moves the lines to where the recording has them at this time, in seconds; a replay goes on from there.
-    pub fn seek(&mut self, time_s: f64) {
+    /// Sets whether the replay repeats from its start.
+    pub const fn loop_replay(&mut self, is_looped: bool) {
+        self.recorder.is_looped = is_looped;
+    }
+
+    /// Ends the replay, because the drive was stopped or the user takes a line.
+    pub fn end_replay(&mut self) {
+        self.recorder.playing = None;
+    }
+
+    /// Chooses a time of the recording, in seconds, from which a replay goes on; returns the moves that put the lines there.
+    pub(crate) fn seek(&mut self, time_s: f64) -> Option<impl Iterator<Item = Move> + use<>> {
         if self.recorder.is_recording() || !time_s.is_finite() {
-            return;
+            return None;
         }
         let time_s = time_s.clamp(0.0, self.recorder.recording.duration_s());
         if self.recorder.sought.replace(self.gesture) != Some(self.gesture) {
@@ -105,50 +125,27 @@ impl Instrument {
             Some(playing) => (playing.done_s, playing.last_s) = (time_s, None),
             None => self.recorder.rests_at_s = Some(time_s),
         }
-        let moves = self.recorder.recording.between(-1.0, time_s);
-        self.make_moves(moves);
+        Some(self.recorder.recording.between(-1.0, time_s))
     }
 
-    /// Makes these moves, as a part of the present replay.
-    fn make_moves(&mut self, moves: impl Iterator<Item = Move>) {
-        let gesture = Gesture { source: EditSource::Recording, number: self.recorder.plays };
-        for step in moves {
-            if let Some(edit) = self.line_move(step.slot, step.place_m) {
-                self.edit_by(gesture, &edit);
-            }
-        }
+    /// The gesture of the present replay.
+    pub(crate) const fn replay_gesture(&self) -> Gesture {
+        Gesture { source: EditSource::Recording, number: self.recorder.plays }
     }
 
-    /// Ends the replay, because the drive was stopped or the user takes a line.
-    pub fn end_replay(&mut self) {
-        self.recorder.playing = None;
-    }
-
-    /// Replaces the recording by one from a file.
-    pub(crate) fn take_recording(&mut self, recording: Recording) {
-        self.record(false);
-        self.recorder.rests_at_s = None;
-        self.recorder.recording = recording;
-    }
-
-    /// Records that the user has moved a line.
-    pub(crate) fn note_move(&mut self, slot: u8, place_m: f64) {
-        let Some(begun_s) = &mut self.recorder.begun else { return };
-        if !self.recorder.recording.push(self.attention.now_s, begun_s, slot, place_m) {
-            self.recorder.begun = None;
-            self.fail("The recording is full: it is kept up to here.".to_owned());
-        }
-    }
-
-    /// Makes the moves that are due now.
-    pub(crate) fn replay(&mut self) {
-        let now_s = self.attention.now_s;
-        let is_driven = self.autopilot.wants_drive();
+    /// The moves of a replay that are due now, in seconds of the user's time.
+    pub(crate) fn due_moves(
+        &mut self,
+        now_s: f64,
+        is_driven: bool,
+        out: &mut Outbox,
+    ) -> Option<impl Iterator<Item = Move> + use<>> {
         let DragRecorder { recording, playing, is_looped, .. } = &mut self.recorder;
-        let Some(play) = playing else { return };
+        let play = playing.as_mut()?;
         if play.has_driven && !is_driven {
             *playing = None;
-            return self.notices.post("The replay ended with the drive.".to_owned());
+            out.post("The replay ended with the drive.".to_owned());
+            return None;
         }
         play.has_driven |= is_driven;
         let step_s = play.last_s.map_or(0.0, |last_s| (now_s - last_s).clamp(0.0, GAP_S));
@@ -156,7 +153,6 @@ impl Instrument {
         let from_s = play.done_s;
         let to_s = from_s.max(0.0) + step_s;
         play.done_s = to_s;
-        let due = recording.between(from_s, to_s);
         if to_s >= recording.duration_s() {
             if *is_looped {
                 play.done_s = -1.0;
@@ -164,7 +160,32 @@ impl Instrument {
                 *playing = None;
             }
         }
-        self.make_moves(due);
-        self.wake_after(STEP);
+        out.wake_after(STEP);
+        Some(recording.between(from_s, to_s))
+    }
+
+    /// Records that the user has moved a line through these places, in metres, as far as its range allows.
+    pub(crate) fn note_moves(
+        &mut self,
+        slot: u8,
+        places_m: &[f64],
+        table: Option<&DriveTable>,
+        now_s: f64,
+        out: &mut Outbox,
+    ) {
+        let Some(tone) = self.setup.tone(slot).filter(|_| self.recorder.is_recording()) else { return };
+        let (low_m, high_m) = line::limits_m(&self.setup, tone, table);
+        for place_m in places_m.iter().filter(|place_m| place_m.is_finite()) {
+            self.note_move(slot, place_m.max(low_m).min(high_m), now_s, out);
+        }
+    }
+
+    /// Records that the user has moved a line.
+    pub(crate) fn note_move(&mut self, slot: u8, place_m: f64, now_s: f64, out: &mut Outbox) {
+        let Some(begun_s) = &mut self.recorder.begun else { return };
+        if !self.recorder.recording.push(now_s, begun_s, slot, place_m) {
+            self.recorder.begun = None;
+            out.fail("The recording is full: it is kept up to here.".to_owned());
+        }
     }
 }

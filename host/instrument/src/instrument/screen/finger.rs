@@ -1,28 +1,28 @@
 //! The finger on the plate: a choice of the view, like the colours. It is not part of the setup, so it is
 //! neither saved nor undone. Nothing about it is sent to the device, and the drive does not change.
 
-use super::Instrument;
+use super::{Screen, Sight};
 use slipline_model::field::steady_field::{SteadyField, SteadyTone};
 use slipline_model::field::touch::{Touch, Trace, Under, refusal};
 use slipline_plate::Finger;
 
 /// The state of the finger.
 #[derive(Default)]
-pub(crate) struct OnPlate {
+pub(super) struct OnPlate {
     /// Which finger, if any.
-    pub(crate) touch: Touch,
+    pub(super) touch: Touch,
     /// Its present or last place, in metres from the driven end.
-    pub(crate) place_m: f64,
+    pub(super) place_m: f64,
     /// The amplitudes under it so far.
-    pub(crate) trace: Trace,
+    pub(super) trace: Trace,
 }
 
-impl Instrument {
+impl Screen {
     /// The finger on the plate, if there is one; a plate that states no mass has none that loads it.
     pub fn finger(&self) -> Option<Finger> {
-        let (plate, touch) = (&self.setup.plate, self.finger.touch);
-        let finger = touch.at(self.finger.place_m.clamp(0.0, plate.length_m()))?;
-        (!touch.loads() || refusal(plate).is_none()).then_some(finger)
+        let touch = self.finger.touch;
+        let finger = touch.at(self.finger.place_m.clamp(0.0, self.plate.length_m()))?;
+        (!touch.loads() || refusal(&self.plate).is_none()).then_some(finger)
     }
 
     /// The finger under which the plate moves otherwise, if there is one.
@@ -30,30 +30,42 @@ impl Instrument {
         self.finger().filter(|_| self.finger.touch.loads())
     }
 
+    /// The finger's present or last place, in metres from the driven end.
+    #[must_use]
+    pub const fn finger_place_m(&self) -> f64 {
+        self.finger.place_m
+    }
+
+    /// The recent amplitudes under the finger.
+    #[must_use]
+    pub const fn trace(&self) -> &Trace {
+        &self.finger.trace
+    }
+
     /// Puts a finger on the plate, at the peak of the selected tone, or takes it off.
-    pub fn touch(&mut self, touch: Touch) {
+    pub(crate) fn touch(&mut self, touch: Touch, sight: Sight<'_>) {
         let before = self.finger.touch;
         if before == Touch::None {
-            let wave = self.predicted().field.tone(self.selected);
+            let wave = self.predicted(sight).field.tone(sight.desk.selected());
             let peak_m = wave.map(|wave| wave.peak_position_m.unwrap_or(wave.turning_point_m));
-            self.finger.place_m = peak_m.unwrap_or(0.5 * self.setup.plate.length_m());
+            self.finger.place_m = peak_m.unwrap_or(0.5 * self.plate.length_m());
         }
         self.finger.touch = touch;
         if touch == Touch::None {
-            self.end_trace();
+            self.finger.trace.clear();
         }
         if before.loads() || touch.loads() {
             self.solve_touched();
         }
         if before.loads() && !touch.loads() {
-            self.resume_sheet();
+            self.resume_sheet(sight);
         }
     }
 
     /// Moves the finger to a place, in metres from the driven end; it stays on the plate.
     pub fn move_finger(&mut self, place_m: f64) {
         if place_m.is_finite() {
-            self.finger.place_m = place_m.clamp(0.0, self.setup.plate.length_m());
+            self.finger.place_m = place_m.clamp(0.0, self.plate.length_m());
             if self.finger.touch.loads() {
                 self.solve_touched();
             }
@@ -77,9 +89,9 @@ impl Instrument {
 
     /// Solves the predicted and the sounding field again.
     fn solve_touched(&mut self) {
-        self.forget_prediction();
+        self.prediction.forget();
         let finger = self.load();
-        if self.sounding_on_screen().is_some()
+        if self.sounding().is_some()
             && let Some(sounding) = &mut self.playback.sounding
         {
             let tones: Vec<SteadyTone> = sounding.steady.tones.iter().map(|wave| wave.tone).collect();
@@ -88,15 +100,11 @@ impl Instrument {
     }
 
     /// Adds the present amplitude under the finger to its trace; called only while the wave moves.
-    pub(crate) fn trace_finger(&mut self, now_s: f64) {
-        let plate = &self.setup.plate;
+    pub(super) fn trace_finger(&mut self, sight: Sight<'_>) {
+        let plate = &self.plate;
         let (Some(finger), Some(sounding)) = (self.finger(), self.playback.on(plate)) else { return };
-        let (field, felt, feeling) = (&sounding.steady, &sounding.felt, &self.setup.feeling);
-        self.finger.trace.push(&Under { plate, field, felt, feeling }, &finger, now_s);
-    }
-
-    /// Clears the trace: the finger was lifted, or the wave under it has changed.
-    pub(crate) fn end_trace(&mut self) {
-        self.finger.trace.clear();
+        let (field, felt, feeling) = (&sounding.steady, &sounding.felt, &sight.desk.setup().feeling);
+        let under = Under { plate, field, felt, feeling };
+        self.finger.trace.push(&under, &finger, sight.attention.now_s);
     }
 }

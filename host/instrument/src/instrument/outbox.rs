@@ -1,9 +1,14 @@
-//! The messages on the screen. A message about a state stays as long as the state; a message about an event
-//! disappears after a time. Each can be dismissed. The log has each of them whole: a refusal in the link's own line, which the
-//! message only introduces, the others in a line of their own.
+//! What goes out to the shell beside what is shown: messages, actions, and when the next turn is due.
+//!
+//! A message about a state stays as long as the state; a message about an event disappears after a time. Each can be dismissed.
+//! The log has each of them whole: a refusal in the link's own line, which the message only introduces, the others in a line of
+//! their own.
 
+use super::shell::{Output, Page};
 use super::shown::Notice;
 use slipline_link::Severity;
+use std::fmt::Display;
+use std::time::Duration;
 
 /// How long a message about a success is shown, in seconds.
 const PLAIN_S: f64 = 5.0;
@@ -27,14 +32,17 @@ enum About {
     Latest,
 }
 
-/// The messages on the screen.
+/// Messages and actions for the shell; every room adds to them.
 #[derive(Default)]
-pub(crate) struct Notices {
-    /// In the order in which they are shown.
+pub struct Outbox {
+    /// The messages in the order in which they are shown.
     standing: Vec<(About, Notice)>,
     count: u64,
     /// Lines for the log.
     unlogged: Vec<(Severity, String)>,
+    outputs: Vec<Output>,
+    /// The time after which the instrument must be turned again.
+    wake: Option<Duration>,
 }
 
 /// A text as a line of the log: closed with a full stop.
@@ -43,7 +51,7 @@ fn line(text: &str) -> String {
     format!("{text}{end}")
 }
 
-impl Notices {
+impl Outbox {
     fn put(&mut self, about: About, text: String, is_error: bool, lasts_s: Option<f64>) {
         self.count += 1;
         self.end(about);
@@ -55,20 +63,21 @@ impl Notices {
         self.standing.retain(|(other, _)| *other != about);
     }
 
-    /// Reports a success.
-    pub(crate) fn post(&mut self, text: String) {
+    /// Shows a success.
+    pub fn post(&mut self, text: String) {
         let logged = line(&text);
         self.report(Severity::Info, text, logged);
     }
 
-    /// Reports a failure.
-    pub(crate) fn fail(&mut self, text: String) {
+    /// Shows a failure.
+    pub fn fail(&mut self, text: String) {
         let logged = line(&text);
         self.report(Severity::Error, text, logged);
     }
 
-    /// Reports a success or, from a warning on, a failure, and logs it in other words.
-    pub(crate) fn report(&mut self, severity: Severity, text: String, logged: String) {
+    /// Shows a success or, from a warning on, a failure that the log has in other words: the log is sent to others, and holds no
+    /// folders.
+    pub fn report(&mut self, severity: Severity, text: String, logged: String) {
         let is_error = severity >= Severity::Warning;
         self.put(About::Latest, text, is_error, Some(if is_error { ERROR_S } else { PLAIN_S }));
         self.unlogged.push((severity, logged));
@@ -152,12 +161,44 @@ impl Notices {
     }
 
     /// Removes the message with this number.
-    pub(crate) fn dismiss(&mut self, number: u64) {
+    pub fn dismiss(&mut self, number: u64) {
         self.standing.retain(|(_, notice)| notice.number != number);
     }
 
+    /// Reports why a file was not opened.
+    pub fn not_opened(&mut self, name: &str, reason: &impl Display) {
+        let reason = slipline_link::capitalized(&reason.to_string());
+        self.fail(format!("{name} was not opened, nothing has changed. {reason}"));
+    }
+
+    pub(crate) fn push(&mut self, output: Output) {
+        self.outputs.push(output);
+    }
+
+    pub(crate) fn open(&mut self, page: Page) {
+        self.push(Output::Open(page));
+    }
+
+    pub(crate) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, text: String) {
+        self.push(Output::Save { name: name.to_owned(), kind, extension, bytes: text.into_bytes() });
+    }
+
+    pub(crate) fn wake_after(&mut self, after: Duration) {
+        self.wake = Some(self.wake.map_or(after, |wake| wake.min(after)));
+    }
+
+    /// Actions for the shell, in order.
+    pub fn take_outputs(&mut self) -> Vec<Output> {
+        std::mem::take(&mut self.outputs)
+    }
+
+    /// The time after which [`Instrument::turn`](super::Instrument::turn) must be called again, if any.
+    pub fn take_wake(&mut self) -> Option<Duration> {
+        self.wake.take()
+    }
+
     /// The messages, the latest last.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Notice> {
+    pub fn notices(&self) -> impl Iterator<Item = &Notice> {
         self.standing.iter().map(|(_, notice)| notice)
     }
 }
@@ -168,14 +209,14 @@ mod tests {
 
     #[test]
     fn why_drive_acts_later_ends_with_the_state_and_not_what_was_done_meanwhile() {
-        let mut notices = Notices::default();
-        notices.delay("Later".to_owned());
-        notices.post("Saved".to_owned());
-        let shown = |notices: &Notices| notices.iter().map(|notice| notice.text.clone()).collect::<Vec<_>>();
-        assert_eq!(shown(&notices), ["Later", "Saved"]);
-        assert!(notices.iter().all(|notice| !notice.is_error && notice.lasts_s == Some(PLAIN_S)));
-        notices.state_changed();
-        assert_eq!(shown(&notices), ["Saved"]);
-        assert_eq!(notices.take_unlogged().len(), 2);
+        let mut out = Outbox::default();
+        out.delay("Later".to_owned());
+        out.post("Saved".to_owned());
+        let shown = |out: &Outbox| out.notices().map(|notice| notice.text.clone()).collect::<Vec<_>>();
+        assert_eq!(shown(&out), ["Later", "Saved"]);
+        assert!(out.notices().all(|notice| !notice.is_error && notice.lasts_s == Some(PLAIN_S)));
+        out.state_changed();
+        assert_eq!(shown(&out), ["Saved"]);
+        assert_eq!(out.take_unlogged().len(), 2);
     }
 }

@@ -1,6 +1,6 @@
 //! Requests of the user to the device itself.
 
-use super::Instrument;
+use super::Drive;
 use slipline_link::Request;
 use slipline_link::protocol::event::State;
 use slipline_link::protocol::limits::LEASE_MS;
@@ -33,13 +33,13 @@ pub enum DeviceIntent {
     Bootloader,
 }
 
-impl Instrument {
+impl Drive {
     /// Carries out a request of the user to the device.
-    pub fn perform_device(&mut self, intent: DeviceIntent) {
+    pub fn perform(&mut self, intent: DeviceIntent) {
         if matches!(intent, DeviceIntent::Store | DeviceIntent::Forget) {
             self.disarm_to_write();
         }
-        let ticket = self.link.send(match intent {
+        let ticket = self.send(match intent {
             DeviceIntent::Disconnect => Request::Disconnect,
             DeviceIntent::AutoReconnect(looks) => Request::AutoReconnect(looks),
             DeviceIntent::Arm => Request::ArmFor(LEASE),
@@ -51,21 +51,21 @@ impl Instrument {
             DeviceIntent::Bootloader => Request::Bootloader,
         });
         if intent == DeviceIntent::ClearFaults {
-            self.clear_sent = Some(ticket);
+            self.tickets.clear = Some(ticket);
         }
     }
 
     /// Writes the profile of the board's actuator; an armed device is disarmed first. The device refuses it while the board's user
     /// button is not pressed, which is shown as any refusal.
-    pub fn write_profile(&mut self, profile: ActuatorProfile) {
+    pub fn write_profile(&self, profile: ActuatorProfile) {
         self.disarm_to_write();
-        self.link.send(Request::WriteProfile(Box::new(Some(profile))));
+        self.send(Request::WriteProfile(Box::new(Some(profile))));
     }
 
     /// An armed device does not write its flash.
-    fn disarm_to_write(&mut self) {
+    fn disarm_to_write(&self) {
         if self.snapshot.status.is_some_and(|status| status.state == State::Armed) {
-            self.link.send(Request::Disarm);
+            self.send(Request::Disarm);
         }
     }
 }

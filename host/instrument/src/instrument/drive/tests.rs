@@ -1,0 +1,79 @@
+//! The drive, without a device: what is sent, and what the user is told.
+
+use super::*;
+use crate::instrument::shell::{Attention, Output, Page};
+use crate::instrument::tests::StillLink;
+use slipline_link::LinkState;
+use slipline_link::protocol::event::{Identity, Status};
+use slipline_link::simulator::loopback::Loopback;
+use slipline_model::jobs::JobQueue;
+use slipline_model::jobs::table;
+
+fn setup() -> Setup {
+    Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()))
+}
+
+/// A drive of this setup that has taken this snapshot, and the requests that it sends.
+fn drive(setup: &Setup, snapshot: Snapshot) -> (Drive, StillLink) {
+    let link = StillLink::with(snapshot);
+    let mut drive = Drive::new(Box::new(link.clone()), &setup.plate, &mut Jobs::inline());
+    drive.take_snapshot();
+    (drive, link)
+}
+
+/// The snapshot of a device that is idle.
+fn idle(simulated: bool) -> Snapshot {
+    let loopback = Loopback::connect(400_000).unwrap();
+    let identity = loopback.view().identity.as_deref().cloned().unwrap();
+    let identity = Some(Arc::new(Identity { simulated, ..identity }));
+    let status = Some(Status { state: State::Idle, ..Status::default() });
+    Snapshot { identity, status, revision: 1, ..loopback.view().clone() }
+}
+
+#[test]
+fn a_drive_that_cannot_begin_states_the_obstacle_and_sends_nothing() {
+    let setup = setup();
+    for (snapshot, part, opens) in [
+        (Snapshot::default(), "press Connect first", false),
+        (Snapshot { link: LinkState::Connecting, ..Snapshot::default() }, "has not answered yet", false),
+        (idle(false), "arm it first", true),
+    ] {
+        let (mut drive, link) = drive(&setup, snapshot);
+        let mut out = Outbox::default();
+        drive.start(&setup, &Attention::default(), &mut out);
+        let notices: Vec<&str> = out.notices().map(|notice| notice.text.as_str()).collect();
+        assert!(notices.len() == 1 && notices[0].contains(part), "{notices:?}");
+        assert_eq!(matches!(out.outputs[..], [Output::Open(Page::Arm)]), opens, "{part}");
+        assert!(link.sent.take().is_empty() && !drive.is_wanted(), "{part}");
+    }
+}
+
+#[test]
+fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
+    let setup = setup();
+    let (mut drive, link) = drive(&setup, idle(true));
+    drive.start(&setup, &Attention::default(), &mut Outbox::default());
+    assert!(matches!(link.sent.take()[..], [Request::Arm]) && drive.is_wanted());
+    assert!(!drive.is_known_to_be_silent(0.0));
+    drive.end(Request::Stop);
+    drive.disarm_real();
+    assert!(matches!(link.sent.take()[..], [Request::Stop]), "a simulated device stays armed");
+    assert!(!drive.is_wanted() && drive.is_known_to_be_silent(0.0));
+}
+
+#[test]
+fn a_table_is_requested_once_for_each_plate_and_a_cancelled_one_gives_the_one_before_back() {
+    let identity = idle(true).identity.unwrap();
+    let plates = ["membrane", "steel"].map(|name| Arc::new(slipline_plate::preset(name).unwrap()));
+    let mut table = Table::of(Arc::clone(&plates[0]), JobQueue::inline(|job, task| table::make(job, task)));
+    table.ask(&identity);
+    assert!(table.take() && table.made().is_some());
+    table.ask(&identity);
+    assert!(!table.take(), "nothing was requested");
+    assert!(table.cancel().is_none(), "the table before is that of this plate");
+    table.use_plate(&plates[1]);
+    table.ask(&identity);
+    let kept = table.cancel().unwrap();
+    assert!(Arc::ptr_eq(&kept.plate, &plates[0]) && table.made().is_none());
+    assert!(!table.take(), "the cancelled table is dropped");
+}

@@ -1,0 +1,140 @@
+//! The lab: measurements and their list, the level hold, calibration, and the rig of the simulated device. It acts on the desk
+//! and on the drive by their named methods: a measurement ends a replay and a drive.
+
+mod calibrate_intent;
+mod calibrating;
+mod level_hold;
+mod measure_intent;
+mod measurements;
+mod measuring;
+mod rig;
+mod signal;
+
+pub use calibrate_intent::CalibrateIntent;
+pub use measure_intent::{MeasureDraft, MeasureIntent};
+
+use super::desk::Desk;
+use super::drive::Drive;
+use super::outbox::Outbox;
+use super::shell::Attention;
+use super::shown::{CalibrateScene, HoldScene, MeasureScene};
+use super::work::Jobs;
+use crate::bench::Bench;
+use calibrating::Calibrating;
+use level_hold::LevelHold;
+use measurements::Measurements;
+use measuring::Live;
+use rig::Rig;
+use slipline_link::{Port, Snapshot, Ticket};
+use slipline_plate::calibrate::Measurement;
+use slipline_plate::{Finger, Plate};
+use std::sync::Arc;
+
+/// Measurements of the plate, and what needs its sensor.
+pub(crate) struct Lab {
+    measurements: Measurements,
+    live: Live,
+    rig: Rig,
+    calibration: Calibrating,
+    hold: LevelHold,
+}
+
+/// What the lab acts on.
+pub(crate) struct Reach<'a> {
+    pub(crate) desk: &'a mut Desk,
+    pub(crate) drive: &'a mut Drive,
+    pub(crate) attention: &'a Attention,
+    pub(crate) out: &'a mut Outbox,
+}
+
+/// Whether the device is this program's simulated device, whose inputs are wired to the rig.
+fn is_at_bench(snapshot: &Snapshot) -> bool {
+    snapshot.is_simulated() && snapshot.port == Some(Port::Simulated)
+}
+
+impl Lab {
+    /// A lab whose simulated device is wired to this bench; it takes its queues from `jobs`.
+    pub(crate) fn new(bench: Bench, jobs: &mut Jobs) -> Self {
+        Self {
+            measurements: Measurements::new(jobs),
+            live: Live::default(),
+            rig: Rig::on(bench, jobs),
+            calibration: Calibrating::new(jobs),
+            hold: LevelHold::default(),
+        }
+    }
+
+    /// Advances the level hold, the measurement and the rig. `load` is the finger that loads the plate on the screen.
+    pub(crate) fn turn(&mut self, load: Option<Finger>, reach: &mut Reach<'_>) {
+        self.update_hold(load, reach);
+        self.update_measuring(reach);
+        let is_heard = self.is_measuring() || self.live.looks.is_looking() || self.hold.needs_sensor();
+        self.rig.rest(!is_heard);
+        self.measurements.compare(reach.desk.plate(), reach.attention);
+    }
+
+    /// Handles the results of its work in the background.
+    pub(crate) fn take_results(&mut self, reach: &mut Reach<'_>) {
+        self.calibration.take_result();
+        if let Some(recorded) = self.measurements.take_results() {
+            self.take_recorded(recorded, reach);
+        }
+    }
+
+    /// Whether a measurement is under way, or its rig is being put together.
+    pub(crate) const fn is_measuring(&self) -> bool {
+        self.live.is_running() || self.rig.is_awaited()
+    }
+
+    /// Whether the lab handles this request's outcome.
+    pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
+        self.live.awaits(ticket) || self.hold.holding.awaits(ticket)
+    }
+
+    /// The plate under the simulated device, where `plate` is on the screen; `None` while it is an unknown one that was not
+    /// measured, and without a simulated device.
+    pub(crate) fn simulated_plate<'a>(
+        &'a self,
+        plate: &'a Arc<Plate>,
+        snapshot: &Snapshot,
+    ) -> Option<&'a Arc<Plate>> {
+        match self.rig.truth().filter(|_| is_at_bench(snapshot)) {
+            None => snapshot.is_simulated().then_some(plate),
+            Some((truth, is_measured)) => is_measured.then_some(truth),
+        }
+    }
+
+    /// Whether another plate is under the simulated device, or is known now, since the last call.
+    pub(crate) const fn take_other_truth(&mut self) -> bool {
+        self.rig.take_other_truth()
+    }
+
+    /// Another plate is on the screen: draws another unknown plate if the one under the simulated device does not belong to it.
+    pub(crate) fn use_plate(&mut self, plate: &Arc<Plate>, out: &mut Outbox) {
+        self.rig.renew(plate, out);
+    }
+
+    /// The measurements that are drawn.
+    pub(crate) fn drawn(&self) -> impl Iterator<Item = &Arc<Measurement>> {
+        self.measurements.drawn()
+    }
+
+    /// The page of measurements.
+    pub(crate) fn measure_scene(&self, snapshot: &Snapshot) -> MeasureScene<'_> {
+        let now = snapshot.status.map_or(0, |status| status.now);
+        self.measurements.scene(self.live.scene(now, &self.rig, is_at_bench(snapshot)))
+    }
+
+    /// The level hold.
+    pub(crate) fn hold_scene<'a>(&'a self, snapshot: &'a Snapshot) -> HoldScene<'a> {
+        self.hold.scene(snapshot, is_at_bench(snapshot), self.live.draft.place_m)
+    }
+
+    /// The calibration under way.
+    pub(crate) fn calibration_scene(&self) -> Option<CalibrateScene<'_>> {
+        self.calibration.scene()
+    }
+}
+
+#[cfg(test)]
+mod tests;
