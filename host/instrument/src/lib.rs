@@ -18,8 +18,11 @@
 //!
 //! Short paths are below `src/`. `Tests:` names those that do not lie beside the code.
 //!
-//! - `instrument/`: the instrument: edits and their sources (`Instrument::edit_by`), STOP
-//!   (`instrument/stop_presses.rs`), the actual plate beside the predicting one (`instrument/plate_there.rs`). Tests:
+//! - `instrument/`: the plate and the device in use, in four rooms; `turn` in `instrument/mod.rs` shows the order in which they
+//!   act. `instrument/desk/`: setup, history, comparison; `instrument/drive/`: link, requests, table, STOP
+//!   (`instrument/drive/stop_presses.rs`); `instrument/lab/`: measurements, calibration, rig, level hold;
+//!   `instrument/screen/`: prediction, playback, textures, the actual plate beside the predicting one
+//!   (`instrument/screen/actual_plate.rs`). Edits and their sources: `instrument/edits.rs`. Tests:
 //!   `host/instrument/tests/in_use/`
 //! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`
 //! - `measure/`: measurements by steps or a sweep (`measure/sweep/`); the course of all procedures:
@@ -61,8 +64,8 @@ pub mod requests;
 pub mod rig;
 
 pub use instrument::{
-    Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene, DesignState, Desk,
-    DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene, MeasureDraft,
-    MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, SAFE_MODE, Screen, Shown, TextureScene,
-    Waiting,
+    Asked, AskedContent, AskedTable, Attention, Awaited, Background, CalibrateIntent, CalibrateScene,
+    DesignState, Desk, DeviceIntent, DragRecorder, Drive, HoldScene, Instrument, Jobs, Link, LiveScene,
+    MeasureDraft, MeasureIntent, MeasureScene, Notice, Outbox, Output, Page, SAFE_MODE, Screen, Shown,
+    TextureScene, Waiting,
 };

@@ -53,7 +53,10 @@ fn what_cannot_be_held_is_refused_with_its_reason() {
     assert_eq!(plan.hold(&clipped), Err(HoldError::Clipped));
     assert_eq!(plan.hold(&heard(&[(2, 100.0)])), Err(HoldError::NotFollowed { slot: 5 }));
     let weak = plan.hold(&heard(&[(2, 0.5), (5, 50.0)])).unwrap_err();
-    assert!(weak.to_string().contains("only 0.50 codes of the tone in slot 2; at least 1 are needed"), "{weak}");
+    assert!(
+        weak.to_string().contains("only 0.50 codes of the tone in slot 2; at least 1 are needed"),
+        "{weak}"
+    );
 }
 
 #[test]

@@ -86,13 +86,7 @@ impl Measurements {
     }
 
     /// Asks the user for the metadata of a file.
-    fn ask(
-        &mut self,
-        name: &str,
-        content: AskedContent,
-        metadata: ForeignMetadata,
-        refused: Option<String>,
-    ) {
+    fn ask(&mut self, name: &str, content: AskedContent, metadata: ForeignMetadata, refused: Option<String>) {
         let name = name.to_owned();
         self.recordings.cancel();
         self.foreign = Some(Asked { name, content, metadata, channel: 1, refused });
