@@ -43,7 +43,7 @@ fn a_drive_that_cannot_begin_states_the_obstacle_and_sends_nothing() {
         drive.start(&setup, &Attention::default(), &mut out);
         let notices: Vec<&str> = out.notices().map(|notice| notice.text.as_str()).collect();
         assert!(notices.len() == 1 && notices[0].contains(part), "{notices:?}");
-        assert_eq!(matches!(out.outputs[..], [Output::Open(Page::Arm)]), opens, "{part}");
+        assert_eq!(matches!(out.take_outputs()[..], [Output::Open(Page::Arm)]), opens, "{part}");
         assert!(link.sent.take().is_empty() && !drive.is_wanted(), "{part}");
     }
 }
@@ -64,7 +64,7 @@ fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
 #[test]
 fn a_table_is_requested_once_for_each_plate_and_a_cancelled_one_gives_the_one_before_back() {
     let identity = idle(true).identity.unwrap();
-    let plates = ["membrane", "steel"].map(|name| Arc::new(slipline_plate::preset(name).unwrap()));
+    let plates = ["membrane", "membrane-heavy"].map(|name| Arc::new(slipline_plate::preset(name).unwrap()));
     let mut table = Table::of(Arc::clone(&plates[0]), JobQueue::inline(|job, task| table::make(job, task)));
     table.ask(&identity);
     assert!(table.take() && table.made().is_some());
