@@ -52,7 +52,7 @@ struct Judged {
 fn judge(name: &str, seed: u64, drive: Drive, count: usize) -> Option<Judged> {
     let mut random = Random::new(seed);
     let rig = match drive {
-        Drive::Stated => Rig::new(name, Solver::OneMode, &mut random).with_told_drive(),
+        Drive::Stated => Rig::new(name, Solver::OneMode, &mut random).with_stated_drive(),
         Drive::Unknown => Rig::new(name, Solver::OneMode, &mut random),
         Drive::Measured => {
             let (mut rig, electrics, mut random) = shunt::rig(name, seed);
