@@ -342,12 +342,11 @@ impl<W: BlockingLink> Client<W> {
     pub fn verify(&self, plate: &Plate, tones: u8, window_s: f64) -> Result<Verified, ClientError> {
         let rate_hz = f64::from(self.identity()?.sample_rate_hz);
         let verified = self.run(Verifying::new(plate, tones, window_s, rate_hz), |_| ());
-        verified.map_err(|error| match error {
-            ClientError::Procedure(MeasureError::Fault(_) | MeasureError::Unknown) => {
-                ClientError::NotComparable(self.snapshot().status.and_then(|status| status.first_fault))
-            }
-            error => error,
-        })
+        if let Err(ClientError::Procedure(MeasureError::Fault(_) | MeasureError::Unknown)) = verified {
+            let fault = self.snapshot().status.and_then(|status| status.first_fault);
+            return Err(ClientError::NotComparable(fault));
+        }
+        verified
     }
 
     /// Fails if the link has stopped and disarmed the device since it was armed, because this program was held up, if the device

@@ -293,7 +293,7 @@ impl App {
             Export::Waveform => match csv_wav::waveform_csv(self.instrument.shown().waveform) {
                 Some(text) => self.save("waveform.csv", "Table", "csv", text.into_bytes()),
                 None => {
-                    self.instrument.out.fail("Nothing is driven, so there is no waveform to save".to_owned())
+                    self.instrument.out.fail("Nothing is driven, so there is no waveform to save".to_owned());
                 }
             },
             Export::Sound => match csv_wav::wav(self.instrument.shown().waveform) {
