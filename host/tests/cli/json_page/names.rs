@@ -305,7 +305,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("usb_serial", "text", "Serial number at USB; null without one"),
     ("user_button", "text", "State of the user button"),
     ("value", "in `unit`, or SI", "The number; null where there is none"),
-    ("info:value", "text", "The default"),
+    ("info:value", "text", "The default; its entry is null where the setting is refused"),
     ("info:from", "text", "option, environment, settings file or built-in"),
     ("wanted_rms_m", "", "The wanted RMS amplitude at each place"),
     ("warnings", "text", "Warnings, as sentences"),
