@@ -51,7 +51,7 @@ fn bad_profiles_are_refused_by_name_and_change_nothing() {
     let profile = |session: &Session| session.instrument.shown().texture.draft.profile.clone();
     let before = profile(&session);
     for (name, bytes, reason) in [
-        ("bad.csv", &b"0.1,1\nnonsense,2\n"[..], "line 2"),
+        ("bad.csv", &b"0.1,1\nnonsense,2\n"[..], "Line 2"),
         ("bad.png", b"\x89PNG\r\n\x1a\nnot an image", "PNG"),
     ] {
         session.instrument.take_profile(name, bytes);
