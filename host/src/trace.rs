@@ -78,7 +78,7 @@ pub fn start(file: Option<&Path>, may_replace: bool, json: bool) -> Result<(), F
             let name = format!("the trace {}", path.display());
             let mut options = OpenOptions::new();
             options.write(true);
-            // A pipe or a device is there already; a link to nothing is a file that is there.
+            // A pipe or a device exists already; a link to nothing counts as an existing file.
             if !is_stream(path) {
                 options.create(true).truncate(true).create_new(!may_replace);
             }

@@ -4,7 +4,7 @@
 use crate::bank::BLOCK;
 use slipline_protocol::limits;
 
-// What host and device agree on is what the bank renders.
+// The protocol's block is the bank's.
 const _: () = assert!(BLOCK == limits::BLOCK);
 
 /// The block length as a sample count.

@@ -8,10 +8,6 @@
 //!                        |
 //!                        +--> mirror (the device's own renderer) --> DAC codes
 //! ```
-//! Rooms: `connection`, `commands` and `channel` the client, `journal` and `snapshot` what it knows, `drive`, `chord`, `comb`,
-//! `hold`, `listen` and `table` requests in physical units, `mirror` and `simulator` the device application on this computer,
-//! `native` this computer's ports.
-//!
 //! [`connection`] is the state machine (connect, lose, look again); below it `commands` selects the next
 //! command and `channel` numbers, times out and repeats (stop-and-wait ARQ). All receive the time from their
 //! caller and own no thread, so tests, the simulation and a browser can run them. With the feature `native`,
@@ -45,7 +41,8 @@
 //! - `native/`: thread, serial ports, sockets, and a second program at a device (`native/second_program.rs`). Tests:
 //!   `tests/tests/ports.rs`
 //! - `driver_watch.rs`: notices a program that hangs. Tests: `tests/tests/driver_watch.rs`
-//! - `transport.rs`, `port.rs`, `recorder.rs`: byte stream, ports, and the upkeep of a snapshot
+//! - `transport.rs`, `port.rs`, `clock.rs`, `recorder.rs`: byte stream, ports, the caller's time, and the upkeep of a snapshot
+//! - `system_words.rs`: the operating system's errors in Slipline's words
 //! - `log.rs`, `trace.rs`, `upkeep.rs`: the common log, the trace of frames, texts about maintenance
 //!
 //! Run an example of `host/link/examples/` with `cargo run -p slipline-link --example replay`.

@@ -46,8 +46,8 @@ pub fn write<E: From<io::Error>>(
     Ok(finish(part, old.as_ref(), &path)?)
 }
 
-/// As [`write()`], but a file that is there is not replaced, even if another program creates it meanwhile; a link that leads to
-/// no file is one that is there.
+/// As [`write()`], but an existing file is not replaced, even if another program creates it meanwhile; a link that leads to
+/// no file counts as existing.
 ///
 /// # Errors
 /// As [`write()`], and [`ErrorKind::AlreadyExists`].

@@ -8,9 +8,6 @@
 //! specification --> study (many plates around one) --> CSV, statistics
 //! link's journal --> waveform (codes, spectrum) ---------------------+--> export (CSV, WAV, figures, report)
 //! ```
-//! Rooms: `setup`, `texture`, `scenes` and `named_plate` what a user chooses; `field`, `waveform`, `sound` and `response` what there
-//! is to see and hear; `jobs` and `study` work that takes long; `answer` and `export` results for programs and as files.
-//!
 //! It builds for a browser. The feature `native` adds files, which browsers do not support; `figures` the pictures of exports, and
 //! `painted`, on by default, these as pixels.
 //!

@@ -23,7 +23,7 @@ pub struct ForceArgument {
 #[derive(Debug)]
 pub(super) struct Destination {
     path: PathBuf,
-    /// Whether a file that is there may be replaced: by permission, or because this command has written it.
+    /// Whether an existing file may be replaced: by permission, or because this command has written it.
     may_replace: AtomicBool,
 }
 

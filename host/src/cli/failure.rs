@@ -1,6 +1,6 @@
 //! The failures of a command and their exit codes.
 
-use super::argument::no_unit;
+use super::likely_unit::no_unit;
 use super::refusal::Refusal;
 use super::schema::SCHEMA;
 use serde_json::{Value, json};

@@ -30,6 +30,7 @@ mod hold;
 mod info;
 mod input_lines;
 mod known_drive;
+mod likely_unit;
 mod measure;
 mod measured_file;
 mod measuring;

@@ -75,7 +75,7 @@ fn of_commands_that_create_a_file_at_once_one_succeeds() {
 
 #[test]
 #[cfg(unix)]
-fn a_link_to_nothing_is_a_file_that_is_there() {
+fn a_link_to_nothing_counts_as_an_existing_file() {
     let folder = file("links");
     std::fs::create_dir_all(&folder).unwrap();
     let (link, nothing) = (folder.join("fig03.csv"), folder.join("nothing"));

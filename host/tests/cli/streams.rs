@@ -113,7 +113,7 @@ fn what_a_full_output_loses_is_a_failure_in_a_sentence() {
     for command in [table, "info --port sim --trace -"] {
         let (code, message) = redirected(command, ">&-");
         assert!(code == Some(1) && message.starts_with("slipline: standard output is closed"), "{message}");
-        assert_eq!(redirected(command, ">/dev/null").0, Some(0), "nothing is what was wanted");
+        assert_eq!(redirected(command, ">/dev/null").0, Some(0), "the command asked for no output");
     }
     // A refusal that cannot be shown has its code.
     assert_eq!(redirected("table --plate no-such", "2>/dev/full").0, Some(2));

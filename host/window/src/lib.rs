@@ -5,9 +5,6 @@
 //!   ^                               |  <--Output, Shown--
 //!   +---------- Scene --------------+  <--results-- files, pictures
 //! ```
-//! Rooms: `view` what is shown, by bars, stage, panels, plots and dialogs; `intent` and `scene` what passes between it and `app`,
-//! which calls the instrument; `files`, `settings` and `sound` the window's own.
-//!
 //! The window of a system (its event loop, threads, dialogs, files, sound) is left out for a browser, where the crate
 //! `slipline-page` is the shell.
 //!

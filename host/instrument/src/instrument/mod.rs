@@ -32,12 +32,12 @@ mod work;
 pub use desk::{Desk, DragRecorder};
 pub use drive::{DeviceIntent, Drive, SAFE_MODE};
 pub use lab::{CalibrateIntent, MeasureDraft, MeasureIntent};
-pub use outbox::Outbox;
+pub use outbox::{Notice, Outbox};
 pub use screen::Screen;
 pub use shell::{Attention, Link, Output, Page};
 pub use shown::{
     Asked, AskedContent, AskedTable, Awaited, Background, CalibrateScene, DesignState, HoldScene, LiveScene,
-    MeasureScene, Notice, Shown, TextureScene, Waiting,
+    MeasureScene, Shown, TextureScene, Waiting,
 };
 pub use work::Jobs;
 

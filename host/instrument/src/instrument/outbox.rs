@@ -5,10 +5,22 @@
 //! their own.
 
 use super::shell::{Output, Page};
-use super::shown::Notice;
 use slipline_link::Severity;
 use std::fmt::Display;
 use std::time::Duration;
+
+/// A message to the user.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Notice {
+    /// Its text.
+    pub text: String,
+    /// Whether something went wrong.
+    pub is_error: bool,
+    /// Incremented with every message, so that a repeated text counts as a new message.
+    pub number: u64,
+    /// How long it is shown, in seconds; `None` while its cause lasts.
+    pub lasts_s: Option<f64>,
+}
 
 /// How long a message about a success is shown, in seconds.
 const PLAIN_S: f64 = 5.0;

@@ -1,5 +1,6 @@
 //! State of an instrument for display: the setup, the plate, the device, and the progress of work.
 
+use super::outbox::Notice;
 use super::{DragRecorder, MeasureDraft};
 use crate::calibration::CalibrationWizard;
 use crate::hold::{Holding, Standing};
@@ -342,17 +343,4 @@ pub struct Waiting {
     pub what: Awaited,
     /// The share that is done, 0..=1.
     pub share: f32,
-}
-
-/// A message to the user.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Notice {
-    /// Its text.
-    pub text: String,
-    /// Whether something went wrong.
-    pub is_error: bool,
-    /// Incremented with every message, so that a repeated text counts as a new message.
-    pub number: u64,
-    /// How long it is shown, in seconds; `None` while its cause lasts.
-    pub lasts_s: Option<f64>,
 }

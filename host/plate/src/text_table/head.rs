@@ -1,6 +1,7 @@
 //! The lines above a table: which one names its columns, and which one has their units.
 
-use super::names::{Name, Quantity, without_brackets};
+use super::names::{Name, without_brackets};
+use super::quantities::Quantity;
 use super::sheet::{COMMENT_MARKS, Row, Separator, Sheet, split};
 use super::units::{Unit, unit};
 

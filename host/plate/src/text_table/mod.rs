@@ -5,6 +5,7 @@ mod column_read;
 mod head;
 mod names;
 mod numbers;
+mod quantities;
 mod sheet;
 mod table;
 mod text;
@@ -12,7 +13,7 @@ mod units;
 mod words;
 
 pub use column_read::{ColumnRead, understood};
-pub use names::Quantity;
+pub use quantities::Quantity;
 pub use sheet::Row;
 pub use table::{Chosen, Column, MEANINGS, Table, UnclearColumns, chosen};
 pub use text::text_of;

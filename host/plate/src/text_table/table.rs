@@ -5,7 +5,8 @@
 //! ```
 
 use super::head::Head;
-use super::names::{Name, Quantity};
+use super::names::Name;
+use super::quantities::Quantity;
 use super::sheet::{Row, Sheet};
 use super::units::{Unit, unit};
 use super::{BadLine, must_be, shown, wrong};

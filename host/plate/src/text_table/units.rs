@@ -1,6 +1,6 @@
 //! Units of columns, and their size in SI.
 
-use super::names::Quantity;
+use super::quantities::Quantity;
 use std::f64::consts::{PI, TAU};
 
 /// A unit, with its size in hertz, radians, seconds, or the SI unit of a magnitude.

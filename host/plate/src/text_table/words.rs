@@ -1,7 +1,7 @@
 //! The one table of what columns are called: quantities in the languages and programs that write them, and words that
 //! change nothing, that make a column another one, or that turn its meaning round.
 
-use super::names::Quantity;
+use super::quantities::Quantity;
 
 /// What a word of a name is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -225,7 +225,8 @@ fn hold_the_equations_own_error(count: usize) {
     let mut held = 0;
     for number in 0..count {
         let mut random = Random::new(900 + number as u64);
-        let rig = Rig::of(nominal(number, &mut random), Solver::TwoDimensions, &mut random).with_stated_drive();
+        let rig =
+            Rig::of(nominal(number, &mut random), Solver::TwoDimensions, &mut random).with_stated_drive();
         let judged = judged(number, &rig, Where::Proposed, &mut random).expect("accepted");
         held += usize::from(judged.worst_db() <= judged.stated_db);
     }

@@ -83,7 +83,9 @@ fn columns_that_are_not_clear_are_chosen_before_the_file_is_taken() {
     choose_kind(&mut app, "choose…", "acceleration");
     assert!(!app.is_enabled("Take it"));
     for (column, meaning) in [(1, "frequency in Hz"), (3, "level in dB"), (4, "phase in deg")] {
-        app.window.get_by_role_and_label(Role::ComboBox, &format!("Column {column}: left out")).click();
+        app.window
+            .get_by_role_and_label(Role::ComboBox, &format!("Column {column}: left out"))
+            .click_accesskit();
         app.wait(200);
         app.window.get_by_role_and_label(Role::Button, meaning).click_accesskit();
         app.wait(200);
@@ -123,9 +125,9 @@ fn a_file_that_is_no_measurement_is_refused_by_its_line() {
     let mut app = TestApp::driving();
     open_measure(&mut app);
     for (name, bytes, reason) in [
-        ("words.txt", &b"nothing to see\n"[..], "no line has a frequency and a level"),
-        ("half.frd", b"100 -20 3\n101 x\n", "line 2"),
-        ("voice.wav", b"RIFF....WAVE", "the WAV file cannot be read"),
+        ("words.txt", &b"nothing to see\n"[..], "No line has a frequency and a level"),
+        ("half.frd", b"100 -20 3\n101 x\n", "Line 2"),
+        ("voice.wav", b"RIFF....WAVE", "The WAV file cannot be read"),
         ("voice.mp3", b"ID3\x03\0\0\0\0\0\0", "compressed with loss: record as WAV"),
         (
             "table.xlsx",

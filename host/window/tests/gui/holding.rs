@@ -62,7 +62,7 @@ fn its_switch_is_offered_by_a_device_that_can_listen_and_what_is_held_is_shown()
     assert!(words(app.window.output()).iter().any(|(text, _)| text == "not known while levels are held"));
     file_menu(&mut app, "Export drive (WAV)…");
     let notice = app.window.state().notice().map(|notice| notice.text.clone()).unwrap_or_default();
-    assert!(notice.contains("its levels were held"), "{notice}");
+    assert!(notice.contains("it held levels"), "{notice}");
     assert!(app.files.saved.borrow().is_empty());
     assert!(app.shows("those of the drive's own levels"));
     press_switch(&mut app);

@@ -150,7 +150,7 @@ fn a_file_is_dropped_on_the_window_and_a_bad_one_changes_nothing() {
     app.wait(200);
     assert!(app.has("dropped.csv"));
     for (bad, reason) in [
-        (text.replace("# sensor = acceleration\n", ""), "sensor is missing"),
+        (text.replace("# sensor = acceleration\n", ""), "Sensor is missing"),
         (text.replace("place_m = 0.032", "place_m = nan"), "place_m = NaN m"),
         (text.lines().take(8).collect::<Vec<_>>().join("\n"), "points"),
     ] {

@@ -1,4 +1,4 @@
-//! The drive, without a device: what is sent, and what the user is told.
+//! The drive, without a device: what is sent, and what the notices say.
 
 use super::*;
 use crate::instrument::shell::{Attention, Output, Page};

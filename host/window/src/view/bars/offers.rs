@@ -45,7 +45,7 @@ pub(crate) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
         LinkState::Reconnecting(LinkError::NoSuchPort(_)) => {
             vec![disconnect("Cancel", "Stop waiting for this port; you can choose another one at any time")]
         }
-        LinkState::Reconnecting(_) => vec![disconnect("Stop looking", "Stop looking for the device")],
+        LinkState::Reconnecting(_) => vec![disconnect("Stop looking", "Give up the search for the device")],
         LinkState::Connected => connected(scene),
     }
 }

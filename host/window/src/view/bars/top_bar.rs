@@ -54,7 +54,7 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
             Some(status) => match status.state {
                 State::Idle => ("idle", palette.weak, "Disarmed: arm it to drive.".to_owned()),
                 State::Armed => ("armed", palette.good, "Armed and silent: ready to drive.".to_owned()),
-                State::Driving => ("driving", palette.accent, "Driving.".to_owned()),
+                State::Driving => ("driving", palette.accent, "The device drives the plate.".to_owned()),
                 State::Waiting => {
                     ("waiting", palette.accent, "A drive waits for the trigger input.".to_owned())
                 }

@@ -253,7 +253,7 @@ fn confirmation(ui: &mut egui::Ui, confirm: Confirm, scene: &Scene<'_>, intents:
     }
     ui.add_space(10.0);
     ui.horizontal(|ui| {
-        let is_cancelled = ui.button("Cancel").on_hover_text("Change nothing").clicked();
+        let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
         let confirm_button = ui.add(theme::primary(ui, verb, true));
         let is_confirmed = confirm_button.on_hover_text("Do what is described above, now").clicked();
         if is_confirmed {

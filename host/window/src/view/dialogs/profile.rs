@@ -23,7 +23,7 @@ pub(super) fn show(
     ui.add(egui::Label::new(text).wrap());
     ui.add_space(10.0);
     ui.horizontal(|ui| {
-        let is_cancelled = ui.button("Cancel").on_hover_text("Change nothing").clicked();
+        let is_cancelled = ui.button("Cancel").on_hover_text("Leave everything as it is").clicked();
         let may = scene.snapshot.keeps_profile();
         let write = ui.add_enabled(may, theme::primary(ui, "Write", may));
         let write = write.on_hover_text("Write it, while the board's user button is held");

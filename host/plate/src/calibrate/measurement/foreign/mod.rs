@@ -185,7 +185,7 @@ impl Foreign {
     /// The rows within a band, in rising frequency.
     ///
     /// # Errors
-    /// The line of a row without a response, of a frequency that is there twice, or that is out of order.
+    /// The line of a row without a response, of a repeated frequency, or of one out of order.
     fn rising(&self, (low_hz, high_hz): (f64, f64)) -> Result<Vec<(f64, Complex64)>, BadLine> {
         let inside = || self.points.iter().filter(|point| (low_hz..=high_hz).contains(&point.frequency_hz));
         let falls = inside().is_sorted_by(|a, b| a.frequency_hz > b.frequency_hz);
@@ -194,10 +194,7 @@ impl Foreign {
             let hz = point.frequency_hz;
             match before.replace(hz) {
                 Some(other) if other == hz => {
-                    return Err(wrong(
-                        point.line,
-                        format!("the frequency {hz} Hz is there twice: keep one row of it"),
-                    ));
+                    return Err(wrong(point.line, format!("the frequency {hz} Hz has two rows: keep one")));
                 }
                 Some(other) if other > hz => {
                     let why = format!("the frequency {hz} Hz follows {other} Hz: sort the rows by frequency");
