@@ -88,9 +88,12 @@ pub(super) struct Sheet {
     pub(super) rows: Vec<Row>,
 }
 
+/// Whether a line is a row of the table.
+type IsRow = fn(&Row) -> bool;
+
 /// What separates the rows of a text.
-fn separator_of(text: &str) -> Option<(Vec<Row>, Separator, fn(&Row) -> bool)> {
-    for is_row in [Row::begins_with_numbers as fn(&Row) -> bool, Row::is_mostly_numbers] {
+fn separator_of(text: &str) -> Option<(Vec<Row>, Separator, IsRow)> {
+    for is_row in [Row::begins_with_numbers as IsRow, Row::is_mostly_numbers] {
         let mut best: Option<(usize, Vec<Row>, Separator)> = None;
         for separator in SEPARATORS {
             if matches!(separator, Separator::Sign(sign) if !text.as_bytes().contains(&sign)) {
