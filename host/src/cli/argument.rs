@@ -2,7 +2,7 @@
 
 use super::defaults;
 use super::failure::Failure;
-use super::likely_unit::{likely_unit, no_unit};
+use super::likely_unit::no_unit;
 use super::refusal::{Refusal, WholeNumber};
 use super::source::read_text;
 use clap::Args;

@@ -10,7 +10,7 @@ pub(super) fn no_unit(text: &str, measure: Measure, range: (f64, f64)) -> Option
 }
 
 /// The unit that was probably meant: the first by which the number is in its range.
-pub(super) fn likely_unit(measure: Measure, number: f64, (low, high): (f64, f64)) -> Option<&'static str> {
+fn likely_unit(measure: Measure, number: f64, (low, high): (f64, f64)) -> Option<&'static str> {
     let units: &[(&str, f64)] = match measure {
         // Metres first: 0.21 is 210 mm on any plate on which 0.21 mm is a place, too.
         Measure::Length => &[("m", 1.0), ("mm", 1e-3), ("cm", 1e-2), ("um", 1e-6)],
