@@ -192,7 +192,7 @@ fn what_an_edit_has_to_say_goes_to_its_source_and_to_nobody_else() {
         instrument.out.notices().last().map(|notice| notice.text.clone())
     };
     assert_eq!(shown(&add), Some(remark));
-    assert_eq!(shown(&refused), Some(EditError::NoTone(9).to_string()));
+    assert_eq!(shown(&refused).as_deref(), Some("There is no tone 10"));
 }
 
 #[test]
