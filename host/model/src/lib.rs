@@ -27,7 +27,8 @@
 //!   `tests/python/test_command_line.py`
 //! - `response/`: a measured response for display. Tests: `host/window/tests/gui/measure.rs`
 //! - `waveform/`, `sounding.rs`: the latest codes and their spectrum, and the present drive
-//! - `sound/`, `wav.rs`: sound for a loudspeaker, and WAV files
+//! - `sound/`, `wav.rs`: sound for a loudspeaker, and recordings (WAV, FLAC, ALAC, AIFF)
+//! - `content.rs`: recognizes a file by its bytes
 //! - `jobs/`: work on plates that takes longer than a frame
 //! - `export/`: exports, and figures (`export/figures/`)
 //! - `colour_map.rs`: the colour maps of displacement and amplitude. Tests: `host/window/tests/gui/snapshots/`

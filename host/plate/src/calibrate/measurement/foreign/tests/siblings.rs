@@ -276,7 +276,7 @@ fn frequencies_that_are_there_twice_or_out_of_order_are_refused_by_their_line() 
     let own = |hz: f64, db: f64, degrees: f64| format!("{hz},{db},{degrees}\n");
     let good = "Hz,dB,deg\n".to_owned() + &rows(own);
     for (from, to, words) in [
-        ("92.25,", "81.5,", "line 3: the frequency 81.5 Hz is there twice"),
+        ("92.25,", "81.5,", "line 3: the frequency 81.5 Hz has two rows"),
         ("158.5,", "100.5,", "line 9: the frequency 100.5 Hz follows 147 Hz: sort the rows by frequency"),
         ("125,3,", "125,-inf,", "line 6: no finite number for the response"),
     ] {
