@@ -260,7 +260,7 @@ fn a_bad_file_gives_a_clear_message_and_loses_nothing() {
     let huge = Err("the file is too big: must be at most 1048576 bytes".to_owned());
     let cases = [
         (Ok("\u{0}\u{1}nonsense".to_owned()), "Line 1"),
-        (Ok(good.replace("master_db = 0.0", "master_db = nan")), "master level"),
+        (Ok(good.replace("master_db = 0.0", "master_db = nan")), "Master level"),
         (Ok(good.replace("length_m = 0.32", "length_m = 1e300")), "length_m"),
         (huge, "too big"),
     ];
