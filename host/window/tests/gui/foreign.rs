@@ -80,6 +80,7 @@ fn columns_that_are_not_clear_are_chosen_before_the_file_is_taken() {
     open_measure(&mut app);
     drop_file(&mut app, "two.csv", text.join("\n").as_bytes());
     assert!(app.shows("Its columns are not clear") && app.shows("2 columns may be the level"));
+    type_into(&mut app, "Sensor stood at", "32 mm");
     choose_kind(&mut app, "choose…", "acceleration");
     assert!(!app.is_enabled("Take it"));
     for (column, meaning) in [(1, "frequency in Hz"), (3, "level in dB"), (4, "phase in deg")] {
