@@ -119,7 +119,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<(Format, Range<usize>), WavError> {
                 format = Some(format_of(content)?);
                 has_format = true;
             }
-            b"ds64" => long_size = content.get(8..16).map(|size| little_endian(size)),
+            b"ds64" => long_size = content.get(8..16).map(little_endian),
             _ => {}
         }
         let next = |at| Place { at, format, long_size };
