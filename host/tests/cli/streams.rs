@@ -130,6 +130,6 @@ fn a_reader_that_leaves_early_is_no_error() {
     // The reader of a trace has left before its second line.
     let script = "{ \"$0\" drive --port sim --plate membrane --turning-point 120mm --for 300ms --trace - 2>/dev/null; \
                   echo $? >&2; } | true";
-    let output = Command::new("sh").args(["-c", &script, env!("CARGO_BIN_EXE_slipline")]).output().unwrap();
+    let output = Command::new("sh").args(["-c", script, env!("CARGO_BIN_EXE_slipline")]).output().unwrap();
     assert_eq!(String::from_utf8_lossy(&output.stderr), "0\n");
 }

@@ -65,7 +65,7 @@ fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
 fn a_table_is_requested_once_for_each_plate_and_a_cancelled_one_gives_the_one_before_back() {
     let identity = idle(true).identity.unwrap();
     let plates = ["membrane", "membrane-heavy"].map(|name| Arc::new(slipline_plate::preset(name).unwrap()));
-    let mut table = Table::of(Arc::clone(&plates[0]), JobQueue::inline(|job, task| table::make(job, task)));
+    let mut table = Table::of(Arc::clone(&plates[0]), JobQueue::inline(table::make));
     table.ask(&identity);
     assert!(table.take() && table.made().is_some());
     table.ask(&identity);

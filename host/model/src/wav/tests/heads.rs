@@ -126,7 +126,7 @@ fn written(random: &mut Random) -> Written {
             let content: Vec<u8> = (0..below(random, 60)).map(|_| random.bits() as u8).collect();
             let has_pad = below(random, 2) == 0;
             // Two readings of a name that no recorder writes are two truths.
-            *is_sound &= has_pad || content.len() % 2 == 0;
+            *is_sound &= has_pad || content.len().is_multiple_of(2);
             file.extend(chunk(&name, content.len() as u32, &content, has_pad));
         }
     };

@@ -409,7 +409,7 @@ fn universal(random: &mut Random) -> (Vec<u8>, Option<Vec<(f64, Complex64)>>) {
         lost = true;
     } else if random.one_in(3) {
         let zero = fortran(0.0, width, digits, style).0;
-        while fields.len() % per_line != 0 {
+        while !fields.len().is_multiple_of(per_line) {
             fields.push(zero.clone());
         }
     }
@@ -449,7 +449,7 @@ fn random_universal_files_are_read_to_the_truth_or_refused() {
         let text = String::from_utf8_lossy(&bytes);
         match (File::read(&bytes, &[]), truth) {
             (Ok(File::Foreign(found)), Some(truth)) => {
-                assert!(is_true(&found, &truth), "seed {seed}: {text}\n{found:?}\n{truth:?}")
+                assert!(is_true(&found, &truth), "seed {seed}: {text}\n{found:?}\n{truth:?}");
             }
             (Err(_), None) => {}
             (found, _) => panic!("seed {seed}: {text}\n{found:?}"),
