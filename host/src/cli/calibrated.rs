@@ -34,8 +34,8 @@ const fn reaches(way: Way) -> &'static str {
     }
 }
 
-/// Prints the calibration with what was `understood` of files by other programs, and writes the plate file. A refused calibration ends the command with exit code 1
-/// and the reason.
+/// Prints the calibration with what was `understood` of files by other programs, and writes the plate file. A
+/// refused calibration ends the command with exit code 1 and the reason.
 pub(super) fn finish(
     file: &Plate,
     found: Result<CalibrationReport, CalibrateError>,

@@ -1,4 +1,4 @@
-//! The actual plate, beside the one that predicts: that of the simulated device, or what was measured of a real one.
+//! The actual plate beside the predicting one: the simulated device's plate, or the measurements of a real one.
 
 use super::Sight;
 use crate::instrument::work::Jobs;
