@@ -32,7 +32,7 @@ ROWS = {
     "bench_steady": "steady", "bench_glide": "all tones glide", "bench_retune": "all tones re-tuned at once",
     "bench_lock_in_steady": "lock-ins of steady tones", "bench_lock_in_glide": "lock-ins of tones that glide",
 }  # fmt: skip
-LOCK_IN = (ROOT / "firmware/app/src/listening/lock_in.rs").read_text().replace("\n//!", "")
+LOCK_IN = (ROOT / "firmware/dds/src/lock_in.rs").read_text().replace("\n//!", "")
 LOCK_INS = {"bench_lock_in_steady": "steady", "bench_lock_in_glide": "glides"}
 RENDERER, DMA = 16 + 53, 16 + 16
 # Flash and clock. The G474's image has the same application and is placed likewise, so the F407's trace stands for it:

@@ -16,7 +16,7 @@ use std::sync::mpsc::{self, Receiver};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_protocol::Decoder;
 use slipline_protocol::command::{Command, Hello, KeepAlive};
 use slipline_protocol::event::Event;

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 
 /// The folders of the product's sources, from the root.
-pub const PRODUCT: [&str; 13] = [
+pub const PRODUCT: [&str; 14] = [
     "shared/src",
     "firmware/app/src",
+    "firmware/dds/src",
     "firmware/stm32/src",
     "firmware/qemu/src",
     "host/src",

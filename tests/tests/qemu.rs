@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_link::mirror::Mirror;
 use slipline_protocol::command::{Apply, Command, Drive};
 use slipline_protocol::units::SampleIndex;

@@ -7,7 +7,7 @@
 use std::process::{Child, Command as Process, Output, Stdio};
 
 use serde_json::Value;
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_protocol::limits::{DEAD_MAN_MS, DEAD_MAN_RAMP_MS, KEEP_ALIVE_PERIOD_MS, STOP_RAMP_MS};
 use slipline_protocol::units::SampleIndex;
 use slipline_tests::programs::program;

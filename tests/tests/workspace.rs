@@ -39,6 +39,7 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
     let (crates, arrows) = crates_and_arrows();
     let expected = [
         "slipline-protocol",
+        "slipline-dds",
         "slipline-app",
         "slipline-stm32",
         "slipline-qemu",
@@ -56,6 +57,7 @@ fn the_crates_have_exactly_the_arrows_of_the_design() {
     ];
     assert_eq!(crates, expected.map(str::to_owned).into());
     let expected = [
+        ("slipline-app", "slipline-dds"),
         ("slipline-app", "slipline-protocol"),
         ("slipline-stm32", "slipline-app"),
         ("slipline-qemu", "slipline-app"),
@@ -152,6 +154,7 @@ fn every_crate_of_the_browser_build_is_checked_for_what_a_browser_lacks() {
     for (folder, package, lint) in [
         ("shared", "slipline-protocol", "no_std"),
         ("firmware/app", "slipline-app", "no_std"),
+        ("firmware/dds", "slipline-dds", "no_std"),
         ("host/plate", "slipline-plate", "clippy::disallowed_methods"),
         ("host/link", "slipline-link", "clippy::disallowed_methods"),
         ("host/model", "slipline-model", "clippy::disallowed_methods"),

@@ -14,11 +14,10 @@ mod cortex_m4;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 use self::cortex_m4::after_eights;
 
+use slipline_dds::bank::BLOCK;
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::frame::CRC;
 use slipline_protocol::units::SampleIndex;
-
-use crate::bank::BLOCK;
 
 /// What a byte followed by none, one, two and three bytes of zeros adds to the remainder.
 static TABLES: [[u32; 256]; 4] = tables();

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! thread side                                                         interrupt side
-//! bytes -> inbox -> session -> controller -> planning/ -> [ mailbox ] -> motion -> bank -> codes -> DacStream
+//! bytes -> inbox -> session -> controller -> planning/ -> [ mailbox ] -> motion -> dds -> codes -> DacStream
 //!   ^                  |        |  upload -> slots -----^    |    ^      renderer
 //!   +----- replies ----+        |  store -> FlashPages       |    |        +-> Mute
 //!                               +- safety/ <-----------------+    +-- listening/ <- ADC blocks
@@ -21,12 +21,11 @@
 //! - `planning/`: from a command to a motion: `planning/plan.rs` (tones, levels, glides), `planning/ramp.rs` (begin and
 //!   stop), `planning/chord.rs` and the proof of its peak. Tests: `tests/tests/ramps.rs`, `tests/tests/chord.rs`
 //! - `motion.rs`: the motion between two programs
-//! - `bank.rs`: how a tone is computed. Tests: `tests/board/test_speed.py`
 //! - `renderer.rs`: from the mailbox to DAC codes; it also raises the trigger output and obeys the stop on the desk.
 //!   Tests: `tests/tests/trigger.rs`, `tests/tests/desk_stop.rs`
 //! - `mailbox.rs`: all state that both sides use, with the lease of an armed device and the drive that waits for the
 //!   trigger input. Tests: `tests/tests/lease.rs`, `tests/tests/trigger_input.rs`
-//! - `listening/`: lock-ins (`listening/lock_in/`), captures and the level hold (its gain: `listening/hold/law.rs`).
+//! - `listening/`: captures and the level hold (its gain: `listening/hold/law.rs`), over the lock-ins of `slipline-dds`.
 //!   Tests: `tests/tests/hold.rs`, `tests/board/test_lock_in.py`
 //! - `safety/`: faults, heat, travel (`safety/excursion/`), the profile's bounds, the fade of a missing block, the
 //!   record of a crash. Tests: `tests/tests/health.rs`, `tests/tests/travel.rs`, `tests/tests/foldback.rs`
@@ -56,7 +55,6 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod bank;
 pub mod bootloader;
 pub mod controller;
 pub mod digest;
@@ -77,7 +75,6 @@ pub mod store;
 pub mod timing;
 pub mod upload;
 
-pub use bank::{BLOCK, TONES};
 pub use controller::Device;
 pub use link::Link;
 pub use mailbox::Mailbox;
@@ -86,6 +83,9 @@ pub use renderer::Renderer;
 pub use safety::boot::Boot;
 pub use safety::crash::CrashRecord;
 pub use safety::supervisor::Supervisor;
+/// The oscillator bank and the lock-ins, for shells and tests.
+pub use slipline_dds as dds;
+pub use slipline_dds::bank::{BLOCK, TONES};
 /// The protocol's word for why a device was reset; a shell reads it from the hardware.
 pub use slipline_protocol::event::ResetCause;
 /// The protocol's times in samples; a shell makes them for its rate.

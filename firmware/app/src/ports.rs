@@ -3,8 +3,8 @@
 //! The link is `embedded-io-async`'s `Read` and `Write`; all others are here. An implementation knows no command and
 //! takes no decision.
 
-use crate::bank::{BLOCK, TONES};
 use core::ops::Range;
+use slipline_dds::bank::{BLOCK, TONES};
 
 pub use slipline_protocol::board::{BoardReport, MuteResistor, StopInput, UserButton};
 

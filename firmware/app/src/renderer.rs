@@ -20,14 +20,14 @@ mod revision;
 
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_dds::bank::{BLOCK, Bank, TONES, ToneBlock, code};
+use slipline_dds::lock_in::{Played, PlayedTone};
 use slipline_protocol::event::Fault;
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{Gain, SampleIndex};
 
-use crate::bank::{BLOCK, Bank, TONES, ToneBlock, code};
 use crate::digest::Digester;
 use crate::listening::listener::Listener;
-use crate::listening::lock_in::{Played, PlayedTone};
 use crate::mailbox::Mailbox;
 use crate::mailbox::{Inputs, Orders, Report, Stop};
 use crate::motion::Placement;

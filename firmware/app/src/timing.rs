@@ -1,7 +1,7 @@
 //! Times in blocks: the application has no clock but the sample index. The protocol's times in samples are
 //! [`Timing`](slipline_protocol::timing::Timing)'s.
 
-use crate::bank::BLOCK;
+use slipline_dds::bank::BLOCK;
 use slipline_protocol::limits;
 
 // The protocol's block is the bank's.

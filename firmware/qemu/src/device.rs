@@ -14,7 +14,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_sync::waitqueue::AtomicWaker;
 use embedded_io_async::{ErrorType, Read, Write};
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::planning::chord::Candidate;

@@ -42,8 +42,8 @@ use embassy_stm32::gpio::Flex;
 use embassy_stm32::pac;
 use embassy_stm32::{Peri, interrupt, peripherals, rcc};
 use embassy_sync::waitqueue::AtomicWaker;
-use slipline_app::bank::BLOCK;
-use slipline_app::bank::code::MID_SCALE;
+use slipline_app::BLOCK;
+use slipline_app::dds::bank::code::MID_SCALE;
 use slipline_app::ports::{DacStream, Underrun};
 
 use crate::board::{self, DAC_WAY as STREAM, SAMPLE_TIMER};

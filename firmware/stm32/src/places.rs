@@ -12,7 +12,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 
 /// Blocks that are remembered: two wait or play when one is read, and the ADC's ring has no more.
 const REMEMBERED: usize = 4;

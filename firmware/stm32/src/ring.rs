@@ -21,8 +21,8 @@
 
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
-use slipline_app::bank::BLOCK;
-use slipline_app::bank::code::MID_SCALE;
+use slipline_app::BLOCK;
+use slipline_app::dds::bank::code::MID_SCALE;
 use slipline_app::safety::fade::fade;
 
 /// A block is late if the DMA enters its half in fewer samples. Copying it takes about 600 cycles, at most 900 with the

@@ -35,7 +35,7 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering::Relaxed};
 
 use embassy_stm32::gpio::Flex;
 use embassy_stm32::{Peri, peripherals};
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_app::ports::{INPUTS, Overrun, SenseStream};
 
 use crate::board::{self, SAMPLE_TIMER, SENSE_WAY as WAY};

@@ -37,7 +37,7 @@
 use embassy_stm32::gpio::{AfType, Flex, OutputType, Pull, Speed};
 use embassy_stm32::pac::timer::vals::{CcmrInputCcs, FilterValue, Sms};
 use embassy_stm32::{Peri, rcc};
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_app::ports::Trigger;
 
 use crate::board::{

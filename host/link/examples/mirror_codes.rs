@@ -20,8 +20,8 @@ use std::io::{self, BufRead, Write};
 use std::sync::Arc;
 
 use slipline_app::Stop;
-use slipline_app::bank::{BLOCK, TONES};
-use slipline_app::listening::lock_in::{InPhaseQuadrature, LockIn, Shape, State, Window};
+use slipline_app::dds::bank::{BLOCK, TONES};
+use slipline_app::dds::lock_in::{InPhaseQuadrature, LockIn, Shape, State, Window};
 use slipline_link::mirror::Mirror;
 use slipline_protocol::table::Knot;
 use slipline_protocol::{Command, Decoder};
@@ -128,7 +128,7 @@ fn play(mirror: &mut Mirror, from: u64, until: u64) -> Result<(), Box<dyn std::e
 
 fn listen(mirror: &mut Mirror, window: Window, codes: &[u8]) -> Result<(), Box<dyn std::error::Error>> {
     let codes: Vec<u16> = codes.as_chunks().0.iter().map(|code| u16::from_le_bytes(*code)).collect();
-    let mut lock_in = LockIn::new();
+    let mut lock_in = LockIn::<1>::new();
     lock_in.start(window, 0).map_err(|error| format!("{window:?}: {error:?}"))?;
     mirror.render(window.begin, |_, _| ());
     for (index, codes) in (window.begin..).step_by(BLOCK).zip(codes.as_chunks::<BLOCK>().0) {

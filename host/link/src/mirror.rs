@@ -16,8 +16,8 @@ use std::sync::Arc;
 
 use crate::played::Played;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use slipline_app::bank::BLOCK;
-use slipline_app::listening::lock_in;
+use slipline_app::BLOCK;
+use slipline_app::dds::lock_in;
 use slipline_app::mailbox::Mailbox;
 use slipline_app::planning::chord::ChordTones;
 use slipline_app::planning::plan::Planner;
@@ -124,7 +124,7 @@ impl Mirror {
         self.renderer.index()
     }
 
-    /// How the last block was rendered, for a [lock-in](slipline_app::listening::lock_in) on an input's
+    /// How the last block was rendered, for a [lock-in](slipline_app::dds::lock_in) on an input's
     /// response to it.
     #[must_use]
     pub fn played(&self) -> lock_in::Played {

@@ -14,6 +14,8 @@ mod turn;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Vec;
+use slipline_dds::bank::TONES;
+use slipline_dds::lock_in::{Shape, Window};
 use slipline_protocol::Event;
 use slipline_protocol::hold::{self as wire, Held, HoldProgress, HoldSetting};
 use slipline_protocol::limits::{HELD_AMPLITUDE, HOLD_PAUSE_BLOCKS, MAX_AT_RISE_MS, MAX_HOLD_CDB, MAX_TONES};
@@ -22,9 +24,7 @@ use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
 use super::Controller;
 use super::listening::{check_input, existing};
-use crate::bank::TONES;
 use crate::listening::hold::{Hold, Limit, LoopSetting, LoopState, Loss, Octaves, SettingError, ToneToHold};
-use crate::listening::lock_in::{Shape, Window};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;

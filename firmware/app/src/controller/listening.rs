@@ -2,6 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::Vec;
+use slipline_dds::lock_in::{Shape, Span, State, Window};
 use slipline_protocol::Event;
 use slipline_protocol::limits::{
     CAPTURED_VALUES, LISTENED_TONES, MAX_CAPTURE_LOG2, MAX_CAPTURE_VALUES, MAX_TONES,
@@ -15,7 +16,6 @@ use slipline_protocol::units::SampleIndex;
 
 use super::Controller;
 use crate::listening::capture::{self, Recipe};
-use crate::listening::lock_in::{Shape, Span, State, Window};
 use crate::mailbox::{Inputs, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::range::in_range;

@@ -2,13 +2,13 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use heapless::String;
+use slipline_dds::bank::{BLOCK, TONES};
 use slipline_protocol::event::{Counters, Identity, Maintenance, State, Status, Wear};
 use slipline_protocol::limits;
 use slipline_protocol::units::{SampleIndex, per_mille};
 use slipline_protocol::version::Version;
 
 use super::Controller;
-use crate::bank::{BLOCK, TONES};
 use crate::mailbox::Mailbox;
 use crate::mailbox::View;
 use crate::ports::{FlashPages, System};

@@ -10,14 +10,14 @@ use std::boxed::Box;
 use std::rc::Rc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_dds::bank::BLOCK;
+use slipline_dds::bank::code::MID_SCALE;
 use slipline_protocol::command::{Apply, Drive, TableChunk, Tone};
 use slipline_protocol::event::{Counters, Faults, State};
 use slipline_protocol::table::{self, Knot};
 use slipline_protocol::units::{CentiDecibel, Gain, Level, Phase, Position};
 
 use super::*;
-use crate::bank::BLOCK;
-use crate::bank::code::MID_SCALE;
 use crate::ports::{FLASH_WORD, FlashError, FlashSlot, NoFlash};
 use crate::renderer::Renderer;
 use crate::timing::TICK_BLOCKS;

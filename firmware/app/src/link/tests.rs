@@ -10,6 +10,7 @@ use std::vec::Vec;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embedded_io_async::{ErrorKind, ErrorType};
+use slipline_dds::bank::BLOCK;
 use slipline_protocol::command::{Apply, Drive, Hello, TableChunk, TableHeader, Tone};
 use slipline_protocol::event::State;
 use slipline_protocol::refusal::{Busy, Refusal};
@@ -20,7 +21,6 @@ use slipline_protocol::version::{Minor, Version};
 use slipline_protocol::{Command, Decoder, Event};
 
 use super::*;
-use crate::bank::BLOCK;
 use crate::ports::NoFlash;
 use crate::renderer::Renderer;
 use crate::timing::TICK_BLOCKS;

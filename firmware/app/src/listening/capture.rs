@@ -17,11 +17,11 @@
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
-use crate::bank::BLOCK;
 use crate::ports::INPUTS;
 use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
 use core::sync::atomic::{AtomicU32, Ordering};
+use slipline_dds::bank::BLOCK;
 use slipline_protocol::units::SampleIndex;
 
 /// Values at most.

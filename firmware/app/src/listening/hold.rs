@@ -55,7 +55,7 @@ use self::law::Law;
 pub use self::octaves::Octaves;
 pub use self::setting::{LoopSetting, MAX_AMPLITUDE, MIN_AMPLITUDE, SettingError, ToneToHold};
 use self::tone::Tone;
-use crate::bank::TONES;
+use slipline_dds::bank::TONES;
 use slipline_protocol::units::Gain;
 
 /// The limit that keeps a tone from rising or falling further.

@@ -10,14 +10,14 @@
 //! ```
 //! A listener that measures nothing takes the blocks and drops them, which costs next to nothing.
 
-use crate::bank::{BLOCK, TONES, ToneBlock};
 use crate::listening::capture::{Capture, Progress, Values};
-use crate::listening::lock_in::{History, LockIn, State};
 use crate::mailbox::{CaptureReport, ListenOrders, Mailbox, Order};
 use crate::ports::{INPUTS, Overrun, SenseStream};
 use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_dds::bank::{BLOCK, TONES, ToneBlock};
+use slipline_dds::lock_in::{History, LockIn, State};
 use slipline_protocol::units::SampleIndex;
 
 /// Measurement and capture of the inputs.
@@ -26,7 +26,7 @@ pub struct Listener<'a> {
     /// How the blocks were rendered that the ADC has yet to sample.
     pub history: History,
     /// The lock-ins of the tones.
-    pub lock_in: LockIn,
+    pub lock_in: LockIn<INPUTS>,
     /// The capture.
     pub capture: Capture<'a>,
     next: SampleIndex,
@@ -171,7 +171,7 @@ impl<'a> Listener<'a> {
     }
 
     /// Takes one block, if one has been sampled; returns whether there was one. Blocks that were lost take up their
-    /// indices: a measurement over them [breaks](crate::listening::lock_in::State::Broken), all others go on.
+    /// indices: a measurement over them [breaks](slipline_dds::lock_in::State::Broken), all others go on.
     pub fn listen(&mut self, stream: &mut impl SenseStream) -> bool {
         let wanted = self.wanted_inputs();
         let is_heard = !wanted.is_empty();

@@ -11,12 +11,12 @@
 use core::cell::Cell;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_dds::bank::TONES;
+use slipline_dds::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
 use slipline_protocol::units::SampleIndex;
 
 use super::Mailbox;
-use crate::bank::TONES;
 use crate::listening::capture::{self, Recipe};
-use crate::listening::lock_in::{self, InPhaseQuadrature, Reading, Span, State, Window};
 use crate::ports::INPUTS;
 
 /// An order for a measurement or a capture.
@@ -272,7 +272,7 @@ impl<M: RawMutex> Mailbox<M> {
     }
 
     /// Reports the reading of a measurement that is over, unless there is a new order.
-    pub(crate) fn set_reading(&self, state: State, begin: SampleIndex, reading: &Reading) {
+    pub(crate) fn set_reading(&self, state: State, begin: SampleIndex, reading: &Reading<INPUTS>) {
         for (cell, sums) in (0..INPUTS).zip(&reading.sums) {
             self.shared.lock(|shared| {
                 if let Some(cell) = shared.listening.sums.get(cell) {

@@ -4,12 +4,12 @@ use std::boxed::Box;
 use std::format;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use slipline_dds::bank::BLOCK;
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{FinePosition, Gain};
 
 use super::*;
-use crate::bank::BLOCK;
 use crate::listening::capture::Values;
 use crate::listening::listener::Listener;
 use crate::motion::{Motion, Placement};
@@ -181,7 +181,7 @@ fn a_block_with_a_stop_in_it_is_reported_as_it_is_played() {
     assert_eq!(mailbox.stopped_at(), last + 1);
     let view = mailbox.view();
     assert!(view.stopping && !view.armed && view.faults.set().contains(Fault::EmergencyStop));
-    let squares = codes.map(|code| u64::from(code.abs_diff(crate::bank::code::MID_SCALE)).pow(2));
+    let squares = codes.map(|code| u64::from(code.abs_diff(slipline_dds::bank::code::MID_SCALE)).pow(2));
     assert_eq!(view.report.energy, before.energy + squares.iter().sum::<u64>());
     // A raised cosine after 128 of 800 samples.
     let left = (1.0 + (core::f64::consts::PI * 128.0 / 800.0).cos()) / 2.0;
@@ -309,7 +309,7 @@ fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &mailbox, 2);
     assert_eq!(mailbox.publish(&onset(mailbox.now(), &mailbox), &mailbox.view()), Ok(()));
-    assert_eq!(render(&mut renderer, &mailbox, 40), [crate::bank::code::MID_SCALE; BLOCK]);
+    assert_eq!(render(&mut renderer, &mailbox, 40), [slipline_dds::bank::code::MID_SCALE; BLOCK]);
     assert!(renderer.is_muted());
 }
 

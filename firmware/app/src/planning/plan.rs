@@ -4,13 +4,13 @@
 //! controller plans before it accepts a command. The host's mirror plans with the index in the device's answer and gets
 //! the same motion.
 
+use slipline_dds::bank::{BLOCK, MAX_STEP_CHANGE};
 use slipline_protocol::command::{Chord, Comb, Drive};
 use slipline_protocol::limits::{MAX_TONES, MIN_MASTER_CDB};
 use slipline_protocol::refusal::{Busy, Field, Refusal};
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{CentiDecibel, Gain, SampleIndex};
 
-use crate::bank::{BLOCK, MAX_STEP_CHANGE};
 use crate::motion::{Motion, Placement};
 use crate::planning::chord::ChordTones;
 use crate::planning::headroom;

@@ -10,10 +10,10 @@
 //! changes is known from where it began, and a mirror does the same.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_dds::bank::{BLOCK, code};
 use slipline_protocol::units::Gain;
 
 use super::Renderer;
-use crate::bank::{BLOCK, code};
 use crate::mailbox::Mailbox;
 use crate::motion::outline::Outline;
 use crate::planning::ramp::ONE;

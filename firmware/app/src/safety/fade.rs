@@ -4,7 +4,7 @@
 //! steeper than a full-scale tone of 124 Hz, and from full scale it takes 512 samples: 1.3 ms at 400 kS/s. It has no
 //! length of its own: it goes on from block to block, each from the last code of the one before.
 
-use crate::bank::code::MID_SCALE;
+use slipline_dds::bank::code::MID_SCALE;
 
 /// Codes by which the line moves in a sample, at most.
 pub const FADE_STEP: u16 = 4;
@@ -24,7 +24,7 @@ pub fn fade(from: u16) -> impl Iterator<Item = u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bank::BLOCK;
+    use slipline_dds::bank::BLOCK;
 
     #[test]
     fn every_fade_is_at_mid_scale_after_four_blocks_and_never_steps_by_more_than_its_slope() {

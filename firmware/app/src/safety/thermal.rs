@@ -9,10 +9,9 @@
 //! are starting values for a voice coil of some tens of grams, on the safe side; the profile of a board's actuator changes them.
 
 use micromath::F32Ext;
+use slipline_dds::bank::code;
 use slipline_protocol::profile::CoilHeat;
 use slipline_protocol::units::SampleIndex;
-
-use crate::bank::code;
 
 /// The winding's time constant, in seconds.
 pub const WINDING_S: f32 = 8.0;

@@ -2,7 +2,7 @@
 
 use super::ChordRequest;
 use crate::table::DeviceTable;
-use slipline_app::bank::FULL_SCALE;
+use slipline_app::dds::bank::FULL_SCALE;
 use slipline_app::planning::chord::{ChordTones, Extent, Proof};
 use slipline_protocol::command::Chord;
 use slipline_protocol::event::Identity;

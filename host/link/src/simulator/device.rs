@@ -16,7 +16,7 @@ use std::task::{Context, Wake, Waker};
 use super::inputs::{Inputs, SimulatedInputs};
 use super::peripherals::{MemoryFlash, Peripherals};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_app::listening::capture::Values;
 use slipline_app::listening::listener::Listener;
 use slipline_app::mailbox::{Mailbox, Pulses};

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_app::ports::{INPUTS, Overrun};
 
 /// Blocks that can wait for the device application; if one more is sampled, the oldest is lost.

@@ -17,7 +17,7 @@ use crate::snapshot::Snapshot;
 use crate::sounding::Sounding;
 use crate::table::DeviceTable;
 use crate::transport::{Opener, Transport, Waker, read_received};
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;

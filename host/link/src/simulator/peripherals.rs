@@ -7,8 +7,8 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::Poll;
 
-use slipline_app::bank::BLOCK;
-use slipline_app::bank::code::MID_SCALE;
+use slipline_app::BLOCK;
+use slipline_app::dds::bank::code::MID_SCALE;
 use slipline_app::ports::{
     Button, DacStream, FLASH_WORD, FlashError, FlashPages, FlashSlot, HasMuted, INPUTS, Mute, Overrun,
     SenseStream, System, Trigger, Underrun,

@@ -9,7 +9,7 @@
 use super::device::SimulatedDevice;
 use crate::clock::Clock;
 use crate::transport::{Transport, Waker, read_received};
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_protocol::event::ResetCause;
 use slipline_protocol::units::SampleIndex;
 use std::io;

@@ -1,16 +1,16 @@
 //! One turn of the hold: at the end of a window, new levels from the measured amplitudes.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use slipline_dds::bank::TONES;
+use slipline_dds::lock_in::{self, Window};
 use slipline_protocol::hold::HoldProgress;
 use slipline_protocol::limits::HOLD_PAUSE_BLOCKS;
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::SampleIndex;
 
 use super::{Controller, Holding};
-use crate::bank::TONES;
 use crate::controller::drive::publish;
 use crate::listening::hold::{Answers, HoldAction, Levels, Limit, Octaves, Room, amplitude};
-use crate::listening::lock_in::{self, Window};
 use crate::mailbox::{Course, Mailbox};
 use crate::ports::{FlashPages, System};
 use crate::timing::BLOCK_SAMPLES;

@@ -1,10 +1,10 @@
 //! The level hold with interrupts of the renderer at any moment, stops, and inputs that fail. Each test sets the readings.
 
+use slipline_dds::bank::TONES;
+use slipline_dds::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span, State as LockInState};
 use slipline_protocol::hold::{Held, HoldLoss, HoldProgress, HoldSetting, HoldState, HoldTone};
 
 use super::*;
-use crate::bank::TONES;
-use crate::listening::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span, State as LockInState};
 use crate::mailbox::Inputs;
 use crate::ports::INPUTS;
 

@@ -1,7 +1,8 @@
 //! The result of a window: each tone's amplitude at one input.
 
-use crate::bank::TONES;
-use crate::listening::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span};
+use crate::ports::INPUTS;
+use slipline_dds::bank::TONES;
+use slipline_dds::lock_in::{BASIS_ONE, InPhaseQuadrature, Reading, Span};
 
 /// The highest code.
 const HIGHEST_CODE: u16 = 0x0FFF;
@@ -25,7 +26,7 @@ pub(super) enum Untrusted {
 impl Answers {
     /// The answers of a finished reading. `None` if the board has no such input.
     #[must_use]
-    pub fn of(reading: &Reading, input: usize) -> Option<Self> {
+    pub fn of(reading: &Reading<INPUTS>, input: usize) -> Option<Self> {
         let span = reading.spans.get(input).copied().flatten()?;
         let amplitudes = core::array::from_fn(|slot| {
             reading.answer(input, slot).and_then(|answer| amplitude(answer, reading.weight))
@@ -47,7 +48,7 @@ impl Answers {
     }
 }
 
-/// An answer's amplitude `b` in 1/256 code, rounded down, by the [lock-in's](crate::listening::lock_in) equation:
+/// An answer's amplitude `b` in 1/256 code, rounded down, by the [lock-in's](slipline_dds::lock_in) equation:
 /// `256 b = 256 * 4 |I + iQ| / (BASIS_ONE * 128 * W) = 8 |I + iQ| / (BASIS_ONE * W)`. `weight` is `W`; `None` if it is 0.
 #[must_use]
 pub fn amplitude(answer: InPhaseQuadrature, weight: u32) -> Option<u32> {

@@ -1,7 +1,7 @@
 //! Parameters of a hold, and their checks.
 
 use super::octaves::Octaves;
-use crate::bank::TONES;
+use slipline_dds::bank::TONES;
 use slipline_protocol::limits::HELD_AMPLITUDE;
 use slipline_protocol::units::Gain;
 

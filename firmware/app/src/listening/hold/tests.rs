@@ -5,9 +5,10 @@ mod plant;
 mod stability;
 
 use super::*;
-use crate::bank::{BLOCK, ToneBlock};
-use crate::listening::lock_in::{History, LockIn, Shape, Span, Window};
+use crate::ports::INPUTS;
 use core::f64::consts::TAU;
+use slipline_dds::bank::{BLOCK, ToneBlock};
+use slipline_dds::lock_in::{History, LockIn, Shape, Span, Window};
 
 /// 10 ms at 400 kS/s, the shortest period.
 const PERIOD: u32 = 4000;
@@ -57,7 +58,7 @@ fn parts(step: HoldAction, slots: [usize; 2]) -> [f64; 2] {
 fn an_amplitude_matches_the_lock_ins_measurement() {
     const STEP: u64 = 0x0123_4567_89AB_CDEF;
     for codes in [40.5, 333.0, 1500.0] {
-        let (mut lock_in, mut history) = (LockIn::new(), History::new());
+        let (mut lock_in, mut history) = (LockIn::<INPUTS>::new(), History::new());
         lock_in
             .start(Window { begin: 0, blocks: 31, shape: Shape::Hann, slots: 1 << 5, input: None }, 0)
             .expect("it can be measured");
@@ -80,7 +81,7 @@ fn an_amplitude_matches_the_lock_ins_measurement() {
         assert!(answers.amplitudes.iter().filter(|amplitude| amplitude.is_some()).count() == 1);
         assert_eq!(Answers::of(lock_in.reading(), 1), None);
     }
-    let longest = crate::listening::lock_in::InPhaseQuadrature { in_phase: i64::MIN, quadrature: i64::MIN };
+    let longest = slipline_dds::lock_in::InPhaseQuadrature { in_phase: i64::MIN, quadrature: i64::MIN };
     assert_eq!((amplitude(longest, 1), amplitude(longest, 0)), (Some(u32::MAX), None));
 }
 

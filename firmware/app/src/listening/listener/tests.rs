@@ -2,9 +2,7 @@
 extern crate std;
 
 use super::*;
-use crate::bank::code::MID_SCALE;
 use crate::listening::capture::{Progress, Recipe};
-use crate::listening::lock_in::{BASIS_ONE, Shape, Window};
 use crate::mailbox::Mailbox;
 use crate::motion::{Motion, Placement};
 use crate::planning::program::{Program, Target};
@@ -16,6 +14,8 @@ use core::future::Future as _;
 use core::ops::Range;
 use core::task::Poll;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use slipline_dds::bank::code::MID_SCALE;
+use slipline_dds::lock_in::{BASIS_ONE, Shape, Window};
 use slipline_protocol::table::Knot;
 use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{FinePosition, Gain};

@@ -1,11 +1,11 @@
 //! The proof of a chord's peak: one period of it, rendered without being heard.
 
+use slipline_dds::bank::code::code_of;
+use slipline_dds::bank::{BLOCK, FULL_SCALE, SteadyBank};
 use slipline_protocol::refusal::{Busy, Refusal};
 use slipline_protocol::units::{Gain, per_mille};
 
 use super::ChordTones;
-use crate::bank::code::code_of;
-use crate::bank::{BLOCK, FULL_SCALE, SteadyBank};
 use crate::timing::BLOCK_SAMPLES;
 
 /// Tones that are prepared between two looks for a stop: together they take about as long as a block.

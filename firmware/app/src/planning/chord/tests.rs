@@ -5,6 +5,8 @@ use std::vec::Vec;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use proptest::prelude::*;
+use slipline_dds::bank::BLOCK;
+use slipline_dds::bank::code::MID_SCALE;
 use slipline_protocol::command::{Apply, ChordTone, Drive};
 use slipline_protocol::limits::{MAX_HARMONIC, MAX_KNOT_STEP};
 use slipline_protocol::refusal::Busy;
@@ -12,8 +14,6 @@ use slipline_protocol::timing::Timing;
 use slipline_protocol::units::{CentiDecibel, Level, Phase};
 
 use super::*;
-use crate::bank::BLOCK;
-use crate::bank::code::MID_SCALE;
 use crate::mailbox::{Mailbox, Stop};
 use crate::planning::plan::Planner;
 use crate::planning::ramp::RampShape;
@@ -142,7 +142,7 @@ fn silence() -> Drive {
 /// The chord with its levels scaled so that its peak is just below full scale, or its loudest level is the highest.
 fn as_loud_as_fits(chord: &Chord) -> Chord {
     let extent = Proof::new().extent(&placed(chord).unwrap(), &mut || false).unwrap();
-    let factor = f64::from(crate::bank::FULL_SCALE) / f64::from(extent.peak());
+    let factor = f64::from(slipline_dds::bank::FULL_SCALE) / f64::from(extent.peak());
     let loudest = chord.tones.iter().map(|tone| tone.level.0).max().unwrap();
     let factor = factor.min(f64::from(u16::MAX) / f64::from(loudest));
     let mut scaled = chord.clone();
@@ -343,14 +343,14 @@ fn a_chord_begins_in_silence_alone_and_what_follows_it_keeps_the_sum() {
 #[test]
 fn a_steady_bank_renders_what_the_bank_renders() {
     let tones = placed(&as_loud_as_fits(&in_phase())).unwrap();
-    let (mut bank, mut steady) = (crate::bank::Bank::new(), crate::bank::SteadyBank::new());
-    let mut blocks = [crate::bank::ToneBlock::default(); MAX_TONES];
+    let (mut bank, mut steady) = (slipline_dds::bank::Bank::new(), slipline_dds::bank::SteadyBank::new());
+    let mut blocks = [slipline_dds::bank::ToneBlock::default(); MAX_TONES];
     // What sounded before in the bank leaves no trace.
-    blocks[15] = crate::bank::ToneBlock::steady(1 << 40, 1 << 20);
+    blocks[15] = slipline_dds::bank::ToneBlock::steady(1 << 40, 1 << 20);
     bank.render(&blocks, &mut [0; BLOCK]);
-    blocks[15] = crate::bank::ToneBlock::default();
+    blocks[15] = slipline_dds::bank::ToneBlock::default();
     for (slot, step, phase, amplitude) in tones.sounding().take(15) {
-        blocks[slot] = crate::bank::ToneBlock::steady(step.0, amplitude.0);
+        blocks[slot] = slipline_dds::bank::ToneBlock::steady(step.0, amplitude.0);
         bank.set_phase(slot, phase);
         steady.set(slot, step.0, phase, amplitude.0);
     }

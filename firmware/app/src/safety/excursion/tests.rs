@@ -5,13 +5,13 @@ use std::f64::consts::{PI, TAU};
 use std::vec::Vec;
 
 use proptest::prelude::*;
+use slipline_dds::bank::BLOCK;
 use slipline_protocol::command::{Apply, Drive, Tone};
 use slipline_protocol::limits::MAX_TONES;
 use slipline_protocol::table::Knot;
 use slipline_protocol::units::{CentiDecibel, Level, Phase, Position};
 
 use super::*;
-use crate::bank::BLOCK;
 use crate::motion::Placement;
 use crate::planning::plan::Planner;
 use crate::planning::ramp::RampShape;

@@ -1,10 +1,11 @@
 //! The assembly against the portable kernels, over blocks of every kind.
 
-use slipline_app::bank::{
+use slipline_app::dds::bank::{
     AMPLITUDE_ONE, BLOCK, Bank, TONES, ToneBlock,
     code::{codes, codes_portably},
 };
-use slipline_app::listening::lock_in::{History, LockIn, Shape, Window};
+use slipline_app::dds::lock_in::{History, LockIn, Shape, Window};
+use slipline_app::ports::INPUTS;
 
 /// Pseudo-random numbers, the same in every run.
 pub(crate) struct Draw(u64);
@@ -59,7 +60,7 @@ pub(crate) fn bank_differences(
 /// returns after how many of 200 blocks the sums differ, and one more if the wrong slots were given up.
 pub(crate) fn lock_in_differences(
     draw: &mut Draw,
-    lock_in: &mut LockIn,
+    lock_in: &mut LockIn<INPUTS>,
     codes: &mut [u16; BLOCK],
     input: Option<u8>,
 ) -> u32 {
@@ -67,7 +68,7 @@ pub(crate) fn lock_in_differences(
     const LEFT_OUT: usize = 2;
     const SILENT: usize = 5;
     const JUMPING: usize = 11;
-    let (mut portable, mut history) = (LockIn::new(), History::new());
+    let (mut portable, mut history) = (LockIn::<INPUTS>::new(), History::new());
     let slots = !(1 << LEFT_OUT);
     let window = Window { begin: 0, blocks: 200, shape: Shape::Hann, slots, input };
     if lock_in.start(window, 0).is_err() || portable.start(window, 0).is_err() {

@@ -6,11 +6,12 @@ use crate::compare::{Draw, bank_differences, lock_in_differences};
 use cortex_m::peripheral::{Peripherals, SYST, syst::SystClkSource};
 use cortex_m_rt::entry;
 use cortex_m_semihosting::{debug, hprintln};
-use slipline_app::bank::{
+use slipline_app::dds::bank::{
     AMPLITUDE_ONE, BLOCK, Bank, MAX_STEP_CHANGE, TONES, ToneBlock,
     code::{MID_SCALE, codes},
 };
-use slipline_app::listening::lock_in::{History, LockIn, MAX_WINDOW_BLOCKS, Shape, State, Window};
+use slipline_app::dds::lock_in::{History, LockIn, MAX_WINDOW_BLOCKS, Shape, State, Window};
+use slipline_app::ports::INPUTS;
 
 /// The state between the calls.
 struct CycleBench {
@@ -23,7 +24,7 @@ struct CycleBench {
     samples: [i32; BLOCK],
     codes: [u16; BLOCK],
     clipped: u32,
-    lock_in: LockIn,
+    lock_in: LockIn<INPUTS>,
     history: History,
     phases: [u64; TONES],
     index: u64,

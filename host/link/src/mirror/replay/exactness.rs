@@ -1,6 +1,6 @@
 //! The sample index from which the replayed codes equal the device's exactly.
 
-use slipline_app::bank::BLOCK;
+use slipline_app::BLOCK;
 use slipline_protocol::units::SampleIndex;
 
 /// Samples within which the renderer's amplitude settles after a step of the thermal fold-back: from full scale to zero

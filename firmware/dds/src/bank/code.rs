@@ -35,6 +35,7 @@ fn codes_by<K: Kernel>(samples: &[i32; BLOCK], codes: &mut [u16; BLOCK]) -> Conv
 }
 
 /// The code of one sample, 0..=[`MAX_CODE`].
+#[inline]
 #[must_use]
 pub fn code_of(sample: i32) -> u16 {
     quantize(sample, ROUND).0

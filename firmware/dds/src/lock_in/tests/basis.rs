@@ -1,7 +1,7 @@
 //! The basis of one step: how far it is from the cosines and sines that it stands for.
 use super::*;
-use crate::listening::lock_in::CONSTANT;
-use crate::listening::lock_in::basis::{BEND_WEIGHTS, Basis};
+use crate::lock_in::CONSTANT;
+use crate::lock_in::basis::{BEND_WEIGHTS, Basis};
 
 /// Steps from 0 to half a turn, with the smallest, and those next to the simple fractions of a turn.
 fn steps() -> impl Iterator<Item = u32> {

@@ -36,12 +36,14 @@ impl SteadyBank {
     }
 
     /// Makes every tone silent.
+    #[inline]
     pub fn silence(&mut self) {
         self.tones = [ToneBlock::steady(0, 0); TONES];
     }
 
     /// Makes a tone sound: its step and its phase at the next block's first sample, 2^64 = one turn, and its amplitude,
     /// 0..=[`AMPLITUDE_ONE`](super::AMPLITUDE_ONE). Does nothing for a slot that does not exist.
+    #[inline]
     pub fn set(&mut self, slot: usize, step: u64, phase: u64, amplitude: u32) {
         let Self { phases, tones, turns, basis, .. } = self;
         let tone = phases.get_mut(slot).zip(tones.get_mut(slot)).zip(turns.get_mut(slot));
@@ -53,6 +55,7 @@ impl SteadyBank {
     }
 
     /// Renders the next block, in units of 1/[`FULL_SCALE`](super::FULL_SCALE) of half the DAC's swing.
+    #[inline]
     pub fn render(&mut self, out: &mut [i32; BLOCK]) {
         Native::seed_steady(&mut self.phases, &self.tones, &self.turns, &mut self.seeds);
         Native::steady(&self.basis, &self.seeds, out);

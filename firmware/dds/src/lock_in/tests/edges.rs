@@ -1,7 +1,7 @@
 //! Where a window begins and ends, what breaks it, and the largest sums.
 use super::*;
 use crate::bank::MAX_STEP_CHANGE;
-use crate::listening::lock_in::{MAX_WINDOW_BLOCKS, Span, StartError};
+use crate::lock_in::{MAX_WINDOW_BLOCKS, Span, StartError};
 
 const LOUD: [u16; BLOCK] = [4095; BLOCK];
 

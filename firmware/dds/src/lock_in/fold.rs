@@ -51,6 +51,7 @@ pub struct Span {
 
 impl Span {
     /// The span of both.
+    #[inline]
     #[must_use]
     pub fn with(self, other: Self) -> Self {
         Self { lowest: self.lowest.min(other.lowest), highest: self.highest.max(other.highest) }

@@ -5,10 +5,13 @@ mod accuracy;
 mod basis;
 mod edges;
 
-use super::{BASIS_ONE, History, LockIn, Reading, Shape, State, Window};
+use super::{BASIS_ONE, History, Shape, State, Window};
 use crate::bank::{AMPLITUDE_ONE, BLOCK, TONES, ToneBlock};
 use core::f64::consts::TAU;
 use std::vec::Vec;
+
+type LockIn = super::LockIn<2>;
+type Reading = super::Reading<2>;
 
 /// One turn of phase as a double.
 const TURN: f64 = 18_446_744_073_709_551_616.0;

@@ -31,14 +31,15 @@ const _: () = {
     assert!(size_of::<Follower>() == 88 && offset_of!(Follower, basis) == 8 && size_of::<PlayedTone>() == 32);
     assert!(offset_of!(PlayedTone, tone) == 8 && offset_of!(ToneBlock, step_end) == 8);
     assert!(offset_of!(ToneBlock, amplitude) == 16 && offset_of!(ToneBlock, amplitude_end) == 20);
-    assert!(offset_of!(Block, followers) == 4 && offset_of!(Block, constant) == 8 && offset_of!(Block, sums) == 12);
-    assert!(offset_of!(Block, folds) == 16 && offset_of!(Block, inputs) == 20 && offset_of!(Block, weight) == 24);
-    assert!(offset_of!(Block, slots) == 28 && offset_of!(Block, jumps) == 32 && TONES == 16);
-    assert!(offset_of!(Block, first) == 36 && size_of::<[InPhaseQuadrature; TONES]>() == 256);
+    assert!(offset_of!(Block<'_, 1>, followers) == 4 && offset_of!(Block<'_, 1>, constant) == 8 && offset_of!(Block<'_, 1>, sums) == 12);
+    assert!(offset_of!(Block<'_, 1>, folds) == 16 && offset_of!(Block<'_, 1>, inputs) == 20 && offset_of!(Block<'_, 1>, weight) == 24);
+    assert!(offset_of!(Block<'_, 1>, slots) == 28 && offset_of!(Block<'_, 1>, jumps) == 32 && TONES == 16);
+    assert!(offset_of!(Block<'_, 1>, first) == 36 && size_of::<[InPhaseQuadrature; TONES]>() == 256);
     assert!(offset_of!(InPhaseQuadrature, quadrature) == 8 && size_of::<Folds>() == 256);
 };
 
 impl Kernel for CortexM4 {
+    #[inline]
     fn fold(codes: &[u16; BLOCK], folds: &mut Folds) -> (Span, i32) {
         let mut totals = Totals::default();
         // SAFETY: the function reads 128 codes, and writes the folds and the totals.
@@ -47,9 +48,11 @@ impl Kernel for CortexM4 {
         (Span { lowest: low.min(other_low), highest: high.max(other_high) }, sum)
     }
 
-    fn follow(mut block: Block<'_>) -> u32 {
+    #[inline]
+    fn follow<const INPUTS: usize>(mut block: Block<'_, INPUTS>) -> u32 {
         // SAFETY: the function reads and writes what the block refers to, in the sizes of their types, and of the inputs' sums
-        // and folds as many as `inputs` says, at most two.
-        unsafe { follow(&mut block) }
+        // and folds as many as `inputs` says after `first`, at most `INPUTS` in all. A block has the same layout for any
+        // number of inputs, as it holds their arrays by reference.
+        unsafe { follow(core::ptr::from_mut(&mut block).cast()) }
     }
 }

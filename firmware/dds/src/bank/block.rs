@@ -30,12 +30,14 @@ pub struct ToneBlock {
 
 impl ToneBlock {
     /// A tone that keeps its step and its amplitude over the block.
+    #[inline]
     #[must_use]
     pub const fn steady(step: u64, amplitude: u32) -> Self {
         Self { step, step_end: step, amplitude, amplitude_end: amplitude }
     }
 
     /// Whether the tone keeps its step and its amplitude over the block.
+    #[inline]
     #[must_use]
     pub const fn is_steady(&self) -> bool {
         self.step == self.step_end && self.amplitude == self.amplitude_end
@@ -43,11 +45,13 @@ impl ToneBlock {
 
     /// The phase gained over the block, `64 (step + step_end)`, modulo one turn.
     #[inline(always)]
-    pub(crate) const fn block_gain(&self) -> u64 {
+    #[must_use]
+    pub const fn block_gain(&self) -> u64 {
         self.step.wrapping_add(self.step_end) << 6
     }
 
     /// The phase gained up to sample `n` of the block: `n step + floor((step_end - step) n^2 / 256)`, modulo one turn.
+    #[inline]
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "phases are counted modulo one turn")]
     pub const fn phase_gain(&self, n: u32) -> u64 {

@@ -45,7 +45,7 @@ impl Kernel for Portable {
         (span, sum)
     }
 
-    fn follow(block: Block<'_>) -> u32 {
+    fn follow<const INPUTS: usize>(block: Block<'_, INPUTS>) -> u32 {
         let mut slots = block.slots;
         let own = block.followers.iter_mut().zip(block.constant).zip(block.tones);
         for (slot, ((follower, constant), PlayedTone { phase, tone })) in own.enumerate() {

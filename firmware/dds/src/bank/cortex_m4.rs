@@ -58,6 +58,7 @@ macro_rules! four_codes {
 }
 
 impl Kernel for CortexM4 {
+    #[inline]
     fn survey(tones: &[ToneBlock; TONES], inverted_steps: &[u64; TONES]) -> Survey {
         // SAFETY: the function reads sixteen tones and sixteen steps and writes nothing.
         match unsafe { survey(tones, inverted_steps) } {
@@ -67,6 +68,7 @@ impl Kernel for CortexM4 {
         }
     }
 
+    #[inline]
     fn rebuild(step: u64, slot: usize, basis: &mut SteadyBasis, turn: &mut Turn) {
         if slot < TONES {
             // SAFETY: the function writes the turn and the slot's column of the basis, 16 bytes in each of 16 rows.
@@ -74,6 +76,7 @@ impl Kernel for CortexM4 {
         }
     }
 
+    #[inline]
     fn seed_steady(
         phases: &mut [u64; TONES],
         tones: &[ToneBlock; TONES],
@@ -84,6 +87,7 @@ impl Kernel for CortexM4 {
         unsafe { seed_steady(phases, tones, turns, seeds) }
     }
 
+    #[inline]
     fn seed_glide(
         phases: &mut [u64; TONES],
         tones: &[ToneBlock; TONES],
@@ -94,11 +98,13 @@ impl Kernel for CortexM4 {
         unsafe { seed_glide(phases, tones, basis, seeds) }
     }
 
+    #[inline]
     fn steady(basis: &SteadyBasis, seeds: &SteadySeeds, out: &mut [i32; BLOCK]) {
         // SAFETY: the function reads exactly the two structures and writes exactly the block, as their types say.
         unsafe { steady(basis, seeds, out) }
     }
 
+    #[inline]
     fn glide(basis: &GlideBasis, seeds: &GlideSeeds, out: &mut [i32; BLOCK]) {
         // SAFETY: as `steady` above: reads the two structures, writes the block.
         unsafe { glide(basis, seeds, out) }

@@ -3,7 +3,6 @@
 use super::basis::{CONSTANT, Sums};
 use super::fold::Span;
 use crate::bank::{BLOCK, TONES};
-use crate::ports::INPUTS;
 
 /// The sums of one tone and one input; their unit is in the [module's](super) equations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +28,7 @@ impl InPhaseQuadrature {
 
 /// The sums of a window so far.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reading {
+pub struct Reading<const INPUTS: usize> {
     /// The sums of each input's tones, the input's offset not taken away.
     pub sums: [[InPhaseQuadrature; TONES]; INPUTS],
     /// The sums of the constant, [`CONSTANT`] codes.
@@ -44,11 +43,11 @@ pub struct Reading {
     /// slots mean nothing.
     pub followed: u16,
     /// The lowest and the highest code of each input: an input is clipped where one of them is at an end of the range,
-    /// and dead or stuck where they are equal. `None` for an input that the board has not.
+    /// and dead or stuck where they are equal. `None` for an input that was not measured.
     pub spans: [Option<Span>; INPUTS],
 }
 
-impl Reading {
+impl<const INPUTS: usize> Reading<INPUTS> {
     pub(super) const NONE: Self = Self {
         sums: [[InPhaseQuadrature::NONE; TONES]; INPUTS],
         constant: [InPhaseQuadrature::NONE; TONES],
@@ -62,7 +61,7 @@ impl Reading {
     /// `I` and `Q` of a tone and an input, with the input's offset taken away. `None` for a slot that was not followed, an
     /// input that does not exist, or an empty window.
     ///
-    /// For the thread side: it divides numbers of 128 bits.
+    /// Not for an interrupt: it divides numbers of 128 bits.
     #[must_use]
     pub fn answer(&self, input: usize, slot: usize) -> Option<InPhaseQuadrature> {
         self.spans.get(input).copied().flatten()?;
@@ -76,7 +75,8 @@ impl Reading {
 
 /// A tone's sums less what the input's offset has added to them: `constant` are the tone's sums of a constant input of
 /// [`CONSTANT`] codes, `codes` the sum of the input's codes, `weight` that of the blocks' weights. `None` for an empty window.
-pub(crate) fn without_offset(
+#[must_use]
+pub fn without_offset(
     sum: InPhaseQuadrature,
     constant: InPhaseQuadrature,
     codes: i64,

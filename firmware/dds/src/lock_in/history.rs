@@ -1,7 +1,6 @@
 //! Phases and tones of the last rendered blocks, kept until the ADC's codes of the same samples come.
 
 use crate::bank::{TONES, ToneBlock};
-use slipline_protocol::units::SampleIndex;
 
 /// Blocks that are remembered: one is rendered while one waits, one plays, and one has just been played.
 const BLOCKS: usize = 4;
@@ -20,17 +19,15 @@ pub struct PlayedTone {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Played {
     /// Its first sample.
-    pub index: SampleIndex,
+    pub index: u64,
     /// The tones.
     pub tones: [PlayedTone; TONES],
 }
 
 impl Played {
     /// Stands for no block: no block has this index, which is not a multiple of a block's length.
-    const NONE: Self = Self {
-        index: SampleIndex::MAX,
-        tones: [PlayedTone { phase: 0, tone: ToneBlock::steady(0, 0) }; TONES],
-    };
+    const NONE: Self =
+        Self { index: u64::MAX, tones: [PlayedTone { phase: 0, tone: ToneBlock::steady(0, 0) }; TONES] };
 }
 
 /// The last blocks that were rendered. A stop that revises a block changes amplitudes, not phases, and is not noted here.
@@ -54,9 +51,9 @@ impl History {
     }
 
     /// Remembers a block, and forgets the oldest.
-    // A call: a renderer that nothing listens to does not pay for its registers.
+    // A call: a caller that measures nothing does not pay for its registers.
     #[inline(never)]
-    pub fn record(&mut self, index: SampleIndex, phases: &[u64; TONES], tones: &[ToneBlock; TONES]) {
+    pub fn record(&mut self, index: u64, phases: &[u64; TONES], tones: &[ToneBlock; TONES]) {
         if let Some(place) = self.blocks.get_mut(self.next) {
             place.index = index;
             for (played, (phase, tone)) in place.tones.iter_mut().zip(phases.iter().zip(tones)) {
@@ -68,7 +65,7 @@ impl History {
 
     /// The block that begins at an index, if it is remembered.
     #[must_use]
-    pub fn at(&self, index: SampleIndex) -> Option<&Played> {
+    pub fn at(&self, index: u64) -> Option<&Played> {
         self.blocks.iter().find(|block| block.index == index)
     }
 }

@@ -1,10 +1,8 @@
 //! The samples that a lock-in sums up, and how much each block counts.
 
+use crate::bank::BLOCK;
 use crate::bank::sine::sine_cosine;
-use crate::ports::INPUTS;
-use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
-use slipline_protocol::units::SampleIndex;
 
 /// The longest window in blocks: 21 s at 400 kS/s.
 pub const MAX_WINDOW_BLOCKS: u16 = u16::MAX;
@@ -28,7 +26,7 @@ pub enum Shape {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// The first sample: a multiple of a block's length, 128.
-    pub begin: SampleIndex,
+    pub begin: u64,
     /// The length in blocks, `1..=`[`MAX_WINDOW_BLOCKS`].
     pub blocks: u16,
     /// The weights.
@@ -43,8 +41,9 @@ impl Window {
     pub(super) const NONE: Self =
         Self { begin: 0, blocks: 0, shape: Shape::Rectangular, slots: 0, input: None };
 
-    /// The inputs that are measured.
-    pub(crate) const fn inputs(&self) -> Range<usize> {
+    /// Those of the inputs that are measured.
+    #[inline]
+    pub(super) const fn inputs<const INPUTS: usize>(&self) -> Range<usize> {
         match self.input {
             Some(input) => input as usize..input as usize + 1,
             None => 0..INPUTS,
@@ -52,8 +51,12 @@ impl Window {
     }
 
     /// Checks it, for `next` the first sample of the first block that will be taken.
-    pub(crate) const fn check(&self, next: SampleIndex) -> Result<(), StartError> {
-        if !self.begin.is_multiple_of(BLOCK_SAMPLES) {
+    ///
+    /// # Errors
+    /// [`StartError`].
+    #[inline]
+    pub const fn check(&self, next: u64) -> Result<(), StartError> {
+        if !self.begin.is_multiple_of(BLOCK as u64) {
             return Err(StartError::WithinBlock);
         }
         if self.begin < next {
@@ -62,7 +65,7 @@ impl Window {
         if self.blocks == 0 {
             return Err(StartError::Empty);
         }
-        if self.begin.checked_add(BLOCK_SAMPLES * self.blocks as u64).is_none() {
+        if self.begin.checked_add(BLOCK as u64 * self.blocks as u64).is_none() {
             return Err(StartError::BeyondTime);
         }
         Ok(())
@@ -77,7 +80,7 @@ pub enum StartError {
     /// `begin` is over.
     Past {
         /// The earliest that is not.
-        earliest: SampleIndex,
+        earliest: u64,
     },
     /// `blocks` is 0; the least is 1.
     Empty,
@@ -96,6 +99,7 @@ pub(super) struct Weights {
 impl Weights {
     pub(super) const NONE: Self = Self { shape: Shape::Rectangular, turn: 0 };
 
+    #[inline]
     pub(super) const fn new(shape: Shape, blocks: u16) -> Self {
         // One block is the whole turn; its middle half counts.
         let blocks = if blocks == 0 { 1 } else { blocks as u32 };
@@ -104,6 +108,7 @@ impl Weights {
 
     /// The weight of a block, at most 1.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 2^15")]
+    #[inline]
     pub(super) fn at(self, block: u16) -> u32 {
         match self.shape {
             Shape::Rectangular => WEIGHT_ONE,

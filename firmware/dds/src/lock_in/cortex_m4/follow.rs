@@ -102,7 +102,7 @@ macro_rules! turn_and_add {
 /// whose pairs come from the outermost inwards, `3 T_3 + 2 T_2 + T_1`, `T_j` the sum up to pair `j`. The odd folds come
 /// from the innermost outwards: theirs is `6 X - (T_0 + 2 T_1 + 3 T_2)`, all counted on from the end of the even ones.
 #[unsafe(naked)]
-pub(super) unsafe extern "C" fn follow(block: &mut Block<'_>) -> u32 {
+pub(super) unsafe extern "C" fn follow(block: *mut Block<'_, 1>) -> u32 {
     // s0-s7 rotors; s8 the follower, s9 a place in the sums, s10 sine, s11 cosine, s12 the slot and later the inputs to come,
     // s13 theta, s14 the weight, s15 the mean phase; s16 TABLE, s17 RADIANS, s18 MEAN, s19 THETA, s20 the slots to come, s21
     // those that are followed, s22 the block, s23 its `jumps`.

@@ -114,12 +114,14 @@ impl Bank {
     }
 
     /// The phase of `tone` at the next block's first sample, 2^64 = one turn. Zero for a slot that does not exist.
+    #[inline]
     #[must_use]
     pub fn phase(&self, tone: usize) -> u64 {
         self.phases.get(tone).copied().unwrap_or(0)
     }
 
     /// Every tone's phase at the next block's first sample, 2^64 = one turn.
+    #[inline]
     #[must_use]
     pub const fn phases(&self) -> &[u64; TONES] {
         &self.phases
@@ -127,6 +129,7 @@ impl Bank {
 
     /// Sets the phase of `tone` at the next block's first sample. The tone must be silent: a sounding one would jump.
     /// Does nothing for a slot that does not exist.
+    #[inline]
     pub fn set_phase(&mut self, tone: usize, phase: u64) {
         if let Some(slot) = self.phases.get_mut(tone) {
             *slot = phase;

@@ -9,11 +9,10 @@ use super::fold::{Folds, Span};
 use super::history::PlayedTone;
 use super::reading::InPhaseQuadrature;
 use crate::bank::{BLOCK, TONES};
-use crate::ports::INPUTS;
 
 /// A block of all tones, and what they are added to.
 #[repr(C)]
-pub(super) struct Block<'a> {
+pub(super) struct Block<'a, const INPUTS: usize> {
     /// The tones as they were rendered.
     pub(super) tones: &'a [PlayedTone; TONES],
     pub(super) followers: &'a mut [Follower; TONES],
@@ -23,7 +22,7 @@ pub(super) struct Block<'a> {
     pub(super) sums: &'a mut [[InPhaseQuadrature; TONES]; INPUTS],
     /// Each input's block.
     pub(super) folds: &'a [Folds; INPUTS],
-    /// Number of measured inputs; with `first` at most [`INPUTS`].
+    /// Number of measured inputs; with `first` at most `INPUTS`.
     pub(super) inputs: u32,
     /// Eight times the block's weight.
     pub(super) weight: i32,
@@ -31,7 +30,7 @@ pub(super) struct Block<'a> {
     pub(super) slots: u32,
     /// All bits set if a phase must begin where the last block ended, none in the first block.
     pub(super) jumps: u32,
-    /// The first input that is measured; [`INPUTS`] or less.
+    /// The first input that is measured; `INPUTS` or less.
     pub(super) first: u32,
 }
 
@@ -41,5 +40,5 @@ pub(super) trait Kernel {
     fn fold(codes: &[u16; BLOCK], folds: &mut Folds) -> (Span, i32);
     /// Adds the block to the sums of every tone that is followed, and returns the slots that are still followed: it gives up
     /// the tones that are silent or jump.
-    fn follow(block: Block<'_>) -> u32;
+    fn follow<const INPUTS: usize>(block: Block<'_, INPUTS>) -> u32;
 }

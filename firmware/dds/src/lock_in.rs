@@ -1,9 +1,9 @@
 //! The lock-in: how strongly, and with what phase, the inputs answer each tone that sounds.
 //!
 //! ```text
-//! SenseStream -> block of codes -> fold twice ---------------------+
-//!                                                                 v
-//! renderer -> History (phases and ToneBlocks as rendered) -> basis -> X, D -> I, Q of the block -> weight -> sums
+//! ADC  -> block of codes -> fold twice ------------------------+
+//!                                                              v
+//! bank -> History (phases and ToneBlocks as rendered) -> basis -> X, D -> I, Q of the block -> weight -> sums
 //! ```
 //! With `x[n]` an input's code less mid-scale and `phi[n]` the phase at which the bank renders a tone (`a sin phi[n]`),
 //! ```text
@@ -18,8 +18,8 @@
 //! made of a constant input of [`CONSTANT`] codes (`I0`, `Q0`), and the codes themselves are summed up (`M`, by the same
 //! weights). [`Reading::answer`] takes `m I0`, `m Q0` away, `m = M / (128 W CONSTANT)`.
 //!
-//! ADC code `n` belongs to DAC code `n`; what lies between them ([`SenseStream::delay_ns`](crate::ports::SenseStream))
-//! is left in `psi`, for the host to take out: an input that is held later is farther in its phase, so `psi` rises by
+//! ADC code `n` belongs to DAC code `n`; what lies between them is a converter's delay. It is left in `psi`, for the
+//! caller to take out: an input that is held later is farther in its phase, so `psi` rises by
 //! `2 pi f delay`. The DAC holds each code for a sample, which takes `pi f / rate` away.
 //!
 //! **Computation.** With `t = n - 127/2`, `p` a tone's mean phase over the block, `w` its step in the middle and `theta` what
@@ -63,11 +63,6 @@
 //! `slipline-bench`: 3.88 cycles per tone and sample while every tone is steady (15 % of a block's time at 168 MHz and
 //! 400 kS/s), 4.95 while every tone glides (19 %). The goal is 5. Of these, the products and their turns are 1.5, a new
 //! basis 1.1, folding 0.3, and remembering how the block was rendered 0.2.
-//!
-//! **Messages.** What a protocol has to carry: *start*: a [`Window`] (first index, length in blocks, shape, slots);
-//! refused with [`StartError`]. *Read*: [`LockIn::state`], and when it is [`State::Finished`] the [`Reading`]: the
-//! [answers](Reading::answer) of 16 x 2 two 64-bit sums, the weight, the slots that were followed, the range of the codes. *Counters*: the overruns of the
-//! [`Listener`](crate::listening::listener::Listener). Nothing is lost by reading twice; a new start forgets the last reading.
 
 #![cfg_attr(not(test), deny(clippy::float_arithmetic))]
 
@@ -93,15 +88,11 @@ pub use self::history::{History, Played, PlayedTone};
 use self::kernel::{Block, Kernel};
 use self::native::Native;
 use self::portable::Portable;
-pub(crate) use self::reading::without_offset;
-pub use self::reading::{InPhaseQuadrature, Reading};
+pub use self::reading::{InPhaseQuadrature, Reading, without_offset};
 use self::window::Weights;
 pub use self::window::{MAX_WINDOW_BLOCKS, Shape, StartError, Window};
 use crate::bank::{BLOCK, TONES};
-use crate::ports::INPUTS;
-use crate::timing::BLOCK_SAMPLES;
 use core::ops::Range;
-use slipline_protocol::units::SampleIndex;
 
 /// Progress of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,28 +106,28 @@ pub enum State {
     /// A block of the window was lost, or came so late that its phases were forgotten; the sums end there.
     Broken {
         /// The first sample that is missing.
-        at: SampleIndex,
+        at: u64,
     },
 }
 
-/// The lock-ins of all tones, over one window at a time.
+/// The lock-ins of all tones on `INPUTS` inputs, over one window at a time.
 #[derive(Clone, Debug)]
-pub struct LockIn {
+pub struct LockIn<const INPUTS: usize> {
     state: State,
     window: Window,
     weights: Weights,
-    reading: Reading,
+    reading: Reading<INPUTS>,
     followers: [Follower; TONES],
     folds: [Folds; INPUTS],
 }
 
-impl Default for LockIn {
+impl<const INPUTS: usize> Default for LockIn<INPUTS> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl LockIn {
+impl<const INPUTS: usize> LockIn<INPUTS> {
     /// No measurement.
     #[must_use]
     pub const fn new() -> Self {
@@ -154,7 +145,7 @@ impl LockIn {
     ///
     /// # Errors
     /// [`StartError`] if the window cannot be measured; the last measurement stays as it is.
-    pub fn start(&mut self, window: Window, next: SampleIndex) -> Result<(), StartError> {
+    pub fn start(&mut self, window: Window, next: u64) -> Result<(), StartError> {
         window.check(next)?;
         self.window = window;
         self.weights = Weights::new(window.shape, window.blocks);
@@ -177,25 +168,25 @@ impl LockIn {
 
     /// Whether a block that begins at an index, if it is taken next, is correlated with any tone.
     #[must_use]
-    pub const fn works_at(&self, index: SampleIndex) -> bool {
+    pub const fn works_at(&self, index: u64) -> bool {
         matches!(self.state, State::Measuring) && index >= self.window.begin && self.reading.followed != 0
     }
 
     /// The inputs whose codes it takes next.
     #[must_use]
     pub const fn wanted_inputs(&self) -> Range<usize> {
-        if matches!(self.state, State::Measuring) { self.window.inputs() } else { 0..0 }
+        if matches!(self.state, State::Measuring) { self.window.inputs::<INPUTS>() } else { 0..0 }
     }
 
     /// The first sample of the window.
     #[must_use]
-    pub const fn begin(&self) -> SampleIndex {
+    pub const fn begin(&self) -> u64 {
         self.window.begin
     }
 
     /// The sums so far; whole when [`LockIn::state`] is [`State::Finished`].
     #[must_use]
-    pub const fn reading(&self) -> &Reading {
+    pub const fn reading(&self) -> &Reading<INPUTS> {
         &self.reading
     }
 
@@ -203,33 +194,30 @@ impl LockIn {
     /// nothing, nor do the codes of an input that is not measured.
     ///
     /// `index` is the block's first sample. A block of the window that is left out breaks the measurement when the next
-    /// one comes; one without `played` breaks it at once. More than [`INPUTS`] inputs are not looked at.
-    pub fn take_block(&mut self, index: SampleIndex, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
+    /// one comes; one without `played` breaks it at once. More than `INPUTS` inputs are not looked at.
+    // A call, so that a linker can place it in fast memory by its name: it is generic, and built where it is called.
+    #[inline(never)]
+    pub fn take_block(&mut self, index: u64, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
         self.take_by::<Native>(index, inputs, played);
     }
 
     /// As [`LockIn::take_block`], by the portable product on every machine. Tests compare the assembly with it.
-    pub fn take_block_portably(
-        &mut self,
-        index: SampleIndex,
-        inputs: &[[u16; BLOCK]],
-        played: Option<&Played>,
-    ) {
+    pub fn take_block_portably(&mut self, index: u64, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
         self.take_by::<Portable>(index, inputs, played);
     }
 
-    fn take_by<K: Kernel>(&mut self, index: SampleIndex, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
+    fn take_by<K: Kernel>(&mut self, index: u64, inputs: &[[u16; BLOCK]], played: Option<&Played>) {
         if self.state != State::Measuring || index < self.window.begin {
             return;
         }
         // 64 bits of samples last for a million years.
-        let due = self.window.begin.wrapping_add(BLOCK_SAMPLES * u64::from(self.reading.blocks));
+        let due = self.window.begin.wrapping_add(BLOCK as u64 * u64::from(self.reading.blocks));
         let Some(played) = played.filter(|played| played.index == index && index == due) else {
             self.state = State::Broken { at: due };
             return;
         };
         let weight = self.weights.at(self.reading.blocks);
-        let Range { start: first, end } = self.window.inputs();
+        let Range { start: first, end } = self.window.inputs::<INPUTS>();
         let inputs = inputs.get(first..end.min(inputs.len()).min(INPUTS)).unwrap_or_default();
         self.fold::<K>(first, inputs, weight);
         self.follow::<K>(first, inputs.len(), played, weight);
@@ -256,7 +244,7 @@ impl LockIn {
     /// Adds the block to every tone's sums; gives up the tones that are silent or jump.
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "sixteen slots, and no more inputs than there are places"
+        reason = "sixteen slots, and as many inputs as a computer has memory for"
     )]
     fn follow<K: Kernel>(&mut self, first: usize, inputs: usize, played: &Played, weight: u32) {
         let Reading { sums, constant, followed, blocks, .. } = &mut self.reading;
