@@ -45,14 +45,37 @@ pub fn write(setup: &Setup) -> String {
     format!("{KEY}{VERSION}.{}", URL_SAFE_NO_PAD.encode(packed))
 }
 
-/// The setup or plate of a fragment, with or without its `#`; `None` if the fragment holds none.
+/// The setup or plate of a fragment, with or without its `#`; `None` if the fragment holds none. Programs that pass addresses on
+/// may have written its characters as `%3D`, added parts behind `&`, and padded the base64.
 ///
 /// # Errors
 /// [`FragmentError`]. No text makes this function panic.
 #[must_use]
 pub fn read(fragment: &str) -> Option<Result<Opened, FragmentError>> {
-    let fragment = fragment.strip_prefix('#').unwrap_or(fragment);
-    fragment.strip_prefix(KEY).map(|text| unpacked(fragment.chars().count(), text))
+    let fragment = unescaped(fragment.strip_prefix('#').unwrap_or(fragment));
+    let text = fragment.split('&').find_map(|part| part.strip_prefix(KEY))?;
+    Some(unpacked(fragment.chars().count(), text.trim_end_matches('=')))
+}
+
+/// The fragment with each escaped ASCII character (RFC 3986, 2.1) as itself; what is no such escape stays.
+fn unescaped(fragment: &str) -> String {
+    let mut parts = fragment.split('%');
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let digits = part.get(..2).filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
+        let code = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        match (code.filter(u8::is_ascii), part.get(2..)) {
+            (Some(code), Some(rest)) => {
+                text.push(char::from(code));
+                text.push_str(rest);
+            }
+            _ => {
+                text.push('%');
+                text.push_str(part);
+            }
+        }
+    }
+    text
 }
 
 fn unpacked(length: usize, text: &str) -> Result<Opened, FragmentError> {
@@ -93,6 +116,26 @@ mod tests {
             let read = setup_of(&format!("#{fragment}")).unwrap();
             assert_eq!(file::write(&read), file::write(&setup));
             assert_eq!(read.plate.spec(), setup.plate.spec());
+        }
+    }
+
+    #[test]
+    fn a_fragment_is_read_as_programs_pass_it_on() {
+        let setup = SCENES[0].setup().unwrap();
+        let fragment = write(&setup);
+        for passed in [
+            fragment.replacen('=', "%3D", 1),
+            fragment.replacen('=', "%3d", 1).replacen('.', "%2E", 1).replace('_', "%5F"),
+            format!("{fragment}&utm_source=letter&utm_medium=%E2%82%AC"),
+            format!("fbclid=1&{fragment}"),
+            format!("{fragment}=="),
+            format!("{fragment}%3D%3D"),
+        ] {
+            let read = setup_of(&format!("#{passed}")).unwrap_or_else(|error| panic!("{passed}: {error}"));
+            assert_eq!(file::write(&read), file::write(&setup));
+        }
+        for broken in ["setup%3", "setup%+D1", "%", "%%3D"] {
+            assert!(read(broken).is_none(), "{broken}");
         }
     }
 
