@@ -86,6 +86,8 @@ class Bridge:
         self.lock = threading.Lock()
         self.emulator = None
         self.is_allowed = False
+        # Whether an equal board, whose port never opens, is plugged in beside it; the user then chooses that one.
+        self.has_twin = False
         self.listeners = set()
         # The browser that has the port, and how many readers were ended.
         self.holder = None
@@ -100,7 +102,7 @@ class Bridge:
             pass
 
     def state(self):
-        return json.dumps({"is_plugged": self.emulator is not None, "is_allowed": self.is_allowed})
+        return json.dumps({"is_plugged": self.emulator is not None, "is_allowed": self.is_allowed, "has_twin": self.has_twin})
 
     def tell_all(self):
         for listener in list(self.listeners):

@@ -78,8 +78,22 @@
     }
   }
 
+  // A board that is equal to the other one in all that a browser tells, and whose port never opens.
+  class SilentPort extends EventTarget {
+    connected = true;
+
+    getInfo() {
+      return { usbVendorId: 0x0483, usbProductId: 0x374b };
+    }
+
+    open() {
+      return new Promise(() => {});
+    }
+  }
+
   class FakeSerial extends EventTarget {
     #port = new FakePort();
+    #twin = new SilentPort();
     #seen = { is_plugged: false, is_allowed: false };
     #events = new WebSocket(`${BRIDGE}/events`);
     #first;
@@ -101,10 +115,11 @@
 
     async getPorts() {
       await this.#first;
-      return this.#seen.is_allowed && this.#seen.is_plugged ? [this.#port] : [];
+      const ports = this.#seen.has_twin ? [this.#port, this.#twin] : [this.#port];
+      return this.#seen.is_allowed && this.#seen.is_plugged ? ports : [];
     }
 
-    // The user chooses the board. Only the page's thread may ask, right after a gesture.
+    // The user chooses the board, or its twin. Only the page's thread may ask, right after a gesture.
     async requestPort({ filters }) {
       await this.#first;
       const { usbVendorId, usbProductId } = this.#port.getInfo();
@@ -120,7 +135,7 @@
       });
       this.#events.send("allow");
       await allowed;
-      return this.#port;
+      return this.#seen.has_twin ? this.#twin : this.#port;
     }
   }
 

@@ -154,6 +154,14 @@ class Serial(unittest.TestCase):
         self.assert_drives_on(page, before)
         self.assertEqual(errors + second_errors, [])
 
+    def test_of_two_equal_boards_the_chosen_one_is_opened_and_its_silence_has_an_end(self):
+        self.bridge.has_twin = True
+        page, errors = self.opened()
+        seen = self.ask(page, lambda seen: seen["error"] is not None, "silent")
+        self.assertEqual(seen["port"], f"{NAME} 2")
+        self.assertIn("does not answer", seen["error"])
+        self.assertEqual(errors, [])
+
     def test_a_browser_without_web_serial_names_those_that_have_it(self):
         with shared.served(board.without_serial()) as self.address:
             page, errors = self.opened()

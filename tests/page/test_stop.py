@@ -74,7 +74,7 @@ class Stop(unittest.TestCase):
         # The failure stops by itself.
         failed = shared.until(self.page, lambda seen: seen["has_failed"], "failed")
         stopped = shared.until(self.page, lambda seen: shared.sent_since(before, "stops_sent_ms", seen), "stopped")
-        self.assertTrue(failed["has_failed"] and "failed" in self.page.locator("#line").inner_text())
+        self.assertTrue(failed["has_failed"] and "has failed" in self.page.locator("#progress").inner_text())
         for event, act in [
             ("pointerdown", self.page.locator("#stop").click),
             ("keydown", lambda: self.page.keyboard.press("Escape")),

@@ -251,28 +251,43 @@ class Lacking(unittest.TestCase):
         cls.open.close()
 
     def test_a_sentence_names_what_a_browser_lacks(self):
+        lacks = "This browser has no {}, which Slipline needs: a newer browser has it."
         for missing, script in [
             ("WebAssembly", "delete window.WebAssembly"),
             ("SIMD of WebAssembly", "WebAssembly.validate = () => false"),
-            (
-                "WebGL 2",
-                """const get = HTMLCanvasElement.prototype.getContext;
-                HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
-                  return kind === "webgl2" ? null : get.call(this, kind, ...more);
-                };""",
-            ),
+            ("WebGL 2", "delete window.WebGL2RenderingContext"),
             # Such a browser passes over the type.
             ("workers of modules", "const Old = Worker; window.Worker = function (address) { return new Old(address); }"),
         ]:
-            with self.subTest(missing), contextlib.closing(self.browser.new_context()) as context:
-                context.add_init_script(script)
-                page = context.new_page()
-                page.goto(self.address)
-                sentence = f"This browser has no {missing}, which Slipline needs: a newer browser has it."
-                page.get_by_text(sentence).wait_for(timeout=shared.PATIENCE_S * 1e3)
-                # Nothing that comes later takes its place.
-                page.wait_for_timeout(1000)
-                self.assertTrue(page.get_by_text(sentence).is_visible())
+            with self.subTest(missing):
+                self.assert_says(lacks.format(missing), script)
+
+    def test_a_sentence_says_what_keeps_a_browser_from_it(self):
+        no_context = """const get = HTMLCanvasElement.prototype.getContext;
+        HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+          return kind === "webgl2" ? null : get.call(this, kind, ...more);
+        };"""
+        self.assert_says("switch graphics acceleration on in its settings", no_context)
+        policy = "default-src 'self' 'unsafe-inline' blob: data:"
+        self.assert_says("its script-src needs 'wasm-unsafe-eval'", "", {"Content-Security-Policy": policy})
+        self.assert_says("or its server calls it no JavaScript", "", {"Content-Type": "text/plain"}, "**/page.*.js")
+
+    def assert_says(self, sentence, script, headers=None, files="**/"):
+        """A page with this script before its own, whose files come with other headers, says a sentence."""
+        def answer(route):
+            response = route.fetch()
+            route.fulfill(response=response, headers={**response.headers, **{k.lower(): v for k, v in headers.items()}})
+
+        with contextlib.closing(self.browser.new_context(service_workers="block")) as context:
+            context.add_init_script(script)
+            page = context.new_page()
+            if headers:
+                page.route(files, answer)
+            page.goto(self.address)
+            page.get_by_text(sentence).wait_for(timeout=shared.PATIENCE_S * 1e3)
+            # Nothing that comes later takes its place.
+            page.wait_for_timeout(1000)
+            self.assertTrue(page.get_by_text(sentence).is_visible())
 
     def test_a_page_without_its_script_says_so(self):
         with contextlib.closing(self.browser.new_context(service_workers="block")) as context:

@@ -54,6 +54,12 @@ impl App {
         }
     }
 
+    /// Whether the demonstration moves the line.
+    #[must_use]
+    pub const fn is_demonstrating(&self) -> bool {
+        matches!(self.lead, Lead::Demonstration(_))
+    }
+
     /// Goes on with the demonstration, or ends it.
     pub(super) fn advance_demonstration(&mut self, ctx: &egui::Context) {
         let Lead::Demonstration(under_way) = self.lead else { return };

@@ -34,6 +34,10 @@ extern "C" {
     #[wasm_bindgen(method)]
     pub(crate) fn address(this: &Host) -> String;
 
+    /// Copies a text. Resolves with whether that was possible.
+    #[wasm_bindgen(method)]
+    pub(crate) fn copy(this: &Host, text: &str) -> Promise;
+
     /// Has the browser save a file.
     #[wasm_bindgen(method)]
     pub(crate) fn save(this: &Host, name: &str, bytes: &[u8]);

@@ -7,6 +7,7 @@ use crate::message;
 use crate::remote_link::RemoteLink;
 use crate::work::{self, Kind, Workers};
 use eframe::egui;
+use js_sys::Promise;
 use serde::Serialize;
 use slipline_instrument::Jobs;
 use slipline_instrument::bench::Bench;
@@ -31,6 +32,8 @@ use web_sys::HtmlCanvasElement;
 /// Keys of the values that are stored between visits.
 const KEPT_SETTINGS: &str = "slipline-settings";
 const KEPT_SETUP: &str = "slipline-setup";
+/// The browser has no clipboard for this page, or has asked the user in vain.
+const NOT_COPIED: &str = "The browser did not let the page copy. The address bar has the address of this setup";
 
 /// A browser plays no sound yet, and offers none.
 struct NoSpeaker;
@@ -52,10 +55,10 @@ struct Reports {
     is_stopped: bool,
     /// The page was hidden or left, and stopped: the sentence to show on return.
     left: Option<String>,
-    /// A setup in the address, or why there is none.
-    fragment: Option<String>,
-    /// Why no board can be chosen.
-    no_board: Option<String>,
+    /// The fragment of the address, and whether this page itself has written it.
+    fragment: Option<(String, bool)>,
+    /// What the browser could not do, as a sentence.
+    refused: Option<String>,
 }
 
 /// The window on the page.
@@ -64,14 +67,48 @@ struct Window {
     link: RemoteLink,
     dropped: Dropped,
     workers: Rc<Workers>,
+    host: Rc<Host>,
     reports: Rc<RefCell<Reports>>,
+    /// The file of the setup that somebody's link has opened: as long as it is as it was, the user's own setup stays stored.
+    linked: Option<String>,
     /// Pictures so far.
     frames: u64,
 }
 
+impl Window {
+    /// Opens the setup of an address.
+    fn open_fragment(&mut self, fragment: &str, is_own: bool) {
+        match fragment::read(fragment) {
+            Some(Ok(opened)) => {
+                self.app.use_opened(opened);
+                self.linked = (!is_own).then(|| setup_file::write(self.app.setup()));
+            }
+            Some(Err(error)) => self.app.fail(error.to_string()),
+            None => {}
+        }
+    }
+
+    /// Has the page copy what the picture wants to be copied: only it knows whether that was possible.
+    fn copy(&self, ctx: &egui::Context) {
+        let commands = ctx.output_mut(|output| {
+            let (copied, rest) = std::mem::take(&mut output.commands)
+                .into_iter()
+                .partition::<Vec<_>, _>(|command| matches!(command, egui::OutputCommand::CopyText(_)));
+            output.commands = rest;
+            copied
+        });
+        for command in commands {
+            let egui::OutputCommand::CopyText(text) = command else { continue };
+            report(self.host.copy(&text), ctx, &self.reports, |answer| {
+                (answer.as_bool() != Some(true)).then(|| NOT_COPIED.to_owned())
+            });
+        }
+    }
+}
+
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let Reports { is_stopped, left, fragment, no_board } = self.reports.take();
+        let Reports { is_stopped, left, fragment, refused } = self.reports.take();
         if is_stopped {
             self.app.press_stop();
         }
@@ -81,13 +118,10 @@ impl eframe::App for Window {
                 self.app.fail(sentence);
             }
         }
-        if let Some(opened) = fragment.as_deref().and_then(fragment::read) {
-            match opened {
-                Ok(opened) => self.app.use_opened(opened),
-                Err(error) => self.app.fail(error.to_string()),
-            }
+        if let Some((fragment, is_own)) = fragment {
+            self.open_fragment(&fragment, is_own);
         }
-        if let Some(sentence) = no_board {
+        if let Some(sentence) = refused {
             self.app.fail(sentence);
         }
         let (are_ports_new, chosen) = self.link.take_port_news();
@@ -109,6 +143,7 @@ impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.frames += 1;
         self.app.show(ui);
+        self.copy(ui.ctx());
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -119,7 +154,11 @@ impl eframe::App for Window {
         // The line of a demonstration is not the user's.
         self.app.end_demonstration();
         storage.set_string(KEPT_SETTINGS, self.app.settings().write());
-        storage.set_string(KEPT_SETUP, setup_file::write(self.app.setup()));
+        let setup = setup_file::write(self.app.setup());
+        if self.linked.as_ref() != Some(&setup) {
+            self.linked = None;
+            storage.set_string(KEPT_SETUP, setup);
+        }
     }
 
     fn persist_egui_memory(&self) -> bool {
@@ -197,10 +236,10 @@ impl Page {
         self.ctx.request_repaint();
     }
 
-    /// Opens the setup in the fragment of the address.
+    /// Opens the setup in the fragment of the address, which somebody else has written.
     #[wasm_bindgen(js_name = openFragment)]
     pub fn open_fragment(&self, fragment: String) {
-        self.reports.borrow_mut().fragment = Some(fragment);
+        self.reports.borrow_mut().fragment = Some((fragment, false));
         self.ctx.request_repaint();
     }
 
@@ -227,23 +266,30 @@ impl Page {
         crate::labels::nodes(&self.ctx)
     }
 
-    /// The setup on the screen as the fragment of an address, without its `#`.
+    /// The setup on the screen as the fragment of an address, without its `#`; nothing during the demonstration, whose line is
+    /// not the user's, and after a panic.
     pub fn fragment(&self) -> Option<String> {
-        self.runner.app_mut::<Window>().map(|window| fragment::write(window.app.setup()))
+        let window = self.runner.app_mut::<Window>()?;
+        (!window.app.is_demonstrating()).then(|| fragment::write(window.app.setup()))
     }
 }
 
-/// Opens the window on this canvas.
+/// Opens the window on this canvas, with the fragment of the address and whether this page itself has written it.
 ///
 /// # Errors
 /// Why there can be no window, such as a browser without WebGL 2.
 #[wasm_bindgen(js_name = openPage)]
-pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) -> Result<Page, JsValue> {
+pub async fn open_page(
+    canvas: HtmlCanvasElement,
+    host: Host,
+    fragment: String,
+    is_own: bool,
+) -> Result<Page, JsValue> {
     let host = Rc::new(host);
     let runner = eframe::WebRunner::new();
     let bench = Bench::elsewhere();
     let link = RemoteLink::new(Rc::clone(&host), bench.clone());
-    let reports = Rc::new(RefCell::new(Reports { fragment: Some(fragment), ..Reports::default() }));
+    let reports = Rc::new(RefCell::new(Reports { fragment: Some((fragment, is_own)), ..Reports::default() }));
     let options = eframe::WebOptions {
         // Noise under the last bit of a colour is not seen, and software graphics compute it for every pixel.
         dithering: false,
@@ -263,7 +309,8 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
         let ask_for_port = board_question(&host, &creation.egui_ctx, &reported);
         let parts = parts(linked.clone(), jobs, bench, files, (host.address(), ask_for_port));
         let app = app(creation, parts)?;
-        Ok(Box::new(Window { app, link: linked, dropped, workers, reports: reported, frames: 0 })
+        let (reports, frames) = (reported, 0);
+        Ok(Box::new(Window { app, link: linked, dropped, workers, host, reports, linked: None, frames })
             as Box<dyn eframe::App>)
     };
     runner.start(canvas, options, Box::new(create)).await?;
@@ -274,17 +321,24 @@ pub async fn open_page(canvas: HtmlCanvasElement, host: Host, fragment: String) 
 /// Has the user choose a board in the browser's list; a sentence if that cannot be goes to the reports.
 fn board_question(host: &Rc<Host>, ctx: &egui::Context, reports: &Rc<RefCell<Reports>>) -> Box<dyn FnMut()> {
     let (host, ctx, reports) = (Rc::clone(host), ctx.clone(), Rc::clone(reports));
-    Box::new(move || {
-        let answer = JsFuture::from(host.ask_for_port());
-        let (ctx, reports) = (ctx.clone(), Rc::clone(&reports));
-        spawn_local(async move {
-            let sentence = answer.await.ok().and_then(|sentence| sentence.as_string());
-            if let Some(sentence) = sentence.filter(|sentence| !sentence.is_empty()) {
-                reports.borrow_mut().no_board = Some(sentence);
-                ctx.request_repaint();
-            }
-        });
-    })
+    Box::new(move || report(host.ask_for_port(), &ctx, &reports, |answer| answer.as_string()))
+}
+
+/// Waits for an answer of the page; a sentence that is made of it goes to the reports.
+fn report(
+    answer: Promise,
+    ctx: &egui::Context,
+    reports: &Rc<RefCell<Reports>>,
+    sentence_of: impl FnOnce(JsValue) -> Option<String> + 'static,
+) {
+    let (ctx, reports) = (ctx.clone(), Rc::clone(reports));
+    spawn_local(async move {
+        let sentence = JsFuture::from(answer).await.ok().and_then(sentence_of);
+        if let Some(sentence) = sentence.filter(|sentence| !sentence.is_empty()) {
+            reports.borrow_mut().refused = Some(sentence);
+            ctx.request_repaint();
+        }
+    });
 }
 
 /// The window's parts, as a browser has them.

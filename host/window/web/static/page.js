@@ -7,14 +7,19 @@
 // The browser gives no script the keys and the pointer while this thread is stuck. Then the device worker, whose
 // questions are not answered, stops and disarms the device.
 
+import { isOwn, lacking, whyNotLoaded } from "./failure.js";
 import { FILTERS } from "./serial.js";
 import init, { openPage } from "./slipline_page.js";
 import { showOffer, watchUpdates } from "./updates.js";
+
+// How often the setup in the address is compared with the one on the screen: browsers refuse more than a few changes a second.
+const SHOW_SETUP_MS = 1000;
 
 const canvas = document.getElementById("window");
 const line = document.getElementById("line");
 const loading = document.getElementById("loading");
 const progress = document.getElementById("progress");
+const again = document.getElementById("again");
 
 const device = new Worker(new URL("worker.js", import.meta.url), { type: "module", name: "device" });
 let page = null;
@@ -58,11 +63,15 @@ window.addEventListener("keydown", (event) => {
   // A press that the window sees, too, must not count twice there: two are an emergency stop.
   if (!windowHasFocus()) {
     stopWindow();
-    if (document.activeElement === document.getElementById("stop")) {
-      event.preventDefault();
-    }
   }
 }, { capture: true });
+
+// Space is STOP everywhere, and no press of a button.
+for (const button of document.querySelectorAll("button")) {
+  for (const kind of ["keydown", "keyup"]) {
+    button.addEventListener(kind, (event) => event.key === " " && event.preventDefault());
+  }
+}
 
 // When it is pressed, not when it is let go.
 document.getElementById("stop").addEventListener("pointerdown", stop);
@@ -104,7 +113,10 @@ window.addEventListener("blur", showFocus);
 
 device.onmessage = ({ data }) => {
   if (data.ask) {
-    device.postMessage({ sign: true });
+    // Behind a window that has failed nobody sees the device: the watch may stop and disarm it.
+    if (!hasFailed) {
+      device.postMessage({ sign: true });
+    }
   } else if (data.failed) {
     deviceFailed();
   } else {
@@ -165,6 +177,9 @@ function startLane(name) {
 // What the window asks of the page.
 const host = {
   postDevice(bytes) {
+    if (hasFailed) {
+      return;
+    }
     const request = bytes.slice();
     device.postMessage({ request }, [request.buffer]);
   },
@@ -188,13 +203,17 @@ const host = {
   },
   // The browser's own list: it opens because the user has just pressed something, and the user may close it again.
   async askForPort() {
+    if (!isSecureContext) {
+      return "A browser lets no page without https use a board: open this page by https, or from this computer.";
+    }
     if (!navigator.serial || !hasSerial) {
-      return "This browser lets no page use a board: Chrome, Edge and Firefox from 151 do, on pages by https or of this computer.";
+      return "This browser lets no page use a board: Chrome, Edge and Firefox from 151 do.";
     }
     try {
       const port = await navigator.serial.requestPort({ filters: FILTERS });
-      const { usbVendorId, usbProductId } = port.getInfo();
-      device.postMessage({ granted: [usbVendorId, usbProductId] });
+      // The worker has the browser's ports in the same order, but not these objects: boards may be equal in all else.
+      const ports = await navigator.serial.getPorts();
+      device.postMessage({ granted: Math.max(0, ports.indexOf(port)) });
     } catch (error) {
       if (error.name !== "NotFoundError") {
         return `The browser lets no board be chosen: ${error.message}`;
@@ -204,6 +223,15 @@ const host = {
   },
   address() {
     return location.href.split("#")[0];
+  },
+  // Whether the text was copied. Without https a page has no clipboard, but the event of a copy.
+  async copy(text) {
+    try {
+      await navigator.clipboard.writeText(text);
+      return true;
+    } catch {
+      return copyByEvent(text);
+    }
   },
   save(name, bytes) {
     const address = URL.createObjectURL(new Blob([bytes.slice()]));
@@ -215,59 +243,60 @@ const host = {
   },
 };
 
-// A sentence in place of the window.
+function copyByEvent(text) {
+  let isCopied = false;
+  const write = (event) => {
+    event.clipboardData.setData("text/plain", text);
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    isCopied = true;
+  };
+  document.addEventListener("copy", write, { capture: true });
+  const isDone = document.execCommand("copy");
+  document.removeEventListener("copy", write, { capture: true });
+  return isDone && isCopied;
+}
+
+// ---- Failures
+
+// A sentence in place of the window, whose picture is out of date. From now on nothing but STOP is sent, and no watch is answered.
 function fail(sentence) {
   hasFailed = true;
   line.textContent = "";
   loading.hidden = false;
   loading.style.display = "grid";
   progress.textContent = sentence;
+  again.hidden = page === null;
+  canvas.blur();
 }
 
-// The window's own code has failed: nobody sees the device any more.
-function windowFailed() {
+// Nobody sees the device any more.
+function windowFailed(reason) {
   if (!hasFailed) {
-    device.postMessage({ stop: true });
-    hasFailed = true;
-    line.textContent = "The window has failed and the drive was stopped. STOP still works; load the page again to resume.";
+    device.postMessage({ leave: reason });
+    // After a failure of the window's own code there may be no setup; then the address has the latest one.
+    try {
+      showSetup();
+    } catch {}
+    fail(`${reason}: the device was stopped and disarmed. STOP still works.`);
+    again.focus();
   }
 }
-window.addEventListener("error", windowFailed);
-window.addEventListener("unhandledrejection", windowFailed);
+window.addEventListener("error", ({ error, filename }) => isOwn(error, filename) && windowFailed("The window has failed"));
+window.addEventListener("unhandledrejection", ({ reason }) => isOwn(reason) && windowFailed("The window has failed"));
+// The graphics processor was reset, or the browser's process for it died. The window would draw nothing any more.
+canvas.addEventListener("webglcontextlost", () => windowFailed("The graphics were lost"));
+again.addEventListener("click", () => location.reload());
 
-// A module with one function, which makes a vector of 128 bits and counts its bits: `i8x16.popcnt(i8x16.splat(0))`.
-const SIMD = new Uint8Array([
-  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
-]);
+// ---- The setup in the address
 
-// What the browser lacks, if anything.
-function lacking() {
-  if (typeof WebAssembly !== "object") {
-    return "WebAssembly";
+// Keeps the setup on the screen in the address, so that loading the page again and a copy of the address show it.
+function showSetup() {
+  const fragment = page?.fragment();
+  if (fragment && `#${fragment}` !== location.hash) {
+    // The state says that this page wrote it: another one's link has none.
+    history.replaceState({ isOwn: true }, "", `#${fragment}`);
   }
-  // Letters are painted, and fields computed, by it.
-  if (!WebAssembly.validate(SIMD)) {
-    return "SIMD of WebAssembly";
-  }
-  // The window gets this context when it asks for one. It smooths its edges itself, and nothing shines through it: to have the
-  // browser do the same again takes software graphics several times as long for each picture.
-  if (!canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, stencil: false })) {
-    return "WebGL 2";
-  }
-  return hasModuleWorkers() ? null : "workers of modules";
-}
-
-// A browser that has them asks for the type.
-function hasModuleWorkers() {
-  let isAsked = false;
-  const options = {
-    get type() {
-      isAsked = true;
-      return "module";
-    },
-  };
-  new Worker("data:text/javascript,", options).terminate();
-  return isAsked;
 }
 
 // The WebAssembly's bytes, with the share that has arrived.
@@ -292,9 +321,9 @@ async function fetched(address, length) {
 }
 
 async function open() {
-  const missing = lacking();
+  const missing = lacking(canvas);
   if (missing) {
-    fail(`This browser has no ${missing}, which Slipline needs: a newer browser has it.`);
+    fail(missing);
     return;
   }
   const length = Number(document.documentElement.dataset.length);
@@ -304,7 +333,7 @@ async function open() {
   startLane("quick");
   startLane("long");
   await init({ module_or_path: module });
-  page = await openPage(canvas, host, location.hash);
+  page = await openPage(canvas, host, location.hash, history.state?.isOwn === true);
   // A build for tests reports where each control is.
   if (page.nodes) {
     window.slipline.nodes = () => (hasFailed ? [] : page.nodes());
@@ -314,14 +343,15 @@ async function open() {
   }
   loading.style.display = "none";
   canvas.focus();
-  window.addEventListener("hashchange", () => page.openFragment(location.hash));
+  window.addEventListener("hashchange", () => hasFailed || page.openFragment(location.hash));
+  setInterval(() => hasFailed || showSetup(), SHOW_SETUP_MS);
   // After the first picture, for which there is enough to load.
   watchUpdates({ isArmed: () => deviceState?.armed === true, setup: () => (hasFailed ? null : page.fragment()) });
 }
 
 open().catch((error) => {
   console.error(error);
-  fail("Slipline could not be opened in this browser.");
+  fail(whyNotLoaded(error));
 });
 
 // ---- For tests

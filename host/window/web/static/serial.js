@@ -10,6 +10,14 @@ export const FILTERS = [
 // A receive buffer for some tenths of a second, in which a worker may be late.
 const OPTIONS = { baudRate: 921600, bufferSize: 32768 };
 
+// How long a browser may take to open a port.
+const OPENING_MS = 10_000;
+
+function silence() {
+  const error = new DOMException("The browser does not answer: unplug the board and plug it in again.", "TimeoutError");
+  return new Promise((_, fail) => setTimeout(fail, OPENING_MS, error));
+}
+
 // These end a reader and not the port: another reader goes on, and what was damaged is sent again.
 const PASSING = ["BreakError", "BufferOverrunError", "FramingError", "ParityError"];
 
@@ -31,12 +39,11 @@ export class SerialGlue {
     }
   }
 
-  // Tells which boards there are, and which of them is new since the last look.
+  // Tells which boards there are.
   async look() {
     // A server may forbid its pages to use ports: then there are none.
     const ports = this.#serial ? await this.#serial.getPorts().catch(() => []) : [];
     const boards = [];
-    let latest = null;
     for (const port of ports) {
       const { usbVendorId, usbProductId } = port.getInfo();
       if (usbVendorId === undefined || port.connected === false) {
@@ -46,19 +53,17 @@ export class SerialGlue {
       if (id === undefined) {
         id = ++this.#ids;
         this.#ports.set(id, port);
-        latest = id;
       }
       boards.push(id, usbVendorId, usbProductId);
     }
     this.#tell("boardsListed", new Uint32Array(boards));
-    return { boards, latest };
+    return ports;
   }
 
-  // The user has chosen a board of this kind: a new one, or one that was chosen before.
-  async granted([vendor, product]) {
-    const { boards, latest } = await this.look();
-    const place = boards.findIndex((_, at) => at % 3 === 0 && boards[at + 1] === vendor && boards[at + 2] === product);
-    const id = latest ?? boards[place];
+  // The user has chosen the port at this place of the browser's list: a new one, or one that was chosen before.
+  async granted(place) {
+    const port = (await this.look())[place];
+    const id = [...this.#ports].find(([, known]) => known === port)?.[0];
     if (id !== undefined) {
       this.#tell("boardChosen", id);
     }
@@ -96,10 +101,13 @@ export class SerialGlue {
     if (entry.isClosed) {
       return;
     }
+    const opening = port.open(OPTIONS);
     try {
-      await port.open(OPTIONS);
+      await Promise.race([opening, silence()]);
     } catch (error) {
       this.#end(line, error);
+      // It may yet open: then nobody wants it any more.
+      opening.then(() => port.close()).catch(() => {});
       return;
     }
     try {

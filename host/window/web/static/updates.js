@@ -97,11 +97,3 @@ function load() {
 }
 
 offer.addEventListener("click", load);
-// Space is STOP everywhere, and no press of a button.
-for (const kind of ["keydown", "keyup"]) {
-  offer.addEventListener(kind, (event) => {
-    if (event.key === " ") {
-      event.preventDefault();
-    }
-  });
-}

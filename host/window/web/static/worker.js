@@ -70,7 +70,7 @@ function device() {
     if (hasFailed) {
       return;
     }
-    if (data.granted) {
+    if (data.granted !== undefined) {
       glue.granted(data.granted);
     } else if (data.request) {
       worker.take(data.request);
