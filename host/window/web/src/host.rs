@@ -34,6 +34,10 @@ extern "C" {
     #[wasm_bindgen(method)]
     pub(crate) fn address(this: &Host) -> String;
 
+    /// Whether the user has asked the system for less motion.
+    #[wasm_bindgen(method, js_name = isStill)]
+    pub(crate) fn is_still(this: &Host) -> bool;
+
     /// Copies a text. Resolves with whether that was possible.
     #[wasm_bindgen(method)]
     pub(crate) fn copy(this: &Host, text: &str) -> Promise;

@@ -26,7 +26,9 @@
 //! - `serial.rs`: boards by Web Serial, with `host/window/web/static/serial.js`. Tests: `tests/page/test_serial.py`
 //! - `work.rs`: the job workers. Plates pass by number (`host/plate/src/exchange.rs`), the rig as prepared
 //!   (`host/instrument/src/rig/prepared.rs`)
-//! - `labels.rs`, `script.rs`, `keep_alives.rs`: what the page's tests press and read, in a build with
+//! - `access.rs`: the accessible nodes, for screen readers (`host/window/web/static/mirror.js`) and tests. Tests:
+//!   `tests/page/test_access.py`
+//! - `script.rs`, `keep_alives.rs`: what the page's tests press and read, in a build with
 //!   `PAGE_FEATURES=tests` alone. Tests: `tests/page/test_controls.py`
 //!
 //! New versions and the page without a network: `host/window/web/static/sw.js`, `host/window/web/static/updates.js`,
@@ -36,14 +38,13 @@
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used)]
 
+mod access;
 mod clock;
 pub mod device;
 mod files;
 mod fonts;
 mod host;
 mod keep_alives;
-#[cfg(feature = "tests")]
-mod labels;
 mod message;
 pub mod page;
 mod ports;

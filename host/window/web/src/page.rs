@@ -1,5 +1,6 @@
 //! The page's entry: the window on a canvas, with the browser's parts.
 
+use crate::access;
 use crate::files::{BrowserFiles, Dropped};
 use crate::fonts::fonts;
 use crate::host::Host;
@@ -59,6 +60,8 @@ struct Reports {
     fragment: Option<(String, bool)>,
     /// What the browser could not do, as a sentence.
     refused: Option<String>,
+    /// What a screen reader has pressed.
+    pressed: Vec<egui::Event>,
 }
 
 /// The window on the page.
@@ -108,7 +111,8 @@ impl Window {
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
-        let Reports { is_stopped, left, fragment, refused } = self.reports.take();
+        let Reports { is_stopped, left, fragment, refused, pressed: _ } = self.reports.take();
+        access::follow_up(ctx);
         if is_stopped {
             self.app.press_stop();
         }
@@ -144,6 +148,11 @@ impl eframe::App for Window {
         self.frames += 1;
         self.app.show(ui);
         self.copy(ui.ctx());
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw_input: &mut egui::RawInput) {
+        raw_input.events.append(&mut self.reports.borrow_mut().pressed);
+        access::begin(ctx, raw_input.time.unwrap_or_default());
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
@@ -259,11 +268,23 @@ impl Page {
         }))
     }
 
+    /// The accessible nodes of the window in reading order, if they have changed since the last call.
+    #[wasm_bindgen(js_name = newNodes)]
+    pub fn new_nodes(&self) -> Option<js_sys::Array> {
+        access::take_news(&self.ctx).then(|| access::nodes(&self.ctx))
+    }
+
+    /// Presses the accessible node of this id.
+    pub fn press(&self, id: &str) {
+        self.reports.borrow_mut().pressed.extend(access::press(id));
+        self.ctx.request_repaint();
+    }
+
     /// The accessible nodes of the latest picture, for `window.slipline.nodes()` of a build for tests.
     #[cfg(feature = "tests")]
     #[must_use]
     pub fn nodes(&self) -> js_sys::Array {
-        crate::labels::nodes(&self.ctx)
+        access::nodes(&self.ctx)
     }
 
     /// The setup on the screen as the fragment of an address, without its `#`; nothing during the demonstration, whose line is
@@ -298,8 +319,7 @@ pub async fn open_page(
     let context = Rc::new(RefCell::new(None));
     let (linked, reported, opened) = (link.clone(), Rc::clone(&reports), Rc::clone(&context));
     let create = move |creation: &eframe::CreationContext<'_>| {
-        #[cfg(feature = "tests")]
-        crate::labels::keep(&creation.egui_ctx);
+        access::keep(&creation.egui_ctx);
         let (workers, jobs) = work::workers(&host, &creation.egui_ctx);
         let workers = Rc::new(workers);
         opened.replace(Some((creation.egui_ctx.clone(), Rc::clone(&workers))));
@@ -308,7 +328,7 @@ pub async fn open_page(
         creation.egui_ctx.set_fonts(fonts());
         let ask_for_port = board_question(&host, &creation.egui_ctx, &reported);
         let parts = parts(linked.clone(), jobs, bench, files, (host.address(), ask_for_port));
-        let app = app(creation, parts)?;
+        let app = app(creation, parts, host.is_still())?;
         let (reports, frames) = (reported, 0);
         Ok(Box::new(Window { app, link: linked, dropped, workers, host, reports, linked: None, frames })
             as Box<dyn eframe::App>)
@@ -362,21 +382,23 @@ fn parts(
     Parts { link: Box::new(link), jobs, bench, desk }
 }
 
-/// The app with what is stored of an earlier visit.
+/// The app with what is stored of an earlier visit; a first one begins without motion if the user wants little of it.
 fn app(
     creation: &eframe::CreationContext<'_>,
     parts: Parts,
+    is_still: bool,
 ) -> Result<App, Box<dyn std::error::Error + Send + Sync>> {
     let kept = |key: &str| creation.storage.and_then(|storage| storage.get_string(key));
     let settings = kept(KEPT_SETTINGS);
     let is_first_visit = settings.is_none();
-    let settings = settings.as_deref().map(Settings::read).unwrap_or_default();
+    let first = Settings { animate: !is_still, ..Settings::default() };
+    let settings = settings.as_deref().map_or(first, Settings::read);
     let setup = match kept(KEPT_SETUP).as_deref().map(setup_file::read) {
         Some(Ok(Opened::Setup(setup))) => *setup,
         _ => first_setup().ok_or("the first preset is damaged")?,
     };
     let mut app = App::new(&creation.egui_ctx, parts, setup, settings);
-    if is_first_visit {
+    if is_first_visit && !is_still {
         app.demonstrate();
     }
     Ok(app)

@@ -8,12 +8,13 @@
 // questions are not answered, stops and disarms the device.
 
 import { isOwn, lacking, whyNotLoaded } from "./failure.js";
+import { mirror, nameField, say } from "./mirror.js";
 import { FILTERS } from "./serial.js";
 import init, { openPage } from "./slipline_page.js";
 import { showOffer, watchUpdates } from "./updates.js";
 
-// How often the setup in the address is compared with the one on the screen: browsers refuse more than a few changes a second.
-const SHOW_SETUP_MS = 1000;
+// How often what stands outside the canvas is compared with what it shows: browsers refuse more than a few addresses a second.
+const LOOK_MS = 1000;
 
 const canvas = document.getElementById("window");
 const line = document.getElementById("line");
@@ -72,6 +73,15 @@ for (const button of document.querySelectorAll("button")) {
     button.addEventListener(kind, (event) => event.key === " " && event.preventDefault());
   }
 }
+
+// A way out of the canvas, which has the key Tab for its own controls, and back to it.
+window.addEventListener("keydown", (event) => {
+  if (event.key === "F6") {
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    (windowHasFocus() || hasFailed ? document.getElementById("stop") : canvas).focus();
+  }
+}, { capture: true });
 
 // When it is pressed, not when it is let go.
 document.getElementById("stop").addEventListener("pointerdown", stop);
@@ -224,6 +234,9 @@ const host = {
   address() {
     return location.href.split("#")[0];
   },
+  isStill() {
+    return matchMedia("(prefers-reduced-motion: reduce)").matches;
+  },
   // Whether the text was copied. Without https a page has no clipboard, but the event of a copy.
   async copy(text) {
     try {
@@ -288,7 +301,16 @@ window.addEventListener("unhandledrejection", ({ reason }) => isOwn(reason) && w
 canvas.addEventListener("webglcontextlost", () => windowFailed("The graphics were lost"));
 again.addEventListener("click", () => location.reload());
 
-// ---- The setup in the address
+// ---- What stands outside the canvas
+
+function look() {
+  showSetup();
+  const nodes = page.newNodes();
+  if (nodes) {
+    mirror(nodes, (id) => hasFailed || page.press(id));
+  }
+  say(window.slipline.state());
+}
 
 // Keeps the setup on the screen in the address, so that loading the page again and a copy of the address show it.
 function showSetup() {
@@ -344,7 +366,8 @@ async function open() {
   loading.style.display = "none";
   canvas.focus();
   window.addEventListener("hashchange", () => hasFailed || page.openFragment(location.hash));
-  setInterval(() => hasFailed || showSetup(), SHOW_SETUP_MS);
+  nameField();
+  setInterval(() => hasFailed || look(), LOOK_MS);
   // After the first picture, for which there is enough to load.
   watchUpdates({ isArmed: () => deviceState?.armed === true, setup: () => (hasFailed ? null : page.fragment()) });
 }
