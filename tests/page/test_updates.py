@@ -18,7 +18,7 @@ def assemble(source, into):
 
 def named(folder, stem):
     """The name of a file of a build by its beginning."""
-    (found,) = [path.name for path in pathlib.Path(folder).iterdir() if path.name.startswith(f"{stem}.")]
+    (found,) = [path.name for path in pathlib.Path(folder).iterdir() if path.name.startswith(f"{stem}.") and path.suffix != ".gz"]
     return found
 
 

@@ -19,6 +19,7 @@ fn built(name: &str) -> PathBuf {
         ("sw.js", b"// worker"),
         ("page.0123456789abcdef.js", b"import"),
         ("slipline_page_bg.0123456789abcdef.wasm", b"\0asm"),
+        ("slipline_page_bg.0123456789abcdef.wasm.gz", b"packed"),
     ] {
         std::fs::write(folder.join(name), bytes).unwrap();
     }
@@ -84,6 +85,28 @@ fn a_browser_gets_the_files_with_their_types_and_keeps_those_that_never_change()
     }
     drop(serving);
     std::fs::remove_dir_all(outside).unwrap();
+}
+
+#[test]
+fn a_browser_that_takes_gzip_gets_a_file_that_is_built_packed() {
+    let outside = built("page-packed");
+    let serving = start(&outside, &["--folder", "target/page"]);
+    let wasm = "/slipline_page_bg.0123456789abcdef.wasm";
+    let encoding = "content-encoding: gzip\r\n";
+    for accepted in ["gzip", "br;q=1.0, GZIP;q=0.5", "deflate, gzip"] {
+        let (head, body) =
+            serving.answer("GET", &format!("{wasm} HTTP/1.1\r\nAccept-Encoding: {accepted}\r\nX:"));
+        assert!(
+            head.contains(encoding) && head.contains("content-type: application/wasm\r\n"),
+            "{accepted}: {head}"
+        );
+        assert_eq!(body, b"packed", "{accepted}");
+    }
+    for (address, accepted) in [(wasm, "gzip;q=0"), (wasm, "br, x-gzip"), ("/sw.js", "gzip")] {
+        let (head, body) =
+            serving.answer("GET", &format!("{address} HTTP/1.1\r\nAccept-Encoding: {accepted}\r\nX:"));
+        assert!(!head.contains(encoding) && body != b"packed", "{address}, {accepted}: {head}");
+    }
 }
 
 #[test]

@@ -64,6 +64,11 @@ impl Contents {
         parts.clone().all(is_plain).then(|| parts.by_ref().collect::<Vec<_>>().join("/"))
     }
 
+    /// The file of this name as `gzip` has packed it, if it was built so.
+    pub(super) fn read_packed(&self, name: &str) -> Option<Cow<'static, [u8]>> {
+        self.read(&format!("{name}.gz"))
+    }
+
     /// The bytes of the file of this name; `None` where there is none.
     pub(super) fn read(&self, name: &str) -> Option<Cow<'static, [u8]>> {
         match self {

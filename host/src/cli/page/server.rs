@@ -93,7 +93,7 @@ fn can_start(count: usize) -> std::io::Result<()> {
 /// Answers one request.
 fn respond(request: Request, contents: &Contents) {
     let answer = match request.method() {
-        Method::Get | Method::Head => file(request.url(), contents),
+        Method::Get | Method::Head => file(request.url(), contents, takes_packed(request.headers())),
         _ => plain(405, "GET and HEAD are answered.\n", "Allow: GET, HEAD"),
     };
     // The browser may have closed the connection; the answer is then dropped.
@@ -102,12 +102,30 @@ fn respond(request: Request, contents: &Contents) {
 
 type Answer = Response<Box<dyn Read + Send>>;
 
-fn file(address: &str, contents: &Contents) -> Answer {
+/// Whether a browser takes files as `gzip` packs them (RFC 9110, 12.5.3).
+fn takes_packed(headers: &[Header]) -> bool {
+    let accepted = headers.iter().filter(|header| header.field.equiv("Accept-Encoding"));
+    let mut codings = accepted.flat_map(|header| header.value.as_str().split(','));
+    codings.any(|coding| {
+        let mut parts = coding.split(';').map(str::trim);
+        let is_refused = |part: &str| {
+            part.strip_prefix("q=")
+                .is_some_and(|weight| weight.parse::<f32>().is_ok_and(|weight| weight <= 0.0))
+        };
+        parts.next().is_some_and(|name| name.eq_ignore_ascii_case("gzip")) && !parts.any(is_refused)
+    })
+}
+
+fn file(address: &str, contents: &Contents, takes_packed: bool) -> Answer {
     let found = Contents::named(address).and_then(|name| Some((contents.read(&name)?, name)));
-    let Some((bytes, name)) = found else {
+    let Some((plain_bytes, name)) = found else {
         return plain(404, "The page has no such file.\n", "Cache-Control: no-store");
     };
+    let packed = contents.read_packed(&name).filter(|_| takes_packed);
+    let encoding = packed.as_ref().map(|_| "Content-Encoding: gzip".to_owned());
+    let bytes = packed.unwrap_or(plain_bytes);
     let headers = [
+        "Vary: Accept-Encoding".to_owned(),
         format!("Content-Type: {}", content_type(&name)),
         format!(
             "Cache-Control: {}",
@@ -115,7 +133,7 @@ fn file(address: &str, contents: &Contents) -> Answer {
         ),
     ];
     let length = bytes.len();
-    answer(200, headers.iter().map(String::as_str), Box::new(Cursor::new(bytes)), length)
+    answer(200, headers.iter().chain(&encoding).map(String::as_str), Box::new(Cursor::new(bytes)), length)
 }
 
 /// A line of text, with one more header.

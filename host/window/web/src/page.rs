@@ -34,7 +34,8 @@ use web_sys::HtmlCanvasElement;
 const KEPT_SETTINGS: &str = "slipline-settings";
 const KEPT_SETUP: &str = "slipline-setup";
 /// The browser has no clipboard for this page, or has asked the user in vain.
-const NOT_COPIED: &str = "The browser did not let the page copy. The address bar has the address of this setup";
+const NOT_COPIED: &str =
+    "The browser did not let the page copy. The address bar has the address of this setup";
 
 /// A browser plays no sound yet, and offers none.
 struct NoSpeaker;

@@ -321,25 +321,23 @@ function showSetup() {
   }
 }
 
-// The WebAssembly's bytes, with the share that has arrived.
-async function fetched(address, length) {
+// The WebAssembly, compiled while it arrives, with the share that has arrived.
+async function compiledFrom(address, length) {
   const response = await fetch(address);
   if (!response.ok) {
     throw new Error(`${address}: ${response.status}`);
   }
-  const bytes = new Uint8Array(length);
   let count = 0;
-  const reader = response.body.getReader();
-  for (;;) {
-    const { done, value } = await reader.read();
-    if (done) {
-      break;
-    }
-    bytes.set(value, count);
-    count += value.length;
-    progress.textContent = `Loading: ${Math.floor((100 * count) / length)} %`;
-  }
-  return bytes;
+  const counted = new TransformStream({
+    transform(bytes, controller) {
+      count += bytes.length;
+      progress.textContent = `Loading: ${Math.floor((100 * count) / length)} %`;
+      controller.enqueue(bytes);
+    },
+  });
+  // A server may know no type for it.
+  const headers = { "Content-Type": "application/wasm" };
+  return WebAssembly.compileStreaming(new Response(response.body.pipeThrough(counted), { headers }));
 }
 
 async function open() {
@@ -349,7 +347,7 @@ async function open() {
     return;
   }
   const length = Number(document.documentElement.dataset.length);
-  const module = await WebAssembly.compile(await fetched(new URL("slipline_page_bg.wasm", import.meta.url), length));
+  const module = await compiledFrom(new URL("slipline_page_bg.wasm", import.meta.url), length);
   device.postMessage({ entry: "device", module });
   compiled = module;
   startLane("quick");
