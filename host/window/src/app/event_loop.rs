@@ -10,6 +10,7 @@
 //! Without the display's refresh to wait for, [`Pace`] keeps a drag from drawing without a pause.
 
 use super::eframe_log;
+use super::no_display;
 use super::pace::Pace;
 use eframe::egui::ViewportId;
 use eframe::{AppCreator, CreationContext, EframeWinitApplication, UserEvent};
@@ -38,6 +39,9 @@ pub fn run<'app>(
     options.glow_options.vsync = false;
     // Noise under the last bit of a colour is not seen, and software graphics compute it for every pixel.
     options.dithering = false;
+    if let Some(lacking) = no_display::lacking_extension() {
+        return Err(eframe::Error::AppCreation(lacking.into()));
+    }
     let mut event_loop = EventLoop::<UserEvent>::with_user_event().build()?;
     let questions = event_loop.create_proxy();
     let link = Rc::new(OnceCell::new());

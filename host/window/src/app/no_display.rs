@@ -3,6 +3,28 @@
 /// The variables that name a display on Linux and BSD.
 const DISPLAYS: [&str; 2] = ["WAYLAND_DISPLAY", "DISPLAY"];
 
+/// How eframe begins its error where the system offers no OpenGL; a list of what was asked for follows, which helps nobody.
+const NO_OPENGL: &str = "Found no glutin configs";
+
+/// What the X server that winit will use lacks, before winit panics about it: winit counts on the extension RANDR. Nothing where
+/// there is no such server, which winit reports itself.
+pub(super) fn lacking_extension() -> Option<String> {
+    #[cfg(all(unix, not(target_vendor = "apple")))]
+    {
+        use x11rb::connection::RequestConnection as _;
+        let is_set = |name: &str| std::env::var(name).is_ok_and(|value| !value.is_empty());
+        let is_wayland = is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET");
+        let (connection, _) = x11rb::connect(None).ok().filter(|_| is_set("DISPLAY") && !is_wayland)?;
+        matches!(connection.extension_information("RANDR"), Ok(None)).then(|| {
+            "the X server of this display has no extension RANDR, which the window needs: start the server with it, or use \
+             another display. Without it, \"slipline page\" shows the same window in a browser"
+                .to_owned()
+        })
+    }
+    #[cfg(not(all(unix, not(target_vendor = "apple"))))]
+    None
+}
+
 /// The message for an error of the window system.
 pub(super) fn explain(error: &eframe::Error) -> String {
     let reason = match error {
@@ -13,6 +35,14 @@ pub(super) fn explain(error: &eframe::Error) -> String {
         error => error.to_string(),
     };
     let reason = without_source_place(&reason);
+    if reason.starts_with(NO_OPENGL) {
+        let cause = reason.rsplit_once("Error: ").map_or("", |(_, cause)| cause);
+        return format!(
+            "the window could not be opened: this display offers no OpenGL ({cause}).\nInstall its driver (on Debian and Ubuntu: \
+             libgl1 libegl1 libgl1-mesa-dri), over ssh use ssh -Y, or run \"slipline page\", which shows the same window in a \
+             browser.\nThe command line needs no display: see slipline --help."
+        );
+    }
     let has_named_displays = cfg!(all(unix, not(target_os = "macos")));
     if !(has_named_displays && matches!(error, eframe::Error::WinitEventLoop(_))) {
         return format!("the window could not be opened: {reason}");
@@ -50,7 +80,16 @@ fn without_source_place(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::without_source_place;
+    use super::{explain, without_source_place};
+
+    #[test]
+    fn a_display_without_opengl_is_called_so_with_what_helps() {
+        let reason = "Found no glutin configs matching the template: ConfigTemplate { alpha_size: 8 }. Error: initialization failed";
+        let message = explain(&eframe::Error::AppCreation(reason.into()));
+        assert!(message.contains("offers no OpenGL (initialization failed)"), "{message}");
+        assert!(message.contains("libgl1-mesa-dri") && message.contains("slipline page"), "{message}");
+        assert!(!message.contains("ConfigTemplate"), "{message}");
+    }
 
     #[test]
     fn a_reason_is_kept_without_the_place_in_the_source() {
