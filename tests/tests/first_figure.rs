@@ -26,6 +26,7 @@ fn the_first_figure_of_a_process_is_as_large_as_the_second_and_looks_like_it() {
         sheet: None,
         measured: None,
         full_peak_m: table.peak_at_full_scale_m(),
+        magnification: 1.0,
         is_largest: false,
         wave_time_s: 0.0,
     };

@@ -10,9 +10,9 @@ use crate::measured_file::ForeignMetadata;
 use slipline_link::Snapshot;
 use slipline_model::field::felt::Felt;
 use slipline_model::field::line::Line;
+use slipline_model::field::rings::Rings;
 use slipline_model::field::sheet::{FieldSource, Frame};
 use slipline_model::field::steady_field::SteadyField;
-use slipline_model::field::time_domain::SimulatedField;
 use slipline_model::field::touch::{Touch, Trace};
 use slipline_model::jobs::check::{CheckJob, Checked};
 use slipline_model::jobs::compare::Compared;
@@ -69,9 +69,8 @@ pub struct Shown<'a> {
     pub table: &'a TableState,
     /// The codes that the mirror has replayed.
     pub waveform: &'a Waveform,
-    /// The response of the simulated plate once it has settled, and whether it belongs to the tones that
-    /// sound now.
-    pub measured: Option<(&'a SimulatedField, bool)>,
+    /// The response of the simulated plate once it has settled.
+    pub measured: Option<Rings>,
     /// The places at which a real plate was measured.
     pub measured_places: &'a [MeasuredPlace],
     /// The lights, the designer and the source of the wave.

@@ -1,7 +1,7 @@
 //! Envelope and waveform as CSV and WAV files.
 
+use crate::field::rings::Rings;
 use crate::field::steady_field::{POINTS, SteadyField};
-use crate::field::time_domain::SimulatedField;
 use crate::field::tone_places::TonePlaces;
 use crate::setup::Setup;
 use crate::waveform::Waveform;
@@ -17,7 +17,7 @@ const CSV_CODES: usize = 1 << 16;
 pub fn envelope_csv(
     setup: &Setup,
     steady: &SteadyField,
-    measured: Option<&SimulatedField>,
+    measured: Option<&Rings>,
     full_peak_m: f64,
 ) -> String {
     let mut rows: Vec<(f64, String)> = Vec::new();
@@ -25,7 +25,7 @@ pub fn envelope_csv(
         let x_m = i as f64 / (POINTS - 1) as f64 * steady.length_m;
         rows.push((x_m, format!("{x_m:.6},{bound_m:e},{rms_m:e},,")));
     }
-    if let Some(measured) = measured {
+    if let Some(Rings { field: measured, .. }) = measured {
         let places = measured.position_m.iter().zip(&measured.maximum_m).zip(&measured.rms_m);
         rows.extend(
             places.map(|((&x_m, maximum_m), rms_m)| (x_m, format!("{x_m:.6},,,{maximum_m:e},{rms_m:e}"))),
@@ -42,16 +42,13 @@ pub fn envelope_csv(
 }
 
 /// The header of an envelope: plate and tones, line by line.
-fn envelope_head(
-    setup: &Setup,
-    steady: &SteadyField,
-    measured: Option<&SimulatedField>,
-    full_peak_m: f64,
-) -> String {
+fn envelope_head(setup: &Setup, steady: &SteadyField, measured: Option<&Rings>, full_peak_m: f64) -> String {
     let simulated = match measured {
         Some(measured) => format!(
-            "the simulated plate while it was watched, at its own {} places; maximum and root mean square",
-            measured.position_m.len()
+            "the {} while it was watched, at its own {} places; maximum and root mean square{}",
+            measured.name(),
+            measured.field.position_m.len(),
+            measured.fitted.map_or(String::new(), |factor| format!(", all multiplied by {factor:.4}"))
         ),
         None => "not run for what is on the screen".to_owned(),
     };

@@ -6,6 +6,7 @@ pub mod edge_reach;
 pub mod felt;
 pub mod line;
 mod line_at_rest;
+pub mod rings;
 pub mod sheet;
 pub mod simulation;
 pub mod steady_field;

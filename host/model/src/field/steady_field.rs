@@ -65,6 +65,17 @@ impl SteadyField {
         Self::solve_touched(plate, tones, None)
     }
 
+    /// The envelope that is drawn at the [`POINTS`] places, in metres: of one tone its amplitude, of several the mean, which
+    /// is sqrt 2 times the root mean square and is measured, too. What they could reach together is only a bound.
+    #[must_use]
+    pub fn drawn_m(&self) -> Vec<f64> {
+        if self.tones.len() > 1 {
+            self.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect()
+        } else {
+            self.bound_m.clone()
+        }
+    }
+
     /// As [`Self::solve`], with a finger on the plate. The drive stays that of the untouched plate, because
     /// the finger affects neither table nor device. If the solver refuses the finger, no tone is solved.
     #[must_use]

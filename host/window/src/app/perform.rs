@@ -258,8 +258,9 @@ impl App {
                     predicted: self.instrument.shown().predicted.clone(),
                     sounding: self.instrument.screen.sounding().cloned(),
                     sheet: self.instrument.screen.sheet().cloned(),
-                    measured: self.instrument.screen.current_measured().cloned(),
+                    measured: self.instrument.shown().measured.filter(|rings| rings.is_current),
                     full_peak_m,
+                    magnification: self.magnification,
                     is_largest: self.settings.show_amplitude,
                     wave_time_s: self.instrument.shown().wave_time_s,
                 };
@@ -278,11 +279,11 @@ impl App {
                 let Some(full_peak_m) = self.instrument.drive.full_peak_m() else {
                     return self.fail_unknown();
                 };
-                let measured = self.instrument.screen.current_measured();
+                let measured = self.instrument.shown().measured.filter(|rings| rings.is_current);
                 let text = csv_wav::envelope_csv(
                     self.instrument.desk.setup(),
                     self.instrument.shown().predicted,
-                    measured,
+                    measured.as_ref(),
                     full_peak_m,
                 );
                 self.save("envelope.csv", "Table", "csv", text.into_bytes());

@@ -78,13 +78,13 @@ fn a_secret_plate_has_rings_once_it_is_measured_and_they_miss_the_line() {
     let says = |app: &crate::test_app::TestApp, text: &str| {
         crate::plots::words(app.window.output()).iter().any(|(word, _)| word == text)
     };
-    assert!(says(&app, "secret plate: not measured yet"));
+    assert!(says(&app, "hidden test plate: not measured yet"));
     crate::measure::open_measure(&mut app);
     app.click_button("Measure now", 200);
     wait_for_the_end(&mut app);
     app.click("Drive", 500);
     stage(&mut app);
-    assert!(says(&app, "secret plate") && rings(app.window.output()).len() > 30);
+    assert!(says(&app, "hidden test plate, level fitted") && rings(app.window.output()).len() > 30);
     let secret = rings_off(app.window.output()).unwrap();
     assert!(secret > 0.05, "{secret}");
     // Its level is not known: its highest ring is as high as the curve.

@@ -23,6 +23,7 @@ use finger::OnPlate;
 use playback::Playback;
 use prediction::{Predicted, Prediction};
 use slipline_model::field::line::Line;
+use slipline_model::field::rings::Rings;
 use slipline_plate::Plate;
 use std::mem::take;
 use std::sync::Arc;
@@ -118,6 +119,8 @@ impl Screen {
         let Sight { desk, drive, lab, .. } = sight;
         let snapshot = drive.snapshot();
         let Predicted { field, felt, lines } = self.predicted(sight);
+        let plate = desk.plate();
+        let is_hidden = lab.simulated_plate(plate, snapshot).is_some_and(|truth| !Arc::ptr_eq(truth, plate));
         Shown {
             setup: desk.setup(),
             selected: desk.selected(),
@@ -136,7 +139,10 @@ impl Screen {
             drive_table: drive.drive_table(),
             table: drive.table(),
             waveform: &self.playback.waveform,
-            measured: self.playback.shown_measured(&self.plate),
+            measured: self
+                .playback
+                .shown_measured(&self.plate)
+                .map(|(measured, is_current)| Rings::new(measured, is_current, is_hidden.then_some(field))),
             measured_places: self.actual.places(),
             background: self.background(),
             texture: self.textures.scene(self.brush.is_drawn()),

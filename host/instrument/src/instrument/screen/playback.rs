@@ -186,12 +186,6 @@ impl Screen {
         self.playback.on(&self.plate).map(|sounding| &sounding.steady)
     }
 
-    /// The result of the simulated plate, if it belongs to the current drive.
-    pub fn current_measured(&self) -> Option<&SimulatedField> {
-        let number = self.playback.sounding.as_ref()?.number;
-        self.playback.measured.as_ref().filter(|measured| measured.number == number)
-    }
-
     /// Whether the device sends codes that are not known.
     #[must_use]
     pub fn is_waveform_unknown(&self) -> bool {

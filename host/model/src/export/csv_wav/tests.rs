@@ -1,5 +1,6 @@
 use super::*;
 use crate::field::steady_field::steady_tones;
+use crate::field::time_domain::SimulatedField;
 use crate::setup::BoundaryMode;
 use slipline_plate::DriveTable;
 use std::sync::Arc;
@@ -23,7 +24,15 @@ fn theory_and_simulated_plate_keep_their_own_places_and_their_own_values() {
         rms_m: rms_m.clone(),
         tones: 1,
     };
-    let text = envelope_csv(&setup, &steady, Some(&measured), 1e-4);
+    let text = envelope_csv(&setup, &steady, Some(&Rings::new(&measured, true, None)), 1e-4);
+    let hidden = Rings::new(&measured, true, Some(&steady));
+    let fitted = envelope_csv(&setup, &steady, Some(&hidden), 1e-4);
+    let stated =
+        format!("places; maximum and root mean square, all multiplied by {:.4}\n", hidden.fitted.unwrap());
+    assert!(
+        fitted.contains("# simulated: the hidden test plate, level fitted while") && fitted.contains(&stated),
+        "{fitted:.900}"
+    );
     let rows: Vec<Vec<&str>> = text
         .lines()
         .filter(|line| !line.starts_with('#'))

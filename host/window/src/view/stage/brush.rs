@@ -2,7 +2,7 @@
 //!
 //! It lies over the lines, so that a stroke goes through them. The keyboard has the breakpoints of the page Texture.
 
-use super::envelope::{self, Height};
+use super::envelope::Height;
 use super::layout::Layout;
 use crate::intent::{Intent, Intents};
 use crate::scene::Scene;
@@ -104,7 +104,7 @@ fn lack(palette: &Palette) -> Color32 {
 fn wanted(ui: &egui::Ui, scene: &Scene<'_>, layout: &Layout, height: &Height) {
     let palette = theme::palette(ui);
     let painter = ui.painter().with_clip_rect(layout.envelope.expand(1.0));
-    let made_m = envelope::values_m(scene.predicted);
+    let made_m = scene.predicted.drawn_m();
     let length_m = layout.axis.length_m();
     let drawn: Vec<(Pos2, Pos2)> = (0..POINTS)
         .filter_map(|i| {

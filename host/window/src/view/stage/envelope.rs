@@ -47,15 +47,6 @@ fn is_mean(predicted: &SteadyField) -> bool {
     predicted.tones.len() > 1
 }
 
-/// The envelope at [`POINTS`] places, in metres. Several tones are drawn by their mean, which is measured, too.
-pub(super) fn values_m(predicted: &SteadyField) -> Vec<f64> {
-    if is_mean(predicted) {
-        predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect()
-    } else {
-        predicted.bound_m.clone()
-    }
-}
-
 /// Shows the envelope in `rect`.
 pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
@@ -73,8 +64,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     };
     let is_sounding = scene.sounding.is_some();
     let ink = if is_known { palette.accent } else { palette.weak };
-    let values_m = values_m(predicted);
-    let curve = line(&values_m);
+    let curve = line(&predicted.drawn_m());
     let fill = ink.gamma_multiply(if is_sounding { 0.22 } else { 0.08 });
     painter.add(area(&curve, rect.bottom(), fill));
     if is_sounding {
@@ -86,15 +76,10 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
         let bound = line(&predicted.bound_m);
         painter.extend(Shape::dashed_line(&bound, Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
-    if let Some((measured, is_current)) = scene.measured.filter(|_| is_known && scene.load.is_none()) {
-        // The sensor on a secret plate has no known sensitivity, so its level is not known: it is that of the prediction.
-        let highest_m = measured.points().map(|(_, metres)| metres).fold(0.0, f64::max);
-        let top_m = values_m.iter().copied().fold(0.0, f64::max);
-        let is_matched = scene.measure.live.is_secret && is_current && highest_m > 0.0;
-        let level = if is_matched { top_m / highest_m } else { 1.0 };
-        for (x_m, metres) in measured.points().step_by(2) {
-            let centre = pos2(axis.screen_from_place(x_m), height.screen(level * metres));
-            point(&painter, centre, measured_ink(palette, is_current), palette.well);
+    if let Some(rings) = scene.measured.as_ref().filter(|_| is_known && scene.load.is_none()) {
+        for (x_m, metres) in rings.field.points().step_by(2) {
+            let centre = pos2(axis.screen_from_place(x_m), height.screen(metres));
+            point(&painter, centre, measured_ink(palette, rings.is_current), palette.well);
         }
     }
     for place in scene.measured_places.iter().filter(|_| is_known && scene.load.is_none()) {
@@ -235,17 +220,18 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect, 
         right = left - 38.0;
     };
     let live = &scene.measure.live;
-    let there = if live.is_secret { "secret plate" } else { "simulated plate" };
     if live.is_secret && !live.is_secret_measured {
-        entry("secret plate: not measured yet", &|_| ());
-    } else if scene.measured.is_some() && scene.load.is_some() {
-        entry(&format!("{there}: without a finger only"), &|_| ());
-    } else if let Some((_, is_current)) = scene.measured {
-        let before = if is_current { "" } else { ", before" };
-        entry(&format!("{there}{before}"), &|left| {
-            let ink = measured_ink(palette, is_current);
-            point(painter, pos2(left + 9.0, y), ink, palette.well);
-        });
+        entry("hidden test plate: not measured yet", &|_| ());
+    } else if let Some(rings) = &scene.measured {
+        if scene.load.is_some() {
+            entry(&format!("{}: without a finger only", rings.name()), &|_| ());
+        } else {
+            let before = if rings.is_current { "" } else { ", before" };
+            entry(&format!("{}{before}", rings.name()), &|left| {
+                let ink = measured_ink(palette, rings.is_current);
+                point(painter, pos2(left + 9.0, y), ink, palette.well);
+            });
+        }
     }
     if !scene.measured_places.is_empty() {
         entry("measured", &|left| mark(painter, pos2(left + 9.0, y), palette));

@@ -11,9 +11,9 @@ use super::font;
 use super::legend::{Sample, legend, row_height};
 use super::page::{Anchor, BLACK, HUES, Ink, Page, Pen, Place};
 use super::plot::{TEXT, TITLE};
+use crate::field::rings::Rings;
 use crate::field::sheet::Frame;
 use crate::field::steady_field::{POINTS, SteadyField, displacement_unit, envelope_top_m, full_colour_m};
-use crate::field::time_domain::SimulatedField;
 use crate::jobs::Task;
 use crate::setup::{BoundaryMode, Setup};
 use layout::Layout;
@@ -24,7 +24,7 @@ const WEAK: Ink = HUES[5];
 const AREA: Ink = [214, 229, 240];
 const PREDICTED: Pen = Pen::solid(HUES[0], 1.2);
 const NOT_DRIVEN: Pen = Pen::dashed(HUES[0], 1.2, (4.0, 3.0));
-const MEAN: Pen = Pen::dashed(WEAK, 0.8, (2.0, 2.0));
+const BOUND: Pen = Pen::dashed(WEAK, 0.8, (2.0, 2.0));
 const FELT: Pen = Pen::dashed(HUES[3], 0.8, (4.0, 3.0));
 const SIMULATED: Pen = Pen::solid(HUES[1], 0.6);
 const BOUNDARY: Pen = Pen::solid(BLACK, 0.9);
@@ -43,9 +43,11 @@ pub struct Subject {
     /// The sheet, if the wave is taken from it.
     pub sheet: Option<Frame>,
     /// The envelope of the simulated plate.
-    pub measured: Option<SimulatedField>,
+    pub measured: Option<Rings>,
     /// The table's peak at level 1, in metres.
     pub full_peak_m: f64,
+    /// The factor by which the screen shows displacements larger than to the table's full scale; 1 where it does not.
+    pub magnification: f64,
     /// Whether the plate is coloured by its largest displacement, not by the present one.
     pub is_largest: bool,
     /// Seconds of slow motion so far.
@@ -100,7 +102,7 @@ pub fn plate_figure(subject: &Subject) -> Result<Drawing, DrawError> {
 
 impl Subject {
     fn full_colour_m(&self) -> f64 {
-        full_colour_m(self.sounding.as_ref(), self.full_peak_m)
+        full_colour_m(self.sounding.as_ref(), self.full_peak_m) / self.magnification
     }
 
     /// The amplitude from which the first tone is felt, if the lines hold felt edges.
@@ -169,7 +171,7 @@ impl Figure<'_> {
     fn envelope(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
         let predicted = &subject.predicted;
-        let top_m = envelope_top_m(predicted, subject.full_peak_m);
+        let top_m = envelope_top_m(predicted, subject.full_peak_m) / subject.magnification;
         let (unit, unit_m) = displacement_unit(top_m);
         let axes = Axes {
             across: (layout.left, layout.right),
@@ -183,21 +185,19 @@ impl Figure<'_> {
         let curve = |values: &[f64]| -> Vec<Place> {
             values.iter().enumerate().map(|(i, &metres)| at((x_m(i), metres))).collect()
         };
-        let bound = curve(&predicted.bound_m);
+        let drawn = curve(&predicted.drawn_m());
         let below = [at((predicted.length_m, 0.0)), at((0.0, 0.0))];
-        axes.inside(self.page, |page| page.area(bound.iter().copied().chain(below), AREA));
+        axes.inside(self.page, |page| page.area(drawn.iter().copied().chain(below), AREA));
         axes.grid(self.page);
         axes.inside(self.page, |page| {
-            page.line(bound, if subject.sounding.is_some() { PREDICTED } else { NOT_DRIVEN });
+            page.line(drawn, if subject.sounding.is_some() { PREDICTED } else { NOT_DRIVEN });
             if predicted.tones.len() > 1 {
-                let rms: Vec<f64> =
-                    predicted.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect();
-                page.line(curve(&rms), MEAN);
+                page.line(curve(&predicted.bound_m), BOUND);
             }
             if let Some(just_felt_m) = subject.just_felt_m().filter(|&just_felt_m| just_felt_m < top_m) {
                 page.line([at((0.0, just_felt_m)), at((layout.length_m, just_felt_m))], FELT);
             }
-            for point in subject.measured.iter().flat_map(SimulatedField::points) {
+            for point in subject.measured.iter().flat_map(|rings| rings.field.points()) {
                 page.ring(at(point), RING, SIMULATED);
             }
         });
@@ -239,17 +239,17 @@ impl Figure<'_> {
     fn legend(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
         let is_chord = subject.predicted.tones.len() > 1;
-        let what = if is_chord { "bound of the largest" } else { "predicted" };
+        let what = if is_chord { "mean of all tones, predicted" } else { "predicted" };
         let mut entries = vec![match subject.sounding {
             Some(_) => (what.to_owned(), Sample::Line(PREDICTED)),
             None => (format!("{what}, not driven"), Sample::Line(NOT_DRIVEN)),
         }];
         let mut entry = |name: &str, sample| entries.push((name.to_owned(), sample));
         if is_chord {
-            entry("mean of all tones", Sample::Line(MEAN));
+            entry("bound of the largest", Sample::Line(BOUND));
         }
-        if subject.measured.is_some() {
-            entry("simulated plate", Sample::Ring(SIMULATED, RING));
+        if let Some(rings) = &subject.measured {
+            entry(rings.name(), Sample::Ring(SIMULATED, RING));
         }
         if subject.just_felt_m().is_some() {
             entry("just felt", Sample::Line(FELT));

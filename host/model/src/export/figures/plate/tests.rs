@@ -16,6 +16,7 @@ fn subject(preset: &str) -> Subject {
         sheet: None,
         measured: None,
         full_peak_m: table.peak_at_full_scale_m(),
+        magnification: 1.0,
         is_largest: false,
         wave_time_s: 0.0,
     }
