@@ -115,6 +115,12 @@ pub fn show_place(metres: f64) -> String {
     format!("{} mm", fixed(metres * 1e3, 1))
 }
 
+/// How far a place may be off, in the place's own unit: `± 0.92 mm`.
+#[must_use]
+pub fn show_half_width(metres: f64) -> String {
+    format!("± {} mm", fixed(metres * 1e3, if metres.abs() < 1e-3 { 2 } else { 1 }))
+}
+
 /// A frequency in the unit that suits it: `126.4 Hz`, `40.00 kHz`.
 #[must_use]
 pub fn show_frequency(hertz: f64) -> String {
@@ -144,6 +150,15 @@ mod tests {
             (0.1, 2e4, Measure::Plain("m/s"), "0.1 to 20000 m/s"),
         ] {
             assert_eq!(show_range(low, high, measure), wanted);
+        }
+    }
+
+    #[test]
+    fn a_place_and_how_far_it_may_be_off_share_a_unit() {
+        for (metres, wanted) in
+            [(0.00092, "± 0.92 mm"), (0.0031, "± 3.1 mm"), (2e-5, "± 0.02 mm"), (0.0, "± 0.00 mm")]
+        {
+            assert_eq!(show_half_width(metres), wanted);
         }
     }
 

@@ -20,7 +20,9 @@ mod suggestion;
 pub mod ticks;
 mod unit;
 
-pub use display::{Measure, TypedRange, show_frequency, show_length, show_place, show_range, show_si};
+pub use display::{
+    Measure, TypedRange, show_frequency, show_half_width, show_length, show_place, show_range, show_si,
+};
 pub use level::{decibels, from_decibels};
 pub(crate) use notation::PlateFile;
 pub use notation::{Caption, Form, Notation};

@@ -19,7 +19,7 @@ use eframe::egui::{self, RichText};
 use slipline_model::field::steady_field::SteadyTone;
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::{BoundaryMode, ToneSetup};
-use slipline_plate::quantity::{show_frequency, show_length, show_place};
+use slipline_plate::quantity::{show_frequency, show_half_width, show_length, show_place};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
@@ -91,7 +91,7 @@ fn rows(ui: &mut egui::Ui, scene: &Scene<'_>, tone: &ToneSetup, steady: Option<S
     let usual = std::mem::replace(&mut ui.spacing_mut().item_spacing.y, 2.0);
     row(ui, "Turning point", show_place(tone.position_m));
     if let Some(half_m) = plate.boundary_tolerance_m(tone.position_m) {
-        row(ui, "Turning point known to", format!("± {}", show_length(half_m))).on_hover_text(
+        row(ui, "Turning point known to", show_half_width(half_m)).on_hover_text(
             "Here, in 95 of 100 calibrations. The felt edge has an interval of its own, beside the strip; the calibration \
              states the largest over the span",
         );

@@ -9,7 +9,7 @@ use eframe::egui::{
 };
 use slipline_model::field::felt::{Felt, Zone, by_person_words};
 use slipline_plate::feeling::FeltEdge;
-use slipline_plate::quantity::{show_length, show_place};
+use slipline_plate::quantity::{show_half_width, show_place};
 use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 /// The share of the colour while nothing is driven.
@@ -89,7 +89,7 @@ fn said(scene: &Scene<'_>) -> String {
     let mut said = match felt {
         Felt { not_felt: Some(why), .. } => return why.words(),
         Felt { edge: FeltEdge::At(edge_m), tolerance_m, .. } => {
-            let known = tolerance_m.map_or(String::new(), |half_m| format!(" ± {}", show_length(half_m)));
+            let known = tolerance_m.map_or(String::new(), |half_m| format!(" {}", show_half_width(half_m)));
             format!("{all}felt to {}{known}", show_place(*edge_m))
         }
         Felt { .. } => format!("{all}felt to the plate's end"),
