@@ -157,9 +157,10 @@ class Serial(unittest.TestCase):
     def test_of_two_equal_boards_the_chosen_one_is_opened_and_its_silence_has_an_end(self):
         self.bridge.has_twin = True
         page, errors = self.opened()
-        seen = self.ask(page, lambda seen: seen["error"] is not None, "silent")
-        self.assertEqual(seen["port"], f"{NAME} 2")
+        self.ask(page, lambda seen: seen["port"] == f"{NAME} 2", "on the chosen board")
+        seen = shared.until(page, lambda seen: seen["error"] is not None, "an end of the silence")
         self.assertIn("does not answer", seen["error"])
+        self.assertEqual(seen["port"], f"{NAME} 2")
         self.assertEqual(errors, [])
 
     def test_a_browser_without_web_serial_names_those_that_have_it(self):
