@@ -25,7 +25,10 @@ def longest_watchdog(rig):
 
 
 def hang_thread(rig):
-    rig.board.is_thread_frozen = True
+    """Outside of any critical section; `mask_interrupts` is the other case."""
+    board = rig.board
+    board.run_until(lambda: not board.cpu.reg_read(UC_ARM_REG_PRIMASK), 0.001, step=1e-6)
+    board.is_thread_frozen = True
 
 
 def lose_the_renderers_interrupt(rig):
