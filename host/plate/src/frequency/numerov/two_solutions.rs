@@ -1,4 +1,4 @@
-//! Both solutions of the amplitude equation at one frequency: what the answer to a force anywhere on the plate is made of.
+//! Both solutions of the amplitude equation at one frequency, which compose the response to a force at any place.
 
 use super::Swept;
 use super::grid::{At, Grid};
@@ -7,8 +7,8 @@ use crate::frequency::driven_end::DrivenEnd;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Two solutions of the equation at one frequency, in any scale, at the grid points on the plate: what the answer to a
-/// force anywhere on the plate is made of.
+/// Two solutions of the equation at one frequency, in any scale, at the grid points on the plate. The response to a
+/// force anywhere on the plate is composed of them.
 pub(crate) struct TwoSolutions {
     pub(crate) step_m: f64,
     /// The one that meets the driven end's condition with the drive at rest; zero beyond the place that was asked for.
