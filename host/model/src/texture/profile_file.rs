@@ -36,7 +36,7 @@ pub enum ProfileFileError {
     /// The image has too few or too many pixels.
     #[error("{}", must_be(
         format_args!("the image's size = {width} x {height} pixels"),
-        "2 wide or more, 4194304 in all or less",
+        "at least 2 wide, with at most 4194304 pixels",
     ))]
     Size {
         /// Width, pixels.
