@@ -189,7 +189,7 @@ fn as_received(event: &Event, minor: Minor) -> Option<Event> {
 
 /// What a side of 1.1 gets in the place of each addition of 1.2.
 #[test]
-fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
+fn each_addition_of_1_2_reaches_1_1_as_a_substitute_or_not_at_all() {
     let seen: Vec<String> = events_of(2)
         .iter()
         .map(|(_, event)| format!("{:?}", as_received(event, minor(1)).unwrap()))
@@ -208,7 +208,7 @@ fn what_1_2_adds_has_a_stand_in_of_1_1_or_is_not_sent() {
 
 /// What a side of 1.2 gets in the place of each addition of 1.3.
 #[test]
-fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
+fn each_addition_of_1_3_reaches_1_2_as_a_substitute_or_not_at_all() {
     let mut received = events_of(3).into_iter().map(|(_, event)| as_received(&event, minor(2)));
     assert!(received.by_ref().take(8).all(|event| event.is_none()), "what the board is");
     let Some(Some(Event::Status(status))) = received.next() else { panic!("a stop on the desk is known") };
@@ -252,7 +252,7 @@ fn what_1_3_adds_has_a_stand_in_of_1_2_or_is_not_sent() {
 
 /// What a side of 1.0 gets in the place of each addition of 1.1.
 #[test]
-fn what_1_1_adds_has_a_stand_in_of_1_0_or_is_not_sent() {
+fn each_addition_of_1_1_reaches_1_0_as_a_substitute_or_not_at_all() {
     let old = |event: &Event| as_received(event, Minor::FIRST);
     let mut seen = Vec::new();
     for (label, event) in events_of(1) {
@@ -313,7 +313,7 @@ fn the_frozen_part_of_the_hello_stands_where_it_always_stood() {
 }
 
 #[test]
-fn every_fault_has_a_text_and_a_bit_of_its_own() {
+fn every_fault_has_its_own_text_and_bit() {
     for (bit, fault) in Fault::ALL.iter().copied().enumerate() {
         assert_eq!(fault as usize, bit);
         assert!(!fault.text().is_empty());

@@ -24,7 +24,7 @@ def refused(host, body):
     return reply.value
 
 
-def test_a_chord_is_proven_and_is_the_mirrors_bit_for_bit(cool, mirror):
+def test_a_chord_is_proven_and_matches_the_mirror_bit_for_bit(cool, mirror):
     host, board = cool.host, cool.board
     for period_log2 in (12, 14):
         period = 2**period_log2

@@ -167,7 +167,7 @@ def test_an_emergency_stop_is_at_the_pin_soon_whatever_comes_before_it(rig, ahea
         pytest.param("no frame's end", True, id="no frame's end-while it measures", marks=pytest.mark.nightly),
     ],
 )
-def test_an_emergency_stop_in_a_line_that_never_rests_is_at_the_pin_as_soon(rig, flood, measures):
+def test_an_emergency_stop_on_a_busy_line_is_at_the_pin_equally_soon(rig, flood, measures):
     """R-69: no byte takes an interrupt, and the line is full before the stop and after it."""
     host, cable = rig.host, rig.cable
     host.connect()

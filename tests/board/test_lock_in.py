@@ -93,7 +93,7 @@ def test_the_lock_ins_of_a_comb_match_the_hosts_bit_for_bit_and_the_plate(soundi
 
 @pytest.mark.every_image
 @pytest.mark.parametrize("input", [0, 1, None])
-def test_the_lock_ins_of_a_drag_are_the_hosts_bit_for_bit(sounding, mirrored_lock_ins, input):
+def test_the_lock_ins_of_a_drag_match_the_hosts_bit_for_bit(sounding, mirrored_lock_ins, input):
     """While every tone glides from one place to another; both inputs at once have half of the slots."""
     slots = 0xF0F0 if input is None else 0xFFFF
 

@@ -51,7 +51,7 @@ def renderers_counters(rig):
 
 @pytest.mark.every_image
 @pytest.mark.parametrize("wrap", [WRAP, pytest.param(MONTH, marks=pytest.mark.nightly)])
-def test_the_lower_half_of_the_sample_index_wraps_and_every_code_is_the_mirrors(sounding, image, mirror, wrap):
+def test_the_lower_half_of_the_sample_index_wraps_and_every_code_matches_the_mirror(sounding, image, mirror, wrap):
     begin = (wrap - BEFORE) // BLOCK * BLOCK
     assert (begin // LIMIT_PERIOD + 1) * LIMIT_PERIOD > wrap + 60 * MILLISECOND, "one period of the limit"
     index, limit_due = renderers_counters(sounding)

@@ -82,7 +82,7 @@ def test_a_reset_switches_it_off(guarded):
 
 
 @pytest.mark.parametrize("control, may", [(0, True), (HFNMIENA, False)])
-def test_the_hard_faults_handler_runs_without_it_unless_configured_otherwise(guarded, control, may):
+def test_the_hard_fault_handler_runs_without_the_mpu_unless_configured_otherwise(guarded, control, may):
     board = guarded.board
     guarded.write(MPU_CTRL, PRIVDEFENA | ENABLE | control)
     assert not does(guarded, STORE, START)

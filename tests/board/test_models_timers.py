@@ -184,7 +184,7 @@ def test_a_rise_that_stands_for_the_filters_time_sets_the_flag_and_nothing_else_
 
 
 @pytest.mark.parametrize("selection, edges, sentence", [(2, 1, "capture is not modelled"), (1, 3, "rising edges")])
-def test_another_capture_is_a_failure(chip, selection, edges, sentence):
+def test_an_unmodelled_capture_is_a_failure(chip, selection, edges, sentence):
     with pytest.raises(AssertionError, match=sentence):
         capture(chip, selection, edges)
 

@@ -80,7 +80,7 @@ def test_forget_leaves_it(rig):
 
 @pytest.mark.parametrize("is_cut_clean", [False, pytest.param(True, marks=pytest.mark.nightly)], ids=["torn", "clean"])
 def test_a_power_cut_at_any_operation_leaves_the_old_or_the_new_profile(rig, is_cut_clean):
-    """R-79: whole, or the device says that it may have been lost and cannot be armed."""
+    """R-79: the profile is whole, or the device reports that it may be lost, and cannot be armed."""
     rig.host.connect()
     write(rig, OLD)
     rig.board.pins.drive(rig.facts.button, 1)
@@ -170,7 +170,7 @@ def test_where_one_is_kept_the_rom_bootloader_wants_the_button(rig):
 
 
 @pytest.mark.nightly
-def test_a_drive_that_begins_later_does_not_put_off_the_longest_drive(rig):
+def test_a_drive_that_begins_later_does_not_extend_the_longest_drive_time(rig):
     """R-79."""
     host, board = rig.host, rig.board
     host.connect()

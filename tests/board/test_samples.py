@@ -11,7 +11,7 @@ def sixteen(shift=0.0):
     return [(slot, (slot + shift) / 17, 0.06) for slot in range(16)]
 
 
-def test_sixteen_gliding_tones_are_the_mirrors_bit_for_bit(cool, mirror):
+def test_sixteen_gliding_tones_match_the_mirror_bit_for_bit(cool, mirror):
     armed = cool
     first = armed.host.status()["now"] + 5 * MILLISECOND
     first = armed.host.accept("Drive", drive(sixteen(), 10 * MILLISECOND, first))
@@ -35,7 +35,7 @@ def test_sixteen_gliding_tones_are_the_mirrors_bit_for_bit(cool, mirror):
     assert 0 < status["max_cycles"] < 0.5 * 128 / RATE_HZ * armed.board.CORE_HZ
 
 
-def test_a_stop_begins_in_the_block_that_waits_and_is_the_mirrors_bit_for_bit(cool, mirror):
+def test_a_stop_begins_in_the_block_that_waits_and_matches_the_mirror_bit_for_bit(cool, mirror):
     """R-69: sent at eight phases of a block, while all tones glide. The other stops begin with a block."""
 
     def stopped(rig, message, phase):

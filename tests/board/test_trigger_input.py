@@ -37,7 +37,7 @@ def to_phase(rig, phase):
 
 
 @pytest.mark.every_image
-def test_a_drive_begins_within_two_blocks_of_the_rise_and_is_the_mirrors(sounding, mirror):
+def test_a_drive_begins_within_two_blocks_of_the_rise_and_matches_the_mirror(sounding, mirror):
     """At any moment of a block at which the input rises; the output's edge and the device's report mark the begin."""
 
     def case(rig):

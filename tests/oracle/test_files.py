@@ -75,7 +75,7 @@ class Files(unittest.TestCase):
         self.assertTrue(found["accepted"])
         return np.array([it["value"] for it in found["parameters"]])
 
-    def test_what_others_write_calibrates_as_the_own_file(self):
+    def test_files_of_other_programs_calibrate_like_slipline_files(self):
         own = self.calibrated("--data", self.csv[0], "--data", self.csv[1])
         far = table(self.csv[1])
         sensor = ["--sensor", f"{1e3 * PLACES[1]}mm", "--kind", "displacement"]

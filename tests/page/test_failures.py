@@ -7,7 +7,7 @@ import unittest
 
 import shared
 
-# From the loss of the graphics to the frame that disarms: the browser tells of it after the picture that it paints just then, and
+# From the loss of the graphics to the frame that disarms: the browser reports the loss after the picture that it is painting, and
 # the watch over the page needs no longer than this, should the page be stuck.
 DISARM_MS = 1100
 # The graphics processor is lost.

@@ -255,7 +255,7 @@ class Bank:
         self._before = [(0, 0)] * SLOTS
 
     def tones(self, motion: Motion, first: int) -> list[ToneBlock]:
-        """The tones over the block that begins at an index. Blocks are asked for one after the other, none left out."""
+        """The tones over the block that begins at an index. Request the blocks one after the other, without a gap."""
         if first == motion.start:
             for slot, way in enumerate(motion.ways):
                 if way.phase is not None:

@@ -56,7 +56,7 @@ presets = pytest.mark.parametrize("name", slipline.presets())
 
 
 @presets
-def test_the_field_is_the_command_lines(command, name):
+def test_the_field_matches_the_command_line(command, name):
     plate = slipline.Plate(name)
     hz = middle_hz(plate)
     asked = command("respond", "--plate", name, "--freq", f"{hz!r}Hz", "--points", 301)
@@ -69,7 +69,7 @@ def test_the_field_is_the_command_lines(command, name):
     ({"finger": (0.12, 0.5, 1e-4, 0.01)}, ["--finger", "0.12m:0.5Ns/m,1e-4kg,0.01m"]),
     ({"two_dimensions": True}, ["--2d"]),
 ])
-def test_the_field_of_each_option_is_the_command_lines(command, options, arguments):
+def test_the_field_of_each_option_matches_the_command_line(command, options, arguments):
     asked = command("respond", "--plate", "membrane", "--freq", "126Hz", "--points", 101, *arguments)
     plate = slipline.Plate("membrane")
     found = plate.respond(126.0, points=101, **options)
@@ -87,24 +87,24 @@ def test_the_field_of_each_option_is_the_command_lines(command, options, argumen
 
 
 @presets
-def test_the_table_is_the_command_lines(command, name):
+def test_the_table_matches_the_command_line(command, name):
     asked = command("table", "--plate", name, "--knots", 33)
     found = slipline.Plate(name).table(knots=33)
     same(found, with_columns(asked.answer(), "knots"), name)
 
 
-def test_the_usual_table_is_the_command_lines(command):
+def test_the_usual_table_matches_the_command_line(command):
     asked = command("table", "--plate", "membrane")
     same(slipline.Plate("membrane").table(), with_columns(asked.answer(), "knots"), "membrane")
 
 
 @presets
-def test_the_lights_are_the_command_lines(command, name):
+def test_the_lights_match_the_command_line(command, name):
     asked = command("check", "--plate", name)
     same(slipline.Plate(name).check(), asked.answer(), name)
 
 
-def test_the_lights_of_one_tone_are_the_command_lines(command):
+def test_the_lights_of_one_tone_match_the_command_line(command):
     arguments = ["check", "--plate", "membrane", "--level", "0.5", "--off-centre"]
     by_place = command(*arguments, "--turning-point", "0.12m")
     by_frequency = command(*arguments, "--turning-point", "126Hz")
@@ -124,7 +124,7 @@ def test_the_lights_of_one_tone_are_the_command_lines(command):
      ["--wave-speed", "12m/s", "--full-scale", "2e-4m", "--start-margin", "0.05m"]),
     ("acrylic", 2e-3, (20e3, 40e3), 0.3, {"shear": True}, ["--shear"]),
 ])
-def test_a_design_is_the_command_lines(command, material, thickness, band, length, options, arguments):
+def test_a_design_matches_the_command_line(command, material, thickness, band, length, options, arguments):
     asked = command(
         "design", "--material", material, "--thickness", f"{thickness!r}m", "--band", f"{band[0]!r}Hz..{band[1]!r}Hz",
         "--length", f"{length!r}m", *arguments,
@@ -143,7 +143,7 @@ def without_plate(found):
 
 
 @presets
-def test_a_simulated_drive_is_the_command_lines(command, name):
+def test_a_simulated_drive_matches_the_command_line(command, name):
     plate = slipline.Plate(name)
     hz = middle_hz(plate)
     asked = command("simulate", "--plate", name, "--turning-point", f"{hz!r}Hz", "--level", "0.2", "--for", "0.02s")
@@ -157,7 +157,7 @@ def test_a_simulated_drive_is_the_command_lines(command, name):
     ({"turning_point_m": 0.16}, {"no_table": True, "finger": (0.25, "light"), "level": 0.2},
      ["--turning-point", "0.16m", "--no-table", "--finger", "0.25m:light", "--level", "0.2"]),
 ])
-def test_a_simulated_drive_with_options_is_the_command_lines(command, places, options, arguments):
+def test_a_simulated_drive_with_options_matches_the_command_line(command, places, options, arguments):
     asked = command("simulate", "--plate", "membrane", "--for", "0.1s", *arguments)
     found = slipline.Plate("membrane").simulate(**places, **options, seconds=0.1)
     same(found, asked.answer(), str(arguments))
@@ -174,7 +174,7 @@ def test_a_setup_and_a_feeling_of_files_sound_as_on_the_command_line(command, tm
 
 
 @presets
-def test_an_even_area_is_the_command_lines(command, name):
+def test_an_even_area_matches_the_command_line(command, name):
     plate = slipline.Plate(name)
     low, high = plate.span_m
     # Where a tone of the middle of the span is felt to end is on the plate for most; the others refuse on both sides.
@@ -193,7 +193,7 @@ def both(compute, asked, name):
         same(found, asked.answer(), name)
 
 
-def test_the_other_textures_are_the_command_lines(command, tmp_path):
+def test_the_other_textures_match_the_command_line(command, tmp_path):
     plate = slipline.Plate("membrane")
     profile = tmp_path / "profile.csv"
     profile.write_text("0.02,1\n0.1,1\n0.15,0.4\n0.22,0.1\n")
@@ -225,7 +225,7 @@ def grey_png(row):
 
 
 @presets
-def test_the_figures_of_merit_are_the_command_lines(command, name):
+def test_the_figures_of_merit_match_the_command_line(command, name):
     plate = slipline.Plate(name)
     low, high = plate.span_m
     place_m = low + 0.7 * (high - low)
@@ -238,7 +238,7 @@ def test_the_figures_of_merit_are_the_command_lines(command, name):
         same(slipline.Result({"plate": name, "turning_points": found}), asked.answer(), name)
 
 
-def test_the_figures_of_merit_over_the_span_are_the_command_lines(command):
+def test_the_figures_of_merit_over_the_span_match_the_command_line(command):
     asked = command("merit", "--plate", "membrane")
     found = slipline.Plate("membrane").merit()
     assert len(found) > 1
@@ -259,7 +259,7 @@ def measured(plate, place_m, count=24):
 
 
 @pytest.mark.parametrize("name", ["membrane", "al-bending"])
-def test_a_calibration_is_the_command_lines(command, tmp_path, name):
+def test_a_calibration_matches_the_command_line(command, tmp_path, name):
     plate = slipline.Plate(name)
     files, measurements = [], []
     for share in (0.2, 0.45):
@@ -284,7 +284,7 @@ def same_calibration(found, printed, fitted):
         assert found.plate is None
 
 
-def test_a_calibration_by_touches_is_the_command_lines(command, tmp_path):
+def test_a_calibration_by_touches_matches_the_command_line(command, tmp_path):
     fitted = tmp_path / "fitted.toml"
     touches = [(0.2, 0.202), (0.28, 0.277)]
     asked = command(

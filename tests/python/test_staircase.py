@@ -88,6 +88,6 @@ def test_the_fields_of_a_trial_are_those_that_were_given():
         ({"low": float("nan")}, "low must be below high"),
     ],
 )
-def test_what_is_not_allowed_is_named(arguments, message):
+def test_a_refusal_names_the_wrong_value(arguments, message):
     with pytest.raises(slipline.OutOfRange, match=message):
         Staircase(**{"low": 0.1, "high": 0.2, **arguments})

@@ -66,7 +66,7 @@ def test_a_row_has_the_columns_of_bids_and_what_was_asked_and_played(tmp_path):
     assert [row["duration"] for row in rows] == ["0.25", "0.5", "0.0"]
     assert [row["response"] for row in rows] == ["yes", "a tab and a line", "3"]
     assert [row["level"] for row in rows] == ["0.5", "0.8", "0.8"]
-    # The place that was asked for as it was asked, the others by the plate.
+    # The requested place as it was given, the others by the plate.
     assert (first["turning_point_m"], first["felt_edge_m"], first["frequency_hz"]) == ("0.12", "0.2", "126.5")
     assert (second["turning_point_m"], second["felt_edge_m"]) == ("0.16", "0.21")
     assert third["frequency_hz"] == "130.0"

@@ -76,7 +76,7 @@ impl Table {
         Self { header, knots }
     }
 
-    /// The same phase steps for a device at another rate: every frequency goes with it.
+    /// The same phase steps for a device at another rate: every frequency is proportional to it.
     #[must_use]
     pub fn at_rate(mut self, sample_rate_hz: u32) -> Self {
         let header = &mut self.header;

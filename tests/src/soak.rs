@@ -232,7 +232,7 @@ impl Soak {
         }
     }
 
-    /// Returns where the glide that was asked for ends; `None` while a stop is still ramping.
+    /// Returns where the requested glide ends; `None` while a stop is still ramping.
     fn drive(&mut self, tones: &[(u8, f64, f64)]) -> Option<SampleIndex> {
         let glide = 20 + self.random.below(480);
         let drive = drive(tones, self.rig.samples(glide) as u32);

@@ -71,7 +71,7 @@ pub fn table() -> DeviceTable {
     DeviceTable::from_knots((0.08, 0.27), 4e5, knots, 1e-6).expect("values in range")
 }
 
-/// What the host of a minor version's transcript is asked, and after how many milliseconds the next.
+/// The requests to the host in a minor version's transcript, each with the milliseconds until the next one.
 ///
 /// # Panics
 /// Never: its values are in range.
@@ -159,7 +159,7 @@ impl<P: Peer> Transport for Way<P> {
     }
 }
 
-/// Opens ways to a peer.
+/// Opens in-memory transports to a peer.
 struct Ways<P>(Arc<Mutex<P>>);
 
 impl<P: Peer> Opener for Ways<P> {

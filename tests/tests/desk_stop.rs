@@ -20,7 +20,7 @@ fn board(rig: &mut Rig) -> BoardReport {
 }
 
 #[test]
-fn the_button_is_an_emergency_stop_of_its_own_name() {
+fn the_button_is_an_emergency_stop_with_its_own_name() {
     // silence within 5 ms, the amplifier off within 10 ms, without a word of the host.
     let mut rig = driving();
     rig.record();

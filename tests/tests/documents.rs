@@ -194,7 +194,7 @@ fn the_table_of_the_contributors_leads_to_the_page_of_each_crate_and_stays_short
 fn the_readme_stays_short() {
     let page = text("README.md");
     let lines = page.lines().count();
-    assert!(lines <= 200, "{lines} lines: move what is not for a first reader");
+    assert!(lines <= 200, "{lines} lines: move all that a first reader does not need");
 }
 
 #[test]

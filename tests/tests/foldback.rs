@@ -103,7 +103,7 @@ fn noted(lost: &[(u64, u32)]) -> Vec<(u64, u16, bool)> {
 }
 
 #[test]
-fn lost_answers_cost_the_journal_no_step_of_the_fold_back() {
+fn the_journal_has_every_step_of_the_fold_back_despite_lost_answers() {
     let steps = noted(&[]);
     assert!(steps.len() > 5, "{steps:?}");
     assert_eq!(noted(&[(500, 2), (1700, 3), (2900, 1)]), steps);

@@ -53,7 +53,7 @@ fn after_any_session_a_silent_host_leaves_a_silent_device() {
 }
 
 #[test]
-fn whatever_a_user_drives_is_the_mirrors_and_never_clips() {
+fn whatever_a_user_drives_matches_the_mirror_and_never_clips() {
     replay("program");
 }
 

@@ -30,7 +30,7 @@ fn the_watchdog_starves_when_the_link_hangs_and_not_before() {
 }
 
 #[test]
-fn each_task_has_a_pulse_of_its_own() {
+fn each_task_has_its_own_pulse() {
     // a task whose count another one moves could hang unnoticed.
     let mut rig = Rig::armed();
     let before = rig.device.pulses();
@@ -303,7 +303,7 @@ fn both_stops_work_in_every_state() {
 }
 
 #[test]
-fn every_fault_has_a_text_of_its_own() {
+fn every_fault_has_its_own_text() {
     //
     let texts: Vec<&str> = Fault::ALL.iter().map(|fault| fault.text()).collect();
     for (i, text) in texts.iter().enumerate() {

@@ -237,7 +237,7 @@ fn where_the_headroom_is_less_the_tone_stays_at_full_scale_and_says_so() {
 }
 
 #[test]
-fn a_sensor_that_fails_ends_in_the_level_of_the_drive() {
+fn a_failed_sensor_ends_the_hold_and_restores_the_drives_levels() {
     for (fault, loss) in [
         (RigFault::Unplugged, HoldLoss::TooWeak),
         (RigFault::Clipped, HoldLoss::Clipped),

@@ -150,7 +150,7 @@ fn a_drive_begins_the_lease_where_it_begins_and_not_where_it_is_sent() {
 }
 
 #[test]
-fn a_drive_at_a_later_index_does_not_put_off_the_lease() {
+fn a_drive_at_a_later_index_does_not_extend_the_lease() {
     // the sounding drive ends with its own lease, and the one that waits is dropped, whether anything sounds or not.
     for sounds in [false, true] {
         let mut rig = leased(1000);

@@ -263,7 +263,7 @@ fn its_travel_holds_beside_a_sessions_and_longer_than_it() {
 }
 
 #[test]
-fn its_time_and_heat_are_the_devices() {
+fn its_longest_time_and_its_heat_bind_the_device() {
     // at 8 kS/s, so that seconds are few blocks.
     let heat = CoilHeat { winding_ms: 1000, body_ms: 1000, full_sine_per_mille: 20_000 };
     for (profile, fault) in [

@@ -57,7 +57,7 @@ fn played(mirror: &mut Mirror, until: SampleIndex) -> BTreeMap<SampleIndex, [u16
 
 #[test]
 #[ignore = "needs qemu-system-arm"]
-fn sixteen_gliding_tones_are_the_mirrors_bit_for_bit() {
+fn sixteen_gliding_tones_match_the_mirror_bit_for_bit() {
     let mut emulator = Emulator::start(Line::Socket);
     let (mut host, mut mirror) = armed(&emulator);
     let start = drive_ahead(&mut host, &mut mirror, sixteen(0.0));

@@ -140,7 +140,7 @@ fn a_host_that_is_killed_while_it_drives_is_followed_by_silence() {
 
 #[test]
 #[ignore = "needs qemu-system-arm"]
-fn verify_says_that_the_emulated_codes_are_the_mirrors() {
+fn verify_reports_that_the_emulated_codes_match_the_mirror() {
     let emulator = Emulator::start(Line::Terminal);
     let (output, answer) = run(&emulator.link().display().to_string(), &["verify"]);
     assert!(output.status.success(), "{output:?}");

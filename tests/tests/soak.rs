@@ -4,7 +4,7 @@ use slipline_tests::rig::RATE_HZ;
 use slipline_tests::soak::{Soak, resident_bytes};
 
 #[test]
-fn two_minutes_at_the_full_sample_rate_are_the_mirrors_code_for_code() {
+fn two_minutes_at_the_full_sample_rate_match_the_mirror_code_for_code() {
     let tally = Soak::new(RATE_HZ, 57).run(120);
     assert!(tally.samples >= 120 * u64::from(RATE_HZ));
     assert!(tally.drives > 10 && tally.stops > 0, "{tally:?}");

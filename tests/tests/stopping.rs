@@ -88,7 +88,7 @@ fn a_drive_reported_after_the_stop_that_ended_it_does_not_count_as_sounding() {
 }
 
 #[test]
-fn the_repeat_of_a_stop_does_not_end_the_drive_that_was_asked_for_after_it() {
+fn the_repeat_of_a_stop_does_not_end_a_drive_requested_after_it() {
     let mut rig = driving();
     rig.ports().drop_replies = 1;
     rig.ask_and_pass(Request::Stop, 50);

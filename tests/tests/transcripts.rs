@@ -214,7 +214,7 @@ fn the_session_on_the_protocols_page_matches_a_devices_answers() {
         if blocks > 0 {
             lines.push(Line::Blocks(blocks));
         }
-        // What is not numbered has numbers far from the others.
+        // Unnumbered frames get numbers far from the others.
         let number = if command.is_sequenced() { sequence } else { 0x8000 };
         sequence += u16::from(command.is_sequenced());
         let is_first = lines.is_empty();

@@ -212,7 +212,7 @@ fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
         assert!(limit.is_some() && limit < place(|command| matches!(command, Command::TableBegin(_))));
     }
     rig.record();
-    // 20 ms are asked for.
+    // The request is 20 ms.
     let began = rig.ask(Request::Play(Sounding::Drive(DriveRequest::at(&[(0.09, 0.3)]))));
     rig.pass_ms(300);
     rig.ask_and_pass(Request::Refresh, 10);

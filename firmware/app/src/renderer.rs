@@ -69,7 +69,7 @@ pub struct Renderer {
     limit_goal: u32,
     /// The earliest index of its next change.
     limit_due: SampleIndex,
-    /// Blocks of mid-scale since the last that was not.
+    /// Consecutive blocks of mid-scale so far.
     quiet_blocks: u64,
     muted: bool,
     /// Whether a program begins with the last rendered block: a drive, or a table that comes into force while armed.

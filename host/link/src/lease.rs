@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn only_an_idle_device_whose_lease_is_over_has_ended_it() {
+    fn only_an_idle_device_past_its_lease_reports_an_expired_lease() {
         let second = (Duration::from_secs(1), 8100);
         let cases = [
             (State::Armed, 9000, None),

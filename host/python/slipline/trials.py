@@ -126,7 +126,7 @@ def _one(device: Any, trial: dict[str, Any], respond: Callable[[dict[str, Any]],
     drive = device.drive(**place, level=trial["level"])
     tone = drive.tones[0]
     at_samples = device.wait(drive)
-    # The place that was asked for as it was asked, the others by the plate.
+    # The requested place as it was given, the others by the plate.
     places = {**{field: getattr(tone, field) for field in PLACES}, **place}
     asked = {**trial, **places, "at_samples": at_samples}
     stopped = None

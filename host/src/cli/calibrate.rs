@@ -90,7 +90,7 @@ struct MeasuredArgument {
     /// --data, if any, holds this current. The value is the kind of drive.
     #[arg(long, value_enum, value_name = "DRIVE", conflicts_with_all = ["places", "touches"])]
     current: Option<CurrentOf>,
-    /// Without a sensor: the felt edge that was asked for by the plate file (or the tone's frequency), and where the finger
+    /// Without a sensor: the felt edge requested by the plate file (or the tone's frequency), and where the finger
     /// felt it (250mm:246mm); give at least two, far apart. This calibrates places, not levels.
     #[arg(long = "touch", value_name = "ASKED:FELT", value_parser = touch, allow_hyphen_values = true)]
     touches: Vec<TouchArgument>,

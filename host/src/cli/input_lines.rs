@@ -3,7 +3,7 @@
 //! ```text
 //! felt-edge 210mm        # the place of the first tone; further places are those of the next tones, as X[:LEVEL]
 //! turning-point 160mm
-//! level 0.5              # its level; a tone that was asked for by its felt edge keeps it
+//! level 0.5              # its level; a tone requested by its felt edge keeps that edge
 //! glide 20ms             # how long the next changes take
 //! stop
 //! ```
@@ -34,7 +34,7 @@ pub(super) enum Wake {
     End(Option<String>),
 }
 
-/// Reads the lines on a thread of its own, the next one only when it is asked for: what is not followed yet stays with the
+/// Reads the lines on a thread of its own, the next one only on request: lines that are not followed yet stay with the
 /// program that writes it.
 pub(super) struct InputLines(SyncSender<()>);
 

@@ -183,7 +183,7 @@ impl AskedTones {
         Ok(self)
     }
 
-    /// These tones with other levels, in their order; those after the last level stay. A tone that was asked for by its
+    /// These tones with other levels, in their order; those after the last level stay. A tone requested by its
     /// felt edge keeps it.
     pub(super) fn at_levels(mut self, levels: &[f64]) -> Result<Self, Failure> {
         self.allow(levels.len(), "levels")?;

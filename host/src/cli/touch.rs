@@ -7,14 +7,14 @@ use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
 use slipline_plate::Plate;
 use slipline_plate::quantity::{Measure, PlaceOrFrequency};
 
-/// A felt edge on the command line: the one that was asked for, or the tone's frequency, and where the finger felt it.
+/// A felt edge on the command line: the requested one, or the tone's frequency, and where the finger felt it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct TouchArgument {
     asked: PlaceArgument,
     felt: Typed<f64>,
 }
 
-/// Parses `250mm:246mm`, the felt edge that was asked for and where it was felt.
+/// Parses `250mm:246mm`, the requested felt edge and the place where it was felt.
 pub(super) fn touch(text: &str) -> Result<TouchArgument, String> {
     let (asked, felt) = text.rsplit_once(':').ok_or("write ASKED:FELT, such as 250mm:246mm")?;
     let asked =

@@ -231,7 +231,7 @@ fn two_touches_give_places_and_no_levels() {
     let plate = preset("membrane").unwrap();
     let table = json(&["table", "--plate", "membrane"]);
     let peak_m = 0.03 * number(&table, "peak_at_full_scale_m");
-    // Where a finger feels the edge on the actual plate, for the frequency of the boundary that was asked for.
+    // Where a finger feels the edge on the actual plate, for the frequency of the requested boundary.
     let touch = |asked_m: f64| {
         let knots = table["knots"].as_array().unwrap();
         let knot = knots.iter().find(|knot| number(knot, "position_m") >= asked_m).unwrap();

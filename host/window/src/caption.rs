@@ -139,7 +139,7 @@ mod tests {
         };
         assert_eq!(
             fault("al-bending", slow),
-            "Span to 278 mm: must be where the boundary needs at most 10000 kHz (here 213250 kHz)"
+            "Span to 278 mm: must be a place where the boundary needs at most 10000 kHz (here 213250 kHz)"
         );
         let mut request = slipline_model::jobs::design::Draft::default().request().unwrap();
         (request.length_m, request.air) = (0.01, None);

@@ -90,7 +90,7 @@ pub const MEASUREMENT_EXTENSIONS: [&str; 14] =
     ["txt", "frd", "uff", "unv", "wav", "flac", "m4a", "aif", "aiff", "aifc", "tsv", "dat", "asc", "prn"];
 
 /// The extensions of all that can be opened: setups, plates, recorded drags, measurements. A measurement has all of them, too:
-/// a description of a sweep is TOML and goes with a recording.
+/// a description of a sweep is TOML and belongs to a recording.
 #[must_use]
 pub fn openable_extensions() -> Vec<&'static str> {
     [&["toml", "csv"][..], &MEASUREMENT_EXTENSIONS].concat()

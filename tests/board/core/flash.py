@@ -29,7 +29,7 @@ class Flash:
         self.is_cache_stale = False
 
     def cut(self):
-        """Whether the power goes with this operation."""
+        """Whether the power fails during this operation."""
         self.operations += 1
         return self.cut_at is not None and self.operations > self.cut_at
 

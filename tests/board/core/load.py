@@ -23,7 +23,7 @@ class Load:
     def __init__(self, board, wiring):
         self.board, self.wiring = board, wiring
         self.voltage, self.since, self.is_pulled_up, self.driven = 0.0, board.now, False, None
-        # The highest voltage that the pin had while nothing drove it; when it was pulled up, and when it was driven, in seconds.
+        # The highest voltage of the undriven pin; when a pull-up and a driver last took it over, in seconds.
         self.highest, self.pulled_at, self.driven_at = 0.0, None, None
 
     def change(self, is_pulled_up, driven):

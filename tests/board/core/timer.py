@@ -3,7 +3,7 @@ chapters 38 to 43; the three chips have the same counter).
 
 What the counter does to pins, and the break, is in `outputs` (a second break input, which no image enables, is not modelled); what pins do to
 flags in `inputs`. Of the slave modes there is one: another timer's trigger
-output as the clock. What is not modelled (counting down, the other slave modes) is a failure when it is switched on.
+output as the clock. Switching on an unmodelled mode (counting down, the other slave modes) is a failure.
 """
 from typing import NamedTuple
 

@@ -192,7 +192,7 @@ impl<F: FlashPages, S: System> Controller<'_, F, S> {
             let sounding = places.get(usize::from(slot)).map_or(Gain::FULL, |place| place.level);
             let held_before = self.holding.drive_levels.get(usize::from(slot)).filter(|level| level.0 > 0);
             let level = *held_before.unwrap_or(&sounding);
-            // There is room: just as many are asked for.
+            // There is room: the firmware requests just as many.
             let _ = tones.push(ToneToHold { slot, amplitude, level, sounding });
             slots |= 1_u16.checked_shl(slot.into()).unwrap_or(0);
         }

@@ -28,7 +28,7 @@ pub(super) struct Shared {
     pub(super) is_fading: Cell<bool>,
     /// The thread side is writing the trajectories of the spare motion.
     pub(super) is_publishing: Cell<bool>,
-    /// What is pending; its motion is the one that is not in force.
+    /// The pending program. Its motion stands in the slot that is not in force.
     pub(super) pending: Cell<Option<Pending>>,
     /// Where the last motion began that had waited for the trigger input.
     pub(super) began: Cell<Option<SampleIndex>>,

@@ -274,7 +274,7 @@ impl Mute for NoPin {
 }
 
 #[test]
-fn the_reported_cost_is_the_dearest_blocks() {
+fn the_reported_cost_is_that_of_the_most_expensive_block() {
     // the last block's cost says nothing about the deadline. The counter wraps amid the second. A block costs its
     // rendering, and then its listening.
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));

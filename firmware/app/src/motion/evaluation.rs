@@ -10,7 +10,7 @@ use super::trajectory::{SettingTrajectory, ToneTrajectory, between_levels, betwe
 use crate::planning::ramp::{ONE, RampShape};
 use crate::slots::TableSlots;
 
-/// One tone's trajectory, read part by part: what is not asked for is not loaded.
+/// One tone's trajectory, read part by part, so that only the requested parts are loaded.
 pub(super) trait TrajectoryRead {
     /// From where to where, Q1.31.
     fn positions(&self) -> (u32, u32);

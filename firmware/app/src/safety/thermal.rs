@@ -86,8 +86,8 @@ impl Thermal {
 
     /// Goes on to `now`, up to which the squares of all codes' distances from mid-scale add up to `energy`.
     ///
-    /// That may be less than last time: a stop that begins in a block which is counted already takes back what is not
-    /// played of it. So does the temperature.
+    /// That may be less than last time: a stop that begins in a counted block removes the heat of the samples that
+    /// it silences. The temperature falls with it.
     pub fn advance(&mut self, now: SampleIndex, energy: u64, sample_rate_hz: u32) {
         let samples = now.saturating_sub(*self.at.get_or_insert(now));
         if samples == 0 || sample_rate_hz == 0 {

@@ -53,7 +53,7 @@ use slipline_model::setup::Setup;
 pub struct Instrument {
     /// The setup and what changes it.
     pub desk: Desk,
-    /// The device, and what it is to sound.
+    /// The device, and the drive that it should play.
     pub drive: Drive,
     lab: Lab,
     /// What the views show, and the work for it.

@@ -43,7 +43,7 @@ pub struct Shown<'a> {
     pub snapshot: &'a Snapshot,
     /// Whether the user wants the plate driven.
     pub drive_wanted: bool,
-    /// The finger that is chosen.
+    /// The selected finger.
     pub touch: Touch,
     /// The finger on the plate, if there is one.
     pub finger: Option<Finger>,

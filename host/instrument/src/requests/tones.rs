@@ -1,4 +1,4 @@
-//! Tones that are asked for, each by one of its places or its frequency.
+//! Requested tones, each by one of its places or its frequency.
 
 use slipline_model::field::asked_place::{AskedPlace, NoSuchTone};
 use slipline_model::setup::{Setup, ToneSetup};

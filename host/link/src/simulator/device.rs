@@ -357,7 +357,7 @@ impl SimulatedDevice {
         self.peripherals.lock().is_button_pressed = is_pressed;
     }
 
-    /// Opens the stop input, or closes it; without a profile that says that it is fitted this does nothing.
+    /// Opens or closes the stop input. This has no effect unless the profile states that a stop input is fitted.
     pub fn open_stop_input(&mut self, is_open: bool) {
         let mut state = self.peripherals.lock();
         state.is_stop_open = is_open;

@@ -112,7 +112,7 @@ mod tests {
     use std::sync::Arc;
 
     #[test]
-    fn the_felt_edge_is_the_windows_line_whatever_the_line_holds() {
+    fn the_felt_edge_matches_the_windows_line_whatever_the_line_holds() {
         for (name, level) in [("membrane", 0.8), ("al-bending", 0.8), ("al-sh", 0.2), ("paper-rubber", 0.5)] {
             let plate = Arc::new(slipline_plate::preset(name).unwrap());
             let table = DriveTable::build(&plate, 400e3, 65).unwrap();

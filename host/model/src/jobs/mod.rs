@@ -134,7 +134,7 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
     }
 
     /// Forwards each numbered job; the executor sends back the number and the result, or `None`, to
-    /// the sender. A task that is over says that its result is no longer wanted.
+    /// the sender. Once a task is over, nobody needs its result.
     #[must_use]
     pub fn elsewhere(
         hand_on: impl FnMut(u64, Job, Arc<Task>) + 'static,

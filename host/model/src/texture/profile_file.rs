@@ -36,7 +36,7 @@ pub enum ProfileFileError {
     /// The image has too few or too many pixels.
     #[error("{}", must_be(
         format_args!("the image's size = {width} x {height} pixels"),
-        "2 wide or more, 4194304 in all or less",
+        "at least 2 wide, with at most 4194304 pixels",
     ))]
     Size {
         /// Width, pixels.
@@ -84,7 +84,7 @@ pub fn from_csv(bytes: &[u8]) -> Result<ProfileTable, ProfileFileError> {
         (None | Some(0), None | Some(1)) if are_two => (0, 1),
         _ => {
             return Err(table
-                .unclear("none is named as the place, or none as the amplitude".to_owned())
+                .unclear("no column is named as the place, or none as the amplitude".to_owned())
                 .into());
         }
     };
@@ -210,12 +210,12 @@ mod tests {
     fn a_line_that_is_not_two_numbers_is_named() {
         for (text, start) in [
             ("0.1,1\n0.2\n", "line 2: "),
-            ("0.1,\n", "line 1: none is named as the place, or none as the amplitude"),
+            ("0.1,\n", "line 1: no column is named as the place, or none as the amplitude"),
             ("0.1,1\nname,x\n", "line 2: "),
             ("0.1,1\n0.2,nan\n", "line 2: column 2 = nan: must be a number"),
-            ("0.1,1,2\n0.2,2,3\n", "line 1: none is named as the place"),
+            ("0.1,1,2\n0.2,2,3\n", "line 1: no column is named as the place"),
             ("place (kg),amplitude\n0.1,1\n", "line 1: *place (kg)* has the unit kg"),
-            ("frequency,level\n0.1,1\n", "line 1: none is named as the place"),
+            ("frequency,level\n0.1,1\n", "line 1: no column is named as the place"),
             ("", "the file is empty"),
             ("PK\x03\x04", "it is an archive: unpack it"),
             ("place (m),level (dB),amplitude\n0.1,1,2\n", "line 1: 2 columns may be the amplitude"),

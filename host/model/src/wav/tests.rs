@@ -60,7 +60,7 @@ fn integers_of_8_16_24_and_32_bits_and_floats_are_read_channel_by_channel() {
 }
 
 #[test]
-fn what_is_not_read_names_its_field_and_range() {
+fn a_file_that_is_not_read_names_its_field_and_range() {
     let refused = |bytes: Vec<u8>| Wav::read(bytes).unwrap_err().to_string();
     let refusal = refused(file(4_000, 1, 16, SampleFormat::Int));
     assert!(refusal.starts_with("rate = 4000 Hz: must be 8000 to 384000 Hz"), "{refusal}");

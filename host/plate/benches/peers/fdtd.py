@@ -128,7 +128,7 @@ def on_devito(cells, rows, steps, runs, threads=1):
         u.data[level] = shape(cells, rows)
 
     def run():
-        # Devito's own timer of the generated loops: what it costs to call the operator does not count against it.
+        # Devito's own timer measures the generated loops alone, without the cost of calling the operator.
         summary = operator.apply(time_m=1, time_M=steps, nthreads=threads) if threads > 1 else operator.apply(
             time_m=1, time_M=steps
         )

@@ -311,7 +311,7 @@ impl AirLoad {
     }
 
     /// mu over the plate's own mass per area, for K = `wavenumber` and the angular frequency `vacuum` that it has in vacuum;
-    /// and d ln mu/d ln K where the latter goes with K^`power`.
+    /// and d ln mu/d ln K where the latter is proportional to K^`power`.
     pub(crate) fn share(&self, wavenumber: f64, vacuum: f64, power: f64) -> (f64, f64) {
         let faster = (vacuum / (wavenumber * self.sound_speed * HALF_MASS)).powi(3);
         let share = self.density / (wavenumber * self.surface_density * (1.0 + faster));

@@ -49,7 +49,7 @@ impl Film {
     }
 
     /// The thickness at which the wavenumber is `percent` too small where this film has the edge length `edge_m` and its plate
-    /// this half-width, at the same wave speed: then s goes with the thickness.
+    /// this half-width, at the same wave speed: then s is proportional to the thickness.
     pub(crate) fn thickest_m(&self, percent: f64, edge_m: f64, half_width_m: f64) -> f64 {
         self.thickness_m * half_width_m / (edge_m * FilmEdge::widths_for(percent))
     }

@@ -152,7 +152,7 @@ impl Plate {
     }
 
     /// The frequency at which the plate in vacuum has the wavenumber that it has in its air at `frequency_hz`, Hz. What is
-    /// elastic in the plate goes with the wavenumber, so it is that of vacuum at this frequency.
+    /// elastic in the plate depends on the wavenumber, so it is that of vacuum at this frequency.
     pub(crate) fn vacuum_frequency_hz(&self, frequency_hz: f64) -> f64 {
         let wave = self.free_wave();
         let omega = TAU * frequency_hz;

@@ -43,7 +43,7 @@ mod tests {
     }
 
     #[test]
-    fn far_below_at_and_far_above_the_resonance_the_travel_is_the_springs_the_dampers_and_the_masss() {
+    fn the_travel_below_at_and_above_the_resonance_follows_the_spring_the_damper_and_the_mass() {
         let coil = voice_coil(5.0);
         let share = |hz| coil.travel_share(hz).expect("limited");
         assert!((share(0.5) / 2.0 - 1.0).abs() < 2e-4, "{}", share(0.5));

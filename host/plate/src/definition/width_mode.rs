@@ -229,7 +229,7 @@ mod tests {
             let near = width_mode.axial_squared(frequency_hz) - width_mode.width_term(x);
             let found = (width_mode.wavenumber_squared(x, frequency_hz) / near).sqrt();
             assert!((found - share).abs() < 2e-4, "{ratio}: {found}");
-            // K^2 goes with the frequency in a thin plate.
+            // K^2 is proportional to the frequency in a thin plate.
             let step = 1e-5;
             let at = |factor: f64| width_mode.wavenumber_squared(x, frequency_hz * factor);
             let rise = (at(1.0 + step) - at(1.0 - step)) / (2.0 * step);

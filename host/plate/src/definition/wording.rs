@@ -98,10 +98,11 @@ fn remedy(notation: &dyn Notation, consequence: Consequence) -> String {
             } else {
                 (format!("at least {}", frequency(FREQUENCY.low)), at_most(here_hz, 5))
             };
-            format!("where the boundary needs {limit} (here {})", frequency(here))
+            format!("a place where the boundary needs {limit} (here {})", frequency(here))
         }
         Consequence::BandRatio(start_hz, end_hz) => format!(
-            "where the boundary needs at least {}, 1/{BAND_RATIO_MAX} of what it needs at the span's end (here {})",
+            "a place where the boundary needs at least {}, 1/{BAND_RATIO_MAX} of what it needs at the span's end \
+             (here {})",
             frequency(at_least(end_hz / BAND_RATIO_MAX, 5)),
             frequency(at_most(start_hz, 5))
         ),
@@ -198,16 +199,16 @@ mod tests {
         };
         assert_eq!(
             refusal("membrane", exponential(10.0, 0.5, (0.01, 0.3))),
-            "span_start_m = 0.01: must be where the boundary needs at least 0.5 Hz (here 0.3015 Hz)"
+            "span_start_m = 0.01: must be a place where the boundary needs at least 0.5 Hz (here 0.3015 Hz)"
         );
         assert_eq!(
             refusal("membrane", exponential(0.5, 30.0, (0.01, 0.2))),
-            "span_start_m = 0.01: must be where the boundary needs at least 37.822 Hz, 1/64 of what it needs at the \
-             span's end (here 8.0991 Hz)"
+            "span_start_m = 0.01: must be a place where the boundary needs at least 37.822 Hz, 1/64 of what it needs \
+             at the span's end (here 8.0991 Hz)"
         );
         assert_eq!(
             refusal("al-bending", exponential(1e-4, 1.0, (0.01, 0.3))),
-            "span_end_m = 0.3: must be where the boundary needs at most 1e7 Hz (here 2.2284e8 Hz)"
+            "span_end_m = 0.3: must be a place where the boundary needs at most 1e7 Hz (here 2.2284e8 Hz)"
         );
         assert_eq!(
             refusal("membrane", exponential(4e-4, 0.5, (0.01, 0.3))),

@@ -53,7 +53,7 @@ static REACH: LazyLock<Vec<f64>> = LazyLock::new(|| {
     };
     let at = |i: usize| NEAREST * (i as f64 / PER_E).exp();
     let count = (PER_E * (FARTHEST / NEAREST).ln()).ceil() as usize;
-    // Before the first point h goes with -ln r.
+    // Before the first point h is proportional to -ln r.
     let mut sums = vec![NEAREST * (h(NEAREST) + 1.0 / PI)];
     for i in 1..=count {
         let (from, to) = (at(i - 1), at(i));

@@ -211,7 +211,7 @@ mod tests {
     fn fields_at_points_apart_match_all_points() {
         for plate in plates() {
             let (low, high) = plate.band_hz();
-            // A multiple of the points between which a near field's logarithm goes linearly where all are asked for.
+            // A multiple of the spacing between whose points a request for all points interpolates a near field.
             let every = 32;
             let grid = Grid::new(&plate, Equation::Corrected, 301, every);
             let frequencies: Vec<f64> = (0..11).map(|i| low + (high - low) * f64::from(i) / 10.0).collect();

@@ -152,14 +152,14 @@ impl<'a> Discrete<'a> {
         let omega = TAU * self.frequency_hz;
         let is_bending = plate.spec().model.bending().is_some();
         // K^2 -> K^2 (1 + j eta), as in the one-mode equation, by a modulus that is 1/(1 + j eta) of the one without
-        // loss; its square in bending, where K^2 goes with the root of the modulus.
+        // loss; its square in bending, where K^2 is proportional to the root of the modulus.
         let compliance = Complex64::new(1.0, wave_loss).powi(if is_bending { 2 } else { 1 });
         let in_plate = self.modulus / compliance;
         // A loss layer has the usual E (1 - j eta): the two differ by eta^2, which counts only here.
         let in_lead_in =
             self.modulus * Complex64::new(1.0, setup.lead_in.map_or(0.0, |lead_in| -lead_in.loss_factor));
         // Where only the air's coefficient is stated its mass changes along a membrane, and the power beside the plate stands for
-        // more of the plate. D goes with the third power of the thickness, the mass per area with the first.
+        // more of the plate. D is proportional to the third power of the thickness, the mass per area to the first.
         let mode = plate.width_mode(1);
         let air = mode.air(self.frequency_hz).filter(|_| Fluid::of(plate.spec().air).is_none());
         let along = |x: f64| {

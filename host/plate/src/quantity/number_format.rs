@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_digits_count_as_are_asked_for() {
+    fn a_number_keeps_the_requested_count_of_digits() {
         for (value, wanted) in [
             (7.0, "7"),
             (28.31234567, "28.312"),

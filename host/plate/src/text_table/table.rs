@@ -65,7 +65,7 @@ impl Column {
 pub struct UnclearColumns {
     /// The line of the names, or the first row.
     pub line: usize,
-    /// What is not clear.
+    /// The unclear point.
     pub reason: String,
     /// The names of all columns between asterisks, or the first number of one without a name.
     pub columns: Vec<String>,

@@ -7,13 +7,13 @@ use super::quantities::Quantity;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Word {
     Is(Quantity),
-    /// Is it in more than one usual unit: one must be stated.
+    /// A quantity with several usual units: the column must state one.
     InUnit(Quantity),
     /// Changes nothing.
     Plain,
     /// Makes the column another one, which is left out.
     Other,
-    /// Changes the numbers: what they are is not said by the other words.
+    /// Changes the numbers, so that the other words do not state their meaning.
     Changed,
 }
 

@@ -87,7 +87,7 @@ fn coupling() -> (DMatrix<f64>, DMatrix<f64>) {
 
 /// Far from the bar, its field is that of an end that moves in the shape of the first mode, as the plane solves it.
 #[test]
-fn far_from_the_bar_its_field_is_the_first_modes() {
+fn far_from_the_bar_its_field_matches_the_first_mode() {
     let plate = slipline_plate::preset("membrane").expect("a preset");
     let at = |hz: f64, share: f64| {
         let (bar, first) = (field(&plate, hz, 1201), first_mode(&plate, hz));

@@ -186,7 +186,7 @@ fn missing_fields_are_listed_at_once_with_meaning_and_range() {
         ),
         (
             "[drive]\nend = \"displacement\"\n",
-            "drive is missing: what is held at the driven end, a section [drive]",
+            "drive is missing: the boundary condition at the driven end, a section [drive]",
         ),
     ];
     for (from, wanted) in cases {

@@ -38,7 +38,7 @@ pub(crate) fn connect(
         (None, Some(_), Port::Simulated) => {
             return Err(Failure::wrong_arguments(
                 "sensor_m",
-                "given with actual_plate, the plate it stands on",
+                "given with actual_plate, the plate on which the sensor stands",
             )
             .into());
         }

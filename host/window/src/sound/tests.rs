@@ -18,7 +18,7 @@ fn loudest(mix: &Mix, synth: &mut Synth, now: Instant) -> f32 {
 }
 
 #[test]
-fn a_sound_ends_when_the_app_says_nothing_more() {
+fn a_sound_ends_when_the_app_sends_no_more_updates() {
     let begin = Instant::now();
     let (mix, mut synth) = (Mix::new(begin), Synth::new(48e3));
     assert_eq!(loudest(&mix, &mut synth, begin), 0.0);

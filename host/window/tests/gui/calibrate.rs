@@ -239,7 +239,7 @@ fn the_calibrations_buttons_keep_their_places_from_page_to_page() {
 }
 
 #[test]
-fn a_calibrated_plate_has_a_name_of_its_own() {
+fn a_calibrated_plate_has_its_own_name() {
     let mut app = TestApp::driving();
     go_through(&mut app, &answers(1.04));
     press(&mut app, "Save plate file…");

@@ -47,7 +47,7 @@ fn corners(app: &TestApp, rect: Rect) -> Option<usize> {
 }
 
 #[test]
-fn every_light_that_is_not_green_stands_on_the_stage_with_its_place_and_a_shape_of_its_own() {
+fn every_light_that_is_not_green_stands_on_the_stage_with_its_place_and_its_own_shape() {
     let mut app = TestApp::driving();
     for (preset, boundary_m, wanted) in
         [("membrane", 0.18, ["Edge width", "Finger load"]), ("al-sh", 0.16, ["Edge curvature", "Edge slope"])]

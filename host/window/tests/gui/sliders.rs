@@ -100,7 +100,7 @@ fn shown(field: &str, (level, master, glide): (f64, f64, f64)) -> String {
 }
 
 #[test]
-fn the_level_of_each_tone_has_a_field_of_its_own() {
+fn the_level_of_each_tone_has_its_own_field() {
     let mut app = TestApp::driving();
     add_tone(&mut app);
     type_into(&mut app, "Level of tone 2", "30%");

@@ -192,7 +192,7 @@ fn the_simulated_device_stays_armed_after_one_press_and_latches_its_fault_after_
 }
 
 #[test]
-fn stop_says_on_itself_and_in_the_help_what_two_presses_do() {
+fn the_stop_button_and_the_help_explain_two_presses() {
     let mut app = TestApp::driving();
     app.window.get_by_label("STOP").hover();
     app.wait(2000);

@@ -16,7 +16,7 @@ extern "C" {
     #[wasm_bindgen(method, js_name = postJob)]
     pub(crate) fn post_job(this: &Host, lane: &str, bytes: &[u8]);
 
-    /// Ends the worker of this name, whatever it does, and starts another one.
+    /// Ends the worker of this name even if it is busy, and starts another one.
     #[wasm_bindgen(method, js_name = restartLane)]
     pub(crate) fn restart_lane(this: &Host, lane: &str);
 

@@ -33,7 +33,7 @@ use web_sys::HtmlCanvasElement;
 /// Keys of the values that are stored between visits.
 const KEPT_SETTINGS: &str = "slipline-settings";
 const KEPT_SETUP: &str = "slipline-setup";
-/// The browser has no clipboard for this page, or has asked the user in vain.
+/// The browser has no clipboard for this page, or the user has not allowed its use.
 const NOT_COPIED: &str =
     "The browser did not let the page copy. The address bar has the address of this setup";
 

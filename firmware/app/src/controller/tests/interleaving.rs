@@ -35,7 +35,7 @@ fn sounds_when_armed_again(rig: &mut Rig) -> bool {
 }
 
 #[test]
-fn a_drive_that_the_dead_man_overtakes_never_begins() {
+fn a_drive_whose_planning_the_dead_man_interrupts_never_begins() {
     //
     for locks in 0..LOCKS {
         let mut rig = Rig::armed();
@@ -63,7 +63,7 @@ fn a_drive_that_the_dead_man_overtakes_never_begins() {
 }
 
 #[test]
-fn a_drive_that_an_underrun_overtakes_never_begins() {
+fn a_drive_whose_planning_an_underrun_interrupts_never_begins() {
     for locks in 0..LOCKS {
         let mut rig = Rig::armed();
         rig.accepted(&full_scale(Apply::Next));

@@ -37,7 +37,7 @@ const PAUSE_BEFORE_MS: u32 = 5000;
 /// The sample rate that is assumed until a device reports its own, in Hz.
 const USUAL_RATE_HZ: f64 = 400e3;
 
-/// The device, and what it is to sound.
+/// The device, and the drive that it should play.
 pub struct Drive {
     link: Box<dyn Link>,
     snapshot: Arc<Snapshot>,

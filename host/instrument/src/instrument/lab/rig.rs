@@ -74,7 +74,7 @@ impl Rig {
         self.secret.as_ref().map(|secret| (&secret.truth, secret.is_measured))
     }
 
-    /// Keeps the unknown plate under a plate that was calibrated on it.
+    /// The unknown plate remains the actual one for this plate, which was calibrated on it.
     pub(super) fn is_described_by(&mut self, calibrated: &Arc<Plate>) {
         if let Some(secret) = &mut self.secret {
             secret.models.push(Arc::clone(calibrated));

@@ -4,7 +4,7 @@
 const PERIODS: f64 = 12.0;
 /// Longest window, in seconds.
 pub(super) const MAX_WINDOW_S: f64 = 2.0;
-/// Periods of the difference frequency of two tones within the measuring window from which it resolves them:
+/// Least periods of two tones' difference frequency in the measuring window so that the window resolves them:
 /// the Hann window then passes less than 1/100 of one tone into the other.
 const PERIODS_APART: f64 = 4.0;
 

@@ -66,7 +66,7 @@ fn the_text_does_not_depend_on_how_the_specification_was_written() {
 }
 
 #[test]
-fn what_is_not_allowed_is_named_with_what_is() {
+fn a_refusal_names_the_wrong_value_and_the_allowed_ones() {
     let cases = [
         ("seed = 7", "seed = -1", "seed = -1: must be 0 to"),
         ("seed = 7", "seed = 7.5", "line 2: "),

@@ -52,8 +52,8 @@ pub struct Touched {
     pub threshold: [f64; 3],
     /// Half of the 95 % interval of the felt edge, metres: root mean square over the band.
     pub edge_tolerance_m: f64,
-    /// Sum of the squared distances of the calibrated edges from their marks, each over its variance, divided by
-    /// their number.
+    /// Mean squared distance of the calibrated edges from their marks, with each square divided by its mark's
+    /// variance.
     pub chi2_per_n: f64,
     /// Wave speed and threshold with their names in the plate file and in the feeling.
     pub parameters: Vec<Parameter>,

@@ -109,8 +109,8 @@ impl<S: Searched> Problem for OnGrid<'_, S> {
             if self.radians > FINE {
                 return Some(slope(&above, r, step));
             }
-            // Speed, width and places nearly make up for each other, and that magnifies the error of a difference to
-            // one side: to 2e-3 of the interval.
+            // Changes of speed, width and places nearly cancel each other, which magnifies the error of a one-sided
+            // difference to 2e-3 of the interval.
             Some(slope(&above, &self.residuals(&beside(at, i, -step))?, 2.0 * step))
         });
         let mut columns: Vec<Vec<f64>> = of_plate.collect::<Option<_>>()?;

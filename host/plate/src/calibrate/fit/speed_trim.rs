@@ -2,7 +2,7 @@
 //!
 //! At first one sensor measures as for a calibration. The widths and the place are those of the file, so speed, loss and
 //! the source are found ([`super::one_sensor`]): what the speed is now, and a model M of the sensor's responses. Later a few
-//! of the same tones suffice. Their phases against the first ones go with the speed V e^d alone:
+//! of the same tones suffice. Their phases against the first ones depend on the speed V e^d alone:
 //!
 //! ```text
 //! arg H(f) - arg H0(f) = arg M(f; V e^d) - arg M(f; V)
@@ -30,7 +30,7 @@ use num_complex::Complex64;
 
 /// Prior deviation of the logarithm of the speed.
 const SPEED_KNOWN: f64 = 0.03;
-/// What is known of the loss: it goes with the temperature, too.
+/// The knowledge of the loss, which depends on the temperature, too.
 const LOSS_KNOWN: f64 = 0.3;
 /// What is known of the widths over those of the file: they are those at which it was calibrated.
 const WIDTHS_KNOWN: f64 = 1e-5;

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 /// Boundaries over the span.
 const PLACES: usize = 9;
 
-/// A number of the plate at each boundary over the span, as it goes with the plate's coordinates.
+/// A number of the plate at each boundary over the span, as a function of the plate's coordinates.
 struct Slopes {
     /// The plate's coordinates.
     of_plate: usize,
@@ -44,7 +44,7 @@ impl Slopes {
     }
 }
 
-/// The logarithms of the frequencies that turn at places over the span, as they go with the plate's coordinates.
+/// The logarithms of the frequencies that turn at places over the span, as functions of the plate's coordinates.
 pub(crate) struct Turning {
     slopes: Slopes,
     /// Derivatives by the place, 1/m.
@@ -81,7 +81,7 @@ impl Turning {
     }
 }
 
-/// The nodes of the standing wave next to the driven end, as they go with the plate's coordinates at given frequencies. The
+/// The nodes of the standing wave next to the driven end, as functions of the plate's coordinates at given frequencies. The
 /// wave's phase between them and the turning point stays, so they move by the change of all phase over k.
 pub(crate) struct Nodes(Slopes);
 

@@ -68,7 +68,7 @@ pub(in crate::check) fn air_light(site: &Site<'_>) -> Finding {
     }
 }
 
-/// `mm` as a colour, and the sentence that goes with it.
+/// The colour of `mm`, and its sentence.
 fn graded(mm: f64, green: String, amber: String) -> (Colour, String) {
     if mm.abs() <= AIR_MM { (Colour::Green, green) } else { (Colour::Amber, amber) }
 }

@@ -146,7 +146,7 @@ fn a_light_that_fails_at_an_end_of_the_interval_is_amber_and_says_how_well_the_p
         for (boundary_m, name) in just_green(&exact) {
             let report = checker.at(boundary_m).expect("on it");
             let stated = light(&report, name);
-            // What is felt changes at 20 kHz, and the frequency is exact on every plate.
+            // From 20 kHz on a tone is felt in another way, and its frequency is exact on every plate of the interval.
             if name == "felt edge" && (report.frequency_hz.0 / 20e3 - 1.0).abs() < 1e-3 {
                 continue;
             }

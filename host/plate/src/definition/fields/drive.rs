@@ -24,7 +24,7 @@ const SLOPES: &[&str] = &[EndSlope::ALL[0].word(), EndSlope::ALL[1].word()];
 
 pub(crate) const DRIVE: Section = Section {
     name: "drive",
-    meaning: "what is held at the driven end",
+    meaning: "the boundary condition at the driven end",
     kind_field: "end",
     kinds: kinds! { spec, has:
         "displacement" [slope]
@@ -48,7 +48,7 @@ pub(crate) const DRIVE: Section = Section {
     },
     not_a_kind: NONE,
     fields: fields! { spec:
-        end: FieldType::Kind, "what is held at the driven end";
+        end: FieldType::Kind, "the boundary condition at the driven end";
         slope: FieldType::OneOf(SLOPES), "what holds the slope of an end in bending"
             { spec.drive_end, DriveEnd::DisplacementAndSlope { slope: it }
                 | DriveEnd::Source(Source { slope: Some(it), .. }) => Slot::Slope(it) };

@@ -120,14 +120,14 @@ impl Strip {
     }
 }
 
-/// A wave of the end other than the propagating one.
+/// One of the waves at the driven end that do not propagate.
 struct Beside {
     /// Its value on the centre line.
     centre: Complex64,
     course: Course,
 }
 
-/// A wave other than the propagating one, with its conditions at the end. `number` is that of its width mode if it
+/// A wave that does not propagate, with its conditions at the end. `number` is that of its width mode if it
 /// propagates and returns.
 fn beside(strip: &Strip, plate: &Plate, wave: &Wave, number: Option<u32>) -> (Beside, End) {
     let rigidity = strip.own_rigidity();

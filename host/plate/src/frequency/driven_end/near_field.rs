@@ -9,7 +9,7 @@ const EXPONENTS_MAX: f64 = 21.0;
 /// Points from one evaluation of a near wave to the next; between them its logarithm is linear.
 const STRIDE: usize = 8;
 
-/// The waves other than the propagating wave p that start at the driven end, each with
+/// The waves that start at the driven end beside the propagating wave p, each with
 /// e(0) = `per_value` p(0) + `per_slope` p'(0).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct NearField {

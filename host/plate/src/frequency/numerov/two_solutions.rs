@@ -1,4 +1,4 @@
-//! Both solutions of the amplitude equation at one frequency: what the answer to a force anywhere on the plate is made of.
+//! Both solutions of the amplitude equation at one frequency, which compose the response to a force at any place.
 
 use super::Swept;
 use super::grid::{At, Grid};
@@ -7,11 +7,11 @@ use crate::frequency::driven_end::DrivenEnd;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Two solutions of the equation at one frequency, in any scale, at the grid points on the plate: what the answer to a
-/// force anywhere on the plate is made of.
+/// Two solutions of the equation at one frequency, in any scale, at the grid points on the plate. The response to a
+/// force anywhere on the plate is composed of them.
 pub(crate) struct TwoSolutions {
     pub(crate) step_m: f64,
-    /// The one that meets the driven end's condition with the drive at rest; zero beyond the place that was asked for.
+    /// The one that meets the driven end's condition with the drive at rest; zero beyond the requested place.
     pub(crate) left: Vec<Complex64>,
     /// The one that decays beyond the turning point.
     pub(crate) right: Vec<Complex64>,
@@ -48,7 +48,7 @@ pub(crate) fn solve_with_both(
     let last = (to_m / grid.step_m).ceil() as usize + 4;
     let left = weighed(&forward(grid, &swept.q, at, value, slope, last.min(grid.on_plate - 1)));
 
-    // S k = omega Z, and S goes with 1/K^2 where there is loss. A force on the plate also moves its air: S holds the air's
+    // S k = omega Z, and S is proportional to 1/K^2 with loss. A force on the plate also moves its air: S holds the air's
     // share of the wave's power.
     let wavenumber = plate.width_mode(1).wavenumber_squared(0.0, frequency_hz).sqrt();
     // Along a membrane its weight holds that share, from none at the end on.

@@ -29,7 +29,7 @@ pub(super) fn bessel(order: i32, z: Complex64, sign: f64) -> Complex64 {
 /// On a linear taper the edges are the rays of a wedge of 2 x 15 degrees, for which w = J_6(K r) cos 6 theta (and I_6
 /// in bending) is exact: the deflection at some places determines that at the others.
 #[test]
-fn on_a_linear_taper_the_field_is_the_wedges() {
+fn on_a_linear_taper_the_field_matches_the_wedge() {
     let slope = (std::f64::consts::PI / 12.0).tan();
     let tip_m = 0.05 / slope;
     for bends in [false, true] {

@@ -72,7 +72,7 @@ fn supported_rectangles_have_the_closed_forms_frequencies() {
         let rectangle = Rectangle { edges: Edges::Supported, length, half_width, elements: 32.0, orders: 6 };
         for (m, n) in [(1.0, 1.0), (2.0, 1.0), (3.0, 1.0), (1.0, 3.0)] {
             let wanted: f64 = (m * PI / length).powi(2) + (n * PI / (2.0 * half_width)).powi(2);
-            // Frequencies go with K^2.
+            // Frequencies are proportional to K^2.
             let found = rectangle.nearest(0.99 * wanted * wanted).sqrt();
             assert!((found / wanted - 1.0).abs() < 1e-5, "{length} x {half_width}: {found} {wanted}");
         }

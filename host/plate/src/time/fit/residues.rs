@@ -52,7 +52,7 @@ pub(super) struct LeastSquares {
 }
 
 impl LeastSquares {
-    /// Prepares the fits by these poles, which leave the first ones where fewer are asked for.
+    /// Prepares the fits by these poles; a fit by fewer poles leaves the first ones out.
     pub(super) fn new(samples: &[Sample], pole: Vec<Complex64>, places: usize) -> Self {
         let (rows, columns) = (samples.len(), QUASI_STATIC + pole.len());
         let data = DMatrix::from_fn(rows, places, |row, place| samples[row].field[place] / samples[row].top);

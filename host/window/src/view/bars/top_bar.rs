@@ -136,12 +136,12 @@ fn menus(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     }
 }
 
-/// The device, its state, what is at work, and STOP up to this place, if it is in this row.
+/// The device, its state and the running work; then STOP, which ends at `stop`, if it stands in this row.
 fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let row = ui.max_rect().width();
-    // The device menu is as wide as this window allows beside what usually follows it, and stays so whatever does: what is
-    // at work or the round trip get the rest.
+    // The device menu is as wide as this window allows beside what usually follows it, and keeps this width: the
+    // running work or the round trip get the rest.
     let badge = Width::of(ui, "badge");
     let gap = ui.spacing().item_spacing.x;
     let after_state = if stop.is_some() { STOP.x + 6.0 + 3.0 * gap } else { 0.0 };

@@ -41,7 +41,7 @@ pub(super) fn show(
     ui.horizontal(|ui| {
         let verb = if is_replacing { "Replace" } else { question.verb };
         let is_typed = !typed.text.trim().is_empty();
-        // As wide whatever it does, so that Cancel stays.
+        // Keeps its width when its label changes, so that Cancel does not move.
         let button = theme::primary(ui, verb, is_typed).min_size(egui::vec2(80.0, 0.0));
         let button = ui.add_enabled(is_typed, button).on_hover_text("Use the typed path");
         let is_pressed = button.on_disabled_hover_text("Type a path first").clicked();

@@ -84,7 +84,7 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     lines(ui, sentence, palette.weak, 2);
     ui.horizontal(|ui| {
         ui.spacing_mut().button_padding.x = 6.0;
-        // The first button is as wide whatever it does, so that its neighbours stay.
+        // The first button keeps its width when its label changes, so that its neighbours do not move.
         let button = |ui: &mut egui::Ui, name: &str, is_due: bool| {
             ui.add(theme::primary(ui, name, is_due).min_size(egui::vec2(BUTTON, 0.0)))
         };

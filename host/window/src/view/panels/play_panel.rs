@@ -55,7 +55,7 @@ fn compare(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     }
 }
 
-/// Widths of the two buttons of a recording, whatever they do at present, in points.
+/// Widths of the two buttons of a recording, which do not depend on their labels, in points.
 const RECORD: f32 = 112.0;
 const PLAY: f32 = 86.0;
 

@@ -18,7 +18,7 @@ const AT_REST: f32 = 0.3;
 const SQUARE: f32 = 9.0;
 const SPACE: f32 = 5.0;
 
-/// The colour of a zone: what is not felt has none.
+/// The colour of a zone; zones that no finger feels have none.
 pub(crate) fn colour(zone: Zone, palette: &theme::Palette) -> Color32 {
     match zone {
         Zone::Clearly => theme::sequential(0.85, palette.dark),

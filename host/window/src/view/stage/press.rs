@@ -1,8 +1,8 @@
-//! A press on the plate or the envelope: the selected tone's line comes there.
+//! A press on the plate or the envelope: the selected tone's line moves there.
 //!
 //! A press that is held, or that moves, takes the line at once, and the line follows the pointer. A short press may be the
-//! first of a double click, which adds a tone and moves no line. So it marks its place at once, and the line comes once the
-//! time of a double click has passed: nothing moves that would have to be taken back, neither on the screen nor on the plate.
+//! first of a double click, which adds a tone and moves no line. So it marks its place at once, and the line moves once the
+//! time of a double click has passed: no movement has to be undone, neither on the screen nor on the plate.
 //!
 //! Lines, the finger and the lights' symbols lie over both views and keep their presses.
 

@@ -151,7 +151,7 @@ impl Workers {
         }
     }
 
-    /// Ends what is not wanted any more; for each picture.
+    /// Ends tasks whose results nobody needs any more; called for each picture.
     pub(crate) fn attend(&self) {
         for lane in [&self.lanes.quick, &self.lanes.long] {
             let mut state = lane.state.borrow_mut();

@@ -25,7 +25,7 @@ pub(crate) struct FittedSource {
 impl FittedSource {
     /// The plate of `spec` with this source, and with the resonator 1/(1 + a1 sigma + a2 sigma^2), sigma = -j omega
     /// in units. The actuator of the file is kept where its travel is limited, because the limit is stated for it,
-    /// and where a1 and a2 are not those of a resonator. The correction of the gain then makes up for the difference.
+    /// and where a1 and a2 are not those of a resonator. The correction of the gain then compensates.
     pub(crate) fn on(&self, mut spec: PlateSpec) -> Result<Plate, PlateError> {
         let source = soft_source(&spec, self.units.omega / TAU);
         let impedance = self.units.impedance(self.impedance);

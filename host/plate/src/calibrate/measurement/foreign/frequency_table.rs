@@ -23,7 +23,7 @@ impl Columns {
         let find = |what: &str, of: fn(Quantity) -> bool| table.find(what, &of);
         let frequency = find("frequency", |of| of == Quantity::Frequency)?;
         let frequency =
-            frequency.ok_or_else(|| table.unclear("none is named as the frequency".to_owned()))?;
+            frequency.ok_or_else(|| table.unclear("no column is named as the frequency".to_owned()))?;
         let parts = find("real part", |of| of == Quantity::Real)?
             .zip(find("imaginary part", |of| of == Quantity::Imaginary)?);
         let mut all = vec![(Quantity::Frequency, frequency)];
@@ -31,7 +31,8 @@ impl Columns {
             all.extend([(Quantity::Real, real), (Quantity::Imaginary, imaginary)]);
         } else {
             let level = find("level", Quantity::is_level)?;
-            let missing = "none is named as a level in dB, a magnitude, or both a real and an imaginary part";
+            let missing =
+                "no column is named as a level in dB, a magnitude, or both a real and an imaginary part";
             let level = level.ok_or_else(|| table.unclear(missing.to_owned()))?;
             let by_unit = if matches!(table.columns[level].unit(), Some((Unit::Decibels, _))) {
                 Quantity::Level

@@ -122,8 +122,8 @@ fn what_is_no_table_is_refused_by_its_line() {
         ),
         ("# place_m = x\n", "line 1: place_m = x: must be a number"),
         // A head that is not understood, whether it names a frequency or not.
-        ("freq,x,y\n100,1,2\n", "line 1: none is named as a level in dB, a magnitude, or both"),
-        ("a;b;c\n100;1;2\n", "line 1: none is named as the frequency. Its columns: 1 *a*, 2 *b*, 3 *c*"),
+        ("freq,x,y\n100,1,2\n", "line 1: no column is named as a level in dB, a magnitude, or both"),
+        ("a;b;c\n100;1;2\n", "line 1: no column is named as the frequency. Its columns: 1 *a*, 2 *b*, 3 *c*"),
         ("freq;level\n100;1;2\n", "line 1: the names are not those of 3 columns"),
         ("freq,re,im\n100,1,x\n", "line 2: column 3 *im* = x: must be a number"),
         ("freq;db\n100,5;20.5\n", "line 2: both a decimal point and a decimal comma are in use"),

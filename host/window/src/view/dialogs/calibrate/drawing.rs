@@ -20,7 +20,7 @@ pub(super) fn show(ui: &mut egui::Ui, calibration: &CalibrationWizard, sensor: u
     let (area, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());
     let drawn = area.shrink2(vec2(MARGIN, 22.0));
     let length_m = plate.length_m();
-    // Across it is not to scale: a plate of 1:20 would be a line.
+    // The width is not drawn to scale: a plate 20 times as long as wide would look like a line.
     let widest =
         (0..=POINTS).map(|i| plate.half_width_m(length_m * i as f64 / POINTS as f64)).fold(0.0, f64::max);
     let at = |share: f64, side: f32| {

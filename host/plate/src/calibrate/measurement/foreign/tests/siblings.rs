@@ -192,7 +192,7 @@ fn two_more_files_of_each_kind_are_read_to_the_same_rows() {
 }
 
 #[test]
-fn what_is_not_clear_is_refused_with_its_columns() {
+fn unclear_columns_are_refused_by_name() {
     let four = |hz: f64, db: f64, degrees: f64| format!("{hz},{db},0.0,{degrees}\n");
     for (head, words) in [
         // d31: two levels.
