@@ -29,14 +29,14 @@ macro_rules! for_each_job {
             /// Compares measurements with the plate's model.
             Comparison comparisons:
                 slipline_model::jobs::compare::CompareJob => slipline_model::jobs::compare::Compared,
-                "compare", quick, slipline_model::jobs::compare::work, |job, done| done.job = job.clone();
+                "compare", quick, slipline_model::jobs::compare::work, |_, _| ();
             /// Compares a real plate with its model at the places of the sensor.
             Places measured_places: slipline_model::jobs::measured_places::MeasuredPlacesJob
-                => slipline_model::jobs::measured_places::MeasuredPlaces,
-                "places", quick, slipline_model::jobs::measured_places::work, |job, done| done.job = job.clone();
+                => Vec<slipline_model::jobs::measured_places::MeasuredPlace>,
+                "places", quick, slipline_model::jobs::measured_places::work, |_, _| ();
             /// Fits plates to measurements.
             Calibration calibrations: $crate::jobs::calibrate::CalibrateJob => $crate::jobs::calibrate::CalibrateDone,
-                "calibrate", long, $crate::jobs::calibrate::work, |job, done| done.job = job.clone();
+                "calibrate", long, $crate::jobs::calibrate::work, |_, _| ();
             /// Puts the rigs of the simulated device together.
             Rig rigs: $crate::jobs::rig::RigJob => $crate::jobs::rig::RigPrepared,
                 "rig", long, $crate::jobs::rig::work, |job, done| done.job = job.clone();

@@ -15,7 +15,7 @@ use slipline_model::export::figures;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
 use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::plane::{self, PlaneChecked};
+use slipline_model::jobs::plane;
 use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
@@ -173,7 +173,7 @@ impl TestApp {
         parts.desk.speaker = Box::new(speaker.clone());
         parts.bench = bench;
         parts.jobs.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
-            Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
+            Some(reason) => Some(Err(reason)),
             None => plane::work(job, task),
         });
         let time_domain_is_held: Rc<Cell<bool>> = Rc::default();
