@@ -209,6 +209,7 @@ fn the_link_sends_chords_and_its_mirror_replays_them_code_by_code() {
     assert!(again > at + 50_000);
     let chords: Vec<_> = loopback
         .view()
+        .record
         .journal
         .iter()
         .filter_map(|entry| match &entry.change {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Plate, frequencies by slot --HoldPlan--> Listen, once the plate has settled --Listened--> Hold
-//!                                                      snapshot.hold --ToneWords--> sentences
+//!                                                      snapshot.drive.hold --ToneWords--> sentences
 //! the user's switch, snapshot --Holding--> these requests, one after the other, and how the hold stands
 //! ```
 //! The held amplitudes are those of the untouched plate when the hold begins: they are measured in one window

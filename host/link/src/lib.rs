@@ -114,7 +114,10 @@ pub use played::{Played, PlayedTone};
 pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
 pub use refusal::Refusal;
 pub use request::{Outcome, Request, Ticket};
-pub use snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, UploadProgress};
+pub use snapshot::{
+    DeviceView, DriveView, LinkCounters, LinkState, LinkView, OUTCOMES, RecordView, RoundTrip, Snapshot,
+    TableView, UploadProgress,
+};
 pub use snapshot_update::SnapshotUpdate;
 pub use sounding::Sounding;
 pub use system_words::{capitalized, system_words};

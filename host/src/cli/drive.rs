@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let course = drive.sound(began, (wakes, &interruption), holder.as_mut())?;
     let stopped_at = device.stop()?;
     let hold = holder.as_ref().map(Holder::value);
-    let clipped_samples = device.snapshot().status.map(|status| status.counters.clips);
+    let clipped_samples = device.snapshot().drive.status.map(|status| status.counters.clips);
     // Before anything is written, because the reader of the output may be slow.
     device.disarm()?;
     let value = json!({

@@ -206,7 +206,7 @@ impl App {
         self.instrument.take_reports();
         if self.instrument.drive.snapshot().revision != revision {
             // The link decides, but only after it has received what the user has just chosen.
-            self.settings.auto_reconnect = self.instrument.drive.snapshot().auto_reconnect;
+            self.settings.auto_reconnect = self.instrument.drive.snapshot().link.auto_reconnect;
         }
         self.take_results();
         self.advance_demonstration(ctx);
@@ -281,7 +281,7 @@ impl App {
     /// The ports to choose from: those that were found, and the present one.
     fn listed_ports(&self) -> Vec<PortInfo> {
         let mut ports = self.ports.clone();
-        let current = self.instrument.drive.snapshot().port.clone();
+        let current = self.instrument.drive.snapshot().link.port.clone();
         if let Some(port) = current.filter(|port| ports.iter().all(|info| info.port != *port)) {
             ports.push(PortInfo { label: port.to_string(), port, is_ours: false, usb_serial: None });
         }

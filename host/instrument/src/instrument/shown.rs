@@ -118,7 +118,7 @@ impl Shown<'_> {
     /// Whether the device's table differs from the one for the plate on the screen.
     #[must_use]
     pub fn is_table_dirty(&self) -> bool {
-        let on_device = self.snapshot.table.active.map(|header| header.crc);
+        let on_device = self.snapshot.table.report.active.map(|header| header.crc);
         self.snapshot.is_connected() && self.table_crc().is_some_and(|crc| on_device != Some(crc))
     }
 

@@ -190,7 +190,7 @@ fn stop_presses(input: &egui::InputState, mut is_typing: bool) -> usize {
 
 /// What Escape does in this state beside what it has closed, for the user who only wanted that.
 fn by_escape(closed: &str, snapshot: &Snapshot) -> String {
-    let state = snapshot.status.map(|status| status.state).filter(|_| snapshot.is_connected());
+    let state = snapshot.drive.status.map(|status| status.state).filter(|_| snapshot.is_connected());
     let more = match (state, snapshot.is_simulated()) {
         (None, _) => ". No device answers; the stop was sent nevertheless.",
         (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to resume.",

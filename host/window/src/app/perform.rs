@@ -216,7 +216,7 @@ impl App {
         if confirm == Confirm::Arm
             && let Some(unit) = snapshot.unit()
         {
-            if snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded) {
+            if snapshot.device.maintenance.is_some_and(|reported| !reported.brown_out_guarded) {
                 self.settings.arms_unguarded(unit.clone());
             }
             if snapshot.lacks_profile() {

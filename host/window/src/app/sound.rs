@@ -75,7 +75,7 @@ impl App {
     }
 
     fn sound_of_drive(&self) -> Option<Sound> {
-        let status = self.instrument.drive.snapshot().status?;
+        let status = self.instrument.drive.snapshot().drive.status?;
         Some(of_drive(&sounding::sounding(self.instrument.drive.snapshot())?, status.foldback_per_mille))
     }
 }

@@ -135,7 +135,7 @@ impl TestApp {
                 return self;
             }
         }
-        panic!("the simulated plate does not move: {:?}", self.snapshot().log);
+        panic!("the simulated plate does not move: {:?}", self.snapshot().record.log);
     }
 
     /// The app at its first start, with a job queue for tables that the test supplies.
@@ -378,6 +378,7 @@ impl TestApp {
     /// Whether tones sound.
     pub(crate) fn is_driving(&self) -> bool {
         self.snapshot()
+            .drive
             .status
             .is_some_and(|status| status.state == slipline_link::protocol::event::State::Driving)
     }
