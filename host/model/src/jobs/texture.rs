@@ -25,7 +25,9 @@ pub struct TextureWish {
 
 impl PartialEq for TextureWish {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.table, &other.table)
+        // A table that a page's worker sends back is a copy, but it has the very plate.
+        Arc::ptr_eq(&self.table.plate, &other.table.plate)
+            && self.table.device_table.crc() == other.table.device_table.crc()
             && self.wish == other.wish
             && self.level_m == other.level_m
             && self.most == other.most
