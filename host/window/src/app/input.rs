@@ -167,7 +167,7 @@ impl App {
             } else {
                 FileJob::Open(path)
             };
-            self.desk.files.begin(job);
+            self.services.files.begin(job);
         }
     }
 }

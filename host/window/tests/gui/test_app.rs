@@ -20,7 +20,7 @@ use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_plate::plane::PlaneError;
-use slipline_window::app::{App, Desk, Jobs, Link, Parts, TableJob, TableState, first_setup};
+use slipline_window::app::{App, Jobs, Link, Parts, Services, TableJob, TableState, first_setup};
 use slipline_window::settings::{Settings, ThemeChoice};
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
@@ -170,7 +170,7 @@ impl TestApp {
         let plane_refusal: Rc<RefCell<Option<PlaneError>>> = Rc::default();
         let refusal = Rc::clone(&plane_refusal);
         let mut parts = parts(link, &files, tables, &sheet_jobs);
-        parts.desk.speaker = Box::new(speaker.clone());
+        parts.services.speaker = Box::new(speaker.clone());
         parts.bench = bench;
         parts.jobs.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
             Some(reason) => Some(Err(reason)),
@@ -446,7 +446,7 @@ fn parts(
         }),
         ..Jobs::inline()
     };
-    let desk = Desk {
+    let services = Services {
         scenes: JobQueue::inline(|(), task: &_| scenes::thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| figures::plate::work(&job, task)),
         speaker: Box::new(FakeSpeaker::default()),
@@ -455,7 +455,7 @@ fn parts(
         ask_for_port: None,
         address: None,
     };
-    Parts { link, jobs, bench: Bench::default(), desk }
+    Parts { link, jobs, bench: Bench::default(), services }
 }
 
 /// One tone in the middle of the membrane, whose line holds the turning point: what most tests use, because its table is
