@@ -37,9 +37,12 @@ pub fn named_plate(name: &str, read: impl FnOnce() -> io::Result<String>) -> Res
     if let Some(plate) = preset(name) {
         return Ok(plate);
     }
-    let text = read().map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => NamedPlateError::Unknown(name.to_owned()),
-        _ => NamedPlateError::Unread(name.to_owned(), error),
+    let text = read().map_err(|error| {
+        if error.kind() == io::ErrorKind::NotFound {
+            NamedPlateError::Unknown(name.to_owned())
+        } else {
+            NamedPlateError::Unread(name.to_owned(), error)
+        }
     })?;
     Plate::from_toml(&text).map_err(|error| NamedPlateError::File(name.to_owned(), error))
 }

@@ -162,7 +162,7 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTabl
     // nearest felt edge.
     match line(clamped_m).holds {
         Holds::Unfelt(_) => clamped_m,
-        _ => high_m,
+        Holds::TurningPoint | Holds::FeltEdge | Holds::PlateEnd => high_m,
     }
 }
 

@@ -46,10 +46,7 @@ pub struct TextureJob {
 
 /// Why a texture was refused; numbers out of range are shown in suitable units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{}", match .0 {
-    TextureError::OutOfRange(error) => error.in_suitable_units(),
-    error => error.to_string(),
-})]
+#[error("{}", if let TextureError::OutOfRange(error) = .0 { error.in_suitable_units() } else { .0.to_string() })]
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct TextureRefused(pub TextureError);
 

@@ -129,7 +129,11 @@ impl Draft {
         let plate = match parsed.plate {
             toml::Value::String(name) => PlateOf::Named(name),
             toml::Value::Table(table) => PlateOf::Own(Box::new(own_plate(&table)?)),
-            other => {
+            other @ (toml::Value::Integer(_)
+            | toml::Value::Float(_)
+            | toml::Value::Boolean(_)
+            | toml::Value::Datetime(_)
+            | toml::Value::Array(_)) => {
                 let allowed = "a preset's name, a file's name, or a section [plate] with a plate file";
                 return Err(SpecError::Value(PlateError::UnknownKind {
                     field: "plate".to_owned(),

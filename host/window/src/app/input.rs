@@ -175,15 +175,13 @@ impl App {
 /// How often a key of STOP was pressed: Escape, and Space unless text is typed, which Escape ends. A key that is held was
 /// pressed once.
 fn stop_presses(input: &egui::InputState, mut is_typing: bool) -> usize {
-    let is_press = |event: &&egui::Event| match event {
-        egui::Event::Key { key: Key::Escape, pressed: true, repeat: false, .. } => {
-            is_typing = false;
-            true
-        }
-        egui::Event::Key { key: Key::Space, pressed: true, repeat: false, modifiers, .. } => {
-            !is_typing && modifiers.matches_logically(Modifiers::NONE)
-        }
-        _ => false,
+    let is_press = |event: &&egui::Event| {
+        let egui::Event::Key { key, pressed: true, repeat: false, modifiers, .. } = event else {
+            return false;
+        };
+        is_typing &= *key != Key::Escape;
+        let is_space = *key == Key::Space && modifiers.matches_logically(Modifiers::NONE);
+        *key == Key::Escape || (is_space && !is_typing)
     };
     input.events.iter().filter(is_press).count()
 }

@@ -4,6 +4,7 @@
 const DISPLAYS: [&str; 2] = ["WAYLAND_DISPLAY", "DISPLAY"];
 
 /// The message for an error of the window system.
+#[expect(clippy::wildcard_enum_match_arm, reason = "eframe's errors depend on its features")]
 pub(super) fn explain(error: &eframe::Error) -> String {
     let reason = match error {
         // The text of the inner error, without the type name that the outer error puts in front.

@@ -34,7 +34,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         Standing::Off(Some(end)) if end.is_trouble() => palette.wrong,
         Standing::Off(_) => palette.weak,
         Standing::Listening(_) => palette.warn,
-        _ => palette.text,
+        Standing::Waiting | Standing::Silent | Standing::Changing | Standing::Holding(_) => palette.text,
     };
     let text = if hold.is_put_up {
         "The simulated sensor is put in its place…".to_owned()

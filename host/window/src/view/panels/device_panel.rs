@@ -41,8 +41,8 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
         let is_current = scene.snapshot.link.port.as_ref() == Some(&info.port);
         let badge = match info.port {
             Port::Simulated => "simulated",
-            _ if info.is_ours => "Slipline",
-            _ => "",
+            Port::Serial(_) | Port::Unix(_) if info.is_ours => "Slipline",
+            Port::Serial(_) | Port::Unix(_) => "",
         };
         let badge = RichText::new(badge).small().color(palette.accent);
         let size = egui::vec2(ui.available_width(), 28.0);

@@ -194,9 +194,11 @@ impl<'a> Form<'a> {
         self.entry(ui, &stretch, |draft, text| {
             draft.stretch = match quantity::plain(text, "m/s") {
                 Ok(speed) => Stretch::WaveSpeed(speed),
-                Err(_) => Stretch::Tension(quantity::plain(text, "N/m").map_err(|error| match error {
-                    QuantityError::Unit { got, .. } => QuantityError::Unit { got, allowed: "N/m or m/s" },
-                    error => error,
+                Err(_) => Stretch::Tension(quantity::plain(text, "N/m").map_err(|mut error| {
+                    if let QuantityError::Unit { allowed, .. } = &mut error {
+                        *allowed = "N/m or m/s";
+                    }
+                    error
                 })?),
             };
             Ok(())
