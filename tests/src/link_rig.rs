@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
+use slipline_link::DeviceTable;
 use slipline_link::connection::Connection;
 use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::table::DeviceTable;
 use slipline_link::transport::Waker;
 use slipline_link::{
     DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Sounding, Ticket, ToneRequest,

@@ -1,8 +1,8 @@
 //! a program that hangs while it drives. The link's own thread goes on and keeps the device alive, so it watches
 //! the program: without a sign of life for a second it stops and disarms.
 
+use slipline_link::DeviceTable;
 use slipline_link::native::{SystemOpener, Worker};
-use slipline_link::table::DeviceTable;
 use slipline_link::{
     Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Severity, Sounding, Ticket,
 };

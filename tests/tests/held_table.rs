@@ -1,9 +1,9 @@
 //! A table that the device holds from before: recognised without being sent, and mirrored.
 
+use slipline_link::DeviceTable;
 use slipline_link::mirror::Mirror;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::table::DeviceTable;
 use slipline_link::{Change, DriveRequest, Request, Sounding, ToneRequest};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;

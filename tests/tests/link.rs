@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_link::{
     Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Played, Port, Request,
     Sounding, Ticket, ToneRequest,

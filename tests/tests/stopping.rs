@@ -1,6 +1,6 @@
 //! Stops on a bad line: what they overtake does not come back, and what is asked for after them is not undone.
 
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_link::{Change, DriveRequest, LinkState, Outcome, Played, Port, Request, Sounding, ToneRequest};
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Fault, State};

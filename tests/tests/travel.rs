@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use slipline_app::Timing;
+use slipline_link::DeviceTable;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
-use slipline_link::table::DeviceTable;
 use slipline_link::{DriveRequest, LinkState, Outcome, Request, Severity, Sounding};
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Event, ResetCause, State};

@@ -5,10 +5,10 @@
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
 
 use crate::changes::Changes;
+use slipline_link::DeviceTable;
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
-use slipline_link::table::DeviceTable;
 use slipline_link::{LinkState, Port, Refusal, Snapshot};
 use slipline_model::jobs::table::TableMade;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl Autopilot {
 
     /// Whether the user wants the plate driven.
     #[must_use]
-    pub fn wants_drive(&self) -> bool {
+    pub(crate) fn wants_drive(&self) -> bool {
         self.wants_drive
     }
 
@@ -67,7 +67,7 @@ impl Autopilot {
 
     /// The screen shows another setup, whose table must be made first. Its tones are sent once the device
     /// holds that table.
-    pub fn setup_replaced(&mut self) {
+    pub(crate) fn setup_replaced(&mut self) {
         self.is_setup_new = true;
     }
 
@@ -179,7 +179,7 @@ pub fn drive_arms(snapshot: &Snapshot) -> bool {
 /// Whether a refused drive may succeed from rest. The device refuses a glide that would exceed headroom or
 /// actuator travel on its path, although the final tones may fit. No other refusal concerns the path.
 #[must_use]
-pub const fn rest_helps(refusal: &Refusal) -> bool {
+pub(crate) const fn rest_helps(refusal: &Refusal) -> bool {
     matches!(
         refusal,
         Refusal::Device(

@@ -186,7 +186,7 @@ impl HoldPlan {
 
     /// Settling time plus one window, seconds: how long the plate must stay untouched.
     #[must_use]
-    pub fn listening_s(&self) -> f64 {
+    pub(crate) fn listening_s(&self) -> f64 {
         SETTLED * self.time_constant_s + self.window_s()
     }
 

@@ -83,7 +83,7 @@ pub struct LinkCounters {
 }
 
 /// Number of outcomes that are kept.
-pub const OUTCOMES: usize = 64;
+pub(crate) const OUTCOMES: usize = 64;
 
 /// Everything known about link and device at one moment. Cloning is cheap.
 ///
@@ -320,7 +320,7 @@ impl Snapshot {
 
     /// The longest drive without a command of the user.
     #[must_use]
-    pub fn longest_drive(&self) -> Duration {
+    pub(crate) fn longest_drive(&self) -> Duration {
         let profile = self.device.profile.as_ref().and_then(|report| report.profile.as_ref());
         Duration::from_millis(profile.map_or(MAX_DRIVE_MS, |profile| profile.max_drive_ms).into())
     }

@@ -1,7 +1,8 @@
 //! A plate by the name of a preset, or from a file.
 
 use crate::atomic_file::said;
-use slipline_plate::{Plate, PlateFileError, nearest, preset, presets};
+use slipline_plate::quantity::nearest;
+use slipline_plate::{Plate, PlateFileError, preset, presets};
 use std::io;
 
 /// Why no plate has this name.

@@ -1,8 +1,8 @@
 //! The device's present drive, by the link's journal.
 
 use crate::field::steady_field::SteadyTone;
+use slipline_link::DeviceTable;
 use slipline_link::protocol::event::State;
-use slipline_link::table::DeviceTable;
 use slipline_link::{Change, Played, Snapshot};
 use std::sync::Arc;
 

@@ -24,7 +24,7 @@ use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, edit};
 use slipline_plate::DriveTable;
-use slipline_plate::number_format::rounded;
+use slipline_plate::quantity::number_format::rounded;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};

@@ -14,7 +14,7 @@ use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::protocol::hold::{Held, HoldProgress};
 use slipline_link::{DeviceTable, DriveRequest, Snapshot, ToneRequest};
 use slipline_plate::Plate;
-use slipline_plate::number_format::signed;
+use slipline_plate::quantity::number_format::signed;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;

@@ -9,7 +9,7 @@ use serde_json::json;
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_link::native::list_ports;
 use slipline_link::upkeep;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     let ports = list_ports();
@@ -105,7 +105,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         let table = table.map_or_else(
             || "none".to_owned(),
             |it| {
-                let (start, end) = slipline_link::table::span_m(&it);
+                let (start, end) = slipline_link::span_m(&it);
                 format!("{:08x}, {} knots, {:.1} to {:.1} mm", it.crc, it.knots, start * 1e3, end * 1e3)
             },
         );

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::sync::Arc;
 
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_link::{LinkState, Outcome, Port, Request};
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::frame::{Direction, Header, encode};

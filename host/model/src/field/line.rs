@@ -85,7 +85,7 @@ impl Line {
 
 /// The sensation of a tone alone, whose edge the line holds.
 #[must_use]
-pub fn felt_alone(setup: &Setup, wave: &ToneWave) -> Felt {
+pub(crate) fn felt_alone(setup: &Setup, wave: &ToneWave) -> Felt {
     let tone_alone = [(wave.tone.frequency_hz, &wave.wave[..])];
     Felt::of_tones(&setup.plate, &setup.feeling, &tone_alone)
 }

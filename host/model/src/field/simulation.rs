@@ -21,8 +21,8 @@ use beat::{MAX_WINDOW_S, is_blurred, slow_beat, window_s};
 use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
-use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
 use slipline_link::{BLOCK, Change, DriveError, DriveRequest, OutOfRange, Played, Request, Sounding};
+use slipline_link::{DeviceTable, DeviceTableError, span_m};
 use slipline_plate::{
     Complex64, DriveTable, Equation, Finger, LineError, Peak, Plate, Progress, RespondError, Response,
     SheetError, Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond_touched,

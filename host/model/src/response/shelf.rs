@@ -6,7 +6,7 @@ use slipline_plate::quantity::must_be;
 use std::sync::Arc;
 
 /// Most measurements in a list.
-pub const MEASUREMENTS_MAX: usize = 32;
+pub(crate) const MEASUREMENTS_MAX: usize = 32;
 
 /// A measurement in the list.
 #[derive(Debug, Clone)]

@@ -20,9 +20,9 @@ use std::collections::BTreeMap;
 /// The largest specification that is read, bytes: a plate file of the largest size fits.
 pub const SPEC_BYTES_MAX: usize = 1 << 21;
 /// Most plates of a study.
-pub const COUNT_MAX: u64 = 1_000_000;
+pub(crate) const COUNT_MAX: u64 = 1_000_000;
 /// Most places of a study.
-pub const PLACES_MAX: usize = 64;
+pub(crate) const PLACES_MAX: usize = 64;
 /// Most fields that vary.
 const VARIED_MAX: usize = 32;
 

@@ -7,7 +7,7 @@ use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_instrument::hold::{MAX_RISE, Standing, ToneWords, words};
-use slipline_plate::number_format::rounded;
+use slipline_plate::quantity::number_format::rounded;
 use slipline_plate::quantity::{self, Measure, show_frequency, show_place, show_range};
 
 const HELP: &str = "A sensor listens to the tones on the untouched plate; the device then keeps the level of each, \
