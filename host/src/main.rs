@@ -2,6 +2,8 @@
 
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::expect_used, clippy::unwrap_used))]
+// A new error, request or outcome must be handled wherever these are matched.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 use slipline::cli::{Cli, Failure, asks_for_json, note};
 use slipline::{signals, trace};

@@ -230,7 +230,8 @@ fn end(signal: Signal, signals: &Receiver<Signal>) {
     }
     for device in &devices {
         // A device that does not answer stops by itself after its dead-man time.
-        let _ = device.wait_for(STOPPING, |seen| matches!(seen.link, LinkState::Disconnected).then_some(()));
+        let _ = device
+            .wait_for(STOPPING, |seen| matches!(seen.link.state, LinkState::Disconnected).then_some(()));
     }
     atomic_file::remove_unfinished();
     let last = endings().last;

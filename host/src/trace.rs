@@ -82,11 +82,12 @@ pub fn start(file: Option<&Path>, may_replace: bool, json: bool) -> Result<(), F
             if !is_stream(path) {
                 options.create(true).truncate(true).create_new(!may_replace);
             }
-            let out = options.open(path).map_err(|error| match error.kind() {
-                ErrorKind::AlreadyExists => Failure::Usage(format!(
-                    "{name} exists: write --force to replace it, or name another file"
-                )),
-                _ => Failure::Failed(format!("{name} cannot be written: {}", said(&error))),
+            let out = options.open(path).map_err(|error| {
+                if error.kind() == ErrorKind::AlreadyExists {
+                    let how = "write --force to replace it, or name another file";
+                    return Failure::Usage(format!("{name} exists: {how}"));
+                }
+                Failure::Failed(format!("{name} cannot be written: {}", said(&error)))
             })?;
             Some(Frames { name, out: Box::new(out) })
         }

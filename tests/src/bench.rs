@@ -104,7 +104,7 @@ impl MeasuringBench {
     /// If there is none.
     #[must_use]
     pub fn inputs(&self) -> InputsReport {
-        self.loopback.view().inputs.expect("a device with inputs")
+        self.loopback.view().device.inputs.expect("a device with inputs")
     }
 
     /// Measures with the sensor, whose stated place is `place_m`; `change` may do something at each step.

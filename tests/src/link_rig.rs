@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
+use slipline_link::DeviceTable;
 use slipline_link::connection::Connection;
 use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::table::DeviceTable;
 use slipline_link::transport::Waker;
 use slipline_link::{
     DriveRequest, LinkState, Outcome, Port, Request, Snapshot, Sounding, Ticket, ToneRequest,
@@ -122,7 +122,7 @@ impl LinkRig {
         let ticket = self.ask(Request::Connect(Port::Serial("A".to_owned())));
         self.pass_ms(100);
         assert!(matches!(self.outcome(ticket), Some(Outcome::Done { .. })));
-        assert_eq!(self.view().link, LinkState::Connected);
+        assert_eq!(self.view().link.state, LinkState::Connected);
         self
     }
 
@@ -140,7 +140,7 @@ impl LinkRig {
         // At the lowest rates a block takes long.
         self.pass_ms(1000);
         assert!(matches!(self.outcome(upload), Some(Outcome::Done { .. })));
-        assert_eq!(self.view().upload_verified, Some(true));
+        assert_eq!(self.view().table.upload_verified, Some(true));
         assert!(matches!(self.outcome(arm), Some(Outcome::Done { .. })));
         self
     }
@@ -199,7 +199,7 @@ impl LinkRig {
                 self.connection.sign_of_life(self.now);
             }
         }
-        let link = self.view().link.clone();
+        let link = self.view().link.state.clone();
         if self.states.last() != Some(&link) {
             self.states.push(link);
         }
@@ -253,7 +253,7 @@ impl LinkRig {
 
     /// The device's state, as the link knows it.
     pub fn state(&self) -> State {
-        self.view().status.unwrap().state
+        self.view().drive.status.unwrap().state
     }
 }
 

@@ -13,9 +13,9 @@ use std::io;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use slipline_link::DeviceTable;
 use slipline_link::connection::Connection;
 use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::table::DeviceTable;
 use slipline_link::transport::{Opener, Transport, Waker, read_received};
 use slipline_link::{
     ChordRequest, DriveRequest, HarmonicRequest, LinkError, Outcome, Port, PortInfo, Request, Sounding,

@@ -48,7 +48,7 @@ fn enter(rewrite: Rewrite, misses: u32) -> (LinkRig, u32, Option<Outcome>) {
 fn a_device_that_stays_away_is_in_its_bootloader_and_not_looked_for_any_more() {
     //
     let (mut rig, entered, outcome) = enter(as_real, 0);
-    assert_eq!((entered, rig.view().link.clone()), (1, LinkState::Disconnected));
+    assert_eq!((entered, rig.view().link.state.clone()), (1, LinkState::Disconnected));
     assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
     assert_eq!(rig.connection.deadline(rig.now), None);
     // It was flashed and is plugged in again: the user connects, as before.
@@ -66,12 +66,12 @@ fn a_board_whose_rom_misses_its_crystal_is_asked_again_at_most_five_times() {
     //
     for misses in [1, 5] {
         let (rig, entered, outcome) = enter(as_f407, misses);
-        assert_eq!((entered, rig.view().link.clone()), (misses + 1, LinkState::Disconnected));
+        assert_eq!((entered, rig.view().link.state.clone()), (misses + 1, LinkState::Disconnected));
         assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
     }
     let (rig, entered, outcome) = enter(as_f407, u32::MAX);
     assert_eq!((entered, outcome), (6, Some(Outcome::Refused(Refusal::NotInBootloader))));
-    assert_eq!(rig.view().link, LinkState::Connected, "it can be used");
+    assert_eq!(rig.view().link.state, LinkState::Connected, "it can be used");
 }
 
 #[test]
@@ -79,8 +79,8 @@ fn a_device_that_comes_back_with_the_same_build_wants_boot0() {
     //
     let (rig, entered, outcome) = enter(as_real, u32::MAX);
     assert_eq!((entered, outcome), (1, Some(Outcome::Refused(Refusal::NotInBootloader))));
-    assert_eq!(rig.view().link, LinkState::Connected);
-    let (_, refusal) = rig.view().last_refusal.clone().expect("what window and command line show");
+    assert_eq!(rig.view().link.state, LinkState::Connected);
+    let (_, refusal) = rig.view().record.last_refusal.clone().expect("what window and command line show");
     assert!(refusal.to_string().contains("hold BOOT0"), "{refusal}");
 }
 
@@ -93,7 +93,7 @@ fn a_silent_line_ends_the_search_too_and_another_request_of_the_user_comes_first
     rig.ports().drop_replies = u32::MAX;
     rig.pass_ms(LOOKED_FOR_MS);
     assert!(matches!(rig.outcome(asked), Some(Outcome::Done { .. })), "{:?}", rig.outcome(asked));
-    assert_eq!((rig.connection.is_open(), rig.view().link.clone()), (false, LinkState::Disconnected));
+    assert_eq!((rig.connection.is_open(), rig.view().link.state.clone()), (false, LinkState::Disconnected));
     // While it is looked for.
     for with_hello in [false, true] {
         let mut rig = LinkRig::connected();
@@ -106,6 +106,9 @@ fn a_silent_line_ends_the_search_too_and_another_request_of_the_user_comes_first
         assert!(matches!(rig.outcome(asked), Some(Outcome::Done { .. })));
         rig.pass_ms(1_000);
         assert!(matches!(rig.outcome(left), Some(Outcome::Done { .. })));
-        assert_eq!((rig.connection.is_open(), rig.view().link.clone()), (false, LinkState::Disconnected));
+        assert_eq!(
+            (rig.connection.is_open(), rig.view().link.state.clone()),
+            (false, LinkState::Disconnected)
+        );
     }
 }

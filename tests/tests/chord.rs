@@ -1,6 +1,6 @@
 //! Chords through the protocol: an accepted chord sounds code by code; one that does not fit is refused.
 
-use slipline_link::chord::extent;
+use slipline_link::mirror::chord_extent;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::{Change, ChordRequest, DeviceTable, HarmonicRequest, Played, Request, Sounding};
@@ -57,12 +57,12 @@ fn the_peak_that_the_device_proves_is_the_one_that_the_host_computes_and_the_one
     let period = 1 << 12;
     rig.live_blocks(2 * period / BLOCK);
     let codes = &rig.recording.codes;
-    assert_eq!(ends(codes), extent(&loud(), &table()).unwrap().codes());
+    assert_eq!(ends(codes), chord_extent(&loud(), &table()).unwrap().codes());
     assert_eq!(codes[..period as usize], codes[period as usize..], "it repeats");
     assert_eq!((rig.status().state, rig.status().counters.clips), (State::Driving, 0));
     assert!(rig.recording.first > begin);
     // A step louder than fits: refused with the peak, and not a code is other than silence.
-    let fits = f64::from(1u32 << 27) / f64::from(extent(&loud(), &table()).unwrap().peak()) * 0.22;
+    let fits = f64::from(1u32 << 27) / f64::from(chord_extent(&loud(), &table()).unwrap().peak()) * 0.22;
     for (level, is_accepted) in [(0.999 * fits, true), (1.001 * fits, false)] {
         let mut rig = Rig::armed();
         let answer = rig.send(&Command::Chord(with_levels(&loud(), level)));
@@ -174,7 +174,10 @@ fn a_chord_begins_at_its_index_or_at_the_trigger() {
     assert_eq!((rig.status().state, ends(&rig.recording.codes)), (State::Waiting, (MID, MID)));
     rig.device.raise_trigger();
     rig.live_ms(20);
-    assert_eq!(ends(rig.recording.from(rig.device.now() - 4096)), extent(&loud(), &table()).unwrap().codes());
+    assert_eq!(
+        ends(rig.recording.from(rig.device.now() - 4096)),
+        chord_extent(&loud(), &table()).unwrap().codes()
+    );
 }
 
 #[test]
@@ -209,6 +212,7 @@ fn the_link_sends_chords_and_its_mirror_replays_them_code_by_code() {
     assert!(again > at + 50_000);
     let chords: Vec<_> = loopback
         .view()
+        .record
         .journal
         .iter()
         .filter_map(|entry| match &entry.change {

@@ -150,19 +150,20 @@ fn the_link_reads_what_the_board_is_and_ends_the_drive_in_its_journal() {
     let mut rig = LinkRig::armed_as(Options { mute_resistor_missing: true, ..Options::default() });
     let missing = |rig: &LinkRig| {
         rig.view()
+            .record
             .log
             .iter()
             .filter(|line| line.text.starts_with("Muted: no resistor at the mute pin."))
             .count()
     };
-    assert_eq!((rig.view().board.unwrap().mute_resistor, missing(&rig)), (MuteResistor::Missing, 1));
+    assert_eq!((rig.view().device.board.unwrap().mute_resistor, missing(&rig)), (MuteResistor::Missing, 1));
     rig.ask_and_pass(link_rig::drive(0.05), 300);
     rig.ports().device.press_button(true);
     rig.pass_ms(500);
     assert_eq!(rig.state(), State::Fault);
-    let last = rig.view().journal.back().unwrap();
+    let last = rig.view().record.journal.back().unwrap();
     assert_eq!((&last.change, last.is_exact), (&Change::Stop, false));
-    assert!(rig.view().log.iter().any(|line| line.text.contains(Fault::DeskStop.text())));
+    assert!(rig.view().record.log.iter().any(|line| line.text.contains(Fault::DeskStop.text())));
     rig.ports().device.press_button(false);
     rig.pass_ms(u64::from(DESK_STOP_MS) + 300);
     rig.ask_and_pass(Request::ClearFaults, 300);

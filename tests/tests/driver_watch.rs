@@ -1,8 +1,8 @@
 //! a program that hangs while it drives. The link's own thread goes on and keeps the device alive, so it watches
 //! the program: without a sign of life for a second it stops and disarms.
 
+use slipline_link::DeviceTable;
 use slipline_link::native::{SystemOpener, Worker};
-use slipline_link::table::DeviceTable;
 use slipline_link::{
     Change, DriveRequest, Outcome, Port, Request, SIGN_PATIENCE, SIGN_PERIOD, Severity, Sounding, Ticket,
 };
@@ -30,7 +30,7 @@ fn sent(rig: &LinkRig, since: usize, which: fn(&Command) -> bool) -> usize {
 }
 
 fn stalls(rig: &LinkRig) -> u32 {
-    rig.view().driver_stalls
+    rig.view().link.driver_stalls
 }
 
 #[test]
@@ -61,9 +61,11 @@ fn a_program_that_hangs_is_stopped_and_disarmed_within_a_second_and_reported() {
         rig.pass_ms(300);
         assert_eq!((rig.state(), stalls(&rig)), (State::Idle, 1), "{phase_ms} ms");
         assert_eq!(sent(&rig, words, |command| *command == Command::Disarm), 1);
-        let last: Vec<&Change> = rig.view().journal.iter().rev().take(2).map(|entry| &entry.change).collect();
+        let last: Vec<&Change> =
+            rig.view().record.journal.iter().rev().take(2).map(|entry| &entry.change).collect();
         assert_eq!(last, [&Change::Disarmed, &Change::Stop]);
-        let notice = rig.view().log.iter().find(|line| line.text.contains("gave no sign of life for 1 s"));
+        let notice =
+            rig.view().record.log.iter().find(|line| line.text.contains("gave no sign of life for 1 s"));
         assert_eq!(notice.map(|line| line.severity), Some(Severity::Error));
         // It stays hung: nothing is left to be stopped, and nothing is reported again.
         rig.pass_ms(20_000);
@@ -241,7 +243,7 @@ impl Driven {
     /// The device's state, and how often a hang was noticed.
     fn seen(&self) -> (Option<State>, u32) {
         let snapshot = self.worker.snapshot();
-        (snapshot.status.map(|status| status.state), snapshot.driver_stalls)
+        (snapshot.drive.status.map(|status| status.state), snapshot.link.driver_stalls)
     }
 
     /// Nobody gives a sign of life any more: a second after the last one the drive is ended, and not before.

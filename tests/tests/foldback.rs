@@ -95,7 +95,7 @@ fn noted(lost: &[(u64, u32)]) -> Vec<(u64, u16, bool)> {
     }
     rig.pass_ms(4000 - passed);
     assert!(rig.view().is_connected());
-    let steps = rig.view().journal.iter().filter_map(|entry| match entry.change {
+    let steps = rig.view().record.journal.iter().filter_map(|entry| match entry.change {
         Change::Limit(per_mille) => Some((entry.at, per_mille, entry.is_exact)),
         _ => None,
     });
@@ -142,11 +142,11 @@ fn a_lost_status_leaves_the_replay_exact() {
         }
         rig.pass_ms(230);
         assert!(is_exact(&rig, &mut replay), "round {round}");
-        limits.push(rig.view().status.unwrap().foldback_per_mille);
+        limits.push(rig.view().drive.status.unwrap().foldback_per_mille);
     }
     limits.dedup();
     assert!(limits.len() > 5, "the fold-back changed all the time: {limits:?}");
-    assert!(rig.view().counters.timeouts >= 7, "{:?}", rig.view().counters);
+    assert!(rig.view().link.counters.timeouts >= 7, "{:?}", rig.view().link.counters);
 }
 
 #[test]

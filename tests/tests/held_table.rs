@@ -1,9 +1,9 @@
 //! A table that the device holds from before: recognised without being sent, and mirrored.
 
+use slipline_link::DeviceTable;
 use slipline_link::mirror::Mirror;
 use slipline_link::simulator::loopback::Loopback;
 use slipline_link::simulator::{Options, SimulatedDevice};
-use slipline_link::table::DeviceTable;
 use slipline_link::{Change, DriveRequest, Request, Sounding, ToneRequest};
 use slipline_model::field::simulation::table_for;
 use slipline_plate::preset;
@@ -27,21 +27,21 @@ fn restarted_with_the_stored_table() -> Loopback {
 #[test]
 fn a_stored_table_is_not_sent_again() {
     let mut chain = restarted_with_the_stored_table();
-    let said = chain.view().counters.commands;
+    let said = chain.view().link.counters.commands;
     chain.perform(Request::Upload(table()), |_| ()).unwrap();
-    assert!(chain.view().counters.commands <= said + 1, "nothing but a keep-alive");
-    assert_eq!(chain.view().confirmed_table.as_ref().map(|known| known.crc()), Some(table().crc()));
-    assert!(chain.view().journal.iter().any(|entry| matches!(entry.change, Change::Table(_))));
+    assert!(chain.view().link.counters.commands <= said + 1, "nothing but a keep-alive");
+    assert_eq!(chain.view().table.confirmed.as_ref().map(|known| known.crc()), Some(table().crc()));
+    assert!(chain.view().record.journal.iter().any(|entry| matches!(entry.change, Change::Table(_))));
 }
 
 #[test]
 fn another_table_is_sent() {
     let mut chain = restarted_with_the_stored_table();
     let other = table_for(&preset("al-sh").unwrap(), RATE_HZ).unwrap().1;
-    let said = chain.view().counters.commands;
+    let said = chain.view().link.counters.commands;
     chain.perform(Request::Upload(other.clone()), |_| ()).unwrap();
-    assert!(chain.view().counters.commands > said + 10);
-    assert_eq!(chain.view().table.active, Some(other.header()));
+    assert!(chain.view().link.counters.commands > said + 10);
+    assert_eq!(chain.view().table.report.active, Some(other.header()));
 }
 
 #[test]
@@ -53,7 +53,7 @@ fn the_mirror_follows_a_drive_that_plays_a_stored_table() {
     let mut sent: Vec<u16> = Vec::new();
     chain.pass(20_000, |codes| sent.extend_from_slice(codes));
 
-    let mut journal = chain.view().journal.iter();
+    let mut journal = chain.view().record.journal.iter();
     let mut mirror = Mirror::new(RATE_HZ, journal.next().unwrap().at);
     for entry in journal {
         match &entry.change {

@@ -68,7 +68,7 @@ fn pass(loopback: &mut Loopback, seconds: f64) {
 #[test]
 fn the_snapshot_says_how_the_hold_stands_for_as_long_as_it_is_on() {
     let (mut loopback, finger) = connected();
-    assert!(loopback.view().hold.is_none());
+    assert!(loopback.view().drive.hold.is_none());
     // The hold follows the drive at once: it waits until that is in force.
     let driven = loopback.hand_over(drive());
     let held = loopback.hand_over(Request::Hold(hold()));
@@ -77,27 +77,27 @@ fn the_snapshot_says_how_the_hold_stands_for_as_long_as_it_is_on() {
     for ticket in [driven, held] {
         assert!(matches!(loopback.view().outcome(ticket), Some(Outcome::Done { .. })));
     }
-    let report = loopback.view().hold.clone().unwrap();
+    let report = loopback.view().drive.hold.clone().unwrap();
     assert!(loopback.view().is_holding() && report.windows > 20, "{report:?}");
     let tone = report.tones[0];
     assert_eq!((tone.slot, tone.state), (0, HoldState::Held));
     assert!((f64::from(tone.correction.0) / 100.0 - 6.02).abs() < 0.1, "{tone:?}");
     assert!((f64::from(tone.amplitude) / 256.0 / CODES - 1.0).abs() < 0.01, "{tone:?}");
-    assert!(loopback.view().journal.iter().any(|entry| entry.change == Change::Hold));
+    assert!(loopback.view().record.journal.iter().any(|entry| entry.change == Change::Hold));
 
     // The end, by the host's word and by a drive.
     loopback.perform(Request::Hold(HoldRequest::OFF), |_| ()).unwrap();
-    assert!(loopback.view().hold.is_none());
+    assert!(loopback.view().drive.hold.is_none());
     pass(&mut loopback, 0.1);
     loopback.perform(Request::Hold(hold()), |_| ()).unwrap();
     pass(&mut loopback, 0.3);
     loopback.perform(drive(), |_| ()).unwrap();
     pass(&mut loopback, 0.3);
-    assert_eq!(loopback.view().hold.as_ref().map(|report| report.progress), Some(HoldProgress::Ended));
-    let asked = loopback.view().counters.commands;
+    assert_eq!(loopback.view().drive.hold.as_ref().map(|report| report.progress), Some(HoldProgress::Ended));
+    let asked = loopback.view().link.counters.commands;
     pass(&mut loopback, 1.0);
     // Five keep-alives a second.
-    assert!(loopback.view().counters.commands - asked <= 6, "it is not asked for any more");
+    assert!(loopback.view().link.counters.commands - asked <= 6, "it is not asked for any more");
 }
 
 #[test]

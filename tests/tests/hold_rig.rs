@@ -133,7 +133,7 @@ impl HoldBench {
         let plan = HoldPlan::new(&plate, &[(0, hz)], RATE_HZ, 16, 20.0).unwrap();
         let reached = at + (0.02 * RATE_HZ) as u64;
         loopback.perform(Request::Listen(plan.listen(Some(reached))), |_| ()).unwrap();
-        let Some((_, Outcome::Listened(listened))) = loopback.view().outcomes.back().cloned() else {
+        let Some((_, Outcome::Listened(listened))) = loopback.view().record.outcomes.back().cloned() else {
             panic!()
         };
         let request = plan.hold(&listened).unwrap();
@@ -151,7 +151,7 @@ impl HoldBench {
             loudest = loudest.max(most);
         });
         self.loudest = loudest;
-        let status = self.loopback.view().status.unwrap();
+        let status = self.loopback.view().drive.status.unwrap();
         assert!(status.sum_per_mille <= 1000 && status.counters.clips == 0, "{status:?}");
     }
 
@@ -176,7 +176,7 @@ impl HoldBench {
     }
 
     fn state(&self) -> (HoldProgress, HoldState, f64) {
-        let held = self.loopback.view().hold.clone().unwrap();
+        let held = self.loopback.view().drive.hold.clone().unwrap();
         (held.progress, held.tones[0].state, f64::from(held.tones[0].correction.0) / 100.0)
     }
 }
@@ -231,7 +231,7 @@ fn where_the_headroom_is_less_the_tone_stays_at_full_scale_and_says_so() {
         let (progress, state, correction_db) = bench.state();
         assert_eq!((progress, state), (HoldProgress::On, HoldState::AtLimit(HoldLimit::Headroom)));
         assert!((correction_db - decibels(0.7 / 0.5)).abs() < 0.05, "{correction_db}");
-        let sum = bench.loopback.view().status.unwrap().sum_per_mille;
+        let sum = bench.loopback.view().drive.status.unwrap().sum_per_mille;
         assert!((997..=1000).contains(&sum) && bench.loudest <= 2047, "{sum} {}", bench.loudest);
     }
 }

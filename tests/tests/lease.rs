@@ -232,20 +232,20 @@ fn the_link_reports_that_a_lease_is_over_once() {
     let lease = Duration::from_secs(2);
     rig.done(Request::ArmFor(lease), 300);
     rig.ask_and_pass(link_rig::drive(0.05), 1800);
-    assert_eq!((rig.state(), rig.view().leases_over), (State::Driving, 0));
+    assert_eq!((rig.state(), rig.view().drive.leases_over), (State::Driving, 0));
     rig.pass_ms(800);
-    assert_eq!((rig.state(), rig.view().leases_over), (State::Idle, 1));
-    assert_eq!(rig.view().lease_over, Some(lease));
-    let last = rig.view().journal.back().unwrap();
+    assert_eq!((rig.state(), rig.view().drive.leases_over), (State::Idle, 1));
+    assert_eq!(rig.view().drive.lease_over, Some(lease));
+    let last = rig.view().record.journal.back().unwrap();
     assert_eq!((&last.change, last.is_exact), (&Change::Disarmed, false));
     let ended = "The device disarmed itself: no drive for 2 s.";
-    assert_eq!(rig.view().log.iter().filter(|line| line.text == ended).count(), 1);
+    assert_eq!(rig.view().record.log.iter().filter(|line| line.text == ended).count(), 1);
     rig.pass_ms(5000);
-    assert_eq!(rig.view().leases_over, 1);
+    assert_eq!(rig.view().drive.leases_over, 1);
     // A stop leaves it armed, and a disarm by the user is no end of a lease.
     rig.ask_and_pass(Request::ArmFor(lease), 100);
     rig.ask_and_pass(Request::Stop, 500);
-    assert_eq!((rig.state(), rig.view().leases_over), (State::Armed, 1));
+    assert_eq!((rig.state(), rig.view().drive.leases_over), (State::Armed, 1));
     rig.ask_and_pass(Request::Disarm, 5000);
-    assert_eq!((rig.state(), rig.view().leases_over), (State::Idle, 1));
+    assert_eq!((rig.state(), rig.view().drive.leases_over), (State::Idle, 1));
 }

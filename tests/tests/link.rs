@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_link::{
     Acknowledged, Change, DriveRequest, FRAMES_KEPT, LinkError, LinkState, Outcome, Played, Port, Request,
     Sounding, Ticket, ToneRequest,
@@ -18,15 +18,20 @@ use slipline_tests::link_rig::{LOST_AFTER_MS, LinkRig, drive};
 fn a_lost_reply_is_asked_for_again_and_the_command_is_done_once() {
     //
     let mut rig = LinkRig::armed();
-    let duplicates = rig.view().status.unwrap().counters.duplicates;
+    let duplicates = rig.view().drive.status.unwrap().counters.duplicates;
     rig.ports().drop_replies = 1;
     let ticket = rig.ask(drive(0.05));
     rig.pass_ms(2 * u64::from(REPLY_TIMEOUT_MS));
     assert!(matches!(rig.outcome(ticket), Some(Outcome::Done { .. })));
     rig.pass_ms(u64::from(KEEP_ALIVE_PERIOD_MS) + 10);
-    assert_eq!(rig.view().status.unwrap().counters.duplicates, duplicates + 1, "answered from the cache");
+    assert_eq!(
+        rig.view().drive.status.unwrap().counters.duplicates,
+        duplicates + 1,
+        "answered from the cache"
+    );
     let drives = rig
         .view()
+        .record
         .journal
         .iter()
         .filter(|entry| matches!(entry.change, Change::Play(Played::Drive(_))))
@@ -43,7 +48,7 @@ fn a_device_that_answers_no_more_is_lost_after_three_repeats_of_the_same_number(
     rig.ports().commands.clear();
     let ticket = rig.ask(Request::Disarm);
     rig.pass_ms(LOST_AFTER_MS + 10);
-    assert_eq!(rig.view().link, LinkState::Lost(LinkError::Silent));
+    assert_eq!(rig.view().link.state, LinkState::Lost(LinkError::Silent));
     assert_eq!(rig.outcome(ticket), Some(Outcome::NotConnected));
     let ports = rig.ports();
     let disarms: Vec<u16> =
@@ -95,7 +100,7 @@ fn a_disconnect_stops_and_disarms_first() {
     let mut rig = LinkRig::armed();
     rig.ask_and_pass(drive(0.05), 100);
     rig.ask_and_pass(Request::Disconnect, 100);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
     let ports = rig.ports();
     let last: Vec<&Command> = ports.commands.iter().rev().take(2).map(|(_, command)| command).collect();
     assert_eq!(last, [&Command::Disarm, &Command::Stop]);
@@ -117,7 +122,7 @@ fn a_drag_during_a_table_swap_uses_the_positions_of_the_table_in_force() {
     assert!(matches!(rig.outcome(upload), Some(Outcome::Done { .. })));
     let mut span_um = 100_000;
     let mut spans = Vec::new();
-    for entry in rig.view().journal.iter() {
+    for entry in rig.view().record.journal.iter() {
         match &entry.change {
             Change::Table(table) => span_um = table.header().span_end_um,
             Change::Play(Played::Drive(drive)) => {
@@ -140,7 +145,7 @@ fn a_disconnect_while_the_link_closes_for_another_port_cancels_the_connect() {
     let connect = rig.only_ask(Request::Connect(Port::Serial("B".to_owned())));
     let disconnect = rig.ask(Request::Disconnect);
     rig.pass_ms(1000);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
     assert_eq!(rig.outcome(connect), Some(Outcome::Superseded));
     assert!(matches!(rig.outcome(disconnect), Some(Outcome::Done { .. })));
     assert_eq!(rig.ports().opened.len(), 1);
@@ -150,15 +155,15 @@ fn a_disconnect_while_the_link_closes_for_another_port_cancels_the_connect() {
 fn frames_are_cloned_only_for_who_asked_for_them() {
     let mut rig = LinkRig::connected();
     rig.pass_ms(1000);
-    assert_eq!(rig.view().frames.len(), 0);
+    assert_eq!(rig.view().record.frames.len(), 0);
     let mut rig = LinkRig::new();
     rig.connection.keep_frames();
     rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 1000);
-    let frames: Vec<String> = rig.view().frames.iter().map(ToString::to_string).collect();
+    let frames: Vec<String> = rig.view().record.frames.iter().map(ToString::to_string).collect();
     assert!(frames[0].contains(" to device ") && frames[0].contains("Hello"), "{frames:?}");
     assert!(frames[1].contains(" to host ") && frames[1].contains("Hello"), "{frames:?}");
     rig.pass_ms(20_000);
-    assert_eq!(rig.view().frames.len(), FRAMES_KEPT);
+    assert_eq!(rig.view().record.frames.len(), FRAMES_KEPT);
 }
 
 #[test]
@@ -177,11 +182,11 @@ fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
     rig.ask_and_pass(drive(0.05), 300);
     rig.ports().device.inject_underrun();
     rig.pass_ms(300);
-    let status = rig.view().status.unwrap();
+    let status = rig.view().drive.status.unwrap();
     assert_eq!(status.first_fault, Some(Fault::Underrun));
     let summary = |entry: &Acknowledged| (entry.at, entry.change.clone(), entry.is_exact);
     assert_eq!(
-        rig.view().journal.back().map(|entry| summary(entry)),
+        rig.view().record.journal.back().map(|entry| summary(entry)),
         Some((status.first_fault_at, Change::Stop, false))
     );
 
@@ -191,8 +196,8 @@ fn a_stop_by_the_device_itself_is_journalled_with_an_inexact_index() {
     }
     rig.ports().drop_replies = 1;
     rig.ask_and_pass(Request::EmergencyStop, 1000);
-    assert_eq!(rig.view().status.unwrap().state, State::Fault);
-    assert_eq!(rig.view().journal.iter().filter(|entry| !entry.is_exact).count(), 1, "that of before");
+    assert_eq!(rig.view().drive.status.unwrap().state, State::Fault);
+    assert_eq!(rig.view().record.journal.iter().filter(|entry| !entry.is_exact).count(), 1, "that of before");
 }
 
 #[test]

@@ -64,7 +64,7 @@ fn connected() -> Loopback {
 /// Performs a request and returns how it ended.
 fn outcome(loopback: &mut Loopback, request: Request) -> Outcome {
     loopback.perform(request, |_| ()).unwrap();
-    loopback.view().outcomes.back().unwrap().1.clone()
+    loopback.view().record.outcomes.back().unwrap().1.clone()
 }
 
 fn listened(loopback: &mut Loopback, request: ListenRequest) -> Arc<Listened> {
@@ -97,7 +97,7 @@ const WINDOW: ListenRequest =
 #[test]
 fn a_comb_and_a_window_give_the_response_that_is_known() {
     let mut loopback = connected();
-    let inputs = loopback.view().inputs.expect("a device of 1.3 reports them");
+    let inputs = loopback.view().device.inputs.expect("a device of 1.3 reports them");
     assert_eq!((inputs.inputs, inputs.lock_ins, inputs.lost_blocks), (2, 16, 0));
     assert!(loopback.view().can_listen());
     let at = loopback.perform(Request::Play(Sounding::Comb(comb())), |_| ()).unwrap();
@@ -130,7 +130,9 @@ fn a_capture_comes_whole_and_in_order() {
     let from = loopback.samples() + 1000;
     let request = CaptureRequest { from: Some(from), input: 1, log2_codes: 3, values: 333 };
     loopback.perform(Request::Capture(request), |codes| sent.extend(codes)).unwrap();
-    let Some((_, Outcome::Captured(captured))) = loopback.view().outcomes.back().cloned() else { panic!() };
+    let Some((_, Outcome::Captured(captured))) = loopback.view().record.outcomes.back().cloned() else {
+        panic!()
+    };
     let codes = &sent[(captured.from - before) as usize..];
     let sums: Vec<u32> =
         codes.chunks(8).take(333).map(|eight| eight.iter().map(|it| u32::from(*it)).sum()).collect();
@@ -178,14 +180,14 @@ fn lost_codes_and_a_device_without_inputs_are_reported() {
 fn a_window_that_has_passed_is_refused_and_the_log_says_nothing_of_it() {
     let mut loopback = connected();
     loopback.pass(20_000, |_| ());
-    let logged = |loopback: &Loopback| loopback.view().log.len();
+    let logged = |loopback: &Loopback| loopback.view().record.log.len();
     let before = logged(&loopback);
     let late = Request::Listen(ListenRequest { from: Some(128), ..WINDOW });
     assert!(loopback.perform(late, |_| ()).is_err());
-    assert_eq!(logged(&loopback), before, "{:?}", loopback.view().log);
+    assert_eq!(logged(&loopback), before, "{:?}", loopback.view().record.log);
     // Who asks goes on from now; what else is refused is in the log.
     listened(&mut loopback, WINDOW);
     let none = Request::Listen(ListenRequest { blocks: 0, ..WINDOW });
     assert!(loopback.perform(none, |_| ()).is_err());
-    assert_eq!(logged(&loopback), before + 1, "{:?}", loopback.view().log);
+    assert_eq!(logged(&loopback), before + 1, "{:?}", loopback.view().record.log);
 }

@@ -28,9 +28,9 @@ fn a_device_of_another_version_can_be_identified_and_stopped_and_no_more() {
         let mut rig = LinkRig::new();
         rig.ports().rewrite = rewrite;
         rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 2000);
-        assert_eq!(rig.view().link, LinkState::Connected);
-        assert_eq!(rig.view().compatibility, Some(want));
-        assert!(rig.view().identity.is_some(), "identified");
+        assert_eq!(rig.view().link.state, LinkState::Connected);
+        assert_eq!(rig.view().device.compatibility, Some(want));
+        assert!(rig.view().device.identity.is_some(), "identified");
         for request in [Request::Arm, drive(0.05), Request::Store, Request::ClearFaults] {
             let ticket = rig.ask(request);
             assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(Refusal::Incompatible(want))));

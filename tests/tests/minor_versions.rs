@@ -36,16 +36,16 @@ fn driven(rewrite: Rewrite) -> LinkRig {
 #[test]
 fn a_device_of_a_newer_minor_is_asked_what_one_of_this_minor_is_asked() {
     let newer = driven(|event| of_minor(event, MINOR + 1));
-    assert_eq!(newer.view().compatibility, Some(Compatibility::DeviceNewer));
+    assert_eq!(newer.view().device.compatibility, Some(Compatibility::DeviceNewer));
     let same = driven(as_real);
-    assert_eq!(same.view().compatibility, Some(Compatibility::Same));
+    assert_eq!(same.view().device.compatibility, Some(Compatibility::Same));
     assert_eq!(newer.ports().commands, same.ports().commands);
 }
 
 #[test]
 fn a_device_of_an_older_minor_is_driven_and_not_asked_for_what_it_lacks() {
     let mut rig = driven(|event| of_minor(event, MINOR - 1));
-    assert_eq!(rig.view().compatibility, Some(Compatibility::DeviceOlder));
+    assert_eq!(rig.view().device.compatibility, Some(Compatibility::DeviceOlder));
     let ticket = rig.ask(Request::WriteProfile(Box::new(None)));
     rig.pass_ms(300);
     assert_eq!(rig.outcome(ticket), Some(Outcome::DeviceTooOld));

@@ -221,5 +221,5 @@ fn an_unfinished_frame_of_one_host_does_not_lose_the_next_hosts_hello() {
     let chain = Loopback::connect_to(device).unwrap();
     let view = chain.view();
     assert!(view.is_connected());
-    assert_eq!((view.counters.retries, view.counters.timeouts), (0, 0));
+    assert_eq!((view.link.counters.retries, view.link.counters.timeouts), (0, 0));
 }

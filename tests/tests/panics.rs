@@ -24,7 +24,7 @@ fn a_panic_anywhere_in_the_program_stops_the_drive() {
         until("a stop", || stops() >= panics);
     }
     let stopped = worker.handle().wait_for(HANG, |snapshot| {
-        snapshot.journal.iter().any(|entry| entry.change == Change::Stop).then_some(())
+        snapshot.record.journal.iter().any(|entry| entry.change == Change::Stop).then_some(())
     });
     assert_eq!(stopped, Some(()));
 }

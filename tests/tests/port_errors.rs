@@ -19,8 +19,8 @@ fn a_device_that_never_answers_is_given_up_with_a_reason() {
     rig.ports().drop_replies = u32::MAX;
     let ticket = rig.ask(Request::Connect(Port::Serial("A".to_owned())));
     rig.pass_ms(LOST_AFTER_MS + 10);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
-    assert_eq!(rig.view().error, Some(LinkError::NoAnswer(Port::Serial("A".to_owned()))));
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
+    assert_eq!(rig.view().link.error, Some(LinkError::NoAnswer(Port::Serial("A".to_owned()))));
     assert!(matches!(rig.outcome(ticket), Some(Outcome::Refused(_))));
 }
 
@@ -46,7 +46,7 @@ fn every_error_of_a_port_is_one_loss_and_no_busy_loop() {
         assert!(matches!(rig.states[0], LinkState::Lost(_)), "{kind:?}");
         assert!(rig.steps - steps <= 2, "{kind:?}: {} steps", rig.steps - steps);
         assert!(rig.ports().reads - reads <= 2, "{kind:?}");
-        assert!(rig.view().error.is_some());
+        assert!(rig.view().link.error.is_some());
     }
 }
 
@@ -59,7 +59,7 @@ fn a_port_that_would_only_block_is_polled_slowly_and_lost_as_silent() {
         rig.ports().error = Some(kind);
         let steps = rig.steps;
         rig.pass_ms(LOST_AFTER_MS + 250);
-        assert_eq!(rig.view().link, LinkState::Lost(LinkError::Silent), "{kind:?}");
+        assert_eq!(rig.view().link.state, LinkState::Lost(LinkError::Silent), "{kind:?}");
         // A write that does not go through is tried every millisecond.
         assert!(rig.steps - steps <= LOST_AFTER_MS + 260);
     }
@@ -81,8 +81,8 @@ fn a_port_that_cannot_be_opened_says_why_and_is_not_tried_again() {
         let ticket = rig.ask(Request::Connect(port.clone()));
         assert_eq!(rig.outcome(ticket), Some(Outcome::Refused(trouble.clone().into())));
         rig.pass_ms(5000);
-        assert_eq!(rig.view().link, LinkState::Disconnected);
-        assert_eq!(rig.view().error, Some(trouble));
+        assert_eq!(rig.view().link.state, LinkState::Disconnected);
+        assert_eq!(rig.view().link.error, Some(trouble));
         assert_eq!(rig.ports().opened.len(), 1);
     }
 }
@@ -109,10 +109,10 @@ fn a_panic_in_the_link_is_reported_and_leaves_no_request_unanswered() {
     let later = worker.send(Request::Refresh);
     assert_eq!(worker.wait(later, HANG), Some(Outcome::NotConnected));
     let view = worker.snapshot();
-    assert_eq!(view.link, LinkState::Lost(LinkError::Crashed));
+    assert_eq!(view.link.state, LinkState::Lost(LinkError::Crashed));
     assert!(
-        view.status.is_none()
-            && view.log.back().is_some_and(|line| line.text.contains("start Slipline again"))
+        view.drive.status.is_none()
+            && view.record.log.back().is_some_and(|line| line.text.contains("start Slipline again"))
     );
 }
 

@@ -115,7 +115,7 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
 
     *bus.lock().unwrap() = None;
     drop(cable);
-    let lost = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| match &snapshot.link {
+    let lost = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| match &snapshot.link.state {
         LinkState::Reconnecting(trouble) => Some(trouble.clone()),
         _ => None,
     });
@@ -125,7 +125,7 @@ fn a_pulled_terminal_is_found_again_under_another_name() {
     *bus.lock().unwrap() = Some(second.clone());
     let port = worker
         .handle()
-        .wait_for(REPLY_TIMEOUT, |snapshot| snapshot.is_connected().then(|| snapshot.port.clone()));
+        .wait_for(REPLY_TIMEOUT, |snapshot| snapshot.is_connected().then(|| snapshot.link.port.clone()));
     assert_eq!(port, Some(Some(Port::Serial(second))));
     let refresh = worker.send(Request::Refresh);
     assert!(matches!(worker.wait(refresh, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
@@ -138,15 +138,23 @@ fn a_socket_that_is_missing_at_the_start_is_connected_to_when_it_appears() {
     let worker = Worker::spawn_with(Bus(Arc::default()), || ()).unwrap();
     worker.send(Request::Connect(port.clone()));
     let waits = LinkState::Reconnecting(LinkError::NoSuchPort(port));
-    let is_waiting = |snapshot: &Snapshot| (snapshot.link == waits).then_some(());
-    assert!(worker.handle().wait_for(REPLY_TIMEOUT, is_waiting).is_some(), "{:?}", worker.snapshot().link);
+    let is_waiting = |snapshot: &Snapshot| (snapshot.link.state == waits).then_some(());
+    assert!(
+        worker.handle().wait_for(REPLY_TIMEOUT, is_waiting).is_some(),
+        "{:?}",
+        worker.snapshot().link.state
+    );
 
     let listener = UnixListener::bind(&path).unwrap();
     let (stream, _) = listener.accept().unwrap();
     stream.set_read_timeout(Some(Duration::from_millis(5))).unwrap();
     let _cable = Cable::new(device(), stream);
     let is_there = |snapshot: &Snapshot| snapshot.is_connected().then_some(());
-    assert!(worker.handle().wait_for(REPLY_TIMEOUT, is_there).is_some(), "{:?}", worker.snapshot().link);
+    assert!(
+        worker.handle().wait_for(REPLY_TIMEOUT, is_there).is_some(),
+        "{:?}",
+        worker.snapshot().link.state
+    );
     drop(worker);
     std::fs::remove_file(path).unwrap();
 }
@@ -170,7 +178,7 @@ fn a_device_behind_a_unix_socket_answers_and_its_end_is_noticed() {
     let cable = Cable::new(device(), stream);
     assert!(matches!(worker.wait(connect, REPLY_TIMEOUT), Some(Outcome::Done { .. })));
     drop(cable);
-    let lost = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| match &snapshot.link {
+    let lost = worker.handle().wait_for(REPLY_TIMEOUT, |snapshot| match &snapshot.link.state {
         LinkState::Lost(trouble) => Some(trouble.clone()),
         _ => None,
     });

@@ -31,10 +31,10 @@ fn a_device_that_comes_back_under_another_name_is_found_and_stays_disarmed() {
             LinkState::Connected
         ]
     );
-    assert_eq!(rig.view().port, Some(Port::Serial("B".to_owned())));
+    assert_eq!(rig.view().link.port, Some(Port::Serial("B".to_owned())));
     rig.pass_ms(300);
     assert_eq!(rig.state(), State::Idle);
-    assert!(rig.view().table.active.is_some(), "what it holds was read again");
+    assert!(rig.view().table.report.active.is_some(), "what it holds was read again");
     let rearmed = rig.ports().commands.iter().filter(|(_, command)| *command == Command::Arm).count();
     assert_eq!(rearmed, 1, "only the first time");
 }
@@ -49,7 +49,7 @@ fn waiting() -> (LinkRig, LinkError) {
     assert_eq!(rig.outcome(connect), Some(Outcome::Refused(missing.clone().into())), "refused at once");
     rig.pass_ms(5000);
     assert_eq!(rig.states, [LinkState::Reconnecting(missing.clone())]);
-    assert_eq!(rig.view().error, Some(missing.clone()));
+    assert_eq!(rig.view().link.error, Some(missing.clone()));
     let tries = rig.ports().opened.len();
     assert!((15..=21).contains(&tries), "{tries}");
     (rig, missing)
@@ -60,13 +60,13 @@ fn a_port_that_is_missing_at_the_start_is_opened_when_it_appears() {
     let (mut rig, _) = waiting();
     rig.ports().listed = vec![board("A")];
     rig.pass_ms(SEEK_PERIOD.as_millis() as u64 + 300);
-    assert_eq!(rig.view().link, LinkState::Connected);
-    assert_eq!(rig.view().error, None);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
+    assert_eq!(rig.view().link.error, None);
     assert_eq!(rig.state(), State::Idle, "only the user arms it");
     // From here on it is a device like any other.
     rig.ports().unplug();
     rig.pass_ms(1000);
-    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
+    assert_eq!(rig.view().link.state, LinkState::Reconnecting(LinkError::Gone));
 }
 
 #[test]
@@ -74,20 +74,20 @@ fn a_missing_port_is_waited_for_until_the_user_gives_it_up() {
     for given_up in [Request::Disconnect, Request::AutoReconnect(false)] {
         let (mut rig, missing) = waiting();
         rig.ask(given_up);
-        assert_eq!(rig.view().link, LinkState::Disconnected);
-        assert_eq!(rig.view().error, Some(missing));
+        assert_eq!(rig.view().link.state, LinkState::Disconnected);
+        assert_eq!(rig.view().link.error, Some(missing));
         let tries = rig.ports().opened.len();
         rig.ports().listed = vec![board("A")];
         rig.pass_ms(5000);
-        assert_eq!(rig.view().link, LinkState::Disconnected);
+        assert_eq!(rig.view().link.state, LinkState::Disconnected);
         assert_eq!(rig.ports().opened.len(), tries);
     }
     // Another port.
     let (mut rig, _) = waiting();
     rig.ports().listed = vec![board("B")];
     rig.ask_and_pass(Request::Connect(Port::Serial("B".to_owned())), 100);
-    assert_eq!(rig.view().link, LinkState::Connected);
-    assert_eq!(rig.view().port, Some(Port::Serial("B".to_owned())));
+    assert_eq!(rig.view().link.state, LinkState::Connected);
+    assert_eq!(rig.view().link.port, Some(Port::Serial("B".to_owned())));
 }
 
 #[test]
@@ -97,14 +97,14 @@ fn a_missing_port_that_appears_but_cannot_be_used_reports_why_and_is_still_waite
     rig.ports().listed = vec![board("A")];
     rig.ports().open_error = Some(LinkError::NoPermission(port.clone()));
     rig.pass_ms(1000);
-    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::NoPermission(port.clone())));
+    assert_eq!(rig.view().link.state, LinkState::Reconnecting(LinkError::NoPermission(port.clone())));
     rig.ports().open_error = None;
     rig.ports().drop_replies = u32::MAX;
     rig.pass_ms(LOST_AFTER_MS + 1000);
-    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::NoAnswer(port)));
+    assert_eq!(rig.view().link.state, LinkState::Reconnecting(LinkError::NoAnswer(port)));
     rig.ports().drop_replies = 0;
     rig.pass_ms(LOST_AFTER_MS + 1000);
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
 }
 
 #[test]
@@ -126,18 +126,18 @@ fn a_port_that_opens_later_is_greeted_then() {
     rig.ports().is_opening = true;
     rig.ports().listed = vec![board("A")];
     rig.pass_ms(LOST_AFTER_MS + 1000);
-    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
+    assert_eq!(rig.view().link.state, LinkState::Reconnecting(LinkError::Gone));
     // A port that is still listed, and fails: not why the device is missing.
     let tries = rig.ports().opened.len();
     rig.ports().error = Some(ErrorKind::ResourceBusy);
     rig.step();
-    assert_eq!(rig.view().link, LinkState::Reconnecting(LinkError::Gone));
-    assert_eq!(rig.view().error, Some(LinkError::Gone));
+    assert_eq!(rig.view().link.state, LinkState::Reconnecting(LinkError::Gone));
+    assert_eq!(rig.view().link.error, Some(LinkError::Gone));
     rig.ports().error = None;
     rig.ports().is_opening = false;
     rig.pass_ms(1000);
     assert_eq!(rig.ports().opened.len(), tries + 1, "it is tried again");
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
 }
 
 #[test]
@@ -152,7 +152,7 @@ fn an_opening_that_fails_later_reports_why_and_one_that_never_ends_can_be_given_
     rig.step();
     let busy = LinkError::Busy(port.clone());
     assert_eq!(rig.outcome(connect), Some(Outcome::Refused(busy.clone().into())));
-    assert_eq!((&rig.view().link, &rig.view().error), (&LinkState::Disconnected, &Some(busy)));
+    assert_eq!((&rig.view().link.state, &rig.view().link.error), (&LinkState::Disconnected, &Some(busy)));
     rig.pass_ms(2000);
     assert_eq!(rig.ports().opened.len(), 1, "it is not taken from another program");
     // Given up, for good and for another port.
@@ -161,12 +161,12 @@ fn an_opening_that_fails_later_reports_why_and_one_that_never_ends_can_be_given_
     let leave = rig.ask(Request::Disconnect);
     rig.pass_ms(10);
     assert_eq!(rig.outcome(leave), Some(Outcome::Done { at: 0 }));
-    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
     rig.ask_and_pass(Request::Connect(port.clone()), 300);
     rig.ask(Request::Connect(port));
     rig.ports().is_opening = false;
     rig.pass_ms(100);
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
 }
 
 #[test]
@@ -197,11 +197,11 @@ fn a_simulated_device_that_stalled_while_it_drove_is_armed_again() {
         assert_eq!(rig.state(), State::Driving);
         rig.ports().stall(true);
         rig.pass_ms(4000 + phase_ms);
-        assert_ne!(rig.view().link, LinkState::Connected);
+        assert_ne!(rig.view().link.state, LinkState::Connected);
         rig.ports().stall(false);
         rig.ports().commands.clear();
         rig.pass_ms(3000);
-        assert_eq!(rig.view().link, LinkState::Connected);
+        assert_eq!(rig.view().link.state, LinkState::Connected);
         assert_eq!(rig.state(), State::Armed, "{phase_ms} ms");
         let arms = rig.ports().commands.iter().filter(|(_, command)| *command == Command::Arm).count();
         refused += arms - 1;
@@ -217,10 +217,10 @@ fn a_lost_device_is_not_looked_for_when_that_is_switched_off() {
     rig.pass_ms(50);
     rig.ports().listed = vec![board("A")];
     rig.pass_ms(5000);
-    assert_eq!(rig.view().link, LinkState::Lost(LinkError::Gone));
+    assert_eq!(rig.view().link.state, LinkState::Lost(LinkError::Gone));
     assert_eq!(rig.ports().opened.len(), 1);
     rig.ask_and_pass(Request::AutoReconnect(true), 300);
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
 }
 
 #[test]
@@ -232,14 +232,14 @@ fn a_device_that_another_program_keeps_taking_is_left_to_it() {
     };
     rig.ports().rewrite = refused;
     rig.pass_ms(20_000);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
-    assert_eq!(rig.view().error, Some(LinkError::SessionEnded));
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
+    assert_eq!(rig.view().link.error, Some(LinkError::SessionEnded));
     let hellos = rig.ports().commands.iter().filter(|(_, c)| matches!(c, Command::Hello(_))).count();
     assert!((2..=4).contains(&hellos), "{hellos}");
     // Asked for again, it is tried again.
     rig.ports().rewrite = as_real;
     rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 100);
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn another_board_in_its_place_is_not_taken_for_it() {
     other.usb_serial = Some("0002".to_owned());
     rig.ports().listed = vec![other];
     rig.pass_ms(2000);
-    assert!(matches!(rig.view().link, LinkState::Reconnecting(_)));
+    assert!(matches!(rig.view().link.state, LinkState::Reconnecting(_)));
     assert_eq!(rig.ports().opened.len(), 1, "not even opened");
 }
 
@@ -272,11 +272,11 @@ fn a_port_with_another_board_is_passed_over_for_the_next_one() {
         event => event,
     };
     rig.pass_ms(100);
-    assert!(matches!(rig.view().link, LinkState::Reconnecting(_)));
+    assert!(matches!(rig.view().link.state, LinkState::Reconnecting(_)));
     // ...and the one that was lost at the second.
     rig.ports().rewrite = as_real;
     rig.pass_ms(SEEK_PERIOD.as_millis() as u64);
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
     assert_eq!(rig.ports().opened, ["A", "B", "C"].map(|name| Port::Serial(name.to_owned())));
 }
 
@@ -289,8 +289,8 @@ fn a_host_that_sleeps_for_an_hour_finds_the_device_silent_and_starts_it_again() 
     rig.ports().commands.clear();
     assert!(!rig.sleep(Duration::from_secs(3600)), "muted and silent");
     rig.pass_ms(500);
-    assert_eq!(rig.view().link, LinkState::Connected);
-    let status = rig.view().status.unwrap();
+    assert_eq!(rig.view().link.state, LinkState::Connected);
+    let status = rig.view().drive.status.unwrap();
     assert_eq!((status.state, status.first_fault), (State::Fault, Some(Fault::HostLost)));
     let rearmed = rig.ports().commands.iter().any(|(_, command)| *command == Command::Arm);
     assert!(!rearmed, "only the user may");

@@ -68,7 +68,7 @@ fn recordings_by_a_phone_calibrate_an_unknown_plate() {
     let [near, far] = bench.places_m().map(|place_m| recording(&mut bench, &tape, place_m));
     // Both were played alike, and the table of the plate is back.
     assert_eq!(near.1, far.1);
-    assert_eq!(bench.loopback.view().confirmed_table.as_deref(), Some(&*bench.table));
+    assert_eq!(bench.loopback.view().table.confirmed.as_deref(), Some(&*bench.table));
     let before = departure(&nominal, &truth, RATE_HZ).unwrap();
     let after = departure(&calibrated([&near, &far]), &truth, RATE_HZ).unwrap();
     println!("{before:?} -> {after:?}");
@@ -125,5 +125,5 @@ fn a_slow_host_and_a_cancelled_sweep_leave_the_device_as_it_was() {
     let mut codes = Vec::new();
     bench.loopback.pass(20_000, |block| codes = block.to_vec());
     assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
-    assert_eq!(bench.loopback.view().confirmed_table.as_deref(), Some(&*bench.table));
+    assert_eq!(bench.loopback.view().table.confirmed.as_deref(), Some(&*bench.table));
 }

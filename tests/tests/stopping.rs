@@ -1,6 +1,6 @@
 //! Stops on a bad line: what they overtake does not come back, and what is asked for after them is not undone.
 
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_link::{Change, DriveRequest, LinkState, Outcome, Played, Port, Request, Sounding, ToneRequest};
 use slipline_protocol::command::Apply;
 use slipline_protocol::event::{Fault, State};
@@ -79,7 +79,7 @@ fn a_drive_reported_after_the_stop_that_ended_it_does_not_count_as_sounding() {
     rig.ask_and_pass(drive(0.05), 20);
     rig.ask_and_pass(Request::Stop, AGAIN_MS);
     assert_eq!(rig.state(), State::Armed, "silent");
-    let journal = &rig.view().journal;
+    let journal = &rig.view().record.journal;
     assert!(
         journal.iter().any(|entry| matches!(entry.change, Change::Play(Played::Drive(_)))),
         "it did sound"
@@ -119,7 +119,7 @@ fn a_lost_emergency_stop_is_sent_again_though_a_stop_came_after_it() {
     rig.pass_ms(20);
     rig.ask_and_pass(Request::Stop, AGAIN_MS);
     assert!(matches!(rig.outcome(emergency), Some(Outcome::Done { .. })));
-    assert!(rig.view().status.unwrap().faults.contains(Fault::EmergencyStop));
+    assert!(rig.view().drive.status.unwrap().faults.contains(Fault::EmergencyStop));
 }
 
 #[test]
@@ -129,9 +129,9 @@ fn a_lost_emergency_stop_is_sent_again_when_the_link_closes() {
     rig.ports().drop_stops = 1;
     rig.ask(Request::EmergencyStop);
     rig.ask_and_pass(Request::Disconnect, 1000);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
     rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), 100);
-    assert!(rig.view().status.unwrap().faults.contains(Fault::EmergencyStop));
+    assert!(rig.view().drive.status.unwrap().faults.contains(Fault::EmergencyStop));
 }
 
 #[test]
@@ -147,7 +147,7 @@ fn a_link_that_is_closed_twice_stops_and_disarms_once() {
     rig.pass_ms(1);
     rig.ports().stall(false);
     rig.pass_ms(1000);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
     assert_eq!(rig.outcome(first), Some(Outcome::Superseded));
     assert!(matches!(rig.outcome(second), Some(Outcome::Done { .. })));
     let ports = rig.ports();

@@ -67,7 +67,7 @@ fn the_responses_match_the_frequency_domain_and_the_stepped_comb() {
     println!("comb: {noises} noises, {worst} at worst");
     assert!((0.7..1.2).contains(&noises), "{noises}");
     // The device has its own table again, and the link knows it.
-    assert_eq!(bench.loopback.view().confirmed_table.as_deref(), Some(&*bench.table));
+    assert_eq!(bench.loopback.view().table.confirmed.as_deref(), Some(&*bench.table));
 }
 
 #[test]
@@ -138,7 +138,7 @@ fn a_failed_sweep_is_reported_and_leaves_the_device_still_with_its_table() {
         let mut codes = Vec::new();
         bench.loopback.pass(20_000, |block| codes = block.to_vec());
         assert!(codes.iter().all(|code| *code == codes[0]), "something sounds");
-        assert_eq!(bench.loopback.view().confirmed_table.as_deref(), Some(&*bench.table));
+        assert_eq!(bench.loopback.view().table.confirmed.as_deref(), Some(&*bench.table));
         found
     };
     assert_eq!(ended(&|_, sweeping| sweeping.cancel()), Err(MeasureError::Cancelled));

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use slipline_app::Timing;
+use slipline_link::DeviceTable;
 use slipline_link::mirror::replay::{DeviceHistory, Replay};
-use slipline_link::table::DeviceTable;
 use slipline_link::{DriveRequest, LinkState, Outcome, Request, Severity, Sounding};
 use slipline_protocol::command::{TravelLimit, TravelSetting};
 use slipline_protocol::event::{Event, ResetCause, State};
@@ -203,7 +203,7 @@ fn a_host_of_1_0_neither_gets_a_limit_nor_can_ask_for_one() {
 #[test]
 fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
     let mut rig = driving(&limited());
-    assert_eq!(rig.view().travel_limit, Some(COIL));
+    assert_eq!(rig.view().drive.travel_limit, Some(COIL));
     {
         let ports = rig.ports();
         let place =
@@ -244,7 +244,7 @@ fn the_link_sets_the_limit_before_the_table_and_makes_its_glides_long_enough() {
 fn a_plate_without_a_limit_lifts_that_of_the_plate_before() {
     let mut rig = driving(&limited());
     rig.done(Request::Upload(Arc::new(table())), 200);
-    assert_eq!(rig.view().travel_limit, None);
+    assert_eq!(rig.view().drive.travel_limit, None);
     // The knots are the same: neither they nor the existing limit were sent again.
     rig.done(Request::Upload(Arc::new(table())), 200);
     let count = |which: fn(&Command) -> bool| {
@@ -261,14 +261,14 @@ fn after_a_reset_the_limit_is_set_again_although_the_device_has_kept_the_table()
     }
     rig.ports().device.restart(ResetCause::Watchdog);
     rig.pass_ms(5000);
-    assert_eq!(rig.view().link, LinkState::Connected);
-    assert_eq!(rig.view().travel_limit, None, "the device has forgotten it, and the snapshot says so");
+    assert_eq!(rig.view().link.state, LinkState::Connected);
+    assert_eq!(rig.view().drive.travel_limit, None, "the device has forgotten it, and the snapshot says so");
     let table = limited();
     assert!(!rig.view().limits_travel_for(&table));
     rig.ports().commands.clear();
     rig.done(Request::Upload(Arc::clone(&table)), 300);
     assert!(rig.view().limits_travel_for(&table));
-    assert!(rig.view().confirmed_table.is_some());
+    assert!(rig.view().table.confirmed.is_some());
     let is_sent = |(_, command): &(u16, Command)| matches!(command, Command::TableBegin(_));
     assert!(!rig.ports().commands.iter().any(is_sent), "only the limit was sent");
 }
@@ -286,9 +286,13 @@ fn the_user_learns_of_a_device_of_1_0_which_is_driven_without_a_limit() {
     let mut rig = rig.connect();
     rig.done(Request::Upload(limited()), 200);
     assert!(!rig.view().can_limit_travel());
-    assert_eq!(rig.view().travel_limit, None);
+    assert_eq!(rig.view().drive.travel_limit, None);
     let warns = |text: &str| {
-        rig.view().log.iter().any(|line| line.severity == Severity::Warning && line.text.contains(text))
+        rig.view()
+            .record
+            .log
+            .iter()
+            .any(|line| line.severity == Severity::Warning && line.text.contains(text))
     };
     assert!(warns("does not limit the actuator's travel"));
     let is_sent = |(_, command): &(u16, Command)| matches!(command, Command::SetTravelLimit(_));

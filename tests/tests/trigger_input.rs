@@ -225,7 +225,7 @@ fn the_mirror_goes_no_further_than_is_known_and_is_exact_once_it_is() {
     watched.perform(Request::Refresh);
     watched.pass(2000);
     assert!(watched.compare() as u64 > rose + 40_000);
-    let report = watched.loopback.view().trigger.unwrap();
+    let report = watched.loopback.view().drive.trigger.unwrap();
     assert_eq!(report, TriggerReport { waits: false, began: Some(rose) });
 }
 
@@ -245,6 +245,7 @@ fn a_stop_that_is_reported_before_the_drive_that_it_ended_is_mirrored_behind_it(
     let kinds: Vec<&str> = watched
         .loopback
         .view()
+        .record
         .journal
         .iter()
         .filter_map(|entry| match entry.change {

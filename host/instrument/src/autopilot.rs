@@ -5,10 +5,10 @@
 //! armed by the link worker, and driven from the start so that the plate moves when the window opens.
 
 use crate::changes::Changes;
+use slipline_link::DeviceTable;
 use slipline_link::protocol::command::TravelLimit;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::refusal;
-use slipline_link::table::DeviceTable;
 use slipline_link::{LinkState, Port, Refusal, Snapshot};
 use slipline_model::jobs::table::TableMade;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ impl Autopilot {
 
     /// Whether the user wants the plate driven.
     #[must_use]
-    pub fn wants_drive(&self) -> bool {
+    pub(crate) fn wants_drive(&self) -> bool {
         self.wants_drive
     }
 
@@ -67,7 +67,7 @@ impl Autopilot {
 
     /// The screen shows another setup, whose table must be made first. Its tones are sent once the device
     /// holds that table.
-    pub fn setup_replaced(&mut self) {
+    pub(crate) fn setup_replaced(&mut self) {
         self.is_setup_new = true;
     }
 
@@ -77,7 +77,7 @@ impl Autopilot {
     pub fn start(&mut self, snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
         self.is_stopped = false;
         self.wants_drive = snapshot.is_connected();
-        if !is_in_force(snapshot, made) && snapshot.upload.is_none() {
+        if !is_in_force(snapshot, made) && snapshot.table.upload.is_none() {
             // A table whose upload was cancelled or failed is tried again, because the user asks for it.
             self.sent_table = None;
         }
@@ -92,7 +92,8 @@ impl Autopilot {
     /// Whether a change of the setup must be sent to the device.
     #[must_use]
     pub fn may_drive(&self, snapshot: &Snapshot) -> bool {
-        self.wants_drive && snapshot.is_armed() && snapshot.is_connected() && snapshot.table.active.is_some()
+        let has_table = snapshot.table.report.active.is_some();
+        self.wants_drive && snapshot.is_armed() && snapshot.is_connected() && has_table
     }
 
     /// Requests that follow from the changes of the snapshot. `made` is the table for the plate on the
@@ -105,15 +106,13 @@ impl Autopilot {
         is_uploading_wanted: bool,
     ) -> Vec<Action> {
         let mut actions = Vec::new();
-        let is_lost =
-            matches!(now.link, LinkState::Lost(_) | LinkState::Reconnecting(_) | LinkState::Disconnected);
-        if is_lost {
+        if !matches!(now.link.state, LinkState::Connecting | LinkState::Connected) {
             // After a lost connection the device is disarmed and silent, and its table must be checked again.
             self.forget_drive("the connection is lost");
             self.sent_table = None;
             return actions;
         }
-        let state = now.status.map(|status| status.state);
+        let state = now.drive.status.map(|status| status.state);
         // If the user pressed Drive during this fault, the fault is being cleared and the drive is still wanted.
         let is_cleared = drive_clears_fault(now) && !changes.state && !changes.faults;
         if matches!(state, Some(State::Fault | State::SafeMode)) && !is_cleared {
@@ -126,7 +125,7 @@ impl Autopilot {
             // Arming the device again does not permit driving it.
             self.forget_drive("the device was disarmed");
         }
-        if now.compatibility.is_some_and(|compatibility| !compatibility.may_drive()) {
+        if now.mismatch().is_some() {
             return actions;
         }
         let is_held = is_held(now, made);
@@ -135,8 +134,8 @@ impl Autopilot {
             let sent = Some((crc, made.device_table.travel_limit()));
             // A table that the device already holds is only verified; that needs no permission from the user.
             let is_wanted = now.is_simulated() || is_uploading_wanted || is_held;
-            let is_known = is_in_force(now, Some(made)) && now.confirmed_table.is_some();
-            if is_wanted && !is_known && now.upload.is_none() && self.sent_table != sent {
+            let is_known = is_in_force(now, Some(made)) && now.table.confirmed.is_some();
+            if is_wanted && !is_known && now.table.upload.is_none() && self.sent_table != sent {
                 self.sent_table = sent;
                 tracing::debug!("autopilot: sending the table {crc:08x}");
                 actions.push(Action::Upload(Arc::clone(&made.device_table)));
@@ -166,7 +165,7 @@ pub fn drive_clears_fault(snapshot: &Snapshot) -> bool {
     let stood = Faults::NONE.with(Fault::DriveTime);
     snapshot.is_simulated()
         && snapshot.is_connected()
-        && snapshot.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
+        && snapshot.drive.status.is_some_and(|status| status.state == State::Fault && status.faults == stood)
 }
 
 /// Whether Drive also arms the device.
@@ -174,13 +173,13 @@ pub fn drive_clears_fault(snapshot: &Snapshot) -> bool {
 pub fn drive_arms(snapshot: &Snapshot) -> bool {
     snapshot.may_arm_unasked()
         && snapshot.is_connected()
-        && snapshot.status.is_some_and(|status| status.state == State::Idle)
+        && snapshot.drive.status.is_some_and(|status| status.state == State::Idle)
 }
 
 /// Whether a refused drive may succeed from rest. The device refuses a glide that would exceed headroom or
 /// actuator travel on its path, although the final tones may fit. No other refusal concerns the path.
 #[must_use]
-pub const fn rest_helps(refusal: &Refusal) -> bool {
+pub(crate) const fn rest_helps(refusal: &Refusal) -> bool {
     matches!(
         refusal,
         Refusal::Device(
@@ -191,7 +190,7 @@ pub const fn rest_helps(refusal: &Refusal) -> bool {
 
 /// Whether the device holds the table of the plate on the screen.
 fn is_held(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
-    let on_device = snapshot.table.active.map(|header| header.crc);
+    let on_device = snapshot.table.report.active.map(|header| header.crc);
     made.is_some_and(|made| on_device == Some(made.device_table.crc()))
 }
 
@@ -204,7 +203,7 @@ fn is_in_force(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
 /// right table without its travel limit.
 fn is_table_coming(snapshot: &Snapshot, made: Option<&TableMade>) -> bool {
     let misses_limit = is_held(snapshot, made) && !is_in_force(snapshot, made);
-    snapshot.upload.is_some() || misses_limit || (snapshot.is_simulated() && !is_held(snapshot, made))
+    snapshot.table.upload.is_some() || misses_limit || (snapshot.is_simulated() && !is_held(snapshot, made))
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ impl CalibrationWizard {
     }
 
     /// Stores the response measured at the first (0) or second (1) place.
-    pub fn take_answer(&mut self, sensor: usize, answer: PlaceResponse) {
+    pub(crate) fn take_answer(&mut self, sensor: usize, answer: PlaceResponse) {
         if let Some(place) = self.answers.get_mut(sensor) {
             *place = Some(answer);
         }
@@ -114,7 +114,7 @@ impl CalibrationWizard {
 
     /// The same responses and calipers applied to another plate's file, from the first page on.
     #[must_use]
-    pub fn with_plate(self, plate: &Arc<Plate>) -> Self {
+    pub(crate) fn with_plate(self, plate: &Arc<Plate>) -> Self {
         let mut next = Self { answers: self.answers, ..Self::of(plate) };
         if let Some(calipers) = self.calipers {
             // Calipers that do not suit the other plate are dropped.

@@ -26,17 +26,17 @@ impl Changes {
     /// The changes from `before` to `now`.
     #[must_use]
     pub fn between(before: &Snapshot, now: &Snapshot) -> Self {
-        let latest = |snapshot: &Snapshot| snapshot.last_refusal.as_ref().map(|(ticket, _)| *ticket);
-        let faults = |snapshot: &Snapshot| snapshot.status.map_or(Faults::NONE, |status| status.faults);
+        let latest = |snapshot: &Snapshot| snapshot.record.last_refusal.as_ref().map(|(ticket, _)| *ticket);
+        let faults = |snapshot: &Snapshot| snapshot.drive.status.map_or(Faults::NONE, |status| status.faults);
         let is_over = |snapshot: &Snapshot| faults(snapshot).contains(Fault::DriveTime);
-        let state = |snapshot: &Snapshot| snapshot.status.map(|status| status.state);
-        let table = |snapshot: &Snapshot| snapshot.table.active.map(|header| header.crc);
+        let state = |snapshot: &Snapshot| snapshot.drive.status.map(|status| status.state);
+        let table = |snapshot: &Snapshot| snapshot.table.report.active.map(|header| header.crc);
         Self {
-            refused: now.last_refusal.clone().filter(|_| latest(before) != latest(now)),
-            state: before.link != now.link || state(before) != state(now),
+            refused: now.record.last_refusal.clone().filter(|_| latest(before) != latest(now)),
+            state: before.link.state != now.link.state || state(before) != state(now),
             drive_time_over: (is_over(before) != is_over(now)).then(|| is_over(now)),
-            stalled: before.driver_stalls != now.driver_stalls,
-            lease_over: before.leases_over != now.leases_over,
+            stalled: before.link.driver_stalls != now.link.driver_stalls,
+            lease_over: before.drive.leases_over != now.drive.leases_over,
             table: table(before) != table(now),
             faults: faults(before) != faults(now),
         }
@@ -51,17 +51,15 @@ mod tests {
 
     #[test]
     fn what_is_new_is_reported_once() {
-        let before = Snapshot { link: LinkState::Connected, ..Snapshot::default() };
+        let mut before = Snapshot::default();
+        before.link.state = LinkState::Connected;
         let status =
             Status { state: State::Fault, faults: Faults::NONE.with(Fault::DriveTime), ..Status::default() };
         let refused = Some((Ticket(3), Refusal::UnexpectedReply));
-        let now = Snapshot {
-            status: Some(status),
-            last_refusal: refused.clone(),
-            driver_stalls: 1,
-            leases_over: 1,
-            ..before.clone()
-        };
+        let mut now = before.clone();
+        now.drive.status = Some(status);
+        now.record.last_refusal = refused.clone();
+        (now.link.driver_stalls, now.drive.leases_over) = (1, 1);
         let first = Changes {
             refused,
             state: true,

@@ -141,15 +141,15 @@ impl DeviceInfo {
     /// What the device at this port has reported, by the latest snapshot.
     #[must_use]
     pub fn of(port: &Port, snapshot: &Snapshot) -> Self {
-        let identity = snapshot.identity.as_deref();
-        let status = snapshot.status.as_ref();
-        let maintenance = snapshot.maintenance.as_ref();
-        let wear = snapshot.wear.as_ref();
-        let board = snapshot.board.as_ref();
+        let identity = snapshot.device.identity.as_deref();
+        let status = snapshot.drive.status.as_ref();
+        let maintenance = snapshot.device.maintenance.as_ref();
+        let wear = snapshot.device.wear.as_ref();
+        let board = snapshot.device.board.as_ref();
         let text = |of: fn(&Identity) -> &str| identity.map(|it| of(it).to_owned());
         Self {
             port: port.to_string(),
-            compatibility: snapshot.compatibility.map_or("", |compatibility| compatibility.sentence()),
+            compatibility: snapshot.device.compatibility.map_or("", |compatibility| compatibility.sentence()),
             board: text(|it| it.board.as_str()),
             firmware: identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2)),
             build: text(|it| it.build.as_str()),
@@ -175,10 +175,11 @@ impl DeviceInfo {
             user_button: board.map(|it| name(&it.user_button)),
             stop_input: board.map(|it| name(&it.stop_input)),
             profile_name: snapshot
+                .device
                 .profile
                 .as_ref()
                 .map(|it| it.profile.as_ref().map(|profile| profile.name.as_str().to_owned())),
-            inputs: snapshot.inputs.as_ref().map(InputsInfo::of),
+            inputs: snapshot.device.inputs.as_ref().map(InputsInfo::of),
             crash: text(|it| it.crash.as_str()).filter(|text| !text.is_empty()),
             state: status.map(|it| name(&it.state)),
             faults: status
@@ -187,10 +188,10 @@ impl DeviceInfo {
                 .collect(),
             now_samples: status.map(|it| it.now),
             heat: status.map(|it| f64::from(it.heat_per_mille) / 1e3),
-            table: snapshot.table.active.as_ref().map(TableInfo::of),
+            table: snapshot.table.report.active.as_ref().map(TableInfo::of),
             counters: status.map(CountersInfo::of),
             worst_block: snapshot.worst_block(),
-            round_trip_s: snapshot.round_trip.average.as_secs_f64(),
+            round_trip_s: snapshot.link.round_trip.average.as_secs_f64(),
             trigger_input: snapshot.has_trigger_input(),
         }
     }

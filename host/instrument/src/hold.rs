@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Plate, frequencies by slot --HoldPlan--> Listen, once the plate has settled --Listened--> Hold
-//!                                                      snapshot.hold --ToneWords--> sentences
+//!                                                      snapshot.drive.hold --ToneWords--> sentences
 //! the user's switch, snapshot --Holding--> these requests, one after the other, and how the hold stands
 //! ```
 //! The held amplitudes are those of the untouched plate when the hold begins: they are measured in one window
@@ -186,7 +186,7 @@ impl HoldPlan {
 
     /// Settling time plus one window, seconds: how long the plate must stay untouched.
     #[must_use]
-    pub fn listening_s(&self) -> f64 {
+    pub(crate) fn listening_s(&self) -> f64 {
         SETTLED * self.time_constant_s + self.window_s()
     }
 

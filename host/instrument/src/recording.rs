@@ -7,9 +7,9 @@ use std::fmt::Write as _;
 use thiserror::Error;
 
 /// The longest recording, in seconds.
-pub const LONGEST_S: f64 = 600.0;
+pub(crate) const LONGEST_S: f64 = 600.0;
 /// The most moves of a recording.
-pub const MOVES_MAX: usize = 20_000;
+pub(crate) const MOVES_MAX: usize = 20_000;
 /// Allowed places of lines in a file, in metres: up to the longest plate.
 const PLACES_M: Range = Range::new(0.0, 10.0, "m");
 /// The names of the columns, by which a file is recognized.

@@ -18,7 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let worker = Worker::spawn(|| ())?;
     worker.send(Request::AutoReconnect(false));
     perform(&worker, Request::Connect(port))?;
-    let identity = worker.snapshot().identity.clone().ok_or("the device's firmware is of another version")?;
+    let identity =
+        worker.snapshot().device.identity.clone().ok_or("the device's firmware is of another version")?;
     println!("{} at {} samples per second", identity.board, identity.sample_rate_hz);
 
     // A plate whose turning point moves from 0 to 100 mm while the frequency falls from 30 kHz to 20 kHz, with the same

@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The replay ends at the device's index in the latest status.
     loopback.perform(Request::Refresh, |codes| sent.extend(codes))?;
 
-    for entry in loopback.view().journal.iter() {
+    for entry in loopback.view().record.journal.iter() {
         let name = match &entry.change {
             Change::Session => "session",
             Change::Armed => "armed",

@@ -128,7 +128,7 @@ impl<O: Opener> Connection<O> {
     /// A link with no port open. `waker` is given to the ports it opens.
     pub fn new(opener: O, waker: Waker, nonces: Nonces) -> Self {
         let mut recorder = Recorder::default();
-        recorder.view.auto_reconnect = true;
+        recorder.view.link.auto_reconnect = true;
         Self {
             opener,
             waker,
@@ -148,7 +148,7 @@ impl<O: Opener> Connection<O> {
         }
     }
 
-    /// Keeps the latest frames of future sessions in [`Snapshot::frames`]. It clones every message, so a
+    /// Keeps the latest frames of future sessions in [`RecordView::frames`](crate::RecordView::frames). It clones every message, so a
     /// simulation that runs faster than real time leaves it off.
     pub const fn keep_frames(&mut self) {
         self.keeps_frames = true;
@@ -214,9 +214,9 @@ impl<O: Opener> Connection<O> {
                 }
             }
             Request::AutoReconnect(on) => {
-                self.recorder.view.auto_reconnect = on;
+                self.recorder.view.link.auto_reconnect = on;
                 self.recorder.touch();
-                match (&self.recorder.view.link, on) {
+                match (&self.recorder.view.link.state, on) {
                     (LinkState::Lost(error), true) => {
                         let error = error.clone();
                         self.seek(error, now);
@@ -237,7 +237,7 @@ impl<O: Opener> Connection<O> {
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
             Request::Observe => {
-                self.recorder.view.observes_only = true;
+                self.recorder.view.link.observes_only = true;
                 self.recorder.touch();
                 self.recorder.finish(Some(ticket), Outcome::Done { at: 0 });
             }
@@ -280,8 +280,8 @@ impl<O: Opener> Connection<O> {
     /// Performs all due steps: reads, evaluates replies, sends, writes, looks for a lost device.
     pub fn step(&mut self, now: Duration) {
         self.recorder.set_time(now);
-        if self.recorder.view.auto_reconnect
-            && let LinkState::Lost(error) = &self.recorder.view.link
+        if self.recorder.view.link.auto_reconnect
+            && let LinkState::Lost(error) = &self.recorder.view.link.state
         {
             let error = error.clone();
             self.seek(error, now);
@@ -309,8 +309,8 @@ impl<O: Opener> Connection<O> {
         }
         let due = match &self.phase {
             Phase::Closed => {
-                let is_lost = matches!(self.recorder.view.link, LinkState::Lost(_));
-                (is_lost && self.recorder.view.auto_reconnect).then_some(now)
+                let is_lost = matches!(self.recorder.view.link.state, LinkState::Lost(_));
+                (is_lost && self.recorder.view.link.auto_reconnect).then_some(now)
             }
             Phase::Seeking { next } => Some(*next),
             // It wakes the worker.

@@ -26,7 +26,7 @@ pub struct HoldToneRequest {
 }
 
 /// Holds the measured amplitudes of sounding tones at these values until another command changes the drive.
-/// While it is on, [`Snapshot::hold`](crate::Snapshot::hold) has its state, a
+/// While it is on, [`DriveView::hold`](crate::DriveView::hold) has its state, a
 /// [`ListenRequest`](crate::ListenRequest) is refused, and the mirror does not know the codes. To change a
 /// hold, end it first.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -47,7 +47,7 @@ pub enum Change {
 }
 
 /// Acknowledged changes that are kept for the mirror.
-pub const JOURNAL_ENTRIES: usize = 128;
+pub(crate) const JOURNAL_ENTRIES: usize = 128;
 /// Largest number of thermal limits among them: some ten seconds of the fastest change.
 pub(crate) const JOURNAL_LIMITS: usize = 32;
 

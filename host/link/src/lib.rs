@@ -55,7 +55,7 @@
 #![warn(clippy::wildcard_enum_match_arm)]
 
 mod channel;
-pub mod chord;
+mod chord;
 mod clock;
 mod comb;
 mod commands;
@@ -91,7 +91,7 @@ mod snapshot;
 mod snapshot_update;
 mod sounding;
 mod system_words;
-pub mod table;
+mod table;
 mod trace;
 pub mod transport;
 mod trigger_outcome;
@@ -106,19 +106,22 @@ pub use driver_watch::{SIGN_PATIENCE, SIGN_PERIOD};
 pub use error::LinkError;
 pub use harmonic::HarmonicRequest;
 pub use hold::{HeldTone, HoldLimit, HoldLoss, HoldProgress, HoldRequest, HoldState, HoldToneRequest};
-pub use journal::{Acknowledged, Change, JOURNAL_ENTRIES};
+pub use journal::{Acknowledged, Change};
 pub use listen::{CaptureRequest, Captured, ListenRequest, Listened, WindowShape};
-pub use log::{LOG_LINES, LogEntry, Severity};
+pub use log::{LogEntry, Severity};
 pub use out_of_range::OutOfRange;
 pub use played::{Played, PlayedTone};
-pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
+pub use port::{Port, PortInfo, PortNameError, USB_PRODUCT, USB_VENDOR};
 pub use refusal::Refusal;
 pub use request::{Outcome, Request, Ticket};
-pub use snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, UploadProgress};
+pub use snapshot::{
+    DeviceView, DriveView, LinkCounters, LinkState, LinkView, RecordView, RoundTrip, Snapshot, TableView,
+    UploadProgress,
+};
 pub use snapshot_update::SnapshotUpdate;
 pub use sounding::Sounding;
 pub use system_words::{capitalized, system_words};
-pub use table::{DeviceTable, DeviceTableError};
+pub use table::{DeviceTable, DeviceTableError, level, span_m};
 pub use trace::{FRAMES, FRAMES_KEPT, TracedFrame, TracedMessage};
 pub use trigger_outcome::TriggerOutcome;
 

@@ -41,4 +41,4 @@ impl fmt::Display for LogEntry {
 }
 
 /// Lines the log keeps.
-pub const LOG_LINES: usize = 500;
+pub(crate) const LOG_LINES: usize = 500;

@@ -10,6 +10,8 @@
 
 pub mod replay;
 
+pub use crate::chord::extent as chord_extent;
+
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::sync::Arc;

@@ -8,8 +8,6 @@ use std::str::FromStr;
 pub const USB_VENDOR: u16 = 0x1209;
 /// The USB product id of a Slipline device: the one that pid.codes reserves for development.
 pub const USB_PRODUCT: u16 = 0x0001;
-/// Other projects use the same pair of ids, so the product's name must begin with this text, too.
-pub const USB_PRODUCT_NAME: &str = "Slipline";
 
 /// A port at which a device can be connected.
 ///

@@ -7,7 +7,9 @@ use crate::journal::{Acknowledged, Change, JOURNAL_ENTRIES, drop_oldest_limit};
 use crate::lease::Lease;
 use crate::log::{LOG_LINES, LogEntry, Severity};
 use crate::request::{Outcome, Ticket};
-use crate::snapshot::{LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot};
+use crate::snapshot::{
+    DeviceView, DriveView, LinkCounters, LinkState, OUTCOMES, RoundTrip, Snapshot, TableView,
+};
 use crate::trace::FRAMES_KEPT;
 use crate::undecided::{Held, Undecided};
 use crate::upkeep;
@@ -60,7 +62,7 @@ impl Recorder {
     }
 
     pub(crate) fn log(&mut self, severity: Severity, text: impl Into<String>) {
-        let log = Arc::make_mut(&mut self.view.log);
+        let log = Arc::make_mut(&mut self.view.record.log);
         push_bounded(log, LOG_LINES, LogEntry { severity, time: self.now, text: text.into() });
         self.touch();
     }
@@ -73,19 +75,19 @@ impl Recorder {
     /// Records a drive or a chord that waits for the trigger input; a rise counts from this index on.
     pub(crate) fn wait_for_trigger(&mut self, from: SampleIndex, drive: Change) {
         // The last report is about an earlier drive.
-        self.view.trigger = None;
+        self.view.drive.trigger = None;
         self.undecided.wait(from, drive);
     }
 
     /// Whether the device must be asked for the outcome of a drive that has waited for the trigger input.
     pub(crate) fn must_ask_for_trigger(&self) -> bool {
-        let waits = self.view.status.is_some_and(|status| status.state == State::Waiting);
+        let waits = self.view.drive.status.is_some_and(|status| status.state == State::Waiting);
         self.undecided.is_about_several() || (!waits && !self.undecided.is_empty())
     }
 
     /// Records the device's report on the drive that waits or has waited for the trigger input.
     pub(crate) fn trigger(&mut self, report: TriggerReport) {
-        self.view.trigger = Some(report);
+        self.view.drive.trigger = Some(report);
         if let Some(began) = report.began {
             self.lease.drive(began);
         }
@@ -100,7 +102,7 @@ impl Recorder {
         if !self.must_ask_for_trigger() {
             let reported = self.undecided.waits_still();
             self.enter_all(reported);
-            self.view.settled = self.view.status;
+            self.view.drive.settled = self.view.drive.status;
         }
     }
 
@@ -116,7 +118,7 @@ impl Recorder {
         if !self.undecided.is_empty() {
             return;
         }
-        let latest = self.view.journal.iter().rev().find_map(|entry| match entry.change {
+        let latest = self.view.record.journal.iter().rev().find_map(|entry| match entry.change {
             Change::Play(_) => Some(true),
             Change::Session | Change::Disarmed | Change::Stop | Change::EmergencyStop => Some(false),
             Change::Armed | Change::Table(_) | Change::Hold | Change::Limit(_) => None,
@@ -128,15 +130,15 @@ impl Recorder {
 
     /// Records that the device was armed on a lease.
     pub(crate) fn begin_lease(&mut self, lease: ArmLease, at: SampleIndex) {
-        let rate_hz = self.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        let rate_hz = self.view.device.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
         self.lease.begin(lease.lease_ms, rate_hz, at);
     }
 
     /// Records that the device has disarmed itself because its lease was over, if the status shows that.
     pub(crate) fn end_lease(&mut self, status: &Status) {
         if let Some((length, at)) = self.lease.take_status(status) {
-            self.view.lease_over = Some(length);
-            self.view.leases_over = self.view.leases_over.saturating_add(1);
+            self.view.drive.lease_over = Some(length);
+            self.view.drive.leases_over = self.view.drive.leases_over.saturating_add(1);
             self.enter(at, Change::Disarmed, false);
             let seconds = length.as_secs_f64();
             self.log(Severity::Warning, format!("The device disarmed itself: no drive for {seconds} s."));
@@ -160,7 +162,7 @@ impl Recorder {
 
     fn write(&mut self, at: SampleIndex, change: Change, is_exact: bool) {
         self.entries += 1;
-        let journal = Arc::make_mut(&mut self.view.journal);
+        let journal = Arc::make_mut(&mut self.view.record.journal);
         if matches!(change, Change::Limit(_)) {
             drop_oldest_limit(journal);
         }
@@ -173,7 +175,7 @@ impl Recorder {
     /// later index, it prevails.
     pub(crate) fn stop_again(&mut self, from: SampleIndex) {
         let is_stop = |change: &Change| matches!(change, Change::Stop | Change::EmergencyStop);
-        let latest = self.view.journal.iter().rev().find(|entry| is_stop(&entry.change));
+        let latest = self.view.record.journal.iter().rev().find(|entry| is_stop(&entry.change));
         if let Some(stop) = latest.filter(|stop| stop.at >= from).cloned() {
             self.acknowledge(stop.at, stop.change.clone());
         }
@@ -192,16 +194,16 @@ impl Recorder {
         if let Outcome::Refused(refusal) = &outcome
             && let Some(ticket) = ticket
         {
-            self.view.last_refusal = Some((ticket, refusal.clone()));
+            self.view.record.last_refusal = Some((ticket, refusal.clone()));
         }
         if let Outcome::DeviceTooOld = outcome {
             self.log(Severity::Warning, Compatibility::DeviceOlder.sentence());
         }
         if let Outcome::NotConnected = outcome {
-            self.view.counters.dropped = self.view.counters.dropped.saturating_add(1);
+            self.view.link.counters.dropped = self.view.link.counters.dropped.saturating_add(1);
         }
         if let Some(ticket) = ticket {
-            push_bounded(Arc::make_mut(&mut self.view.outcomes), OUTCOMES, (ticket, outcome));
+            push_bounded(Arc::make_mut(&mut self.view.record.outcomes), OUTCOMES, (ticket, outcome));
             self.touch();
         }
     }
@@ -209,7 +211,7 @@ impl Recorder {
     /// Stores the device's report on its upkeep, with a log entry for each condition that a person should
     /// correct.
     pub(crate) fn maintenance(&mut self, reported: Maintenance) {
-        let before = self.view.maintenance.replace(reported);
+        let before = self.view.device.maintenance.replace(reported);
         if before.is_none()
             && let Some(warning) = upkeep::before_arming(&reported)
         {
@@ -225,7 +227,7 @@ impl Recorder {
 
     /// Stores the device's report on its board, with a log entry for what a person should correct.
     pub(crate) fn board(&mut self, reported: BoardReport) {
-        if self.view.board.replace(reported).is_none()
+        if self.view.device.board.replace(reported).is_none()
             && let Some(warning) = upkeep::muted_for_good(&reported)
         {
             self.log(Severity::Warning, warning);
@@ -235,7 +237,7 @@ impl Recorder {
 
     /// Stores the device's report on the wear of its profile's flash.
     pub(crate) fn wear(&mut self, reported: Wear) {
-        self.view.wear = Some(reported);
+        self.view.device.wear = Some(reported);
         self.touch();
     }
 
@@ -250,13 +252,13 @@ impl Recorder {
             None if self.view.is_simulated() => {}
             None => self.log(Severity::Info, "The device keeps no profile of its actuator."),
         }
-        self.view.profile = Some(Arc::new(reported));
+        self.view.device.profile = Some(Arc::new(reported));
         self.touch();
     }
 
     /// Stores the device's report on the actuator's travel limit.
     pub(crate) fn travel_limit(&mut self, limit: Option<TravelLimit>) {
-        self.view.travel_limit = limit;
+        self.view.drive.travel_limit = limit;
         let line = if limit.is_some() {
             "The device limits the actuator's travel."
         } else {
@@ -268,8 +270,8 @@ impl Recorder {
 
     /// Stores the state of the level hold.
     pub(crate) fn hold(&mut self, reported: Option<hold::Held>) {
-        if self.view.hold.as_deref() != reported.as_ref() {
-            self.view.hold = reported.map(Arc::new);
+        if self.view.drive.hold.as_deref() != reported.as_ref() {
+            self.view.drive.hold = reported.map(Arc::new);
             self.touch();
         }
     }
@@ -285,30 +287,30 @@ impl Recorder {
             seen.heat_per_mille = seen.heat_per_mille.saturating_add(5) / 10;
             seen
         };
-        if let Some(before) = self.view.status {
+        if let Some(before) = self.view.drive.status {
             for fault in status.faults.iter().filter(|&fault| !before.faults.contains(fault)) {
                 let text = self.view.fault_text(fault);
                 self.log(Severity::Error, format!("Fault: {text}."));
             }
         }
-        if self.view.status.as_ref().map(seen) != Some(seen(&status)) {
+        if self.view.drive.status.as_ref().map(seen) != Some(seen(&status)) {
             self.touch();
         }
-        self.view.status = Some(status);
-        self.view.status_time = self.now;
+        self.view.drive.status = Some(status);
+        self.view.drive.status_time = self.now;
         self.settle();
         self.changed = true;
     }
 
     /// Stores the device's report on its table: a table that the device no longer holds is no longer known.
     pub(crate) fn table(&mut self, report: TableReport) {
-        self.view.confirmed_table.take_if(|known| report.active != Some(known.header()));
-        self.view.table = report;
+        self.view.table.confirmed.take_if(|known| report.active != Some(known.header()));
+        self.view.table.report = report;
         self.touch();
     }
 
     pub(crate) fn round_trip(&mut self, took: Duration) {
-        let trip = &mut self.view.round_trip;
+        let trip = &mut self.view.link.round_trip;
         trip.last = took;
         trip.worst = trip.worst.max(took);
         trip.average = if trip.average.is_zero() {
@@ -321,18 +323,18 @@ impl Recorder {
 
     /// Counts a drive that was replaced by a newer one or a stop before it was sent.
     pub(crate) const fn superseded(&mut self) {
-        self.view.counters.superseded = self.view.counters.superseded.saturating_add(1);
+        self.view.link.counters.superseded = self.view.link.counters.superseded.saturating_add(1);
     }
 
     /// Counts a drive that ended because the driving program gave no sign of life.
     pub(crate) const fn driver_stalled(&mut self) {
-        self.view.driver_stalls = self.view.driver_stalls.saturating_add(1);
+        self.view.link.driver_stalls = self.view.link.driver_stalls.saturating_add(1);
         self.touch();
     }
 
     pub(crate) fn link(&mut self, link: LinkState) {
-        if self.view.link != link {
-            self.view.link = link;
+        if self.view.link.state != link {
+            self.view.link.state = link;
             self.touch();
         }
     }
@@ -341,20 +343,20 @@ impl Recorder {
     pub(crate) fn count(&mut self, channel: &mut Channel) {
         let traced = channel.take_traced();
         if !traced.is_empty() {
-            let frames = Arc::make_mut(&mut self.view.frames);
+            let frames = Arc::make_mut(&mut self.view.record.frames);
             frames.extend(traced.into_iter().map(Arc::new));
             frames.drain(..frames.len().saturating_sub(FRAMES_KEPT));
             self.changed = true;
         }
         let sent = channel.counters();
-        let before = (self.view.counters, self.view.decoder);
-        let counters = &mut self.view.counters;
+        let before = (self.view.link.counters, self.view.link.decoder);
+        let counters = &mut self.view.link.counters;
         counters.commands = sent.commands;
         counters.retries = sent.retries;
         counters.timeouts = sent.timeouts;
         counters.unmatched = sent.unmatched;
-        self.view.decoder = channel.decoder();
-        self.changed |= before != (self.view.counters, self.view.decoder);
+        self.view.link.decoder = channel.decoder();
+        self.changed |= before != (self.view.link.counters, self.view.link.decoder);
     }
 
     /// Clears the state of a device that is no longer connected.
@@ -363,32 +365,21 @@ impl Recorder {
         self.enter_all(reported);
         self.lease.end();
         let view = &mut self.view;
-        view.identity = None;
-        view.maintenance = None;
-        view.wear = None;
-        view.board = None;
-        view.profile = None;
-        view.inputs = None;
-        view.glide_until = None;
-        view.hold = None;
-        view.compatibility = None;
-        view.status = None;
-        view.settled = None;
-        view.trigger = None;
-        view.table = TableReport::default();
-        view.confirmed_table = None;
-        view.travel_limit = None;
-        view.upload = None;
-        view.error = error;
+        view.device = DeviceView::default();
+        let DriveView { status_time, leases_over, lease_over, .. } = view.drive;
+        view.drive = DriveView { status_time, leases_over, lease_over, ..DriveView::default() };
+        let upload_verified = view.table.upload_verified;
+        view.table = TableView { upload_verified, ..TableView::default() };
+        view.link.error = error;
         self.touch();
     }
 
     /// Resets the counters of a connection.
     pub(crate) fn begin(&mut self) {
-        let dropped = self.view.counters.dropped;
-        self.view.counters = LinkCounters { dropped, ..LinkCounters::default() };
-        self.view.round_trip = RoundTrip::default();
-        self.view.upload_verified = None;
+        let dropped = self.view.link.counters.dropped;
+        self.view.link.counters = LinkCounters { dropped, ..LinkCounters::default() };
+        self.view.link.round_trip = RoundTrip::default();
+        self.view.table.upload_verified = None;
         self.touch();
     }
 }
@@ -413,7 +404,7 @@ mod tests {
         for at in 1..1000 {
             recorder.acknowledge(at, Change::Limit(at as u16));
         }
-        let journal = &recorder.view.journal;
+        let journal = &recorder.view.record.journal;
         assert_eq!(journal.front().map(|entry| &entry.change), Some(&Change::Armed));
         assert_eq!(journal.len(), 1 + JOURNAL_LIMITS);
         assert_eq!(
@@ -428,9 +419,9 @@ mod tests {
         let reported =
             |erasures| Maintenance { erasures, erasures_promised: 20_000, brown_out_guarded: false };
         let mut warnings = |erasures| {
-            let before = recorder.view.log.len();
+            let before = recorder.view.record.log.len();
             recorder.maintenance(reported(erasures));
-            let new = recorder.view.log.iter().skip(before);
+            let new = recorder.view.record.log.iter().skip(before);
             let texts = new.filter(|line| line.severity == Severity::Warning).map(|line| line.text.clone());
             texts.collect::<Vec<_>>().join("\n")
         };
@@ -452,11 +443,11 @@ mod tests {
         };
         let (known, other) = (table(20e3), table(21e3));
         let mut recorder = Recorder::default();
-        recorder.view.confirmed_table = Some(known.clone());
+        recorder.view.table.confirmed = Some(known.clone());
         for (active, is_known) in [(Some(known.header()), true), (Some(other.header()), false)] {
             recorder.table(TableReport { active, staged: 0 });
-            assert_eq!(recorder.view.table.active, active);
-            assert_eq!(recorder.view.confirmed_table.is_some(), is_known);
+            assert_eq!(recorder.view.table.report.active, active);
+            assert_eq!(recorder.view.table.confirmed.is_some(), is_known);
         }
     }
 }

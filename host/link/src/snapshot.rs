@@ -29,7 +29,7 @@ use std::time::Duration;
 /// The state of the link.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub enum LinkState {
-    /// No port is open and none is sought. [`Snapshot::error`] has the reason, unless the user has requested
+    /// No port is open and none is sought. [`LinkView::error`] has the reason, unless the user has requested
     /// it.
     #[default]
     Disconnected,
@@ -83,7 +83,7 @@ pub struct LinkCounters {
 }
 
 /// Number of outcomes that are kept.
-pub const OUTCOMES: usize = 64;
+pub(crate) const OUTCOMES: usize = 64;
 
 /// Everything known about link and device at one moment. Cloning is cheap.
 ///
@@ -97,9 +97,9 @@ pub const OUTCOMES: usize = 64;
 /// loopback.perform(Request::Refresh, |_| ())?;
 /// let snapshot = loopback.view();
 /// assert!(snapshot.is_connected() && snapshot.is_simulated());
-/// assert_eq!(snapshot.status.map(|status| status.state), Some(State::Armed));
+/// assert_eq!(snapshot.drive.status.map(|status| status.state), Some(State::Armed));
 /// // What the device has agreed to, in order.
-/// let changes: Vec<&Change> = snapshot.journal.iter().map(|entry| &entry.change).collect();
+/// let changes: Vec<&Change> = snapshot.record.journal.iter().map(|entry| &entry.change).collect();
 /// assert_eq!(changes.last(), Some(&&Change::Armed));
 /// # Ok(())
 /// # }
@@ -108,8 +108,23 @@ pub const OUTCOMES: usize = 64;
 pub struct Snapshot {
     /// Increases with every change that is worth a repaint.
     pub revision: u64,
+    /// The link.
+    pub link: LinkView,
+    /// What the device is and has.
+    pub device: DeviceView,
+    /// What the device does.
+    pub drive: DriveView,
+    /// The device's table.
+    pub table: TableView,
+    /// What has happened.
+    pub record: RecordView,
+}
+
+/// The link: its port, its state and its counters.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct LinkView {
     /// The state of the link.
-    pub link: LinkState,
+    pub state: LinkState,
     /// The port that is open, was open or is sought.
     pub port: Option<Port>,
     /// Whether a lost device is looked for, and a missing port waited for.
@@ -118,72 +133,92 @@ pub struct Snapshot {
     pub observes_only: bool,
     /// The latest error of the link; `None` while connected.
     pub error: Option<LinkError>,
+    /// Time from commands to replies.
+    pub round_trip: RoundTrip,
+    /// The link's own counters.
+    pub counters: LinkCounters,
+    /// The counters of this side's decoder.
+    pub decoder: DecoderCounters,
+    /// Number of times the device was stopped and disarmed because its driver gave no sign of life for
+    /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, saturating.
+    pub driver_stalls: u32,
+}
+
+/// What the device is and has.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct DeviceView {
     /// The device's identity, while connected.
     pub identity: Option<Arc<Identity>>,
     /// Whether its firmware and this program are compatible, while connected.
     pub compatibility: Option<Compatibility>,
-    /// Its status, while connected; requested every fifth of a second.
-    pub status: Option<Status>,
-    /// The status up to which the journal is complete. It is the latest one, unless a drive that waited for
-    /// the trigger input may have begun before it and the device has not yet reported whether and where.
-    pub settled: Option<Status>,
-    /// The device's last report on the drive that waits, or waited, for the trigger input; requested when a
-    /// drive no longer waits.
-    pub trigger: Option<TriggerReport>,
+    /// What it has found on its board, while connected; `None` with a protocol older than 1.3. Read at the start.
+    pub board: Option<BoardReport>,
+    /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
+    pub inputs: Option<InputsReport>,
+    /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.
+    pub profile: Option<Arc<ProfileReport>>,
     /// The wear of its flash and the guard of its supply, while connected; `None` with a device of protocol
     /// 1.0, which does not report it. Read at the start and after each write to the flash.
     pub maintenance: Option<Maintenance>,
     /// The wear of its profile's flash, and the tables that it still stores in a row, while connected; `None` with a protocol older
     /// than 1.3. Read at the start and after each write to the flash.
     pub wear: Option<Wear>,
-    /// What it has found on its board, while connected; `None` with a protocol older than 1.3. Read at the start.
-    pub board: Option<BoardReport>,
-    /// The profile of its actuator, while connected; `None` with a protocol older than 1.3. Read at the start and after each write.
-    pub profile: Option<Arc<ProfileReport>>,
-    /// The capabilities of its inputs, while connected; `None` with a protocol older than 1.3. Read at the start.
-    pub inputs: Option<InputsReport>,
+}
+
+/// What the device does: its state, its drive and its level hold.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct DriveView {
+    /// Its status, while connected; requested every fifth of a second.
+    pub status: Option<Status>,
+    /// The status up to which the journal is complete. It is the latest one, unless a drive that waited for
+    /// the trigger input may have begun before it and the device has not yet reported whether and where.
+    pub settled: Option<Status>,
+    /// When the status was received, since the worker was started. With the sample rate it gives the present
+    /// sample index.
+    pub status_time: Duration,
+    /// The device's last report on the drive that waits, or waited, for the trigger input; requested when a
+    /// drive no longer waits.
+    pub trigger: Option<TriggerReport>,
     /// The state of the level hold, or its last state when it ended; `None` before the first one of a
     /// connection and after its end by [`HoldRequest::OFF`](crate::HoldRequest::OFF). Requested ten times a
     /// second while it is on.
     pub hold: Option<Arc<Held>>,
-    /// When the status was received, since the worker was started. With the sample rate it gives the present
-    /// sample index.
-    pub status_time: Duration,
-    /// The device's table, as it was last read back.
-    pub table: TableReport,
-    /// The device's table with its knots: this program has it, and the device's digest matches. `None` while
-    /// the device holds none, or one of another program.
-    pub confirmed_table: Option<Arc<DeviceTable>>,
     /// The limit of the actuator's travel that the device has accepted in this session; `None` without a
     /// limit.
     pub travel_limit: Option<TravelLimit>,
     /// Begin and end of the drive that was accepted last, if its glide takes longer than asked; `None` otherwise, and with a device
     /// of a protocol older than 1.3, which does not report it.
     pub glide_until: Option<AcceptedUntil>,
-    /// The progress of an upload.
-    pub upload: Option<UploadProgress>,
-    /// Whether the device holds the table of the last upload by its digest, read back; `None` while there was none.
-    pub upload_verified: Option<bool>,
-    /// Time from commands to replies.
-    pub round_trip: RoundTrip,
-    /// The link's own counters.
-    pub counters: LinkCounters,
-    /// Number of times the device was stopped and disarmed because its driver gave no sign of life for
-    /// [`SIGN_PATIENCE`](crate::SIGN_PATIENCE); over all connections, saturating.
-    pub driver_stalls: u32,
     /// Number of times a device disarmed itself because its lease was over ([`Request::ArmFor`](crate::Request::ArmFor)); over all
     /// connections, saturating.
     pub leases_over: u32,
     /// The lease that was over last.
     pub lease_over: Option<Duration>,
-    /// The counters of this side's decoder.
-    pub decoder: DecoderCounters,
-    /// The last refusal, with its request.
-    pub last_refusal: Option<(Ticket, Refusal)>,
+}
+
+/// The device's table and its upload.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct TableView {
+    /// The device's table, as it was last read back.
+    pub report: TableReport,
+    /// The device's table with its knots: this program has it, and the device's digest matches. `None` while
+    /// the device holds none, or one of another program.
+    pub confirmed: Option<Arc<DeviceTable>>,
+    /// The progress of an upload.
+    pub upload: Option<UploadProgress>,
+    /// Whether the device holds the table of the last upload by its digest, read back; `None` while there was none.
+    pub upload_verified: Option<bool>,
+}
+
+/// What has happened: commands, outcomes, log and frames.
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
+pub struct RecordView {
     /// The commands that the device has accepted, oldest first.
     pub journal: Arc<VecDeque<Arc<Acknowledged>>>,
     /// The outcomes of the latest requests, oldest first.
     pub outcomes: Arc<VecDeque<(Ticket, Outcome)>>,
+    /// The last refusal, with its request.
+    pub last_refusal: Option<(Ticket, Refusal)>,
     /// The log, oldest first.
     pub log: Arc<VecDeque<LogEntry>>,
     /// The latest frames in both directions, oldest first; at most [`FRAMES_KEPT`](crate::FRAMES_KEPT), and none unless
@@ -195,7 +230,19 @@ impl Snapshot {
     /// Whether the device reports that it is simulated.
     #[must_use]
     pub fn is_simulated(&self) -> bool {
-        self.identity.as_ref().is_some_and(|identity| identity.simulated)
+        self.device.identity.as_ref().is_some_and(|identity| identity.simulated)
+    }
+
+    /// How firmware and this program differ, if no drive is possible.
+    #[must_use]
+    pub fn mismatch(&self) -> Option<Compatibility> {
+        self.device.compatibility.filter(|compatibility| !compatibility.may_drive())
+    }
+
+    /// The device's sample rate in Hz.
+    #[must_use]
+    pub fn sample_rate_hz(&self) -> Option<f64> {
+        Some(f64::from(self.device.identity.as_ref()?.sample_rate_hz))
     }
 
     /// Whether the device may be armed without a request of the user: only a simulated one, because it moves
@@ -203,14 +250,15 @@ impl Snapshot {
     /// and after its faults were cleared; Drive arms it if it has been disarmed since.
     #[must_use]
     pub fn may_arm_unasked(&self) -> bool {
-        self.is_simulated() && !self.observes_only
+        self.is_simulated() && !self.link.observes_only
     }
 
     /// Whether the device's firmware can limit the actuator's travel; older firmware cannot.
     #[must_use]
     pub fn can_limit_travel(&self) -> bool {
         let setting = Command::SetTravelLimit(TravelSetting::default());
-        self.identity
+        self.device
+            .identity
             .as_ref()
             .is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(setting.since()))
     }
@@ -219,41 +267,45 @@ impl Snapshot {
     #[must_use]
     pub fn can_play_chords(&self) -> bool {
         let since = Command::TABLE.iter().find(|row| row.name == "Chord").map_or(u8::MAX, |row| row.since);
-        self.identity.as_ref().is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
+        self.device
+            .identity
+            .as_ref()
+            .is_some_and(|identity| Version::OURS.shared_minor(identity.version).has(since))
     }
 
     /// Whether a drive can wait for the device's trigger input; `None` with a device of protocol 1.1 or 1.2, which does not
     /// report it.
     #[must_use]
     pub fn has_trigger_input(&self) -> Option<bool> {
-        let knows_it = Version::OURS.shared_minor(self.identity.as_ref()?.version).has(1);
-        if knows_it { self.board.map(|board| board.trigger_input) } else { Some(false) }
+        let knows_it = Version::OURS.shared_minor(self.device.identity.as_ref()?.version).has(1);
+        if knows_it { self.device.board.map(|board| board.trigger_input) } else { Some(false) }
     }
 
     /// How long the glide of the drive that was accepted last takes, in seconds, if that is longer than asked.
     #[must_use]
     pub fn stretched_glide_s(&self) -> Option<f64> {
-        let (glide, identity) = (self.glide_until?, self.identity.as_ref()?);
+        let (glide, identity) = (self.drive.glide_until?, self.device.identity.as_ref()?);
         Some(glide.until.saturating_sub(glide.at) as f64 / f64::from(identity.sample_rate_hz))
     }
 
     /// Whether the device can keep a profile of its actuator: a real one of protocol 1.3 or newer. A simulated one needs none.
     #[must_use]
     pub fn keeps_profile(&self) -> bool {
-        !self.is_simulated() && self.profile.is_some()
+        !self.is_simulated() && self.device.profile.is_some()
     }
 
     /// Whether the device has reported that it keeps no profile of its actuator, although it can.
     #[must_use]
     pub fn lacks_profile(&self) -> bool {
-        self.keeps_profile() && self.profile.as_ref().is_some_and(|report| report.profile.is_none())
+        self.keeps_profile() && self.device.profile.as_ref().is_some_and(|report| report.profile.is_none())
     }
 
     /// The share of a block's time that the longest block since the device's start took; `None` where the device does not report its
     /// processor's clock: with a protocol older than 1.3, and simulated.
     #[must_use]
     pub fn worst_block(&self) -> Option<f64> {
-        let (board, identity, status) = (self.board?, self.identity.as_ref()?, self.status?);
+        let (board, identity, status) =
+            (self.device.board?, self.device.identity.as_ref()?, self.drive.status?);
         let block_s = f64::from(identity.block) / f64::from(identity.sample_rate_hz);
         (board.core_hz > 0)
             .then(|| f64::from(status.counters.max_cycles) / (f64::from(board.core_hz) * block_s))
@@ -262,14 +314,14 @@ impl Snapshot {
     /// The travel limit with the lower resonance, of the session's and the profile's that the device enforces: it
     /// makes glides longer.
     pub(crate) fn slowest_limit(&self) -> Option<TravelLimit> {
-        let profile = self.profile.as_ref().and_then(|report| report.profile.as_ref()?.travel);
-        [self.travel_limit, profile].into_iter().flatten().min_by_key(|limit| limit.resonance_uhz)
+        let profile = self.device.profile.as_ref().and_then(|report| report.profile.as_ref()?.travel);
+        [self.drive.travel_limit, profile].into_iter().flatten().min_by_key(|limit| limit.resonance_uhz)
     }
 
     /// The longest drive without a command of the user.
     #[must_use]
-    pub fn longest_drive(&self) -> Duration {
-        let profile = self.profile.as_ref().and_then(|report| report.profile.as_ref());
+    pub(crate) fn longest_drive(&self) -> Duration {
+        let profile = self.device.profile.as_ref().and_then(|report| report.profile.as_ref());
         Duration::from_millis(profile.map_or(MAX_DRIVE_MS, |profile| profile.max_drive_ms).into())
     }
 
@@ -277,7 +329,7 @@ impl Snapshot {
     #[must_use]
     pub fn fault_text(&self, fault: Fault) -> Cow<'static, str> {
         if fault == Fault::StoreDamaged {
-            let stored = self.profile.as_ref().map(|report| report.stored);
+            let stored = self.device.profile.as_ref().map(|report| report.stored);
             return Cow::Borrowed(upkeep::damaged_store(stored));
         }
         let longest = self.longest_drive();
@@ -299,31 +351,31 @@ impl Snapshot {
     /// Whether the device has inputs that it can measure; older firmware and a board without them have none.
     #[must_use]
     pub fn can_listen(&self) -> bool {
-        self.inputs.is_some_and(|inputs| inputs.inputs > 0)
+        self.device.inputs.is_some_and(|inputs| inputs.inputs > 0)
     }
 
     /// Whether a level hold is on, by the device's last report.
     #[must_use]
     pub fn is_holding(&self) -> bool {
-        self.hold.as_ref().is_some_and(|hold| hold.progress == HoldProgress::On)
+        self.drive.hold.as_ref().is_some_and(|hold| hold.progress == HoldProgress::On)
     }
 
     /// Whether the device limits the actuator's travel as this table requires, or does not support it.
     #[must_use]
     pub fn limits_travel_for(&self, table: &DeviceTable) -> bool {
-        self.travel_limit == table.travel_limit() || !self.can_limit_travel()
+        self.drive.travel_limit == table.travel_limit() || !self.can_limit_travel()
     }
 
     /// Whether the device answers.
     #[must_use]
     pub fn is_connected(&self) -> bool {
-        self.link == LinkState::Connected
+        self.link.state == LinkState::Connected
     }
 
     /// Whether the device takes drives: unmuted, whatever it plays, by its last report.
     #[must_use]
     pub fn is_armed(&self) -> bool {
-        self.status.is_some_and(|status| {
+        self.drive.status.is_some_and(|status| {
             matches!(status.state, State::Armed | State::Waiting | State::Driving | State::Stopping)
         })
     }
@@ -332,15 +384,17 @@ impl Snapshot {
     /// [`Outcome::NotConnected`] instead of `None`.
     #[must_use]
     pub fn outcome(&self, ticket: Ticket) -> Option<&Outcome> {
-        let has_crashed = self.link == LinkState::Lost(LinkError::Crashed);
-        let ended = self.outcomes.iter().rev().find(|(of, _)| *of == ticket).map(|(_, outcome)| outcome);
+        let has_crashed = self.link.state == LinkState::Lost(LinkError::Crashed);
+        let ended =
+            self.record.outcomes.iter().rev().find(|(of, _)| *of == ticket).map(|(_, outcome)| outcome);
         ended.or(has_crashed.then_some(&Outcome::NotConnected))
     }
 
     /// The chip's unique id in hexadecimal, while connected.
     #[must_use]
     pub fn unit(&self) -> Option<String> {
-        self.identity
+        self.device
+            .identity
             .as_ref()
             .map(|identity| identity.unit.iter().map(|byte| format!("{byte:02x}")).collect())
     }

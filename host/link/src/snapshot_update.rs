@@ -4,7 +4,7 @@
 use crate::journal::Acknowledged;
 use crate::log::LogEntry;
 use crate::request::{Outcome, Ticket};
-use crate::snapshot::Snapshot;
+use crate::snapshot::{RecordView, Snapshot};
 use crate::table::DeviceTable;
 use crate::trace::TracedFrame;
 use serde::{Deserialize, Serialize};
@@ -65,28 +65,23 @@ impl SnapshotUpdate {
     /// What is new in `newer`. Both are of one link, which clones an entry's `Arc` but never remakes an entry.
     #[must_use]
     pub fn between(older: &Snapshot, newer: &Snapshot) -> Self {
-        let values = Snapshot {
-            journal: Arc::default(),
-            outcomes: Arc::default(),
-            log: Arc::default(),
-            frames: Arc::default(),
-            confirmed_table: None,
-            ..newer.clone()
-        };
-        let is_same_table = match (&older.confirmed_table, &newer.confirmed_table) {
+        let mut values = newer.clone();
+        values.table.confirmed = None;
+        values.record = RecordView { last_refusal: values.record.last_refusal, ..RecordView::default() };
+        let is_same_table = match (&older.table.confirmed, &newer.table.confirmed) {
             (Some(older), Some(newer)) => Arc::ptr_eq(older, newer),
             (older, newer) => older.is_none() && newer.is_none(),
         };
         Self {
             values,
-            journal: ListUpdate::between(&older.journal, &newer.journal, Arc::ptr_eq),
-            outcomes: ListUpdate::between(&older.outcomes, &newer.outcomes, PartialEq::eq),
-            log: ListUpdate::between(&older.log, &newer.log, PartialEq::eq),
-            frames: ListUpdate::between(&older.frames, &newer.frames, Arc::ptr_eq),
+            journal: ListUpdate::between(&older.record.journal, &newer.record.journal, Arc::ptr_eq),
+            outcomes: ListUpdate::between(&older.record.outcomes, &newer.record.outcomes, PartialEq::eq),
+            log: ListUpdate::between(&older.record.log, &newer.record.log, PartialEq::eq),
+            frames: ListUpdate::between(&older.record.frames, &newer.record.frames, Arc::ptr_eq),
             confirmed_table: if is_same_table {
                 TableUpdate::Same
             } else {
-                TableUpdate::Other(newer.confirmed_table.clone())
+                TableUpdate::Other(newer.table.confirmed.clone())
             },
         }
     }
@@ -95,18 +90,16 @@ impl SnapshotUpdate {
     /// common entries stay the same `Arc`s.
     #[must_use]
     pub fn apply(self, older: &Snapshot) -> Snapshot {
-        let Self { values, journal, outcomes, log, frames, confirmed_table } = self;
-        Snapshot {
-            journal: journal.apply(&older.journal),
-            outcomes: outcomes.apply(&older.outcomes),
-            log: log.apply(&older.log),
-            frames: frames.apply(&older.frames),
-            confirmed_table: match confirmed_table {
-                TableUpdate::Same => older.confirmed_table.clone(),
-                TableUpdate::Other(table) => table,
-            },
-            ..values
-        }
+        let Self { mut values, journal, outcomes, log, frames, confirmed_table } = self;
+        values.table.confirmed = match confirmed_table {
+            TableUpdate::Same => older.table.confirmed.clone(),
+            TableUpdate::Other(table) => table,
+        };
+        values.record.journal = journal.apply(&older.record.journal);
+        values.record.outcomes = outcomes.apply(&older.record.outcomes);
+        values.record.log = log.apply(&older.record.log);
+        values.record.frames = frames.apply(&older.record.frames);
+        values
     }
 }
 

@@ -270,7 +270,7 @@ pub fn span_m(header: &TableHeader) -> (f64, f64) {
 /// The position on the wire of a boundary at `x` metres in a table's span; `None` outside the span by more than a
 /// tenth of a micrometre, and for NaN.
 #[must_use]
-pub fn position_in(header: &TableHeader, x_m: f64) -> Option<Position> {
+pub(crate) fn position_in(header: &TableHeader, x_m: f64) -> Option<Position> {
     const ROUNDING_M: f64 = 1e-7;
     let (start, end) = span_m(header);
     if !(start - ROUNDING_M..=end + ROUNDING_M).contains(&x_m) {

@@ -18,7 +18,7 @@ impl Snapshot {
     /// a rise counts.
     #[must_use]
     pub fn trigger_outcome(&self, from: u64) -> TriggerOutcome {
-        match self.trigger {
+        match self.drive.trigger {
             None => TriggerOutcome::Waits,
             Some(report) if report.waits => TriggerOutcome::Waits,
             Some(report) => match report.began.filter(|&began| began > from) {
@@ -59,7 +59,7 @@ mod tests {
         assert_eq!(outcome_after(&mut loopback, 10, first), TriggerOutcome::Waits);
         loopback.raise_trigger();
         let TriggerOutcome::Began(began) = outcome_after(&mut loopback, 10, first) else {
-            panic!("{:?}", loopback.view().trigger)
+            panic!("{:?}", loopback.view().drive.trigger)
         };
         assert!(began > first);
 

@@ -154,7 +154,7 @@ pub const NO_PROFILE: &str = "This board keeps no profile of its actuator: only 
     if it does so at all. `slipline profile write` keeps one on the board, as firmware/BOARDS.md says.";
 
 /// The share of a block's time above which [`hardly_in_time`] warns: interrupts that may come together take most of the rest.
-pub const BUSY: f64 = 0.9;
+pub(crate) const BUSY: f64 = 0.9;
 
 /// The warning that the device's longest block took nearly all of a block's time, if it did; `share` is
 /// [`Snapshot::worst_block`](crate::Snapshot::worst_block).

@@ -29,7 +29,7 @@
 //! - `waveform/`, `sounding.rs`: the latest codes and their spectrum, and the present drive
 //! - `sound/`, `wav.rs`: sound for a loudspeaker, and recordings (WAV, FLAC, ALAC, AIFF)
 //! - `content.rs`: recognizes a file by its bytes
-//! - `jobs/`: work on plates that takes longer than a frame
+//! - `jobs/`: work on plates that takes longer than a frame; which result is shown (`jobs/latest_result.rs`)
 //! - `export/`: exports, and figures (`export/figures/`)
 //! - `colour_map.rs`: the colour maps of displacement and amplitude. Tests: `host/window/tests/gui/snapshots/`
 //! - `fonts.rs`, `scenes.rs`: fonts, and scenes to start from
@@ -38,6 +38,8 @@
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+// A new error, request or outcome must be handled wherever these are matched.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 pub mod answer;
 #[cfg(feature = "native")]

@@ -1,7 +1,8 @@
 //! A plate by the name of a preset, or from a file.
 
 use crate::atomic_file::said;
-use slipline_plate::{Plate, PlateFileError, nearest, preset, presets};
+use slipline_plate::quantity::nearest;
+use slipline_plate::{Plate, PlateFileError, preset, presets};
 use std::io;
 
 /// Why no plate has this name.
@@ -37,9 +38,12 @@ pub fn named_plate(name: &str, read: impl FnOnce() -> io::Result<String>) -> Res
     if let Some(plate) = preset(name) {
         return Ok(plate);
     }
-    let text = read().map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => NamedPlateError::Unknown(name.to_owned()),
-        _ => NamedPlateError::Unread(name.to_owned(), error),
+    let text = read().map_err(|error| {
+        if error.kind() == io::ErrorKind::NotFound {
+            NamedPlateError::Unknown(name.to_owned())
+        } else {
+            NamedPlateError::Unread(name.to_owned(), error)
+        }
     })?;
     Plate::from_toml(&text).map_err(|error| NamedPlateError::File(name.to_owned(), error))
 }

@@ -1,8 +1,8 @@
 //! The device's present drive, by the link's journal.
 
 use crate::field::steady_field::SteadyTone;
+use slipline_link::DeviceTable;
 use slipline_link::protocol::event::State;
-use slipline_link::table::DeviceTable;
 use slipline_link::{Change, Played, Snapshot};
 use std::sync::Arc;
 
@@ -27,11 +27,12 @@ pub struct SoundingDrive {
 #[must_use]
 pub fn sounding(snapshot: &Snapshot) -> Option<SoundingDrive> {
     let is_sounding = snapshot
+        .drive
         .status
         .is_some_and(|status| matches!(status.state, State::Driving | State::Waiting | State::Armed));
-    let table = snapshot.confirmed_table.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
+    let table = snapshot.table.confirmed.as_ref().filter(|_| is_sounding && snapshot.is_connected())?;
     let mut latest = None;
-    for entry in snapshot.journal.iter() {
+    for entry in snapshot.record.journal.iter() {
         match &entry.change {
             Change::Play(played) => latest = Some((entry, played)),
             Change::Session | Change::Armed | Change::Disarmed | Change::Stop | Change::EmergencyStop => {
@@ -87,7 +88,7 @@ mod tests {
         // A multiple below the table's lowest frequency.
         let low = ChordRequest::of(14, Vec::new());
         let identity = slipline_link::simulator::loopback::Loopback::connect(400_000).unwrap();
-        let identity = identity.view().identity.clone().unwrap();
+        let identity = identity.view().device.identity.clone().unwrap();
         let mut low = low.for_device(&identity, None).unwrap();
         low.tones.push(ChordTone { harmonic: 3, level, phase }).unwrap();
         assert!(Played::from(low).tones(&table).is_empty());

@@ -4,10 +4,10 @@
 //! `cargo bench -p slipline-plate --bench speed` prints it; with `-- --lines` as tab-separated lines:
 //! problem, engine, value, unit, check (a number that depends on the result, to compare with the others').
 
+use slipline_plate::EnvelopeScope;
+use slipline_plate::FdtdGrid;
 use slipline_plate::calibrate::SensorKind;
 use slipline_plate::check::{Checker, Conditions};
-use slipline_plate::sheet::EnvelopeScope;
-use slipline_plate::sheet::FdtdGrid;
 use slipline_plate::texture::{Palette, TONES_MAX, Target, Texture};
 use slipline_plate::{
     DriveTable, Equation, Model, Plate, Progress, SensedPlate, Sheet, SheetGrid, TimeDomainLine, preset,

@@ -7,8 +7,8 @@
 //! edge that grows narrower along the plate. The other, 1/W^2 = 1/W0^2 + 2 c x, has W'/W^3 = -c and so the same edge
 //! width everywhere: (2 K^2 d)^(-1/3) with K = (pi/2)/W and d = -W'/W is (4.93 c)^(-1/3).
 
+use slipline_plate::Model;
 use slipline_plate::check::{Checker, Colour, Conditions};
-use slipline_plate::definition::Model;
 use slipline_plate::feeling::{Feeling, FeltEdge, FeltTone};
 use slipline_plate::{DriveEnd, DriveTable, Equation, Plate, PlateSpec, Taper, preset, respond};
 use std::error::Error;

@@ -94,7 +94,7 @@ pub mod by_number {
 }
 
 /// The serde form of a plate that needs no identity: the text of its file.
-pub mod by_text {
+pub(crate) mod by_text {
     use super::Plate;
     use serde::{Deserialize as _, Deserializer, Serializer, de};
 
@@ -102,7 +102,7 @@ pub mod by_text {
     ///
     /// # Errors
     /// The serialiser's error.
-    pub fn serialize<S: Serializer>(plate: &Plate, serializer: S) -> Result<S::Ok, S::Error> {
+    pub(crate) fn serialize<S: Serializer>(plate: &Plate, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(&plate.to_toml())
     }
 
@@ -110,7 +110,7 @@ pub mod by_text {
     ///
     /// # Errors
     /// A text that is no plate; that of the deserialiser.
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Plate, D::Error> {
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Plate, D::Error> {
         Plate::from_toml(&String::deserialize(deserializer)?).map_err(de::Error::custom)
     }
 }

@@ -4,11 +4,11 @@
 //! The values are illustrative and settable, because fingers differ. A tone below 20 kHz is felt as vibration above the
 //! threshold at its frequency. Tones above 20 kHz together make the plate slippery, which is felt once the friction has
 //! fallen by [`Feeling::least_friction_change`]. A finger feels the mean square over its contact. Threshold and
-//! friction are in [`crate::sensation`]. Source and spread of every number are in PHYSICS.md, section 5.
+//! friction are in [`crate::check::sensation`]. Source and spread of every number are in PHYSICS.md, section 5.
 
+use crate::check::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use crate::definition::Plate;
 use crate::quantity::{OutOfRange, Range, from_decibels};
-use crate::sensation::{FrictionCurve, SLIPPERY_FROM_HZ, threshold_m};
 use num_complex::Complex64;
 
 /// Spread of the thresholds of persons, dB: half of it above [`Feeling`]'s own and half below. No source: a round

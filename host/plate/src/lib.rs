@@ -48,11 +48,11 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
 pub mod calibrate;
 pub mod check;
-pub mod definition;
+mod definition;
 pub mod design;
 pub mod exchange;
 pub mod feeling;
-pub mod frequency;
+mod frequency;
 mod fused;
 pub mod merit;
 pub mod paper;
@@ -60,16 +60,15 @@ pub mod physics;
 pub mod plane;
 mod progress;
 pub mod quantity;
-pub mod sheet;
-pub mod special;
+mod sheet;
+mod special;
 pub mod static_text;
-pub mod table;
+mod table;
 pub mod text_table;
 pub mod texture;
-pub mod time;
+mod time;
 pub mod truth;
 
-pub use check::sensation;
 pub use definition::{
     Actuator, Air, AirMounting, Bending, Calibration, Consequence, DriveEnd, EndSlope, Faces, Film, Gas,
     Impedance, LeadIn, Model, Origin, PLATE_FILE_BYTES_MAX, Plate, PlateError, PlateFile, PlateFileError,
@@ -77,14 +76,13 @@ pub use definition::{
     TurningWidth, fields, limits, preset, presets, sample_rates,
 };
 pub use frequency::{
-    CONTACT_M, Equation, Finger, POINTS_MAX, POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder,
-    Response, ToneDrive, predict_envelope, reflection, resistance_reflection, respond, respond_batch,
-    respond_range, respond_touched,
+    Equation, Finger, POINTS_MAX, POINTS_MIN, Peak, PredictedEnvelope, RespondError, Responder, Response,
+    ToneDrive, predict_envelope, reflection, resistance_reflection, respond, respond_batch, respond_range,
+    respond_touched,
 };
 pub use num_complex::Complex64;
 pub use progress::{Progress, Stopped};
-pub use quantity::{Notation, nearest, number_format};
-pub use sheet::{Sheet, SheetError, SheetGrid};
+pub use sheet::{Cost, DriveShape, EnvelopeScope, FdtdGrid, Sheet, SheetEnvelope, SheetError, SheetGrid};
 pub use special::airy;
 pub use table::{
     Boundary, DriveTable, KNOTS_MAX, Knot, Level, NoBoundary, Sensitivity, TableError, TableTravel,

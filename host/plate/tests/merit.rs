@@ -1,7 +1,7 @@
 //! Figures of merit, against other parts of the crate and against the table in PERFORMANCE.md.
 
 use slipline_plate::merit::Merit;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::texture::Palette;
 use slipline_plate::{
     Complex64, DriveTable, Equation, Film, KNOTS_MAX, Model, Plate, PlateSpec, preset, presets, respond,

@@ -30,6 +30,8 @@
 
 #![forbid(unsafe_code)]
 #![warn(clippy::expect_used, clippy::unwrap_used)]
+// A new error, request or outcome must be handled wherever these are matched.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 mod actual;
 mod calibrate;

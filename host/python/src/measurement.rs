@@ -197,11 +197,9 @@ impl Stated {
     fn read(&self, path: &Path) -> Result<(slipline_plate::calibrate::Measurement, Option<String>), Failure> {
         let bad = |why: &dyn std::fmt::Display| Failure::bad_file(path.display(), why);
         let bytes = read_bytes(path, BYTES_MAX).map_err(|error| bad(&said(&error)))?;
-        let opened = Opened::read(bytes, &self.columns).map_err(|error| match error {
-            OpenError::File(FileError::Columns(unclear)) => {
-                bad(&format_args!("{unclear}: say what they are, such as columns=\"frequency=1,level=2:dB\""))
-            }
-            error => bad(&error),
+        let opened = Opened::read(bytes, &self.columns).map_err(|error| {
+            let OpenError::File(FileError::Columns(unclear)) = error else { return bad(&error) };
+            bad(&format_args!("{unclear}: say what they are, such as columns=\"frequency=1,level=2:dB\""))
         })?;
         if let Opened::Own(measurement) = opened {
             return Ok((measurement, None));
@@ -209,9 +207,13 @@ impl Stated {
         let (Some(plate), Some(place_m)) = (&self.plate, self.place_m) else {
             return Err(bad(&"it does not state its place: add plate and sensor"));
         };
-        let untold = |error: ForeignError| match error {
-            ForeignError::Kind => bad(&"it does not state what its sensor measures: add kind"),
-            error => bad(&error),
+        let untold = |error: ForeignError| {
+            let is_of_kind = matches!(error, ForeignError::Kind);
+            if is_of_kind {
+                bad(&"it does not state what its sensor measures: add kind")
+            } else {
+                bad(&error)
+            }
         };
         match opened {
             Opened::Own(measurement) => Ok((measurement, None)),

@@ -3,7 +3,7 @@
 use crate::error::Failure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use slipline_plate::nearest;
+use slipline_plate::quantity::nearest;
 use slipline_plate::quantity::{OutOfRange, Range};
 
 /// Options that are taken one by one; what is left at the end is refused.

@@ -67,13 +67,10 @@ pub(crate) fn run(py: Python<'_>, plate: &Arc<Plate>, wanted: Wanted, most: usiz
         let (table, _) = table_for_watched(&plate, SAMPLE_RATE_HZ, &mut progress.part(0.0, 0.2))
             .map_err(|it| Failure::of(&it))?;
         let palette = Palette::new(&plate, &table);
-        let made =
-            make(&palette, &wish, most, &mut progress.part(0.2, 1.0)).map_err(|error| match error {
-                TextureError::OutOfRange(refused) => {
-                    Failure::out_of_range(&OutOfRange { field: argument, ..refused })
-                }
-                error => Failure::of(&error),
-            })?;
+        let made = make(&palette, &wish, most, &mut progress.part(0.2, 1.0)).map_err(|error| {
+            let TextureError::OutOfRange(refused) = error else { return Failure::of(&error) };
+            Failure::out_of_range(&OutOfRange { field: argument, ..refused })
+        })?;
         let places = TonePlaces::of_setup(&made.setup(Arc::clone(&plate)), &table);
         Ok(fields(&TextureAnswer::of(&plate, &made, &places)))
     })?;

@@ -10,7 +10,7 @@ use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, Way}
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{CalibrateError, Departure, Parameter, departure};
-use slipline_plate::number_format::{significant, with_decimals};
+use slipline_plate::quantity::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{show_length, show_place, show_si};
 
 /// Accuracy of a method on simulated plates: the table of PHYSICS.md, section 9.

@@ -10,7 +10,7 @@ use super::{
 use crate::signals;
 use clap::{CommandFactory as _, Parser, Subcommand};
 use slipline_link::Port;
-use slipline_plate::nearest;
+use slipline_plate::quantity::nearest;
 use std::path::PathBuf;
 
 const EXIT_CODES: &str = "\

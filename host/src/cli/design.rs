@@ -12,7 +12,7 @@ use slipline_model::answer::design::{DesignAnswer, design};
 use slipline_plate::check::Colour;
 use slipline_plate::design::{Design, Edge, Material, Request, Wave, end_margin_range, start_margin_range};
 use slipline_plate::limits;
-use slipline_plate::number_format::{significant, with_decimals};
+use slipline_plate::quantity::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{Measure, Range, show_frequency, show_si};
 use slipline_plate::{Air, AirMounting, Faces, Gas};
 use std::io::Write;

@@ -57,9 +57,8 @@ pub(super) fn margin(text: &str) -> Result<Typed<f64>, QuantityError> {
 
 pub(super) fn material(text: &str) -> Result<Material, String> {
     // The command line's parser adds the option and the value.
-    Material::named(text).map_err(|error| match error {
-        PlateError::UnknownKind { allowed, .. } => only(allowed),
-        other => other.to_string(),
+    Material::named(text).map_err(|error| {
+        if let PlateError::UnknownKind { allowed, .. } = error { only(allowed) } else { error.to_string() }
     })
 }
 

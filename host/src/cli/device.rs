@@ -8,8 +8,8 @@ use clap::Args;
 use slipline_instrument::measure::Procedure;
 use slipline_instrument::native::{ArmingConsent, Client, ClientError};
 use slipline_instrument::rig::PreparedRig;
+use slipline_link::DeviceTable;
 use slipline_link::Port;
-use slipline_link::table::DeviceTable;
 use slipline_plate::Plate;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -71,14 +71,15 @@ impl Device {
             despite_brown_out_level: arming.despite_brown_out_level,
             despite_no_profile: arming.despite_no_profile,
         };
-        self.client.may_be_armed(consent).map_err(|error| match error {
-            ClientError::Unguarded(_) => {
-                Failure::Failed(format!("{error} To arm it anyway, add --despite-brown-out-level."))
-            }
-            ClientError::NoProfile => {
-                Failure::Failed(format!("{error} To arm it anyway, add --despite-no-profile."))
-            }
-            error => error.into(),
+        self.client.may_be_armed(consent).map_err(|error| {
+            let option = if matches!(error, ClientError::Unguarded(_)) {
+                "--despite-brown-out-level"
+            } else if matches!(error, ClientError::NoProfile) {
+                "--despite-no-profile"
+            } else {
+                return error.into();
+            };
+            Failure::Failed(format!("{error} To arm it anyway, add {option}."))
         })
     }
 

@@ -1,7 +1,7 @@
 //! Differences between the plate in two dimensions and the one-mode equation, for people.
 
-use slipline_plate::number_format::with_decimals;
 use slipline_plate::plane::Comparison;
+use slipline_plate::quantity::number_format::with_decimals;
 
 /// Shift and level of the peak in two dimensions.
 pub(super) fn peak(comparison: &Comparison) -> String {

@@ -24,7 +24,7 @@ use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::{Setup, edit};
 use slipline_plate::DriveTable;
-use slipline_plate::number_format::rounded;
+use slipline_plate::quantity::number_format::rounded;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &DriveArguments, as_json: bool) -> Result<(), Failu
     let course = drive.sound(began, (wakes, &interruption), holder.as_mut())?;
     let stopped_at = device.stop()?;
     let hold = holder.as_ref().map(Holder::value);
-    let clipped_samples = device.snapshot().status.map(|status| status.counters.clips);
+    let clipped_samples = device.snapshot().drive.status.map(|status| status.counters.clips);
     // Before anything is written, because the reader of the output may be slow.
     device.disarm()?;
     let value = json!({

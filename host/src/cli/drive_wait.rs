@@ -28,7 +28,7 @@ pub(super) fn wait_for_trigger(
     let TriggerOutcome::Began(began) = snapshot.trigger_outcome(from) else {
         return Err(Failure::failed("the device dropped the drive before the trigger"));
     };
-    let now = snapshot.status.map_or(began, |status| status.now);
+    let now = snapshot.drive.status.map_or(began, |status| status.now);
     let since = Duration::from_secs_f64(now.saturating_sub(began) as f64 / rate_hz);
     Ok(Some((began, Instant::now().checked_sub(since).unwrap_or_else(Instant::now))))
 }

@@ -14,7 +14,7 @@ use slipline_instrument::rig::{PreparedRig, RigOptions};
 use slipline_link::protocol::hold::{Held, HoldProgress};
 use slipline_link::{DeviceTable, DriveRequest, Snapshot, ToneRequest};
 use slipline_plate::Plate;
-use slipline_plate::number_format::signed;
+use slipline_plate::quantity::number_format::signed;
 use slipline_plate::quantity::show_place;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
@@ -66,7 +66,7 @@ impl HoldArgument {
             return Ok(None);
         }
         let rate_hz = f64::from(device.identity()?.sample_rate_hz);
-        let lock_ins = device.snapshot().inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
+        let lock_ins = device.snapshot().device.inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
         let frequency =
             |tone: &ToneRequest| Some((tone.slot, table.frequency_hz(table.position(tone.boundary_m)?)));
         let frequencies: Vec<(u8, f64)> = drive.tones.iter().filter_map(frequency).collect();
@@ -105,7 +105,7 @@ impl Holder {
 
     /// Prints changes of the hold.
     pub(super) fn watch(&mut self, snapshot: &Snapshot, as_json: bool) -> Result<(), Failure> {
-        let Some(held) = &snapshot.hold else { return Ok(()) };
+        let Some(held) = &snapshot.drive.hold else { return Ok(()) };
         let before = self.latest.replace(held.clone()).map(|held| held.progress);
         let tones: Vec<(&'static str, f64)> =
             words(held).map(|tone| (tone.words, tone.correction_db)).collect();

@@ -9,7 +9,7 @@ use serde_json::json;
 use slipline_instrument::device_info::DeviceInfo;
 use slipline_link::native::list_ports;
 use slipline_link::upkeep;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 
 pub(super) fn ports(as_json: bool) -> Result<(), Failure> {
     let ports = list_ports();
@@ -36,15 +36,15 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
     let port = &argument.port()?;
     let device = Device::observe(port, argument.rig(None)?.as_ref())?;
     let snapshot = device.snapshot();
-    let compatibility = snapshot.compatibility.map_or("", |compatibility| compatibility.sentence());
-    let identity = snapshot.identity.as_deref();
-    let status = snapshot.status;
-    let maintenance = snapshot.maintenance.as_ref();
-    let inputs = snapshot.inputs.as_ref();
-    let board = snapshot.board.as_ref();
-    let table = snapshot.table.active;
+    let compatibility = snapshot.device.compatibility.map_or("", |compatibility| compatibility.sentence());
+    let identity = snapshot.device.identity.as_deref();
+    let status = snapshot.drive.status;
+    let maintenance = snapshot.device.maintenance.as_ref();
+    let inputs = snapshot.device.inputs.as_ref();
+    let board = snapshot.device.board.as_ref();
+    let table = snapshot.table.report.active;
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
-    let round_trip_s = snapshot.round_trip.average.as_secs_f64();
+    let round_trip_s = snapshot.link.round_trip.average.as_secs_f64();
     let defaults = defaults();
     let option = Chosen { value: port.to_string(), from: Origin::Option };
     let of_port = if argument.is_given() { option } else { defaults.port.clone()? };
@@ -76,7 +76,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             lines.extend(upkeep::before_arming(it).map(|warning| ("Warning", warning.to_owned())));
             lines.extend(upkeep::worn(it).map(|warning| ("Warning", warning)));
         }
-        if let Some(it) = &snapshot.wear {
+        if let Some(it) = &snapshot.device.wear {
             lines.push(("Profile's flash erased", upkeep::profile_wear(it)));
         }
         if let Some(it) = board {
@@ -84,7 +84,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
             lines.extend(upkeep::stop_input(it).map(|state| ("Stop input", state.to_owned())));
             lines.extend(upkeep::muted_for_good(it).map(|warning| ("Warning", warning.to_owned())));
         }
-        if let Some(it) = &snapshot.profile {
+        if let Some(it) = &snapshot.device.profile {
             let name = it.profile.as_ref().map_or("none", |profile| profile.name.as_str());
             lines.push(("Actuator profile", name.to_owned()));
         }
@@ -105,7 +105,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
         let table = table.map_or_else(
             || "none".to_owned(),
             |it| {
-                let (start, end) = slipline_link::table::span_m(&it);
+                let (start, end) = slipline_link::span_m(&it);
                 format!("{:08x}, {} knots, {:.1} to {:.1} mm", it.crc, it.knots, start * 1e3, end * 1e3)
             },
         );

@@ -10,7 +10,7 @@ use slipline_instrument::measure::circuit::{AMPLIFIER, COIL, PIEZO, SHUNT, amper
 use slipline_instrument::native::ClientError;
 use slipline_instrument::requests::circuit_of;
 use slipline_plate::calibrate::DriveCheck;
-use slipline_plate::number_format::significant;
+use slipline_plate::quantity::number_format::significant;
 use slipline_plate::quantity::{Measure, NotAllowed, QuantityError, Range, TypedRange};
 
 /// The circuit from the DAC to the drive, from data sheets: all values or none.

@@ -17,7 +17,7 @@ use slipline_instrument::rig::RigOptions;
 use slipline_model::atomic_file::STANDARD_STREAM;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{DriveCheck, Measurement, SensorKind};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{decibels, must_be, show_frequency, show_place};
 use std::path::{Path, PathBuf};
 

@@ -178,13 +178,12 @@ pub(super) fn current_of(
 fn read(path: &Path, sensor: &SensorArgument, number: usize, count: usize) -> Result<Opened, Failure> {
     let columns = RecordingArgument::of("--columns", &sensor.columns, number, count)?;
     let columns = columns.map_or(&[][..], |columns| &columns.0);
-    Opened::read(bytes_of(path, BYTES_MAX)?, columns).map_err(|error| match error {
-        OpenError::File(FileError::Columns(unclear)) => {
-            let how =
-                "say what they are with --columns, such as --columns frequency=1,level=2:dB,phase=3:deg";
-            Failure::of_file(path, format_args!("{unclear}: {how}"))
-        }
-        error => Failure::of_file(path, error),
+    Opened::read(bytes_of(path, BYTES_MAX)?, columns).map_err(|error| {
+        let OpenError::File(FileError::Columns(unclear)) = error else {
+            return Failure::of_file(path, error);
+        };
+        let how = "say what they are with --columns, such as --columns frequency=1,level=2:dB,phase=3:deg";
+        Failure::of_file(path, format_args!("{unclear}: {how}"))
     })
 }
 
@@ -225,11 +224,9 @@ fn foreign_measurement(
 }
 
 fn untold(path: &Path, error: &ForeignError) -> Failure {
-    match error {
-        ForeignError::Kind => Failure::of_file(
-            path,
-            "it does not state what its sensor measures: add --kind (displacement, velocity, acceleration or strain)",
-        ),
-        error => Failure::of_file(path, error),
+    if matches!(error, ForeignError::Kind) {
+        let how = "add --kind (displacement, velocity, acceleration or strain)";
+        return Failure::of_file(path, format_args!("it does not state what its sensor measures: {how}"));
     }
+    Failure::of_file(path, error)
 }

@@ -82,9 +82,8 @@ impl<'a> Measurer<'a> {
         plate: &'a Plate,
         request: &MeasureRequest,
     ) -> Result<Self, Failure> {
-        let refused = |error: MeasureError| match error {
-            MeasureError::NoInputs => Failure::failed(error),
-            error => Failure::refused(error),
+        let refused = |error: MeasureError| {
+            if error == MeasureError::NoInputs { Failure::failed(error) } else { Failure::refused(error) }
         };
         let table = device.make_table(plate)?;
         // Refused before the table is uploaded.

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::json;
 use slipline_model::answer::merit::{MeritAnswer, rate};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place, show_si};
 use slipline_plate::texture::Palette;
 

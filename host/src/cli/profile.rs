@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &ProfileArguments, as_json: bool) -> Result<(), Fai
         // The report that follows the write.
         device.refresh()?;
     }
-    let report = device.snapshot().profile.clone();
+    let report = device.snapshot().device.profile.clone();
     let report = report.ok_or_else(|| Failure::Failed(Compatibility::DeviceOlder.sentence().to_owned()))?;
     show(&report, as_json)
 }

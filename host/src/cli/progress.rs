@@ -1,7 +1,7 @@
 //! The progress of a long computation, as a bar on the error stream. Shown only if that is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_model::field::simulation::{self, SimulationError};
 use slipline_plate::{DriveTable, Plate, Progress};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

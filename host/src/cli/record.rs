@@ -13,7 +13,7 @@ use slipline_model::answer::ToneAnswer;
 use slipline_model::atomic_file::{STANDARD_STREAM, is_stream};
 use slipline_model::field::simulation::{MAX_SECONDS, SAMPLE_RATE_HZ};
 use slipline_model::field::tone_places::TonePlaces;
-use slipline_plate::number_format::rounded;
+use slipline_plate::quantity::number_format::rounded;
 use std::path::{Path, PathBuf};
 
 /// `record`.

@@ -19,6 +19,7 @@ const RENAMED: [(&str, &str, &str); 9] = [
 impl Command {
     /// One sentence for each old option among these arguments.
     #[must_use]
+    #[expect(clippy::wildcard_enum_match_arm, reason = "most commands have no old options")]
     pub fn renamed(&self, arguments: &[OsString]) -> Vec<String> {
         let command = match self {
             Self::Simulate(_) => "simulate",

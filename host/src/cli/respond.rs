@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::json;
 use slipline_model::answer::respond::{Differences, FieldRequest, plate_of, solve};
 use slipline_model::export::figures::response_figure;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_place};
 use slipline_plate::{POINTS_MAX, POINTS_MIN, plane, respond_range};
 

@@ -5,7 +5,7 @@ use super::output;
 use serde_json::{Value, json};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place};
 
 /// Prints the proposed places, the accuracy of pairs of places, and that of the pair `asked` for.

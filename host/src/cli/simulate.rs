@@ -18,7 +18,7 @@ use slipline_model::field::felt::{Felt, by_person_words};
 use slipline_model::field::simulation::{
     MAX_SECONDS, SAMPLE_RATE_HZ, Simulated, SlowBeat, Solver, ToneResult, sheet_grid,
 };
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place, show_si};
 use slipline_plate::{Plate, SheetError};
 use std::io::Write;

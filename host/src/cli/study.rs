@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use slipline_model::study::{
     Chunk, Draft, SPEC_BYTES_MAX, Spec, Statistics, Status, Study, Summary, csv, run_in_order,
 };
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_frequency, show_length, show_place};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@ use super::rig::PortArgument;
 use clap::Args;
 use serde_json::{Value, json};
 use slipline_instrument::measure::{PlayedSweep, Playing, QUIETER, SWEEP_S};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::show_frequency;
 use std::path::PathBuf;
 

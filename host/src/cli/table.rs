@@ -8,7 +8,7 @@ use super::{output, progress};
 use clap::Args;
 use serde_json::json;
 use slipline_model::answer::table::BuiltTable;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
 use slipline_plate::{KNOTS_MAX, sample_rates};
 use std::io::Write;

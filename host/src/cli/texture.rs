@@ -17,7 +17,7 @@ use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::file;
 use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, Wish};
 use slipline_plate::feeling::Feeling;
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
 use slipline_plate::texture::{
     CHORD_PERIOD, ChordTexture, Figures, Flutter, Palette, TONES_MAX, TextureError,

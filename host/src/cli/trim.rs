@@ -17,7 +17,7 @@ use slipline_instrument::rig::RigOptions;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{SensorKind, SpeedTrim, Trimmed, departure};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{show_length, show_place};
 use std::path::PathBuf;
 use std::time::Instant;

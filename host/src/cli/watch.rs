@@ -37,10 +37,10 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
     let mut before = None;
     while !ended.load(Ordering::Relaxed) {
         let snapshot = device.snapshot();
-        if let LinkState::Lost(trouble) = &snapshot.link {
+        if let LinkState::Lost(trouble) = &snapshot.link.state {
             return Err(Failure::Failed(trouble.to_string()));
         }
-        if let Some(status) = snapshot.status.filter(|status| before != Some(status.now)) {
+        if let Some(status) = snapshot.drive.status.filter(|status| before != Some(status.now)) {
             before = Some(status.now);
             if !output::line(&value(&port.to_string(), &snapshot, &status))? {
                 return Ok(());
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &WatchArguments) -> Result<(), Failure> {
 }
 
 fn value(port: &str, snapshot: &Snapshot, status: &Status) -> Value {
-    let rate_hz = snapshot.identity.as_ref().map(|identity| f64::from(identity.sample_rate_hz));
+    let rate_hz = snapshot.sample_rate_hz();
     let faults: Vec<_> = status.faults.iter().map(|fault| snapshot.fault_text(fault)).collect();
     json!({
         "port": port,
@@ -64,7 +64,7 @@ fn value(port: &str, snapshot: &Snapshot, status: &Status) -> Value {
         "clipped_samples": status.counters.clips,
         "underruns": status.counters.underruns,
         "crc_errors": status.counters.crc_errors,
-        "table": { "crc": snapshot.table.active.map(|table| format!("{:08x}", table.crc)) },
-        "round_trip_s": snapshot.round_trip.last.as_secs_f64(),
+        "table": { "crc": snapshot.table.report.active.map(|table| format!("{:08x}", table.crc)) },
+        "round_trip_s": snapshot.link.round_trip.last.as_secs_f64(),
     })
 }

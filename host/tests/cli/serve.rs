@@ -32,8 +32,8 @@ fn talk(port: Port) -> Option<u32> {
         assert!(matches!(outcome, Some(Outcome::Done { .. })), "{outcome:?}");
     }
     let snapshot = worker.snapshot();
-    assert!(snapshot.identity.as_ref().unwrap().simulated);
-    snapshot.table.active.map(|header| header.crc)
+    assert!(snapshot.device.identity.as_ref().unwrap().simulated);
+    snapshot.table.report.active.map(|header| header.crc)
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn a_second_program_at_a_taken_device_is_refused_and_disturbs_nothing() {
     assert!(message.contains(&format!("{port} is in use by another program")), "{message}");
     // The first one's session has not ended.
     done(Request::Refresh);
-    assert!(worker.snapshot().status.is_some_and(|status| status.state == State::Armed));
+    assert!(worker.snapshot().drive.status.is_some_and(|status| status.state == State::Armed));
     drop(worker);
     assert_eq!(talk(serving.port()), None);
 }

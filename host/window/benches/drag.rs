@@ -79,7 +79,7 @@ impl Late {
     fn look(&mut self, link: &Handle) {
         let period = Duration::from_millis(KEEP_ALIVE_PERIOD_MS.into());
         let snapshot = link.snapshot();
-        for frame in snapshot.frames.iter() {
+        for frame in snapshot.record.frames.iter() {
             let is_beat = matches!(frame.message, TracedMessage::Command(Command::KeepAlive(_)));
             if is_beat && self.beat.is_none_or(|beat| frame.time > beat) {
                 let since = self.beat.replace(frame.time).map_or(period, |beat| frame.time - beat);

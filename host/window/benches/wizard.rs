@@ -287,7 +287,7 @@ fn calibrate(preset: &'static str) -> Result<(), String> {
         })?;
         let handle = worker.handle();
         let mut parts = Parts { bench, ..Parts::threaded(ctx, Box::new(handle.clone()))? };
-        parts.desk.files = Box::new(saved.clone());
+        parts.services.files = Box::new(saved.clone());
         ctx.enable_accesskit();
         ctx.add_plugin(seen.clone());
         let app = App::new(ctx, parts, setup, Settings::default());

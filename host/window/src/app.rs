@@ -65,12 +65,12 @@ pub struct Parts {
     pub jobs: Jobs,
     /// The rig at the simulated device's inputs.
     pub bench: Bench,
-    /// The window's own state.
-    pub desk: Desk,
+    /// What the window uses itself.
+    pub services: Services,
 }
 
-/// What a window has and an instrument has not.
-pub struct Desk {
+/// What a window uses and an instrument does not: pictures, sound, files, ports, its address.
+pub struct Services {
     /// Draws small pictures of the scenes.
     pub scenes: JobQueue<(), Vec<Thumbnail>>,
     /// Draws figures.
@@ -81,7 +81,7 @@ pub struct Desk {
     pub files: Box<dyn Files>,
     /// Lists the ports that exist, the simulated device first.
     pub ports: Box<dyn Fn() -> Vec<PortInfo>>,
-    /// Has the user choose a board, which [`Desk::ports`] lists from then on; `None` where every port is listed unasked.
+    /// Has the user choose a board, which [`Services::ports`] lists from then on; `None` where every port is listed unasked.
     pub ask_for_port: Option<Box<dyn FnMut()>>,
     /// The address of the page that the window is on, without a fragment; `None` outside a browser.
     pub address: Option<String>,
@@ -101,7 +101,7 @@ enum Lead {
 /// The app.
 pub struct App {
     instrument: Instrument,
-    desk: Desk,
+    services: Services,
     settings: Settings,
     grab: Option<Grab>,
     /// Magnification of displacements on the stage, relative to the table's full scale.
@@ -127,11 +127,11 @@ impl App {
     pub fn new(ctx: &egui::Context, parts: Parts, setup: Setup, settings: Settings) -> Self {
         theme::install(ctx);
         set_theme(ctx, settings.theme);
-        let Parts { link, jobs, bench, desk } = parts;
+        let Parts { link, jobs, bench, services } = parts;
         let mut app = Self {
             instrument: Instrument::new(link, jobs, bench, setup),
-            ports: (desk.ports)(),
-            desk,
+            ports: (services.ports)(),
+            services,
             settings,
             grab: None,
             magnification: 1.0,
@@ -156,7 +156,7 @@ impl App {
 
     /// Opens a setup or plate file, or what else the menu opens.
     pub fn open(&mut self, file: PathBuf) {
-        self.desk.files.begin(FileJob::Open(file));
+        self.services.files.begin(FileJob::Open(file));
     }
 
     /// The user's setup.
@@ -179,7 +179,7 @@ impl App {
 
     /// Looks for ports again.
     pub fn look_for_ports(&mut self) {
-        self.ports = (self.desk.ports)();
+        self.ports = (self.services.ports)();
     }
 
     /// Shows a failure.
@@ -206,7 +206,7 @@ impl App {
         self.instrument.take_reports();
         if self.instrument.drive.snapshot().revision != revision {
             // The link decides, but only after it has received what the user has just chosen.
-            self.settings.auto_reconnect = self.instrument.drive.snapshot().auto_reconnect;
+            self.settings.auto_reconnect = self.instrument.drive.snapshot().link.auto_reconnect;
         }
         self.take_results();
         self.advance_demonstration(ctx);
@@ -224,13 +224,13 @@ impl App {
     }
 
     fn take_results(&mut self) {
-        if let Some(drawn) = self.desk.scenes.take() {
+        if let Some(drawn) = self.services.scenes.take() {
             self.thumbnails = drawn;
         }
-        while let Some(event) = self.desk.files.take() {
+        while let Some(event) = self.services.files.take() {
             self.file_event(event);
         }
-        match self.desk.figures.take() {
+        match self.services.figures.take() {
             Some(Ok(plate::File { format, bytes })) => {
                 let extension = format.extension();
                 self.save(&format!("figure.{extension}"), "Picture", extension, bytes);
@@ -253,7 +253,7 @@ impl App {
         let mut view = std::mem::take(&mut self.view);
         let sound = SoundScene {
             choice: self.sound_choice(),
-            speaker: self.desk.speaker.state(),
+            speaker: self.services.speaker.state(),
             unplayed: self.unplayed(),
         };
         let scene = Scene {
@@ -265,8 +265,8 @@ impl App {
             visitors: self.visitors_scene(),
             ports: &self.listed_ports(),
             dialog: self.dialog.as_ref(),
-            has_address: self.desk.address.is_some(),
-            asks_for_port: self.desk.ask_for_port.is_some(),
+            has_address: self.services.address.is_some(),
+            asks_for_port: self.services.ask_for_port.is_some(),
             thumbnails: &self.thumbnails,
         };
         let intents = view::show(ui, &scene, &mut view);
@@ -281,7 +281,7 @@ impl App {
     /// The ports to choose from: those that were found, and the present one.
     fn listed_ports(&self) -> Vec<PortInfo> {
         let mut ports = self.ports.clone();
-        let current = self.instrument.drive.snapshot().port.clone();
+        let current = self.instrument.drive.snapshot().link.port.clone();
         if let Some(port) = current.filter(|port| ports.iter().all(|info| info.port != *port)) {
             ports.push(PortInfo { label: port.to_string(), port, is_ours: false, usb_serial: None });
         }

@@ -49,9 +49,9 @@ impl Form for Panel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use slipline_plate::Notation as _;
     use slipline_plate::Progress;
     use slipline_plate::design::{DesignError, Request, design};
+    use slipline_plate::quantity::Notation as _;
     use slipline_plate::{Plate, PlateSpec, Taper};
 
     fn fault(preset: &str, change: impl FnOnce(&mut PlateSpec)) -> String {

@@ -32,6 +32,8 @@
 #![forbid(unsafe_code)]
 // The crate is part of the browser build: clippy.toml lists what browsers do not support.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used))]
+// A new error, request or outcome must be handled wherever these are matched.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 pub mod app;
 pub mod axis;

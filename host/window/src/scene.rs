@@ -62,7 +62,7 @@ impl Scene<'_> {
     /// What the user has to know before this board is armed for the first time, if there is anything.
     pub(crate) fn asks_before_arming(&self) -> Option<&'static str> {
         let unit = self.snapshot.unit()?;
-        let level = self.snapshot.maintenance.as_ref().and_then(upkeep::before_arming);
+        let level = self.snapshot.device.maintenance.as_ref().and_then(upkeep::before_arming);
         let level = level.filter(|_| !self.settings.unguarded_boards.contains(&unit));
         let lacks_profile =
             self.snapshot.lacks_profile() && !self.settings.boards_without_profile.contains(&unit);

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::sync::Arc;
 
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_link::{LinkState, Outcome, Port, Request};
 use slipline_protocol::command::DigestWindow;
 use slipline_protocol::frame::{Direction, Header, encode};
@@ -63,9 +63,9 @@ pub fn connection(data: &[u8]) {
         }
     }
     rig.ask_and_pass(Request::Disconnect, RECOVERY_MS);
-    assert_eq!(rig.view().link, LinkState::Disconnected);
+    assert_eq!(rig.view().link.state, LinkState::Disconnected);
     rig.ask_and_pass(Request::Connect(Port::Serial("A".to_owned())), RECOVERY_MS);
-    assert_eq!(rig.view().link, LinkState::Connected);
+    assert_eq!(rig.view().link.state, LinkState::Connected);
     let stop = rig.ask(Request::Stop);
     rig.pass_ms(500);
     assert!(matches!(rig.outcome(stop), Some(Outcome::Done { .. })), "{:?}", rig.outcome(stop));

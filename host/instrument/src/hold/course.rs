@@ -112,12 +112,12 @@ impl Course {
         if !snapshot.can_listen() {
             return Err(HoldEnd::Cannot(HoldError::NoInputs));
         }
-        match snapshot.status.map(|status| (status.state, status.faults)) {
+        match snapshot.drive.status.map(|status| (status.state, status.faults)) {
             Some((State::Fault | State::SafeMode, faults)) => return Err(HoldEnd::Fault(faults)),
             Some((State::Idle, _)) => return Err(HoldEnd::Disarmed),
             _ => {}
         }
-        let table = snapshot.table.active.map(|header| header.crc);
+        let table = snapshot.table.report.active.map(|header| header.crc);
         let is_same = self.table.is_none_or(|before| Some(before) == table);
         if !is_same || !Arc::ptr_eq(&self.plate, plate) {
             return Err(HoldEnd::OtherPlate);
@@ -160,7 +160,7 @@ impl Course {
 
     /// The index from which the sensor can be listened to, once it is known.
     fn since(&mut self, snapshot: &Snapshot) -> Option<u64> {
-        let now = snapshot.status.map(|status| status.now);
+        let now = snapshot.drive.status.map(|status| status.now);
         match (self.since, now) {
             (Since::Index(since), _) => Some(since),
             (Since::NextStatus(Some(before)), Some(now)) if now != before => {
@@ -181,8 +181,8 @@ impl Course {
         sounding: &SoundingDrive,
         since: u64,
     ) -> Result<Option<Request>, HoldEnd> {
-        let rate_hz = snapshot.identity.as_ref().map_or(0.0, |identity| f64::from(identity.sample_rate_hz));
-        let lock_ins = snapshot.inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
+        let rate_hz = snapshot.sample_rate_hz().unwrap_or_default();
+        let lock_ins = snapshot.device.inputs.map_or(0, |inputs| usize::from(inputs.lock_ins));
         let audible = sounding.tones.iter().filter(|tone| tone.peak_m > 0.0);
         let tones: Vec<(u8, f64)> = audible.map(|tone| (tone.slot, tone.frequency_hz)).collect();
         let plan = HoldPlan::new(&self.plate, &tones, rate_hz, lock_ins, self.max_rise_db)
@@ -235,7 +235,7 @@ impl Course {
 /// The reported state of the hold whose first window began at this index; reports on earlier holds are
 /// ignored.
 fn held_since(snapshot: &Snapshot, begin: u64) -> Option<&Held> {
-    snapshot.hold.as_deref().filter(|held| held.begin >= begin)
+    snapshot.drive.hold.as_deref().filter(|held| held.begin >= begin)
 }
 
 /// Whether the device reports that the hold continues.

@@ -14,8 +14,8 @@ use slipline_model::field::rings::Rings;
 use slipline_model::field::sheet::{FieldSource, Frame};
 use slipline_model::field::steady_field::SteadyField;
 use slipline_model::field::touch::{Touch, Trace};
+use slipline_model::jobs::LatestResult;
 use slipline_model::jobs::check::{CheckJob, Checked};
-use slipline_model::jobs::compare::Compared;
 use slipline_model::jobs::design::{Designed, Draft};
 use slipline_model::jobs::measured_places::MeasuredPlace;
 use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
@@ -117,7 +117,7 @@ impl Shown<'_> {
     /// Whether the device's table differs from the one for the plate on the screen.
     #[must_use]
     pub fn is_table_dirty(&self) -> bool {
-        let on_device = self.snapshot.table.active.map(|header| header.crc);
+        let on_device = self.snapshot.table.report.active.map(|header| header.crc);
         self.snapshot.is_connected() && self.table_crc().is_some_and(|crc| on_device != Some(crc))
     }
 
@@ -131,28 +131,16 @@ impl Shown<'_> {
 /// The results of the background work.
 #[derive(Default)]
 pub struct Background {
-    /// The latest lights, with the plate and boundary they belong to.
-    pub checked: Option<Checked>,
-    /// The latest request for lights.
-    pub asked: Option<CheckJob>,
-    /// The latest request for the plate in two dimensions; `None` if that was cancelled.
-    pub plane_asked: Option<PlaneJob>,
-    /// The latest result in two dimensions, with the plate and boundary it belongs to.
-    pub plane: Option<PlaneChecked>,
+    /// The lights; the newest say to which plate and boundary they belong.
+    pub checks: LatestResult<CheckJob, Checked>,
+    /// The plate in two dimensions.
+    pub planes: LatestResult<PlaneJob, PlaneChecked>,
     /// The draft in the designer.
     pub draft: Draft,
     /// The result of the draft.
     pub design: DesignState,
     /// The source from which the wave is drawn.
     pub source: Option<FieldSource>,
-}
-
-impl Background {
-    /// Whether the lights are those of the plate and boundary on the screen.
-    #[must_use]
-    pub fn is_checked(&self) -> bool {
-        self.checked.as_ref().map(|checked| &checked.job) == self.asked.as_ref()
-    }
 }
 
 /// The texture page: its draft and result.
@@ -175,8 +163,9 @@ pub struct TextureScene<'a> {
 pub struct MeasureScene<'a> {
     /// The measurements.
     pub shelf: &'a Shelf,
-    /// The chosen one compared with the model of the plate on the screen; `None` until that is computed.
-    pub compared: Option<&'a Compared>,
+    /// The difference between the chosen one and the model of the plate on the screen, or why it cannot be computed;
+    /// `None` until it is.
+    pub compared: Option<Result<&'a Comparison, &'a CalibrateError>>,
     /// A file by another program that lacks metadata.
     pub asked: Option<&'a Asked>,
     /// The measurement with the device.
@@ -247,19 +236,10 @@ pub struct LiveScene<'a> {
 }
 
 impl<'a> MeasureScene<'a> {
-    /// The difference between the chosen measurement and the plate's model, or why it cannot be computed;
-    /// `None` until it is.
-    #[must_use]
-    pub fn result(&self) -> Option<Result<&'a Comparison, &'a CalibrateError>> {
-        let chosen = self.shelf.chosen()?;
-        let compared = self.compared.filter(|it| Arc::ptr_eq(&it.job.measurement, &chosen.measurement))?;
-        Some(compared.result.as_ref())
-    }
-
     /// The difference between the chosen measurement and the plate's model, if it is computed.
     #[must_use]
     pub fn comparison(&self) -> Option<&'a Comparison> {
-        self.result()?.ok()
+        self.compared?.ok()
     }
 }
 

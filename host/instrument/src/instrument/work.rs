@@ -5,52 +5,51 @@ use slipline_model::jobs::JobQueue;
 use std::io;
 
 /// Passes the kinds of work on to the macro of this name, one line each: the meaning; the kind and its queue; the job
-/// and its result; the name of its thread; the worker that does it on a page; the work; and what puts parts of the job
-/// back into a result that comes from such a worker, because the requester distinguishes them from equal ones.
+/// and its result; the name of its thread; the worker that does it on a page; and the work.
 #[macro_export]
 macro_rules! for_each_job {
     ($then:ident) => {
         $then! {
             /// Computes turning-point tables.
             Table tables: slipline_model::jobs::table::TableJob => slipline_model::jobs::table::TableState,
-                "table", quick, slipline_model::jobs::table::make, |_, _| ();
+                "table", quick, slipline_model::jobs::table::make;
             /// Computes validity lights.
             Check checks: slipline_model::jobs::check::CheckJob => slipline_model::jobs::check::Checked,
-                "check", quick, slipline_model::jobs::check::work(), |_, _| ();
+                "check", quick, slipline_model::jobs::check::work();
             /// Computes the plate in two dimensions.
             Plane planes: slipline_model::jobs::plane::PlaneJob => slipline_model::jobs::plane::PlaneChecked,
-                "plane", long, slipline_model::jobs::plane::work, |_, _| ();
+                "plane", long, slipline_model::jobs::plane::work;
             /// Designs plates.
             Design designs: slipline_model::jobs::design::Draft => slipline_model::jobs::design::Designed,
-                "design", long, slipline_model::jobs::design::work, |_, _| ();
+                "design", long, slipline_model::jobs::design::work;
             /// Makes textures.
             Texture textures: slipline_model::jobs::texture::TextureJob => slipline_model::jobs::texture::Textured,
-                "texture", long, slipline_model::jobs::texture::work, |job, done| done.wish = job.wish.clone();
+                "texture", long, slipline_model::jobs::texture::work;
             /// Compares measurements with the plate's model.
             Comparison comparisons:
                 slipline_model::jobs::compare::CompareJob => slipline_model::jobs::compare::Compared,
-                "compare", quick, slipline_model::jobs::compare::work, |job, done| done.job = job.clone();
+                "compare", quick, slipline_model::jobs::compare::work;
             /// Compares a real plate with its model at the places of the sensor.
             Places measured_places: slipline_model::jobs::measured_places::MeasuredPlacesJob
-                => slipline_model::jobs::measured_places::MeasuredPlaces,
-                "places", quick, slipline_model::jobs::measured_places::work, |job, done| done.job = job.clone();
+                => Vec<slipline_model::jobs::measured_places::MeasuredPlace>,
+                "places", quick, slipline_model::jobs::measured_places::work;
             /// Fits plates to measurements.
             Calibration calibrations: $crate::jobs::calibrate::CalibrateJob => $crate::jobs::calibrate::CalibrateDone,
-                "calibrate", long, $crate::jobs::calibrate::work, |job, done| done.job = job.clone();
+                "calibrate", long, $crate::jobs::calibrate::work;
             /// Puts the rigs of the simulated device together.
             Rig rigs: $crate::jobs::rig::RigJob => $crate::jobs::rig::RigPrepared,
-                "rig", long, $crate::jobs::rig::work, |job, done| done.job = job.clone();
+                "rig", long, $crate::jobs::rig::work;
             /// Runs the 2-D sheet.
             Sheet sheets: slipline_model::field::sheet::SheetJob => slipline_model::field::sheet::Frame,
-                "sheet", long, slipline_model::field::sheet::work(), |_, _| ();
+                "sheet", long, slipline_model::field::sheet::work();
             /// Replays the device's codes with the mirror.
             Waveform waveforms: slipline_model::waveform::WaveformJob => slipline_model::waveform::Waveform,
-                "mirror", quick, slipline_model::waveform::work(), |_, _| ();
+                "mirror", quick, slipline_model::waveform::work();
             /// Runs the simulated plate in the time domain.
             TimeDomain time_domain:
                 slipline_model::field::time_domain::TimeDomainJob => slipline_model::field::time_domain::SimulatedField,
                 "plate", quick,
-                |job, task: &slipline_model::jobs::Task| slipline_model::field::time_domain::run(&job, task), |_, _| ();
+                |job, task: &slipline_model::jobs::Task| slipline_model::field::time_domain::run(&job, task);
         }
     };
 }
@@ -58,7 +57,7 @@ macro_rules! for_each_job {
 macro_rules! jobs {
     ($(
         #[doc = $meaning:literal]
-        $kind:ident $queue:ident: $job:ty => $done:ty, $thread:literal, $lane:ident, $work:expr, $put_back:expr;
+        $kind:ident $queue:ident: $job:ty => $done:ty, $thread:literal, $lane:ident, $work:expr;
     )*) => {
         /// Work that takes longer than a frame. The shell decides where it runs: on threads, in workers, or at once.
         pub struct Jobs {

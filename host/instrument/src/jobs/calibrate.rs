@@ -57,14 +57,8 @@ pub struct Refused {
     pub remedy: Remedy,
 }
 
-/// The result.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct CalibrateDone {
-    /// The job.
-    pub job: CalibrateJob,
-    /// The calibrated plate, or why it was refused.
-    pub result: Result<Arc<CalibrationResult>, Refused>,
-}
+/// The calibrated plate, or why it was refused.
+pub type CalibrateDone = Result<Arc<CalibrationResult>, Refused>;
 
 /// The work of the thread. The fit cannot be interrupted; `None` if the task was cancelled before or during
 /// it.
@@ -78,7 +72,7 @@ pub fn work(job: CalibrateJob, task: &Task) -> Option<CalibrateDone> {
         let remedy = Remedy::of(&error, [&job.sensors[0], &job.sensors[1]]);
         Refused { reason: error.to_string(), remedy }
     });
-    task.report(1.0).then_some(CalibrateDone { job, result })
+    task.report(1.0).then_some(result)
 }
 
 fn calibrate(job: &CalibrateJob, task: &Task) -> Result<Option<CalibrationResult>, CalibrateError> {

@@ -18,8 +18,8 @@ use slipline_model::response::{LIGHT_DB, light};
 use slipline_plate::Complex64;
 use slipline_plate::calibrate::{MeasuredPoint, Measurement, SensorKind, windows};
 use slipline_plate::check::Colour;
-use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::decibels;
+use slipline_plate::quantity::number_format::with_decimals;
 use std::f64::consts::TAU;
 
 /// Codes of an input from mid-scale to the end of its range.

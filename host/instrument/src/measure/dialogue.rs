@@ -176,7 +176,7 @@ impl Dialogue {
         if let Some(codes) = &mut state.codes {
             codes.follow(snapshot);
         }
-        state.now = snapshot.status.map_or(state.now, |status| status.now);
+        state.now = snapshot.drive.status.map_or(state.now, |status| status.now);
     }
 
     pub(super) fn is_silent(&self) -> bool {

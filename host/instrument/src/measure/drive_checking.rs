@@ -20,7 +20,7 @@ use slipline_plate::quantity::{decibels, from_decibels};
 use std::sync::Arc;
 
 /// The device's input that samples the current through the drive, by a shunt.
-pub const CURRENT_INPUT: u8 = 1;
+pub(crate) const CURRENT_INPUT: u8 = 1;
 /// Sum of the first tones' amplitudes, as a share of full scale: -40 dB.
 const QUIET: f64 = 0.01;
 /// Largest sum of the amplitudes: -20 dB.

@@ -2,7 +2,7 @@
 
 use slipline_link::{DeviceTableError, Refusal};
 use slipline_plate::calibrate::{CalibrateError, DriveCheck};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{OutOfRange, show_frequency};
 
 /// Why a plate was not measured.

@@ -169,12 +169,13 @@ impl<P: Procedure> Run<P> {
     /// end, since a fault explains why the tones were stopped.
     pub fn watch(&mut self, snapshot: &Snapshot) {
         self.dialogue.follow(snapshot);
-        let faults = snapshot.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
+        let faults = snapshot.drive.status.map(|status| status.faults).filter(|faults| !faults.is_empty());
         let fault = faults.map(|faults| MeasureError::Fault(faults.to_string()));
         if let (Some(MeasureError::Stopped), Some(fault)) = (&self.error, &fault) {
             self.error = Some(fault.clone());
         }
-        let trouble = if snapshot.link == LinkState::Connected { fault } else { Some(MeasureError::Lost) };
+        let trouble =
+            if snapshot.link.state == LinkState::Connected { fault } else { Some(MeasureError::Lost) };
         if let Some(trouble) = trouble.filter(|_| self.stage == Stage::Running) {
             self.fail(trouble);
         }

@@ -3,8 +3,8 @@
 use slipline_link::protocol::listen::InputsReport;
 use slipline_link::{BLOCK, ListenRequest, Listened, Request, WindowShape};
 use slipline_plate::check::Colour;
-use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity::decibels;
+use slipline_plate::quantity::number_format::with_decimals;
 
 /// Half of an input's range, codes.
 const HALF_RANGE: f64 = 2047.5;

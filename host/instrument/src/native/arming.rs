@@ -21,7 +21,7 @@ impl<W: BlockingLink> Client<W> {
     /// [`ClientError::Unguarded`] and [`ClientError::NoProfile`], with the warning for the user.
     pub fn may_be_armed(&self, consent: ArmingConsent) -> Result<(), ClientError> {
         let snapshot = self.snapshot();
-        let warning = snapshot.maintenance.as_ref().and_then(upkeep::before_arming);
+        let warning = snapshot.device.maintenance.as_ref().and_then(upkeep::before_arming);
         if let Some(warning) = warning.filter(|_| !consent.despite_brown_out_level) {
             return Err(ClientError::Unguarded(warning));
         }

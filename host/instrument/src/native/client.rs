@@ -5,12 +5,12 @@ use super::ClientError;
 use crate::Link;
 use crate::measure::{MeasureError, Procedure, Run, Verified, Verifying};
 use crate::rig::PreparedRig;
+use slipline_link::DeviceTable;
 use slipline_link::native::{Handle, SystemOpener, Worker};
 use slipline_link::protocol::event::{Identity, State};
 use slipline_link::protocol::limits::LEASE_MS;
 use slipline_link::protocol::profile::ActuatorProfile;
 use slipline_link::protocol::version::Compatibility;
-use slipline_link::table::DeviceTable;
 use slipline_link::{Outcome, Port, Request, Snapshot, Sounding, Ticket};
 use slipline_plate::Plate;
 use std::panic::resume_unwind;
@@ -193,7 +193,7 @@ impl<W: BlockingLink> Client<W> {
     /// [`ClientError::Mismatch`] where its firmware may not be driven, [`ClientError::Gone`].
     pub fn identity(&self) -> Result<Arc<Identity>, ClientError> {
         let snapshot = self.snapshot();
-        match (&snapshot.identity, snapshot.compatibility) {
+        match (&snapshot.device.identity, snapshot.device.compatibility) {
             (Some(identity), Some(compatibility)) if compatibility.may_drive() => Ok(identity.clone()),
             (_, Some(compatibility)) => Err(ClientError::Mismatch(compatibility)),
             (_, None) => Err(ClientError::Gone),
@@ -223,8 +223,8 @@ impl<W: BlockingLink> Client<W> {
     /// A request's error: refused, lost, late, held up.
     pub fn arm_for(&self, lease: Option<Duration>) -> Result<(), ClientError> {
         let snapshot = self.snapshot();
-        self.stalls_before.store(snapshot.driver_stalls, Ordering::Relaxed);
-        self.leases_before.store(snapshot.leases_over, Ordering::Relaxed);
+        self.stalls_before.store(snapshot.link.driver_stalls, Ordering::Relaxed);
+        self.leases_before.store(snapshot.drive.leases_over, Ordering::Relaxed);
         self.perform(lease.map_or(Request::Arm, Request::ArmFor)).map(drop)
     }
 
@@ -236,7 +236,7 @@ impl<W: BlockingLink> Client<W> {
         self.perform(Request::Disarm)?;
         for _ in 0..FADING {
             self.refresh()?;
-            if self.snapshot().status.is_some_and(|status| status.state != State::Stopping) {
+            if self.snapshot().drive.status.is_some_and(|status| status.state != State::Stopping) {
                 break;
             }
             self.pause(GLANCE);
@@ -319,7 +319,7 @@ impl<W: BlockingLink> Client<W> {
             if !run.turn(&snapshot, |request| self.link.send(request)) {
                 break;
             }
-            watch(run.progress(snapshot.status.map_or(0, |status| status.now)));
+            watch(run.progress(snapshot.drive.status.map_or(0, |status| status.now)));
             if let Some(ticket) = run.awaited() {
                 let _ = self.link.wait(ticket, GLANCE);
             }
@@ -343,7 +343,7 @@ impl<W: BlockingLink> Client<W> {
         let rate_hz = f64::from(self.identity()?.sample_rate_hz);
         let verified = self.run(Verifying::new(plate, tones, window_s, rate_hz), |_| ());
         if let Err(ClientError::Procedure(MeasureError::Fault(_) | MeasureError::Unknown)) = verified {
-            let fault = self.snapshot().status.and_then(|status| status.first_fault);
+            let fault = self.snapshot().drive.status.and_then(|status| status.first_fault);
             return Err(ClientError::NotComparable(fault));
         }
         verified
@@ -359,11 +359,11 @@ impl<W: BlockingLink> Client<W> {
             return Err(ClientError::Interrupted);
         }
         let snapshot = self.snapshot();
-        if snapshot.driver_stalls != self.stalls_before.load(Ordering::Relaxed) {
+        if snapshot.link.driver_stalls != self.stalls_before.load(Ordering::Relaxed) {
             return Err(ClientError::HeldUp);
         }
-        match snapshot.lease_over {
-            Some(lease) if snapshot.leases_over != self.leases_before.load(Ordering::Relaxed) => {
+        match snapshot.drive.lease_over {
+            Some(lease) if snapshot.drive.leases_over != self.leases_before.load(Ordering::Relaxed) => {
                 Err(ClientError::LeaseOver(lease))
             }
             _ => Ok(()),
@@ -385,7 +385,7 @@ impl<W: BlockingLink> Client<W> {
             }
             Some(Outcome::DeviceTooOld) => Err(ClientError::Mismatch(Compatibility::DeviceOlder)),
             Some(Outcome::NotConnected) => {
-                let error = self.snapshot().error.clone();
+                let error = self.snapshot().link.error.clone();
                 Err(error.map_or(ClientError::Gone, ClientError::Lost))
             }
             Some(outcome) => Ok(outcome),

@@ -120,7 +120,7 @@ mod tests {
         let drive = || client.play(Sounding::Drive(DriveRequest::at(&[(0.05, 0.5)])));
         let state_after_the_ramp = || {
             client.wait_until(client.refresh().unwrap() + 100_000, || true).unwrap();
-            client.snapshot().status.unwrap().state
+            client.snapshot().drive.status.unwrap().state
         };
         let at = drive().unwrap();
 

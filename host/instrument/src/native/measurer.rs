@@ -99,5 +99,5 @@ impl<W: BlockingLink> Client<W> {
 
 /// The device's report of its inputs.
 fn inputs<W: BlockingLink>(client: &Client<W>) -> InputsReport {
-    client.snapshot().inputs.unwrap_or_default()
+    client.snapshot().device.inputs.unwrap_or_default()
 }

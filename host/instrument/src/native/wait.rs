@@ -13,14 +13,14 @@ impl<W: BlockingLink> Client<W> {
     pub fn check_drives(&self) -> Result<(), ClientError> {
         self.check_attended()?;
         let snapshot = self.snapshot();
-        match &snapshot.link {
+        match &snapshot.link.state {
             LinkState::Lost(error) | LinkState::Reconnecting(error) => {
                 return Err(ClientError::Lost(error.clone()));
             }
             LinkState::Disconnected => return Err(ClientError::Gone),
             LinkState::Connecting | LinkState::Connected => {}
         }
-        match snapshot.status.filter(|status| !status.faults.is_empty()) {
+        match snapshot.drive.status.filter(|status| !status.faults.is_empty()) {
             Some(status) => Err(ClientError::Stopped(snapshot.faults_text(status.faults))),
             None => Ok(()),
         }

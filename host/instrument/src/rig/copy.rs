@@ -48,7 +48,7 @@ impl RigCopy {
     }
 
     /// Takes over the state of the rig that this is a copy of.
-    pub fn set_state(&self, RigState(state): RigState) {
+    pub(crate) fn set_state(&self, RigState(state): RigState) {
         *lock(&self.bench) = state;
     }
 }

@@ -29,7 +29,7 @@ impl RigFault {
     /// Allowed distance of a sensor from its mark.
     pub const OFF: Range = Range::new(-0.1, 0.1, "m");
     /// Allowed factor of another motor's current.
-    pub const OTHER: Range = Range::new(0.01, 100.0, "");
+    pub(crate) const OTHER: Range = Range::new(0.01, 100.0, "");
     /// Share of the voltage without an amplifier.
     const LEAK: f64 = 0.02;
     /// A gain of 60 dB.

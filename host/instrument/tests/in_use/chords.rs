@@ -42,7 +42,7 @@ fn sounds_as_chord(session: &Session) -> Option<bool> {
         Change::Play(Played::Drive(_)) => Some(false),
         _ => None,
     };
-    snapshot.journal.iter().rev().find_map(|entry| is_chord(&entry.change))
+    snapshot.record.journal.iter().rev().find_map(|entry| is_chord(&entry.change))
 }
 
 /// What was asked of the device's tones since the last call.
@@ -91,7 +91,7 @@ fn a_chord_is_played_as_one_as_loud_as_it_is_drawn_until_a_tone_is_moved() {
 fn of_minor(minor: u8) -> FixedLink {
     let mut link = real_device(State::Idle);
     let snapshot = Arc::make_mut(&mut link.snapshot);
-    Arc::make_mut(snapshot.identity.as_mut().unwrap()).version.minor = minor;
+    Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).version.minor = minor;
     link
 }
 

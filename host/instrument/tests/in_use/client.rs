@@ -123,7 +123,7 @@ fn a_client_sends_what_an_instrument_sends() {
     client.pause(Duration::from_millis(50));
     let snapshot = client.snapshot();
     let standing = holding.standing(&snapshot);
-    assert!(matches!(standing, Standing::Holding(_)), "{standing:?} {:?}", snapshot.status);
+    assert!(matches!(standing, Standing::Holding(_)), "{standing:?} {:?}", snapshot.drive.status);
     client.stop().unwrap();
     holding.switch_off();
     client.pause(Duration::from_millis(50));

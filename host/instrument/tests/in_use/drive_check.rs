@@ -26,7 +26,11 @@ fn a_drive_is_measured_once_quiet_tones_have_shown_that_it_is_on() {
     let is_checking = |session: &Session| session.instrument.shown().measure.live.is_checking;
     assert!(session.is_measuring() && is_checking(&session));
     session.end_of_measuring();
-    assert!(session.is_logged("The drive is connected"), "{:?}", session.instrument.drive.snapshot().log);
+    assert!(
+        session.is_logged("The drive is connected"),
+        "{:?}",
+        session.instrument.drive.snapshot().record.log
+    );
     assert!(count(&session) == 1 && !is_checking(&session));
 }
 

@@ -19,7 +19,7 @@ fn the_simulated_plate_goes_on_with_one_press_after_ten_minutes() {
     session.pass(500);
     let told = "Stopped after 10 minutes without a command. Press Drive to resume.";
     assert_eq!(session.notice(), told);
-    assert!(session.instrument.drive.snapshot().log.iter().any(|entry| entry.text == told), "whole");
+    assert!(session.instrument.drive.snapshot().record.log.iter().any(|entry| entry.text == told), "whole");
     session.pass(1000);
     assert!(!session.is_driving(), "not before it is asked to");
     session.instrument.start();
@@ -53,8 +53,8 @@ fn notice(instrument: &Instrument) -> String {
 fn stopped(faults: Faults, is_simulated: bool) -> FixedLink {
     let mut link = real_device(State::Fault);
     let snapshot = Arc::make_mut(&mut link.snapshot);
-    snapshot.status.as_mut().unwrap().faults = faults;
-    Arc::make_mut(snapshot.identity.as_mut().unwrap()).simulated = is_simulated;
+    snapshot.drive.status.as_mut().unwrap().faults = faults;
+    Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).simulated = is_simulated;
     link
 }
 
@@ -80,7 +80,7 @@ fn a_simulated_drive_is_paused_before_its_limit_and_a_real_one_is_not() {
     for is_simulated in [true, false] {
         let mut link = real_device(State::Driving);
         let snapshot = Arc::make_mut(&mut link.snapshot);
-        Arc::make_mut(snapshot.identity.as_mut().unwrap()).simulated = is_simulated;
+        Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).simulated = is_simulated;
         let mut instrument = on(&link);
         instrument.start();
         turn(&mut instrument);
@@ -89,8 +89,8 @@ fn a_simulated_drive_is_paused_before_its_limit_and_a_real_one_is_not() {
         };
         let later = |minutes: f64| {
             let mut snapshot = (*link.snapshot).clone();
-            let rate_hz = f64::from(snapshot.identity.as_ref().unwrap().sample_rate_hz);
-            snapshot.status.as_mut().unwrap().now = (60.0 * minutes * rate_hz) as u64;
+            let rate_hz = f64::from(snapshot.device.identity.as_ref().unwrap().sample_rate_hz);
+            snapshot.drive.status.as_mut().unwrap().now = (60.0 * minutes * rate_hz) as u64;
             link.become_known(snapshot);
         };
         stops(&link);

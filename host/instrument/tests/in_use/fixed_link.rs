@@ -27,12 +27,12 @@ pub(crate) fn driving() -> Snapshot {
 /// A device with a real plate on it, in this state.
 pub(crate) fn real_device(state: State) -> FixedLink {
     let mut snapshot = driving();
-    let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
+    let mut identity = (**snapshot.device.identity.as_ref().unwrap()).clone();
     identity.simulated = false;
-    snapshot.identity = Some(Arc::new(identity));
+    snapshot.device.identity = Some(Arc::new(identity));
     // Nothing is known of a profile, so nothing is asked about it.
-    snapshot.profile = None;
-    snapshot.status.as_mut().unwrap().state = state;
+    snapshot.device.profile = None;
+    snapshot.drive.status.as_mut().unwrap().state = state;
     snapshot.revision += 1;
     FixedLink::of(snapshot)
 }

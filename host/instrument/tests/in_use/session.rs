@@ -132,7 +132,7 @@ impl Session {
             }
             self.pass(50);
         }
-        panic!("never: {what}: {:?}", self.instrument.drive.snapshot().log);
+        panic!("never: {what}: {:?}", self.instrument.drive.snapshot().record.log);
     }
 
     /// The shell hangs for this time: nothing turns the instrument, and the link gets no signs of life.
@@ -195,7 +195,7 @@ impl Session {
 
     /// Whether a line of the log contains this.
     pub(crate) fn is_logged(&self, part: &str) -> bool {
-        self.instrument.drive.snapshot().log.iter().any(|entry| entry.text.contains(part))
+        self.instrument.drive.snapshot().record.log.iter().any(|entry| entry.text.contains(part))
     }
 
     /// Whether the plate is being measured.
@@ -223,7 +223,7 @@ impl Session {
     }
 
     pub(crate) fn state(&self) -> Option<State> {
-        self.instrument.drive.snapshot().status.map(|status| status.state)
+        self.instrument.drive.snapshot().drive.status.map(|status| status.state)
     }
 
     /// The place of the first tone's line, in millimetres.

@@ -45,12 +45,12 @@ impl CommandQueue {
     /// status.
     fn read_after(&mut self, end: SampleIndex, mut task: Task, recorder: &Recorder, now: Duration) {
         let end = end.saturating_add(BEHIND);
-        let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
-        let clock = recorder.view.status.map_or(end, |status| status.now);
+        let rate = recorder.view.device.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        let clock = recorder.view.drive.status.map_or(end, |status| status.now);
         let left = end.saturating_sub(clock) as f64 / f64::from(rate.max(1));
         // No measurement lasts for hours; too large a number waits until the session's end drops it.
         let over = Duration::try_from_secs_f64(left).unwrap_or(Duration::MAX);
-        task.not_before = recorder.view.status_time.saturating_add(over).max(now);
+        task.not_before = recorder.view.drive.status_time.saturating_add(over).max(now);
         self.tasks.push_back(task);
     }
 

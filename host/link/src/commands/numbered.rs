@@ -71,12 +71,12 @@ impl CommandQueue {
         match event {
             Event::Accepted(accepted) => {
                 if matches!(command, Command::Drive(_) | Command::Chord(_) | Command::Comb(_)) {
-                    recorder.view.glide_until = None;
+                    recorder.view.drive.glide_until = None;
                 }
                 return self.accepted(task, command, accepted.at, recorder, now);
             }
             Event::AcceptedUntil(accepted) => {
-                recorder.view.glide_until = Some(accepted);
+                recorder.view.drive.glide_until = Some(accepted);
                 return self.accepted(task, command, accepted.at, recorder, now);
             }
             Event::Unchanged(accepted) => {
@@ -109,7 +109,7 @@ impl CommandQueue {
             Event::Refused(refusal::Refusal::Busy(Busy::DriveActive))
                 if matches!(command, Command::Store | Command::Forget | Command::WriteProfile(_))
                     && task.tries < BUSY_TRIES
-                    && recorder.view.status.is_some_and(|status| status.state != State::Driving) =>
+                    && recorder.view.drive.status.is_some_and(|status| status.state != State::Driving) =>
             {
                 self.tasks.push_front(Task { tries: task.tries + 1, not_before: now + BUSY_PAUSE, ..task });
             }
@@ -134,7 +134,7 @@ impl CommandQueue {
             }
             Event::Table(report) => {
                 recorder.table(report);
-                let now_at = recorder.view.status.map_or(0, |status| status.now);
+                let now_at = recorder.view.drive.status.map_or(0, |status| status.now);
                 if matches!(task.job, Job::FirstReadBack) {
                     self.stage = Stage::Connected;
                     self.connected(now_at, recorder);
@@ -146,7 +146,7 @@ impl CommandQueue {
             Event::Trigger(report) => {
                 recorder.trigger(report);
                 // A present fault may have ended the drive that began.
-                let fault = recorder.view.status.filter(|status| status.state == State::Fault);
+                let fault = recorder.view.drive.status.filter(|status| status.state == State::Fault);
                 if let Some(status) = fault.filter(|_| self.channel.pending_stop().is_none()) {
                     recorder.stopped_by_itself(status.first_fault_at);
                 }
@@ -154,7 +154,7 @@ impl CommandQueue {
             }
             Event::Digest(digest) => self.digested(task, digest, recorder, now),
             Event::Inputs(reported) => {
-                recorder.view.inputs = Some(reported);
+                recorder.view.device.inputs = Some(reported);
                 recorder.finish(task.ticket, Outcome::Done { at: reported.now });
             }
             Event::Listened(reported) => self.listened(task, &reported, recorder, now),
@@ -275,7 +275,7 @@ impl CommandQueue {
         }
         recorder.finish(task.ticket, Outcome::Done { at });
         // A drag changes the status little; the keep-alives report it soon enough.
-        let is_dragging = recorder.view.status.is_some_and(|status| status.state == State::Driving);
+        let is_dragging = recorder.view.drive.status.is_some_and(|status| status.state == State::Driving);
         self.status_stale |= !(is_dragging && matches!(task.job, Job::Play(Sounding::Drive(_))));
         Next::Continue
     }

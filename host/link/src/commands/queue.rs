@@ -113,7 +113,8 @@ impl CommandQueue {
             Request::Stop | Request::EmergencyStop | Request::Refresh | Request::Bootloader
         );
         if limited && !is_for_any_version {
-            let refusal = recorder.view.compatibility.map_or(Refusal::UnexpectedReply, Refusal::Incompatible);
+            let refusal =
+                recorder.view.device.compatibility.map_or(Refusal::UnexpectedReply, Refusal::Incompatible);
             return recorder.finish(Some(ticket), Outcome::Refused(refusal));
         }
         let job = match request {
@@ -325,7 +326,7 @@ impl CommandQueue {
             Job::ListenRead(reading) => Command::ListenRead(reading.part()),
             Job::CaptureRead(reading) => Command::CaptureRead(reading.part()),
             Job::Hold(request) => {
-                let Some(identity) = &recorder.view.identity else { return true };
+                let Some(identity) = &recorder.view.device.identity else { return true };
                 match request.for_device(identity, recorder.view.slowest_limit().as_ref()) {
                     Ok(setting) => Command::Hold(setting),
                     Err(error) => return refuse(&task, error, recorder),
@@ -341,8 +342,8 @@ impl CommandQueue {
             },
             Job::Play(sounding) => {
                 let view = &recorder.view;
-                let Some(identity) = &view.identity else { return true };
-                let (table, travel) = (view.table.active.as_ref(), view.slowest_limit());
+                let Some(identity) = &view.device.identity else { return true };
+                let (table, travel) = (view.table.report.active.as_ref(), view.slowest_limit());
                 match sounding.for_device(identity, table, travel.as_ref()) {
                     Ok(command) => command,
                     Err(error) => return refuse(&task, error, recorder),

@@ -50,7 +50,7 @@ impl CommandQueue {
         };
         if event == Event::Refused(refusal::Refusal::StaleSession) {
             // A device refuses no hello: another program has it.
-            let taken = recorder.view.port.clone().filter(|_| self.stage == Stage::Hello);
+            let taken = recorder.view.link.port.clone().filter(|_| self.stage == Stage::Hello);
             return Next::Lose(taken.map_or(LinkError::SessionEnded, LinkError::Busy));
         }
         if matches!(command, Command::Stop | Command::EmergencyStop) {
@@ -71,7 +71,7 @@ impl CommandQueue {
         now: Duration,
     ) {
         let compatibility = Version::OURS.judge_device(version);
-        recorder.view.compatibility = Some(compatibility);
+        recorder.view.device.compatibility = Some(compatibility);
         if let Some(identity) = &identity {
             let (major, minor, patch) = identity.firmware;
             recorder
@@ -81,8 +81,8 @@ impl CommandQueue {
                     .log(Severity::Error, format!("Before its last reset it crashed: {}", identity.crash));
             }
         }
-        recorder.view.identity = identity.map(|identity| Arc::new(*identity));
-        if compatibility.may_drive() && recorder.view.identity.is_some() {
+        recorder.view.device.identity = identity.map(|identity| Arc::new(*identity));
+        if compatibility.may_drive() && recorder.view.device.identity.is_some() {
             self.stage = Stage::Reading;
             self.keep_alive_due = now + KEEP_ALIVE_PERIOD;
             self.channel.keep_alive(now);
@@ -103,15 +103,15 @@ impl CommandQueue {
 
     /// The device and its table are known: the connection is established.
     pub(super) fn connected(&mut self, at: u64, recorder: &mut Recorder) {
-        recorder.view.error = None;
+        recorder.view.link.error = None;
         recorder.link(LinkState::Connected);
         recorder.finish(self.connect.take(), Outcome::Done { at });
     }
 
     fn take_status(&mut self, status: Status, recorder: &mut Recorder) {
-        let is_first = recorder.view.status.is_none();
-        let rate = recorder.view.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
-        let before = recorder.view.status.as_ref();
+        let is_first = recorder.view.drive.status.is_none();
+        let rate = recorder.view.device.identity.as_ref().map_or(0, |identity| identity.sample_rate_hz);
+        let before = recorder.view.drive.status.as_ref();
         recorder.fold_back(&FoldbackSteps::between(before, &status, &Timing::at(rate)));
         recorder.status(status);
         self.ask_for_trigger(recorder);

@@ -130,7 +130,7 @@ impl Uploads {
         if let Some(older) = self.0.replace(Upload { step, may_be_held, ..upload.clone() }) {
             recorder.finish(Some(older.ticket), Outcome::Superseded);
         }
-        recorder.view.upload = Some(upload.progress());
+        recorder.view.table.upload = Some(upload.progress());
         recorder.touch();
     }
 
@@ -140,7 +140,7 @@ impl Uploads {
             recorder.finish(ticket, Outcome::Done { at: 0 });
             return None;
         };
-        recorder.view.upload = None;
+        recorder.view.table.upload = None;
         recorder.finish(Some(upload.ticket), Outcome::Superseded);
         Some(Command::TableAbort)
     }
@@ -167,7 +167,7 @@ impl Uploads {
                 if setting.limit != upload.table.travel_limit() {
                     self.fail(Refusal::UnexpectedReply, recorder);
                 } else if upload.may_be_held && is_held_already(upload, recorder) {
-                    recorder.view.upload = None;
+                    recorder.view.table.upload = None;
                     self.0 = None;
                 } else {
                     upload.advance();
@@ -175,7 +175,7 @@ impl Uploads {
             }
             (Event::Accepted(_), Step::Begin | Step::Chunk { .. }) => {
                 upload.advance();
-                recorder.view.upload = Some(upload.progress());
+                recorder.view.table.upload = Some(upload.progress());
                 recorder.touch();
             }
             (Event::Accepted(accepted), Step::Commit) => {
@@ -189,7 +189,7 @@ impl Uploads {
                 after.is_status_stale = true;
                 if is_held(upload, recorder) {
                     confirm(upload, recorder, "");
-                    recorder.view.upload = None;
+                    recorder.view.table.upload = None;
                     self.0 = None;
                 } else {
                     self.fail(Refusal::TableDiffers, recorder);
@@ -223,8 +223,8 @@ impl Uploads {
     }
 
     fn fail(&mut self, refusal: Refusal, recorder: &mut Recorder) {
-        recorder.view.upload = None;
-        recorder.view.upload_verified = Some(false);
+        recorder.view.table.upload = None;
+        recorder.view.table.upload_verified = Some(false);
         let ticket = self.end();
         recorder.finish(ticket, Outcome::Refused(refusal));
     }
@@ -232,7 +232,7 @@ impl Uploads {
 
 /// Whether the digest that was read back last is that of this table.
 fn is_held(upload: &Upload, recorder: &Recorder) -> bool {
-    recorder.view.table.active == Some(upload.table.header())
+    recorder.view.table.report.active == Some(upload.table.header())
 }
 
 /// Recognizes a table that the device holds from before this session, such as a stored one after a restart;
@@ -241,10 +241,11 @@ fn is_held(upload: &Upload, recorder: &Recorder) -> bool {
 fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
     let silent = recorder
         .view
+        .drive
         .status
         .filter(|status| !matches!(status.state, State::Driving | State::Waiting | State::Stopping));
     let Some(status) =
-        silent.filter(|_| is_held(upload, recorder) && recorder.view.confirmed_table.is_none())
+        silent.filter(|_| is_held(upload, recorder) && recorder.view.table.confirmed.is_none())
     else {
         return false;
     };
@@ -256,7 +257,7 @@ fn recognise(upload: &Upload, recorder: &mut Recorder) -> bool {
 /// Whether the device holds the table after its travel limit has changed: from before this session, or from
 /// an upload that was known already.
 fn is_held_already(upload: &Upload, recorder: &mut Recorder) -> bool {
-    let known = recorder.view.confirmed_table.as_ref();
+    let known = recorder.view.table.confirmed.as_ref();
     if is_held(upload, recorder) && known.is_some_and(|known| known.crc() == upload.table.crc()) {
         confirm(upload, recorder, " already");
         return true;
@@ -266,10 +267,10 @@ fn is_held_already(upload: &Upload, recorder: &mut Recorder) -> bool {
 
 /// The device holds this upload's table, and this program knows it.
 fn confirm(upload: &Upload, recorder: &mut Recorder, when: &str) {
-    recorder.view.confirmed_table = Some(upload.table.clone());
-    recorder.view.upload_verified = Some(true);
+    recorder.view.table.confirmed = Some(upload.table.clone());
+    recorder.view.table.upload_verified = Some(true);
     recorder.log(Severity::Info, format!("Table {:08x} is on the device{when}.", upload.table.crc()));
-    let at = recorder.view.status.map_or(0, |status| status.now);
+    let at = recorder.view.drive.status.map_or(0, |status| status.now);
     recorder.finish(Some(upload.ticket), Outcome::Done { at });
 }
 
@@ -300,12 +301,12 @@ mod tests {
         uploads.begin(&held, &mut recorder);
         assert_eq!(recorder.view.outcome(other.ticket), Some(&Outcome::Superseded));
         assert_eq!(recorder.view.outcome(held.ticket), None);
-        assert!(recorder.view.confirmed_table.is_none());
+        assert!(recorder.view.table.confirmed.is_none());
 
         let (mut uploads, mut recorder) = (Uploads::default(), holding(&held));
         uploads.begin(&held, &mut recorder);
         assert_eq!(recorder.view.outcome(held.ticket), Some(&Outcome::Done { at: 0 }));
-        assert_eq!(recorder.view.confirmed_table, Some(held.table));
+        assert_eq!(recorder.view.table.confirmed, Some(held.table));
     }
 
     #[test]
@@ -318,7 +319,7 @@ mod tests {
         assert_eq!(after.command, Some(Command::TableDigest), "nothing replaces or cancels it meanwhile");
         let report = TableReport { active: Some(sent.table.header()), staged: 0 };
         uploads.take_reply(Event::Table(report), &mut recorder, Duration::ZERO);
-        assert_eq!(recorder.view.confirmed_table, Some(sent.table));
+        assert_eq!(recorder.view.table.confirmed, Some(sent.table));
         assert_eq!(uploads.cancel(Some(Ticket(3)), &mut recorder), None);
 
         let mut uploads = Uploads(Some(upload(4, 22e3)));

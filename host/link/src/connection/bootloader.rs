@@ -37,7 +37,7 @@ impl<O: Opener> Connection<O> {
     /// The device has accepted: closes the port, and looks whether the device comes back.
     pub(super) fn enter_bootloader(&mut self, ticket: Option<Ticket>, at: SampleIndex, now: Duration) {
         let before = self.entry.take().filter(|entry| entry.ticket == ticket);
-        let identity = self.recorder.view.identity.clone();
+        let identity = self.recorder.view.device.identity.clone();
         let is_leaving = self.leave.is_some();
         self.close(now);
         // A simulated device has no ROM. Another port may have been opened now.
@@ -72,7 +72,7 @@ impl<O: Opener> Connection<O> {
     /// Evaluates who answers, or that nobody does.
     pub(super) fn watch_entry(&mut self, now: Duration) {
         let Some(until) = self.entry_deadline() else { return };
-        let identity = self.recorder.view.identity.clone();
+        let identity = self.recorder.view.device.identity.clone();
         let (Some(identity), Phase::Open(open)) = (identity, &mut self.phase) else {
             if now >= until {
                 self.end_entry();

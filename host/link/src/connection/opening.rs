@@ -21,10 +21,10 @@ impl<O: Opener> Connection<O> {
     /// After a reconnection: checks that it is the same device.
     pub(super) fn verify_identity(&mut self) -> Next {
         let Some(rediscovery) = &mut self.rediscovery else { return Next::Continue };
-        let Some(unit) = self.recorder.view.identity.as_ref().map(|identity| identity.unit) else {
+        let Some(unit) = self.recorder.view.device.identity.as_ref().map(|identity| identity.unit) else {
             return Next::Continue;
         };
-        let is_it = rediscovery.is_it(unit, self.recorder.view.port.as_ref());
+        let is_it = rediscovery.is_it(unit, self.recorder.view.link.port.as_ref());
         if is_it { Next::Continue } else { Next::Lose(LinkError::Gone) }
     }
 
@@ -36,8 +36,8 @@ impl<O: Opener> Connection<O> {
             self.phase = Phase::Seeking { next: now + SEEK_PERIOD };
             return;
         }
-        let was_first = self.recorder.view.link == LinkState::Connecting;
-        let error = match (&self.recorder.view.port, error) {
+        let was_first = self.recorder.view.link.state == LinkState::Connecting;
+        let error = match (&self.recorder.view.link.port, error) {
             (Some(port), LinkError::Silent) if was_first || self.waits_for_port => {
                 LinkError::NoAnswer(port.clone())
             }
@@ -51,7 +51,7 @@ impl<O: Opener> Connection<O> {
         }
         let is_short = error == LinkError::SessionEnded && now < self.opened_at + SHORT_LIFE;
         self.short_lives = if is_short { self.short_lives + 1 } else { 0 };
-        let earlier = if let LinkState::Reconnecting(loss) = &self.recorder.view.link {
+        let earlier = if let LinkState::Reconnecting(loss) = &self.recorder.view.link.state {
             Some(loss.clone())
         } else {
             None
@@ -88,7 +88,7 @@ impl<O: Opener> Connection<O> {
             is_ours: false,
             usb_serial: None,
         });
-        self.recorder.view.port = Some(port.clone());
+        self.recorder.view.link.port = Some(port.clone());
         self.recorder.begin();
         self.rediscovery = Some(Rediscovery::at(info));
         self.waits_for_port = false;
@@ -97,7 +97,7 @@ impl<O: Opener> Connection<O> {
         if let Err(error) = self.open(&port, Some(ticket), now) {
             self.recorder.forget_device(Some(error.clone()));
             self.waits_for_port =
-                matches!(error, LinkError::NoSuchPort(_)) && self.recorder.view.auto_reconnect;
+                matches!(error, LinkError::NoSuchPort(_)) && self.recorder.view.link.auto_reconnect;
             if self.waits_for_port {
                 self.recorder.log(Severity::Info, format!("Waiting for {port}."));
                 self.recorder.link(LinkState::Reconnecting(error.clone()));
@@ -126,7 +126,7 @@ impl<O: Opener> Connection<O> {
         if self.leave.is_some() || self.next.is_some() {
             return Next::Close;
         }
-        let (Some(port), Err(error)) = (&self.recorder.view.port, open.transport.read(&mut [0])) else {
+        let (Some(port), Err(error)) = (&self.recorder.view.link.port, open.transport.read(&mut [0])) else {
             return Next::Continue;
         };
         match LinkError::transfer(&error) {
@@ -142,7 +142,7 @@ impl<O: Opener> Connection<O> {
         let Some(port) = self.rediscovery.as_mut().and_then(|lost| lost.find(ports)) else { return };
         match self.open(&port, None, now) {
             Ok(()) => {
-                self.recorder.view.port = Some(port);
+                self.recorder.view.link.port = Some(port);
                 self.recorder.begin();
             }
             Err(error) => self.still_missing(error),
@@ -152,9 +152,9 @@ impl<O: Opener> Connection<O> {
     /// Reports why the awaited port cannot be used yet: it may exist by now, but be busy or silent.
     fn still_missing(&mut self, error: LinkError) {
         let state = LinkState::Reconnecting(error.clone());
-        if self.waits_for_port && self.recorder.view.link != state {
+        if self.waits_for_port && self.recorder.view.link.state != state {
             self.recorder.log(Severity::Warning, format!("Still waiting: {error}."));
-            self.recorder.view.error = Some(error);
+            self.recorder.view.link.error = Some(error);
             self.recorder.link(state);
         }
     }

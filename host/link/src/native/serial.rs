@@ -15,7 +15,7 @@ use std::path::Path;
 use std::time::Duration;
 
 /// The baud rate of boards with a UART; native USB ignores it.
-pub const BAUD_RATE: u32 = 921_600;
+pub(crate) const BAUD_RATE: u32 = 921_600;
 
 /// Time limit of a read or a write. On Windows, zero would make a write wait without limit.
 const PATIENCE: Duration = Duration::from_millis(if cfg!(windows) { 2 } else { 0 });

@@ -1,7 +1,10 @@
 //! The serial ports of this computer, and which of them are Slipline devices.
 
-use crate::port::{Port, PortInfo, USB_PRODUCT, USB_PRODUCT_NAME, USB_VENDOR};
+use crate::port::{Port, PortInfo, USB_PRODUCT, USB_VENDOR};
 use serialport::{SerialPortType, UsbPortInfo};
+
+/// Other projects use the same USB ids, so the product's name must begin with this text, too.
+const USB_PRODUCT_NAME: &str = "Slipline";
 
 /// Every port that exists now: the simulated device if this program has it, then Slipline devices, then the other serial ports by name.
 ///

@@ -218,7 +218,7 @@ fn run<O: Opener<Transport: Watch>>(
 fn publish_crash(shared: &Shared) {
     let mut recorder = Recorder::default();
     recorder.view = Snapshot::clone(&lock(&shared.snapshot));
-    recorder.set_time(recorder.view.status_time);
+    recorder.set_time(recorder.view.drive.status_time);
     recorder.forget_device(Some(LinkError::Crashed));
     recorder.link(LinkState::Lost(LinkError::Crashed));
     recorder.log(Severity::Error, format!("Connection lost: {}.", LinkError::Crashed));

@@ -130,25 +130,25 @@ fn a_copy_follows_the_snapshot_through_a_session() {
     follow(&mut copy, &mut older, loopback.view());
     loopback.perform(Request::Upload(table(1.0)), |_| ()).unwrap();
     follow(&mut copy, &mut older, loopback.view());
-    let confirmed = copy.confirmed_table.clone().unwrap();
+    let confirmed = copy.table.confirmed.clone().unwrap();
     // More than the journal and the outcomes hold.
     for i in 0..200 {
         loopback.perform(drive(0.01 + 1e-4 * f64::from(i)), |_| ()).unwrap();
-        let first = copy.journal.back().cloned();
+        let first = copy.record.journal.back().cloned();
         let length = follow(&mut copy, &mut older, loopback.view());
         assert!(length < 1000, "an update of {length} bytes");
-        let kept = copy.journal.iter().rev().nth(1);
+        let kept = copy.record.journal.iter().rev().nth(1);
         assert!(
             first.zip(kept).is_some_and(|(first, kept)| Arc::ptr_eq(&first, kept)),
             "the common entries stay"
         );
     }
-    assert!(Arc::ptr_eq(copy.confirmed_table.as_ref().unwrap(), &confirmed), "the table is not sent again");
+    assert!(Arc::ptr_eq(copy.table.confirmed.as_ref().unwrap(), &confirmed), "the table is not sent again");
     loopback.perform(Request::Upload(table(0.5)), |_| ()).unwrap();
     follow(&mut copy, &mut older, loopback.view());
     loopback.perform(Request::Disconnect, |_| ()).unwrap();
     follow(&mut copy, &mut older, loopback.view());
-    assert_eq!(copy.confirmed_table, None);
+    assert_eq!(copy.table.confirmed, None);
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn a_list_that_has_lost_entries_in_its_middle_is_followed() {
     let mut original = Snapshot::default();
     let (mut copy, mut older) = (Snapshot::default(), Snapshot::default());
     for sequence in 0..200 {
-        let frames = Arc::make_mut(&mut original.frames);
+        let frames = Arc::make_mut(&mut original.record.frames);
         frames.push_back(frame(sequence));
         frames.push_back(frame(sequence));
         if frames.len() > 60 {
@@ -169,6 +169,6 @@ fn a_list_that_has_lost_entries_in_its_middle_is_followed() {
         }
         follow(&mut copy, &mut older, &original);
     }
-    Arc::make_mut(&mut original.frames).clear();
+    Arc::make_mut(&mut original.record.frames).clear();
     follow(&mut copy, &mut older, &original);
 }

@@ -214,11 +214,12 @@ impl<'a> CalibrateAnswer<'a> {
     /// The fields of a refused calibration.
     #[must_use]
     pub fn refused(file: &'a Plate, error: &CalibrateError) -> Self {
-        let chi2_per_n = match error {
-            CalibrateError::Unlike { chi2_per_n, .. } | CalibrateError::EdgesUnlike { chi2_per_n, .. } => {
-                Some(*chi2_per_n)
-            }
-            _ => None,
+        let chi2_per_n = if let CalibrateError::Unlike { chi2_per_n, .. }
+        | CalibrateError::EdgesUnlike { chi2_per_n, .. } = error
+        {
+            Some(*chi2_per_n)
+        } else {
+            None
         };
         Self { plate: file.name(), reason: Some(error.to_string()), chi2_per_n, ..Self::default() }
     }

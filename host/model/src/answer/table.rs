@@ -2,7 +2,7 @@
 
 use crate::field::simulation;
 use serde::Serialize;
-use slipline_link::table::{DeviceTable, DeviceTableError};
+use slipline_link::{DeviceTable, DeviceTableError};
 use slipline_plate::{DriveTable, Knot, Plate, Progress, Sensitivity, TableError, sensitivity_per_percent};
 
 /// A table, in physical and in device units, and what it loses on a plate that differs.

@@ -42,30 +42,30 @@ pub fn text(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> String {
     page.line("Slipline", format!("{} on {os} {arch}", env!("CARGO_PKG_VERSION")));
     link(&mut page, snapshot);
     page.title("device");
-    match &snapshot.identity {
+    match &snapshot.device.identity {
         Some(identity) => device(&mut page, snapshot, identity),
         None => page.text("not connected"),
     }
     page.title("status");
-    match &snapshot.status {
+    match &snapshot.drive.status {
         Some(status) => self::status(&mut page, snapshot, status),
         None => page.text("not known"),
     }
     page.title("table on the device");
-    match &snapshot.table.active {
+    match &snapshot.table.report.active {
         Some(header) => self::table(&mut page, header),
         None => page.text("none"),
     }
-    page.line("Known knot by knot", yes(snapshot.confirmed_table.is_some()));
-    page.line("Upload verified by digest", snapshot.upload_verified.map_or("no upload", yes));
+    page.line("Known knot by knot", yes(snapshot.table.confirmed.is_some()));
+    page.line("Upload verified by digest", snapshot.table.upload_verified.map_or("no upload", yes));
     page.line(
         "Upload under way",
-        match snapshot.upload {
+        match snapshot.table.upload {
             Some(progress) => format!("{} of {} knots", progress.sent, progress.total),
             None => "no".to_owned(),
         },
     );
-    page.line("Knots staged", snapshot.table.staged);
+    page.line("Knots staged", snapshot.table.report.staged);
     page.title("table for the screen");
     match table {
         TableState::Ready(made) => self::table(&mut page, &made.device_table.header()),
@@ -77,10 +77,10 @@ pub fn text(snapshot: &Snapshot, setup: &Setup, table: &TableState) -> String {
     page.title("setup");
     page.text(&setup_file::write(setup));
     page.title("log");
-    let log: Vec<String> = snapshot.log.iter().map(ToString::to_string).collect();
+    let log: Vec<String> = snapshot.record.log.iter().map(ToString::to_string).collect();
     page.text(&log.join("\n"));
     page.title("latest frames");
-    let frames: Vec<String> = snapshot.frames.iter().map(ToString::to_string).collect();
+    let frames: Vec<String> = snapshot.record.frames.iter().map(ToString::to_string).collect();
     page.text(&frames.join("\n"));
     page.0
 }
@@ -99,7 +99,7 @@ fn per_cent(per_mille: u16) -> String {
 
 fn link(page: &mut Page, snapshot: &Snapshot) {
     page.title("link");
-    let state = match &snapshot.link {
+    let state = match &snapshot.link.state {
         LinkState::Disconnected => "disconnected".to_owned(),
         LinkState::Connecting => "connecting".to_owned(),
         LinkState::Connected => "connected".to_owned(),
@@ -110,32 +110,32 @@ fn link(page: &mut Page, snapshot: &Snapshot) {
     page.line("State", state);
     page.line(
         "Port",
-        match &snapshot.port {
+        match &snapshot.link.port {
             None => "none".to_owned(),
             // The path of a port may contain the user's name.
             Some(Port::Unix(_)) => "a Unix socket".to_owned(),
             Some(port) => port.to_string(),
         },
     );
-    page.line("Reconnects by itself", yes(snapshot.auto_reconnect));
-    let trouble = snapshot.error.as_ref().map_or_else(|| "none".to_owned(), ToString::to_string);
+    page.line("Reconnects by itself", yes(snapshot.link.auto_reconnect));
+    let trouble = snapshot.link.error.as_ref().map_or_else(|| "none".to_owned(), ToString::to_string);
     page.line("Trouble", trouble);
-    let refusal =
-        snapshot.last_refusal.as_ref().map_or_else(|| "none".to_owned(), |(_, refusal)| refusal.to_string());
+    let refusal = snapshot.record.last_refusal.as_ref();
+    let refusal = refusal.map_or_else(|| "none".to_owned(), |(_, refusal)| refusal.to_string());
     page.line("Last refusal", refusal);
     // Destructured field by field, so that a new counter does not compile until it is reported here.
-    let RoundTrip { last, average, worst } = snapshot.round_trip;
+    let RoundTrip { last, average, worst } = snapshot.link.round_trip;
     page.line("Round trip, last", ms(last));
     page.line("Round trip, average", ms(average));
     page.line("Round trip, worst", ms(worst));
-    let LinkCounters { commands, retries, timeouts, superseded, dropped, unmatched } = snapshot.counters;
+    let LinkCounters { commands, retries, timeouts, superseded, dropped, unmatched } = snapshot.link.counters;
     page.line("Commands sent", commands);
     page.line("Commands repeated", retries);
     page.line("Answers that came too late", timeouts);
     page.line("Drives superseded", superseded);
     page.line("Requests dropped", dropped);
     page.line("Stray answers", unmatched);
-    let DecoderCounters { frames, damaged, overlong } = snapshot.decoder;
+    let DecoderCounters { frames, damaged, overlong } = snapshot.link.decoder;
     frame_counts(page, frames, damaged, overlong);
 }
 
@@ -174,7 +174,7 @@ fn device(page: &mut Page, snapshot: &Snapshot, identity: &Identity) {
     page.line("Firmware", format!("{major}.{minor}.{patch} ({build})"));
     let schema = u32::from_le_bytes(version.schema);
     page.line("Protocol", format!("{}.{}, schema {schema:08x}", version.major, version.minor));
-    page.line("Compatibility", snapshot.compatibility.map_or("not known", |it| it.sentence()));
+    page.line("Compatibility", snapshot.device.compatibility.map_or("not known", |it| it.sentence()));
     page.line("Unit", snapshot.unit().unwrap_or_default());
     page.line("Sample rate", format!("{sample_rate_hz} Hz"));
     page.line("Block", format!("{block} samples"));
@@ -206,11 +206,11 @@ fn device(page: &mut Page, snapshot: &Snapshot, identity: &Identity) {
             StoredConfig::FellBack => "one copy damaged, the other in use",
         },
     );
-    if let Some(maintenance) = &snapshot.maintenance {
+    if let Some(maintenance) = &snapshot.device.maintenance {
         page.line("Flash erased", upkeep::wear(maintenance));
         page.line("Brown-out level", upkeep::brown_out_level(maintenance));
     }
-    if let Some(wear) = &snapshot.wear {
+    if let Some(wear) = &snapshot.device.wear {
         page.line("Profile's flash erased", upkeep::profile_wear(wear));
     }
     page.line("Last crash", if crash.is_empty() { "none" } else { crash.as_str() });
@@ -253,7 +253,7 @@ fn status(page: &mut Page, snapshot: &Snapshot, status: &Status) {
         },
     );
     page.line("Sample index", now);
-    page.line("Known since", format!("{:.3} s after the start", snapshot.status_time.as_secs_f64()));
+    page.line("Known since", format!("{:.3} s after the start", snapshot.drive.status_time.as_secs_f64()));
     page.line("Sum of tones, of full scale", per_cent(*sum_per_mille));
     page.line("Heat, of its limit", per_cent(*heat_per_mille));
     page.line("Left by the heat limit", per_cent(*foldback_per_mille));
@@ -316,8 +316,9 @@ mod tests {
             crash: "".try_into().unwrap(),
         };
         let status = Status { heat_per_mille: 125, now: 12_800, ..Status::default() };
-        let snapshot =
-            Snapshot { identity: Some(Arc::new(identity)), status: Some(status), ..Snapshot::default() };
+        let mut snapshot = Snapshot::default();
+        snapshot.device.identity = Some(Arc::new(identity));
+        snapshot.drive.status = Some(status);
         let text = text(&snapshot, &setup(), &TableState::Making);
         for (name, value) in [
             ("Board", "nucleo"),
@@ -341,7 +342,8 @@ mod tests {
     #[test]
     fn a_drive_that_waits_is_not_reported_as_one_that_sounds() {
         let status = Status { state: State::Waiting, ..Status::default() };
-        let waiting = Snapshot { status: Some(status), ..Snapshot::default() };
+        let mut waiting = Snapshot::default();
+        waiting.drive.status = Some(status);
         let text = text(&waiting, &setup(), &TableState::Waiting);
         let mut states = text.lines().filter(|line| line.starts_with("State:"));
         assert!(states.any(|line| line.ends_with("waiting for the trigger")), "{text}");

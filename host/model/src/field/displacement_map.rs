@@ -127,7 +127,9 @@ pub(crate) fn mode_shape(model: &Model, beta: f64) -> f64 {
             let at = |beta: f64| (q * beta).cosh() / q.cosh() - (q * beta).cos() / q.cos();
             at(beta) / at(0.0)
         }
-        _ => (std::f64::consts::FRAC_PI_2 * beta).cos(),
+        Model::Membrane { .. } | Model::ShearHorizontal { .. } | Model::BendingSupported(_) => {
+            (std::f64::consts::FRAC_PI_2 * beta).cos()
+        }
     }
 }
 

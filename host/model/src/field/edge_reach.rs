@@ -11,7 +11,7 @@ use crate::field::felt::NotFelt;
 use crate::field::line::{Holds, Line, turning_point_m};
 use crate::setup::{BoundaryMode, Setup, ToneSetup};
 use slipline_plate::DriveTable;
-use slipline_plate::number_format::typed;
+use slipline_plate::quantity::number_format::typed;
 use slipline_plate::quantity::{Measure, must_be, show_range};
 use std::fmt;
 

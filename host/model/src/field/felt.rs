@@ -4,8 +4,8 @@
 //! so a felt place does not depend on the finger's pressure. Illustrative: fingers differ.
 
 use crate::field::steady_field::{SteadyField, interpolate};
+use slipline_plate::check::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::feeling::{EdgesByPerson, Feeling, FeltEdge, FeltTone};
-use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::{Complex64, Plate};
 
 /// Strength over the threshold from which a place is clearly felt: 6 dB.
@@ -198,7 +198,7 @@ mod tests {
         let felt = felt("membrane", &[150.0], 1e-5);
         let strongest = felt.strength.iter().copied().fold(0.0, f64::max);
         // The mean under the contact is slightly below the peak.
-        let over = 1e-5 / slipline_plate::sensation::threshold_m(150.0);
+        let over = 1e-5 / slipline_plate::check::sensation::threshold_m(150.0);
         assert!((0.97..1.0).contains(&(strongest / over)), "{strongest} {over}");
         assert!(felt.edge.place_m().unwrap() < plate.length_m());
     }

@@ -85,7 +85,7 @@ impl Line {
 
 /// The sensation of a tone alone, whose edge the line holds.
 #[must_use]
-pub fn felt_alone(setup: &Setup, wave: &ToneWave) -> Felt {
+pub(crate) fn felt_alone(setup: &Setup, wave: &ToneWave) -> Felt {
     let tone_alone = [(wave.tone.frequency_hz, &wave.wave[..])];
     Felt::of_tones(&setup.plate, &setup.feeling, &tone_alone)
 }
@@ -162,7 +162,7 @@ pub fn turning_point_m(setup: &Setup, tone: &ToneSetup, table: Option<&DriveTabl
     // nearest felt edge.
     match line(clamped_m).holds {
         Holds::Unfelt(_) => clamped_m,
-        _ => high_m,
+        Holds::TurningPoint | Holds::FeltEdge | Holds::PlateEnd => high_m,
     }
 }
 

@@ -21,8 +21,8 @@ use beat::{MAX_WINDOW_S, is_blurred, slow_beat, window_s};
 use demodulator::Demodulator;
 use slipline_link::protocol::refusal::Refusal;
 use slipline_link::simulator::loopback::{Loopback, LoopbackError};
-use slipline_link::table::{DeviceTable, DeviceTableError, span_m};
 use slipline_link::{BLOCK, Change, DriveError, DriveRequest, OutOfRange, Played, Request, Sounding};
+use slipline_link::{DeviceTable, DeviceTableError, span_m};
 use slipline_plate::{
     Complex64, DriveTable, Equation, Finger, LineError, Peak, Plate, Progress, RespondError, Response,
     SheetError, Stopped, TableError, TableTravel, ToneDrive, plane, predict_envelope, respond_touched,
@@ -239,7 +239,7 @@ impl Simulation<'_> {
 
         // The status contains the counter and is read again after a request.
         chain.perform(Request::Refresh, |_| ())?;
-        let clipped_samples = chain.view().status.map_or(0, |status| status.counters.clips);
+        let clipped_samples = chain.view().drive.status.map_or(0, |status| status.counters.clips);
         let position_m = waves.positions_m().to_vec();
         let predicted =
             predict_envelope(self.actual, self.finger.as_ref(), &sounding, rate_hz, position_m.len())?;
@@ -350,7 +350,7 @@ fn glide_s(sounding: &Sounding) -> f64 {
 /// frequencies: each is the one whose frequency is nearest.
 fn sounding(asked: &[ToneDrive], chain: &Loopback, table: &DeviceTable) -> Vec<ToneDrive> {
     let played =
-        chain.view().journal.iter().rev().find_map(|entry| {
+        chain.view().record.journal.iter().rev().find_map(|entry| {
             if let Change::Play(played) = &entry.change { Some(played.clone()) } else { None }
         });
     let tones = played.as_ref().map_or_else(Vec::new, |played| played.tones(table));

@@ -115,7 +115,7 @@ impl SteadyField {
     /// The mean frequency at `x`, weighted by the power of each tone there, in Hz: the pitch felt by a
     /// finger.
     #[must_use]
-    pub fn frequency_at(&self, x_m: f64) -> f64 {
+    pub(crate) fn frequency_at(&self, x_m: f64) -> f64 {
         let (mut weighted, mut total) = (0.0, 0.0);
         for tone in &self.tones {
             let share = x_m / self.length_m * (POINTS - 1) as f64;

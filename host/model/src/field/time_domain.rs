@@ -8,9 +8,9 @@
 use crate::field::line_at_rest::line_at_rest;
 use crate::jobs::Task;
 use slipline_link::BLOCK;
+use slipline_link::DeviceTable;
 use slipline_link::Played;
 use slipline_link::mirror::Mirror;
-use slipline_link::table::DeviceTable;
 use slipline_plate::Plate;
 use std::sync::Arc;
 

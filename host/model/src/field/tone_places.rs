@@ -88,7 +88,7 @@ impl TonePlaces {
 
     /// The felt edge in words, without its spread: `felt edge at 210.0 mm`.
     #[must_use]
-    pub fn edge_words(&self) -> String {
+    pub(crate) fn edge_words(&self) -> String {
         match (self.felt_edge, self.not_felt) {
             (FeltEdge::At(place_m), _) => format!("felt edge at {}", show_place(place_m)),
             (FeltEdge::PlateEnd, _) => "felt to the plate's end".to_owned(),

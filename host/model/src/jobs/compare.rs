@@ -21,20 +21,14 @@ impl PartialEq for CompareJob {
     }
 }
 
-/// The result.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct Compared {
-    /// The job.
-    pub job: CompareJob,
-    /// Their differences, or why they cannot be compared.
-    pub result: Result<Comparison, CalibrateError>,
-}
+/// Their differences, or why they cannot be compared.
+pub type Compared = Result<Comparison, CalibrateError>;
 
 /// The work of the thread: some milliseconds.
 #[must_use]
 pub fn work(job: CompareJob, task: &Task) -> Option<Compared> {
     let result = Comparison::of(&job.plate, &job.measurement);
-    task.report(1.0).then_some(Compared { job, result })
+    task.report(1.0).then_some(result)
 }
 
 #[cfg(test)]
@@ -58,8 +52,8 @@ mod tests {
             CompareJob { plate: Arc::clone(&plate), measurement }
         };
         let task = Task::default();
-        assert_eq!(work(job(0.1), &task).unwrap().result.unwrap().count, 10);
-        let reason = work(job(0.5), &task).unwrap().result.unwrap_err();
+        assert_eq!(work(job(0.1), &task).unwrap().unwrap().count, 10);
+        let reason = work(job(0.5), &task).unwrap().unwrap_err();
         assert_eq!(reason.to_string(), "the sensor at 500.0 mm is beyond the plate's end at 320.0 mm");
         task.end();
         assert!(work(job(0.1), &task).is_none());

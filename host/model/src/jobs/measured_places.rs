@@ -17,21 +17,10 @@ pub struct MeasuredPlacesJob {
     pub measurements: Vec<Arc<Measurement>>,
 }
 
-impl MeasuredPlacesJob {
-    /// Whether it is that of this plate with these measurements.
-    pub fn is_of<'a>(
-        &self,
-        plate: &Arc<Plate>,
-        measurements: impl Iterator<Item = &'a Arc<Measurement>>,
-    ) -> bool {
-        Arc::ptr_eq(&self.plate, plate)
-            && self.measurements.iter().map(Arc::as_ptr).eq(measurements.map(Arc::as_ptr))
-    }
-}
-
 impl PartialEq for MeasuredPlacesJob {
     fn eq(&self, other: &Self) -> bool {
-        self.is_of(&other.plate, other.measurements.iter())
+        Arc::ptr_eq(&self.plate, &other.plate)
+            && self.measurements.iter().map(Arc::as_ptr).eq(other.measurements.iter().map(Arc::as_ptr))
     }
 }
 
@@ -69,18 +58,10 @@ impl MeasuredPlace {
     }
 }
 
-/// The result.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct MeasuredPlaces {
-    /// The job.
-    pub job: MeasuredPlacesJob,
-    /// The places of the measurements that the model can be compared with.
-    pub places: Vec<MeasuredPlace>,
-}
-
-/// The work of the thread: some milliseconds for each measurement.
+/// The places of the measurements that the model can be compared with. The work of the thread: some milliseconds for each
+/// measurement.
 #[must_use]
-pub fn work(job: MeasuredPlacesJob, task: &Task) -> Option<MeasuredPlaces> {
+pub fn work(job: MeasuredPlacesJob, task: &Task) -> Option<Vec<MeasuredPlace>> {
     let mut places = Vec::new();
     for (i, measurement) in job.measurements.iter().enumerate() {
         if !task.report(i as f64 / job.measurements.len() as f64) {
@@ -92,7 +73,7 @@ pub fn work(job: MeasuredPlacesJob, task: &Task) -> Option<MeasuredPlaces> {
             .filter_map(|(point, off_db)| off_db.map(|off_db| (point.frequency_hz, from_decibels(off_db))));
         places.push(MeasuredPlace { place_m: measurement.place_m, ratios: ratios.collect() });
     }
-    task.report(1.0).then_some(MeasuredPlaces { job, places })
+    task.report(1.0).then_some(places)
 }
 
 #[cfg(test)]
@@ -130,11 +111,11 @@ mod tests {
                 vec![Arc::new(measured(truth, 0.03, unit)), Arc::new(measured(truth, 0.15, unit))];
             let job = MeasuredPlacesJob { plate: Arc::clone(&model), measurements };
             let found = work(job, &Task::default()).unwrap();
-            assert_eq!(found.places.len(), 2);
+            assert_eq!(found.len(), 2);
             let off = |place: &MeasuredPlace| {
                 place.amplitude_m(&field).unwrap() / field.bound_at(place.place_m) - 1.0
             };
-            found.places.iter().map(|place| off(place).abs()).fold(0.0, f64::max)
+            found.iter().map(|place| off(place).abs()).fold(0.0, f64::max)
         };
         // The sensitivity of an uncalibrated sensor does not count.
         assert!(
@@ -159,6 +140,6 @@ mod tests {
         assert!((place.amplitude_m(&at_110).unwrap() / at_110.bound_at(0.1) - 1.5).abs() < 1e-9);
         let beyond = Measurement { place_m: 0.5, ..measured(&plate, 0.1, 1.0) };
         let job = MeasuredPlacesJob { plate: Arc::clone(&plate), measurements: vec![Arc::new(beyond)] };
-        assert!(work(job, &Task::default()).unwrap().places.is_empty());
+        assert!(work(job, &Task::default()).unwrap().is_empty());
     }
 }

@@ -3,10 +3,13 @@
 pub mod check;
 pub mod compare;
 pub mod design;
+mod latest_result;
 pub mod measured_places;
 pub mod plane;
 pub mod table;
 pub mod texture;
+
+pub use latest_result::LatestResult;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -162,11 +165,16 @@ impl<Job: Send + 'static, Done: Send + 'static> JobQueue<Job, Done> {
 
     /// The newest result since the last call.
     pub fn take(&mut self) -> Option<Done> {
+        self.take_numbered().map(|(_, done)| done)
+    }
+
+    /// The newest result since the last call, with the number of its job.
+    fn take_numbered(&mut self) -> Option<(u64, Done)> {
         let mut newest = None;
         for (number, done) in self.done.try_iter() {
             self.ended = self.ended.max(number);
             if number > self.unwanted {
-                newest = done.or(newest);
+                newest = done.map(|done| (number, done)).or(newest);
             }
         }
         newest

@@ -35,22 +35,15 @@ impl PartialEq for PlaneJob {
     }
 }
 
-/// The result.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub struct PlaneChecked {
-    /// The job.
-    pub job: PlaneJob,
-    /// Differences between the field in two dimensions and that of the one-mode equation, or why it was not
-    /// computed.
-    pub result: Result<Comparison, PlaneError>,
-}
+/// Differences between the field in two dimensions and that of the one-mode equation, or why it was not
+/// computed.
+pub type PlaneChecked = Result<Comparison, PlaneError>;
 
 /// The work of the thread. A solution takes some milliseconds and cannot be interrupted; `None` if the task
 /// was cancelled before or during it.
 #[must_use]
 pub fn work(job: PlaneJob, task: &Task) -> Option<PlaneChecked> {
-    let result = compare(&job, task).transpose()?;
-    Some(PlaneChecked { job, result })
+    compare(&job, task).transpose()
 }
 
 fn compare(job: &PlaneJob, task: &Task) -> Result<Option<Comparison>, PlaneError> {
@@ -130,7 +123,7 @@ mod tests {
         let hertz = plate.frequency_for_boundary_hz(0.18);
         for finger in [None, Some(Finger::firm(0.1))] {
             let job = PlaneJob { plate: Arc::clone(&plate), boundary_m: 0.18, finger };
-            let done = work(job, &Task::default()).unwrap().result.unwrap();
+            let done = work(job, &Task::default()).unwrap().unwrap();
             let one_mode =
                 respond_touched(&plate, finger.as_ref(), hertz, POINTS, Equation::Corrected).unwrap();
             let setup = Setup { finger, ..Setup::of(&plate) };
@@ -143,7 +136,7 @@ mod tests {
     fn a_boundary_off_the_plate_has_a_reason_and_a_cancelled_task_no_result() {
         let plate = Arc::new(slipline_plate::preset("membrane").unwrap());
         let job = |boundary_m| PlaneJob { plate: Arc::clone(&plate), boundary_m, finger: None };
-        let reason = work(job(f64::NAN), &Task::default()).unwrap().result.unwrap_err();
+        let reason = work(job(f64::NAN), &Task::default()).unwrap().unwrap_err();
         assert!(reason.to_string().contains("frequency"), "{reason}");
         let over = Task::default();
         over.end();

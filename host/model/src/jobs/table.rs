@@ -3,7 +3,7 @@
 use crate::field::simulation::device_table;
 use crate::jobs::Task;
 use crate::setup::Setup;
-use slipline_link::table::DeviceTable;
+use slipline_link::DeviceTable;
 use slipline_plate::{DriveTable, Plate, Progress, TableError, sensitivity_per_percent};
 use std::sync::Arc;
 

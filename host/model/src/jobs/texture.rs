@@ -25,7 +25,9 @@ pub struct TextureWish {
 
 impl PartialEq for TextureWish {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.table, &other.table)
+        // A table that a page's worker sends back is a copy, but it has the very plate.
+        Arc::ptr_eq(&self.table.plate, &other.table.plate)
+            && self.table.device_table.crc() == other.table.device_table.crc()
             && self.wish == other.wish
             && self.level_m == other.level_m
             && self.most == other.most
@@ -44,10 +46,7 @@ pub struct TextureJob {
 
 /// Why a texture was refused; numbers out of range are shown in suitable units.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{}", match .0 {
-    TextureError::OutOfRange(error) => error.in_suitable_units(),
-    error => error.to_string(),
-})]
+#[error("{}", if let TextureError::OutOfRange(error) = .0 { error.in_suitable_units() } else { .0.to_string() })]
 #[derive(serde::Serialize, serde::Deserialize)]
 pub struct TextureRefused(pub TextureError);
 

@@ -6,7 +6,7 @@ use slipline_plate::quantity::decibels;
 use std::f64::consts::{PI, TAU};
 
 /// Responses below this multiple of their noise have no phase.
-pub const SHOWN_OVER_NOISE: f64 = 2.0;
+pub(crate) const SHOWN_OVER_NOISE: f64 = 2.0;
 /// Standard deviations of a 95 % interval.
 const INTERVAL: f64 = 1.96;
 

@@ -11,7 +11,7 @@ mod headroom;
 mod shelf;
 mod words;
 
-pub use bode::{Bode, SHOWN_OVER_NOISE, levels_db, unwrapped_deg};
+pub use bode::{Bode, levels_db, unwrapped_deg};
 pub use headroom::{Headroom, LIGHT_DB, light};
-pub use shelf::{Entry, MEASUREMENTS_MAX, Shelf, ShelfFull};
+pub use shelf::{Entry, Shelf, ShelfFull};
 pub use words::{differs, is_measurement};

@@ -6,7 +6,7 @@ use slipline_plate::quantity::must_be;
 use std::sync::Arc;
 
 /// Most measurements in a list.
-pub const MEASUREMENTS_MAX: usize = 32;
+pub(crate) const MEASUREMENTS_MAX: usize = 32;
 
 /// A measurement in the list.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl Shelf {
     /// Adds and chooses a measurement. If one of the same name and numbers exists, it is chosen instead.
     ///
     /// # Errors
-    /// If there are [`MEASUREMENTS_MAX`] already.
+    /// If there are 32 already.
     pub fn add(&mut self, name: &str, measurement: Measurement) -> Result<u64, ShelfFull> {
         let same = |entry: &&Entry| entry.name == name && *entry.measurement == measurement;
         if let Some(same) = self.entries.iter().find(same).map(|entry| entry.number) {

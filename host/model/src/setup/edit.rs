@@ -116,13 +116,14 @@ impl Edit {
 
     /// The tone that it changes, if it changes only one.
     pub(crate) const fn slot(&self) -> Option<u8> {
-        match *self {
-            Self::Move { slot, .. }
-            | Self::Level { slot, .. }
-            | Self::Phase { slot, .. }
-            | Self::Remove { slot } => Some(slot),
-            _ => None,
-        }
+        let (Self::Move { slot, .. }
+        | Self::Level { slot, .. }
+        | Self::Phase { slot, .. }
+        | Self::Remove { slot }) = *self
+        else {
+            return None;
+        };
+        Some(slot)
     }
 }
 

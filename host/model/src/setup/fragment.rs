@@ -17,7 +17,7 @@ const KEY: &str = "setup=";
 /// The version this program writes.
 const VERSION: &str = "1";
 /// The longest fragment that is read, in characters.
-pub const FRAGMENT_MAX: usize = 16_000;
+pub(crate) const FRAGMENT_MAX: usize = 16_000;
 /// The slowest and smallest compression.
 const SMALLEST: u8 = 10;
 

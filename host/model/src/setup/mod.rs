@@ -28,7 +28,7 @@ pub const GLIDE_RANGE_S: (f64, f64) = (
 
 /// Allowed gain of a chord over the sum of its amplitudes, in dB: the sum of sixteen is 12 dB above their
 /// RMS.
-pub const CHORD_GAIN_RANGE_DB: (f64, f64) = (0.0, 15.0);
+pub(crate) const CHORD_GAIN_RANGE_DB: (f64, f64) = (0.0, 15.0);
 
 /// One tone: one peak on the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,7 +112,7 @@ impl Setup {
 
     /// The factor of its tones as a chord; 1 if they are not a chord.
     #[must_use]
-    pub fn chord_factor(&self) -> f64 {
+    pub(crate) fn chord_factor(&self) -> f64 {
         from_decibels(self.chord_gain_db.unwrap_or(0.0))
     }
 

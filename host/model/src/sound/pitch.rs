@@ -17,7 +17,7 @@ pub struct Pitch {
 impl Pitch {
     /// The shift for a plate whose band ends at this frequency, in Hz: zero if all of it is audible.
     #[must_use]
-    pub fn of_band(highest_hz: f64) -> Self {
+    pub(crate) fn of_band(highest_hz: f64) -> Self {
         let mut pitch = Self { octaves: 0 };
         if highest_hz > HEARD_HZ {
             while highest_hz / pitch.factor() > COMFORTABLE_HZ && pitch.octaves < 32 {
@@ -36,7 +36,7 @@ impl Pitch {
     /// The audible frequencies, in Hz, in the same order. Of tones that beat, the lowest is shifted and the
     /// others keep their difference from it, so that the beat is heard at the rate at which it is felt.
     #[must_use]
-    pub fn heard_hz(self, frequencies_hz: &[f64]) -> Vec<f64> {
+    pub(crate) fn heard_hz(self, frequencies_hz: &[f64]) -> Vec<f64> {
         let mut order: Vec<usize> = (0..frequencies_hz.len()).collect();
         order.sort_by(|&one, &other| frequencies_hz[one].total_cmp(&frequencies_hz[other]));
         let mut heard = vec![0.0; frequencies_hz.len()];

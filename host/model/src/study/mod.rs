@@ -21,7 +21,7 @@ mod threads;
 pub use chunk::{Chunk, Status};
 pub use law::Law;
 pub use plates::{Study, StudyError};
-pub use spec::{COUNT_MAX, Draft, PLACES_MAX, SPEC_BYTES_MAX, Spec, SpecError, Varied};
+pub use spec::{Draft, SPEC_BYTES_MAX, Spec, SpecError, Varied};
 pub use statistics::{Statistics, Summary};
 #[cfg(feature = "native")]
 pub use threads::run_in_order;

@@ -20,9 +20,9 @@ use std::collections::BTreeMap;
 /// The largest specification that is read, bytes: a plate file of the largest size fits.
 pub const SPEC_BYTES_MAX: usize = 1 << 21;
 /// Most plates of a study.
-pub const COUNT_MAX: u64 = 1_000_000;
+pub(crate) const COUNT_MAX: u64 = 1_000_000;
 /// Most places of a study.
-pub const PLACES_MAX: usize = 64;
+pub(crate) const PLACES_MAX: usize = 64;
 /// Most fields that vary.
 const VARIED_MAX: usize = 32;
 
@@ -129,7 +129,11 @@ impl Draft {
         let plate = match parsed.plate {
             toml::Value::String(name) => PlateOf::Named(name),
             toml::Value::Table(table) => PlateOf::Own(Box::new(own_plate(&table)?)),
-            other => {
+            other @ (toml::Value::Integer(_)
+            | toml::Value::Float(_)
+            | toml::Value::Boolean(_)
+            | toml::Value::Datetime(_)
+            | toml::Value::Array(_)) => {
                 let allowed = "a preset's name, a file's name, or a section [plate] with a plate file";
                 return Err(SpecError::Value(PlateError::UnknownKind {
                     field: "plate".to_owned(),

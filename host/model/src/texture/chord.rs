@@ -21,7 +21,7 @@ pub fn sounding(
     table: &DeviceTable,
     snapshot: &Snapshot,
 ) -> Result<Sounding, Refusal> {
-    match (chord.filter(|_| snapshot.can_play_chords()), &snapshot.identity) {
+    match (chord.filter(|_| snapshot.can_play_chords()), &snapshot.device.identity) {
         (Some(chord), Some(identity)) => Ok(Sounding::Chord(chord.fitted(identity, table)?)),
         _ => Ok(Sounding::Drive(edit::drive(setup))),
     }

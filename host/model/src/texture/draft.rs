@@ -70,7 +70,7 @@ pub struct WishDraft {
 }
 
 /// Smallest number of breakpoints of a drawn profile.
-pub const BREAKPOINTS_MIN: usize = 2;
+pub(crate) const BREAKPOINTS_MIN: usize = 2;
 /// Largest number of breakpoints of a drawn profile; a file may have more.
 pub const BREAKPOINTS_DRAWN_MAX: usize = 32;
 /// Smallest distance of two breakpoints, in metres.

@@ -10,7 +10,7 @@ use super::{setup_of, tones_of};
 use crate::setup::Setup;
 use crate::setup::edit::Edit;
 use slipline_plate::feeling::{EdgesByPerson, Feeling};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{OutOfRange, Range};
 use slipline_plate::texture::{
     BEAT_RANGE_HZ, ChordTexture, Figures, Flutter, Palette, Target, Texture, TextureError, TextureTone, beat,

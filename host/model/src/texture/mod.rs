@@ -11,7 +11,7 @@ mod making;
 mod profile_file;
 
 pub use chord::{chord_of, sounding};
-pub use draft::{BREAKPOINTS_DRAWN_MAX, BREAKPOINTS_MIN, WishDraft, WishKind};
+pub use draft::{BREAKPOINTS_DRAWN_MAX, WishDraft, WishKind};
 pub use making::{Fitted, Lack, Made, Rest, Wish, make};
 pub use profile_file::{PROFILE_FILE_BYTES_MAX, ProfileFileError, ProfileTable, from_csv, from_png};
 

@@ -23,10 +23,7 @@ pub(super) fn read(name: &'static str, bytes: Vec<u8>) -> Result<Wav, WavError> 
         let what = "it is compressed with loss, or in a way that is not read";
         WavError::Lossless(name, format!("{what}: record as WAV, FLAC or lossless"))
     };
-    let failed = |error: Error| match error {
-        Error::Unsupported(_) => lossy(),
-        _ => damaged(),
-    };
+    let failed = |error: Error| if matches!(error, Error::Unsupported(_)) { lossy() } else { damaged() };
     if name == "AIFF" && !has_whole_frames(&bytes) {
         return Err(damaged());
     }

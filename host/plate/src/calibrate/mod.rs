@@ -44,7 +44,5 @@ pub use measurement::band::band_hz;
 pub use measurement::csv::CsvError;
 pub use measurement::drive_check::{DriveCheck, DriveCircuit, DriveLoad, check_drive, drive_check_hz};
 pub use measurement::foreign::{File, FileError, Foreign, ForeignPoint, ForeignRead, SNR, SNR_DB};
-pub use measurement::sensor::{
-    MeasuredPoint, Measurement, PLACE_TOLERANCE, PLACE_TOLERANCE_M, POINTS, SensorKind,
-};
+pub use measurement::sensor::{MeasuredPoint, Measurement, POINTS, SensorKind};
 pub use placement::{NearLimit, PairReach, PlaceWarning, Placing, SensorPlaces};

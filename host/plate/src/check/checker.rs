@@ -91,7 +91,7 @@ impl Checker {
         })
     }
 
-    /// The lights over the plate's span: the worst result of each over [`super::SPAN_PLACES`] boundaries, with its
+    /// The lights over the plate's span: the worst result of each over 41 boundaries, with its
     /// boundary.
     ///
     /// # Errors

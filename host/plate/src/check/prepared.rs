@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::table::travel;
 
 /// Number of boundaries over the span that [`super::Checker::over_span`] checks.
-pub const SPAN_PLACES: usize = 41;
+pub(crate) const SPAN_PLACES: usize = 41;
 
 /// The plate, its conditions, and the quantities that they determine for every boundary.
 #[derive(Debug)]

@@ -35,18 +35,18 @@ pub const WAVELENGTHS: Limits = Limits { green: 0.379, amber: 0.109 };
 
 /// Wavelengths from the driven end to the boundary below which a peak is not sure: the drive's own motion hides it. On
 /// 2000 random plates the two-dimensional solver has found none where the one-mode equation has one up to 0.263 of them.
-pub const PEAK_ROOM: f64 = 0.28;
+pub(crate) const PEAK_ROOM: f64 = 0.28;
 
 /// Loss integral I: the amplitude falls by e^-I on the way to the boundary. From about 3 on the peak is no longer the
 /// largest amplitude on the plate; at about 6 there is no peak.
-pub const LOSS: Limits = Limits { green: 3.0, amber: 6.0 };
+pub(crate) const LOSS: Limits = Limits { green: 3.0, amber: 6.0 };
 
 /// Loss integral up to which the loss light does not ask for the peak: the wave arrives with more than a third of its
 /// amplitude, and the narrowing plate raises it by about as much. Beyond it the light takes the computed peak's colour.
 pub const LOSS_SMALL: f64 = 1.0;
 
 /// Width of a fingertip's contact, metres: the unit of the edge width.
-pub const FINGERTIP_M: f64 = crate::frequency::CONTACT_M;
+pub(crate) const FINGERTIP_M: f64 = crate::frequency::CONTACT_M;
 
 /// Edge width in fingertips. Up to 4, one short stroke of the finger crosses the edge. Beyond 15 (150 mm) the edge is
 /// wider than a hand and feels like a slow fade, not like a boundary.
@@ -58,7 +58,7 @@ pub const SENSITIVITY_DB: Limits = Limits { green: 1.0, amber: 6.02 };
 
 /// Relative uncertainty of the loss factor where the plate file does not state it: halved or doubled. Loss factors in
 /// tables and from one sheet to the next differ by as much, and mounting adds to them.
-pub const LOSS_TOLERANCE: f64 = 1.0;
+pub(crate) const LOSS_TOLERANCE: f64 = 1.0;
 
 /// |r| of the drive end, the share of the returning wave's amplitude that it sends back. A resistance that is wrong by a
 /// factor of 1.41 sends 17 % back, one that is wrong by 2 a third. On a plate of low loss 1 % of wave speed changes the
@@ -79,7 +79,7 @@ pub const THIN_PLATE_PERCENT: Limits = Limits { green: 1.0, amber: 5.0 };
 
 /// How far the peak may be from where the file puts it by the air, mm: up to this green, else amber. 2 mm is 1 % of wave speed
 /// at d = 5 per metre.
-pub const AIR_MM: f64 = 2.0;
+pub(crate) const AIR_MM: f64 = 2.0;
 
 /// How much larger a film's wavenumber is than that of the membrane that turns where it does, just before the boundary, %: 0.5 %
 /// at W = 8.6 sqrt(D/T), 2 % at 5.5 times. Farther from the boundary it is a fraction of that, and at the boundary nothing.
@@ -100,17 +100,17 @@ pub const FINGER_LOAD: Limits = Limits { green: 0.1, amber: 1.0 };
 
 /// What a light touch takes from the peak under it, dB. At equal load a resonance loses several times as much as a wave
 /// that passes once. Up to 1.5 dB is hardly noticed; 20 dB leave a tenth.
-pub const FINGER_DB: Limits = Limits { green: 1.5, amber: 20.0 };
+pub(crate) const FINGER_DB: Limits = Limits { green: 1.5, amber: 20.0 };
 
 /// Steps of the device's 12-bit DAC from the middle to full scale.
-pub const DAC_AMPLITUDE_STEPS: f64 = 2047.5;
+pub(crate) const DAC_AMPLITUDE_STEPS: f64 = 2047.5;
 
 /// DAC steps of a tone's amplitude at level 1; green from `green` up, amber from `amber` up. One step changes an amplitude
 /// of 16 steps by 0.5 dB, half of what vibration has to change to be noticed, and one of 4 steps by 2 dB.
 pub const DAC_STEPS: Limits = Limits { green: 16.0, amber: 4.0 };
 
 /// From this frequency on, Hz, a tone is inaudible and can make a surface slippery.
-pub const ULTRASONIC_HZ: f64 = crate::sensation::SLIPPERY_FROM_HZ;
+pub(crate) const ULTRASONIC_HZ: f64 = crate::check::sensation::SLIPPERY_FROM_HZ;
 
 /// Two ultrasonic tones closer than this, Hz, beat at a rate that skin can feel (up to about 1 kHz).
 pub const BEAT_HZ: f64 = 1e3;
@@ -121,14 +121,14 @@ pub const AUDIBLE_DB_A: Limits = Limits { green: 70.0, amber: 85.0 };
 
 /// Sound in the third-octave band of 20 kHz at [`LISTENER_M`], dB: the guideline values for the public (green) and for
 /// workers (amber).
-pub const NEAR_ULTRASOUND_DB: Limits = Limits { green: 70.0, amber: 75.0 };
+pub(crate) const NEAR_ULTRASOUND_DB: Limits = Limits { green: 70.0, amber: 75.0 };
 
 /// Ultrasound above that band at [`LISTENER_M`], dB: the guideline values for the public (green) and for workers
 /// (amber).
-pub const ULTRASOUND_DB: Limits = Limits { green: 100.0, amber: 110.0 };
+pub(crate) const ULTRASOUND_DB: Limits = Limits { green: 100.0, amber: 110.0 };
 
 /// Upper end of the third-octave band of 20 kHz, Hz.
-pub const NEAR_ULTRASOUND_END_HZ: f64 = 22_400.0;
+pub(crate) const NEAR_ULTRASOUND_END_HZ: f64 = 22_400.0;
 
 /// Distance of the listener whose sound level is bounded, metres.
 pub const LISTENER_M: f64 = 0.5;

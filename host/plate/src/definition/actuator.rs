@@ -84,7 +84,7 @@ impl Resonator {
     }
 
     /// The largest [`Resonator::travel_share`] of all frequencies from one to another, in either order.
-    pub fn largest_travel_share(&self, from_hz: f64, to_hz: f64) -> Option<f64> {
+    pub(crate) fn largest_travel_share(&self, from_hz: f64, to_hz: f64) -> Option<f64> {
         let at_ends = self.travel_share(from_hz)?.max(self.travel_share(to_hz)?);
         // |H| rises up to its peak at f0 sqrt(1 - 1/(2 Q^2)) and falls beyond; for Q below sqrt(1/2) it has no peak
         // and only falls.

@@ -19,10 +19,10 @@ use crate::definition::model::Model;
 
 /// alpha of each face in a rigid baffle, at the turning point: what the peaks of membranes in two dimensions with the air's own
 /// matrix ask for.
-pub const BAFFLE: f64 = 2.1;
+pub(crate) const BAFFLE: f64 = 2.1;
 /// alpha of each face of a plate whose air goes round its edges, at the turning point. The half-wave strip without a baffle has
 /// 1.342; membranes in two dimensions ask for 1.25 to 1.33.
-pub const BARE_FRAME: f64 = 1.29;
+pub(crate) const BARE_FRAME: f64 = 1.29;
 /// alpha of each face of a plate whose mounting nobody knows: the geometric mean of the two, whose ratio is 1.63.
 const UNKNOWN_MOUNTING: f64 = 1.65;
 /// Standard deviation of ln alpha where the mounting or the coefficient is stated: membranes in two dimensions ask for up to 8 %

@@ -7,9 +7,9 @@ pub const LENGTH: Range = Range::new(0.005, 10.0, "m");
 /// Loss factor of a material or a tension.
 pub const LOSS_FACTOR: Range = Range::new(0.0, 0.5, "");
 /// Relative uncertainty of the wave speed.
-pub const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
+pub(crate) const WAVE_SPEED_TOLERANCE: Range = Range::new(0.0, 0.05, "");
 /// Relative uncertainty of the loss factor, which may be wrong by a factor of 1 to 5.
-pub const LOSS_TOLERANCE: Range = Range::new(0.0, 4.0, "");
+pub(crate) const LOSS_TOLERANCE: Range = Range::new(0.0, 4.0, "");
 /// How far the wavenumber of a film may be off before the farthest boundary, %.
 pub const FILM_PERCENT: f64 = 2.0;
 /// Displacement of the drive at DAC full scale.
@@ -17,25 +17,25 @@ pub const FULL_SCALE: Range = Range::new(1e-9, 0.1, "m");
 /// Half-width anywhere on a plate.
 pub const HALF_WIDTH: Range = Range::new(1e-5, 10.0, "m");
 /// Rate of an exponential taper.
-pub const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
+pub(crate) const TAPER_RATE: Range = Range::new(0.01, 1000.0, "1/m");
 /// Position of a point of a sampled taper.
-pub const TAPER_PLACE: Range = Range::new(0.0, 100.0, "m");
+pub(crate) const TAPER_PLACE: Range = Range::new(0.0, 100.0, "m");
 /// Wave speed of a membrane.
 pub const WAVE_SPEED: Range = Range::new(0.1, 2e4, "m/s");
 /// Shear modulus.
-pub const SHEAR_MODULUS: Range = Range::new(100.0, 1e12, "Pa");
+pub(crate) const SHEAR_MODULUS: Range = Range::new(100.0, 1e12, "Pa");
 /// Young's modulus.
-pub const YOUNGS_MODULUS: Range = Range::new(1e3, 1e13, "Pa");
+pub(crate) const YOUNGS_MODULUS: Range = Range::new(1e3, 1e13, "Pa");
 /// Poisson's ratio.
-pub const POISSON_RATIO: Range = Range::new(0.0, 0.499, "");
+pub(crate) const POISSON_RATIO: Range = Range::new(0.0, 0.499, "");
 /// Density.
-pub const DENSITY: Range = Range::new(1.0, 3e4, "kg/m^3");
+pub(crate) const DENSITY: Range = Range::new(1.0, 3e4, "kg/m^3");
 /// Thickness of the sheet.
 pub const THICKNESS: Range = Range::new(1e-6, 0.1, "m");
 /// Rate at which the thickness falls.
-pub const THICKNESS_RATE: Range = Range::new(-1e3, 1e3, "1/m");
+pub(crate) const THICKNESS_RATE: Range = Range::new(-1e3, 1e3, "1/m");
 /// Ratio r of a resistance drive end to the wave impedance.
-pub const DRIVE_RATIO: Range = Range::new(0.01, 100.0, "");
+pub(crate) const DRIVE_RATIO: Range = Range::new(0.01, 100.0, "");
 /// Frequency of a boundary.
 pub const FREQUENCY: Range = Range::new(0.5, 1e7, "Hz");
 /// An actuator's resonance.
@@ -45,43 +45,43 @@ pub const QUALITY: Range = Range::new(0.1, 1000.0, "");
 /// How far an actuator may move, or would move at DAC full scale.
 pub const TRAVEL: Range = Range::new(1e-9, 0.1, "m");
 /// Frequency of a point of an actuator's measured response.
-pub const CURVE_FREQUENCY: Range = Range::new(0.1, 1e7, "Hz");
+pub(crate) const CURVE_FREQUENCY: Range = Range::new(0.1, 1e7, "Hz");
 /// Gain of such a point.
-pub const GAIN: Range = Range::new(-200.0, 200.0, "dB");
+pub(crate) const GAIN: Range = Range::new(-200.0, 200.0, "dB");
 /// Phase of such a point.
-pub const PHASE: Range = Range::new(-36e3, 36e3, "degrees");
+pub(crate) const PHASE: Range = Range::new(-36e3, 36e3, "degrees");
 /// Tension of a membrane, per metre of width.
-pub const TENSION: Range = Range::new(1e-9, 1e13, "N/m");
+pub(crate) const TENSION: Range = Range::new(1e-9, 1e13, "N/m");
 /// chi^2 of a calibration over the number of its residuals.
-pub const CHI2_PER_N: Range = Range::new(0.0, 1e6, "");
+pub(crate) const CHI2_PER_N: Range = Range::new(0.0, 1e6, "");
 /// How well a calibration knows a width, as a fraction.
 pub const CALIBRATED: Range = Range::new(0.0, 1.0, "");
 /// How well a calibration knows the level of the peak.
-pub const LEVEL_TOLERANCE_DB: Range = Range::new(0.0, 40.0, "dB");
+pub(crate) const LEVEL_TOLERANCE_DB: Range = Range::new(0.0, 40.0, "dB");
 /// Mechanical resistance of a driven end or of the damper behind a lead-in.
-pub const MECHANICAL_RESISTANCE: Range = Range::new(0.0, 1e9, "N s/m");
+pub(crate) const MECHANICAL_RESISTANCE: Range = Range::new(0.0, 1e9, "N s/m");
 /// Mass that moves with a driven end.
-pub const MOVING_MASS: Range = Range::new(0.0, 1e3, "kg");
+pub(crate) const MOVING_MASS: Range = Range::new(0.0, 1e3, "kg");
 /// Stiffness of a driven end against the frame.
-pub const END_STIFFNESS: Range = Range::new(0.0, 1e12, "N/m");
+pub(crate) const END_STIFFNESS: Range = Range::new(0.0, 1e12, "N/m");
 /// Length of a lead-in.
-pub const LEAD_IN_LENGTH: Range = Range::new(1e-3, 10.0, "m");
+pub(crate) const LEAD_IN_LENGTH: Range = Range::new(1e-3, 10.0, "m");
 /// Loss factor of a lead-in with its layer.
-pub const LEAD_IN_LOSS: Range = Range::new(0.0, 2.0, "");
+pub(crate) const LEAD_IN_LOSS: Range = Range::new(0.0, 2.0, "");
 /// Side of the contact of a finger.
-pub const CONTACT: Range = Range::new(5e-4, 0.1, "m");
+pub(crate) const CONTACT: Range = Range::new(5e-4, 0.1, "m");
 /// Density of the air around a plate.
-pub const AIR_DENSITY: Range = Range::new(0.05, 20.0, "kg/m^3");
+pub(crate) const AIR_DENSITY: Range = Range::new(0.05, 20.0, "kg/m^3");
 /// Speed of sound in it.
-pub const SOUND_SPEED: Range = Range::new(100.0, 2000.0, "m/s");
+pub(crate) const SOUND_SPEED: Range = Range::new(100.0, 2000.0, "m/s");
 /// Its temperature, degrees Celsius.
-pub const AIR_TEMPERATURE: Range = Range::new(-60.0, 100.0, "°C");
+pub(crate) const AIR_TEMPERATURE: Range = Range::new(-60.0, 100.0, "°C");
 /// Its height above the sea.
-pub const AIR_HEIGHT: Range = Range::new(-500.0, 9000.0, "m");
+pub(crate) const AIR_HEIGHT: Range = Range::new(-500.0, 9000.0, "m");
 /// Coefficient alpha of the air's mass on each face.
-pub const AIR_COEFFICIENT: Range = Range::new(0.0, 10.0, "");
+pub(crate) const AIR_COEFFICIENT: Range = Range::new(0.0, 10.0, "");
 /// Share of the air's pressure at a distance.
-pub const DISTANT_AIR: Range = Range::new(-1.0, 2.0, "");
+pub(crate) const DISTANT_AIR: Range = Range::new(-1.0, 2.0, "");
 /// Width of the rim of a design's frame.
 pub const RIM: Range = Range::new(0.01, 0.5, "m");
 
@@ -93,11 +93,11 @@ pub fn span_start(length_m: f64) -> Range {
 /// Name of a plate.
 pub const NAME: Count = Count::new(1, 80, Counted::Characters);
 /// Description of a plate, on one line.
-pub const DESCRIPTION: Count = Count::new(0, 400, Counted::Characters);
+pub(crate) const DESCRIPTION: Count = Count::new(0, 400, Counted::Characters);
 /// Points of an actuator's measured response.
-pub const CURVE_POINTS: Count = Count::new(2, 10_000, Counted::Points);
+pub(crate) const CURVE_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 /// Points of a sampled taper.
-pub const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
+pub(crate) const TAPER_POINTS: Count = Count::new(2, 10_000, Counted::Points);
 
 /// Most wavelengths between the driven end and the boundary; this bounds the work of every computation.
 pub const WAVELENGTHS_MAX: f64 = 60.0;

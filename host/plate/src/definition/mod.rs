@@ -32,7 +32,8 @@ pub(crate) mod width_mode;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};
-pub use air::{Air, AirMounting, BAFFLE, BARE_FRAME, Faces, Gas};
+pub(crate) use air::BAFFLE;
+pub use air::{Air, AirMounting, Faces, Gas};
 pub use calibration::Calibration;
 pub use drive::DriveEnd;
 pub use error::{Consequence, Origin, PlateError, PlateFileError};

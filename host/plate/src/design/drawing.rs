@@ -82,7 +82,7 @@ pub(super) const TICK_MM: f64 = 1.5;
 
 impl Drawing {
     /// Extents of the layer that is cut, mm: `[x_min, z_min, x_max, z_max]`.
-    pub fn cut_extents_mm(&self) -> [f64; 4] {
+    pub(crate) fn cut_extents_mm(&self) -> [f64; 4] {
         let mut extents = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         for shape in &self.shapes {
             match shape {

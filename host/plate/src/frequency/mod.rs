@@ -18,7 +18,8 @@ mod sweep;
 pub use driven_end::{reflection, resistance_reflection};
 pub use equation::Equation;
 pub use error::RespondError;
-pub use finger::{CONTACT_M, Finger};
+pub(crate) use finger::CONTACT_M;
+pub use finger::Finger;
 pub use peak::Peak;
 pub use prediction::{PredictedEnvelope, ToneDrive, predict_envelope};
 pub use respond::{

@@ -23,7 +23,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Largest relative error of the wavenumber in air that a sheet may have. It moves a boundary by 2.2 mm where the plate
 /// narrows by 4.62 /m.
-pub const WAVENUMBER_ERROR_MAX: f64 = 0.01;
+pub(crate) const WAVENUMBER_ERROR_MAX: f64 = 0.01;
 /// Largest a over the least K^2 of a motion of the plate at its place. The grid has that a little lower.
 const LIFT_MAX: f64 = 0.9;
 /// Tones of a band.

@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_2;
 use thiserror::Error;
 
 /// Most cells of a sheet, 2 `along` x `across`: both halves over the plate's length.
-pub const CELLS_MAX: usize = 1 << 23;
+pub(crate) const CELLS_MAX: usize = 1 << 23;
 
 /// How the driven end moves across the width.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,7 +99,7 @@ impl SheetGrid {
     /// largest error is about least. Without air, or without tones, it is the same grid.
     ///
     /// # Errors
-    /// [`SheetError::Air`] if a tone's wavenumber would be off by more than [`WAVENUMBER_ERROR_MAX`].
+    /// [`SheetError::Air`] if a tone's wavenumber would be off by more than a hundredth.
     pub fn at_tones(self, plate: &Plate, tones_hz: &[f64]) -> Result<Self, SheetError> {
         let carries = plate.carries_air() && plate.spec().model.wave_speed_m_per_s().is_some();
         let Some(band_hz) = AirWave::band_of(tones_hz).filter(|_| carries) else { return Ok(self) };
@@ -115,7 +115,7 @@ impl SheetGrid {
     }
 
     /// A coarse grid that resolves the whole span: 8 cells on the half-width at the span's end, within the limits of
-    /// `along` and `across`. For a very narrow plate it may exceed [`CELLS_MAX`].
+    /// `along` and `across`. For a very narrow plate it may exceed what a sheet accepts.
     pub fn coarse(plate: &Plate) -> Self {
         let cell = plate.half_width_m(plate.span_m().1) / 8.0;
         let along = (plate.length_m() / cell).ceil().clamp(16.0, 16384.0) as usize;
@@ -195,7 +195,7 @@ pub enum SheetError {
     /// A field of [`SheetGrid`] or `sample_rate_hz` is out of range.
     #[error("{0}")]
     OutOfRange(#[from] OutOfRange),
-    /// The grid has more than [`CELLS_MAX`] cells.
+    /// The grid has too many cells.
     #[error(transparent)]
     TooBig(#[from] WrongCount),
 }

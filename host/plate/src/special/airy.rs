@@ -5,7 +5,7 @@ pub const PEAK_OFFSET: f64 = 1.018_792_971_647_471;
 /// Distance from the peak to a tenth of it, in units of 1/kappa (1.018793 + 1.709808).
 pub const EDGE_WIDTH: f64 = 2.728_6;
 /// First nodes of Ai, in units of 1/kappa from the turning point.
-pub const NODES: [f64; 4] =
+pub(crate) const NODES: [f64; 4] =
     [-2.338_107_410_459_767, -4.087_949_444_130_971, -5.520_559_828_095_551, -6.786_708_090_071_759];
 /// Ai at its peak.
 pub const PEAK_VALUE: f64 = 0.535_656_656_015_700;

@@ -92,7 +92,7 @@ fn norm(wave: &DVector<f64>, power: i32) -> f64 {
 /// Phases in turns, 0 to 1, for a small peak of tones with these multiples (rising, 1 or more) and amplitudes (0 or
 /// more, as many); and that peak. `longest` is the period in samples, a power of two; the peak is that of the
 /// samples.
-pub fn low_peak_turns(harmonics: &[u32], amplitudes: &[f64], longest: u32) -> (Vec<f64>, f64) {
+pub(crate) fn low_peak_turns(harmonics: &[u32], amplitudes: &[f64], longest: u32) -> (Vec<f64>, f64) {
     let period = Period::of(harmonics, amplitudes, longest);
     let mut phases = DVector::from_vec(low_crest_turns(amplitudes)) * TAU;
     let mut best = (phases.clone(), period.wave(&phases).amax());

@@ -8,9 +8,9 @@ use super::phases::low_crest_turns;
 use super::refinement::{self, Placed};
 use super::selection;
 use super::target::Target;
+use crate::check::sensation::SLIPPERY_FROM_HZ;
 use crate::definition::plate::Plate;
 use crate::quantity::OutOfRange;
-use crate::sensation::SLIPPERY_FROM_HZ;
 use crate::table::level::other_plates;
 
 /// Largest number of tones of a texture.
@@ -23,9 +23,9 @@ const AUDIBLE: f64 = 1e-6;
 
 /// Least distance of tones that are felt as vibrations, Hz: the sum of closer ones rises and falls so slowly that the
 /// area seems to vanish and return. No source: a round value.
-pub const BEAT_OF_VIBRATIONS_HZ: f64 = 5.0;
+pub(crate) const BEAT_OF_VIBRATIONS_HZ: f64 = 5.0;
 /// Least distance of ultrasonic tones, Hz: the beat of closer ones is felt as a vibration. No source: a round value.
-pub const BEAT_OF_ULTRASOUND_HZ: f64 = 1000.0;
+pub(crate) const BEAT_OF_ULTRASOUND_HZ: f64 = 1000.0;
 
 /// One tone of a texture.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -27,10 +27,9 @@ mod selection;
 mod solid;
 mod target;
 
-pub use crest::low_peak_turns;
 pub use error::TextureError;
 pub use figures::Figures;
-pub use fit::{BEAT_OF_ULTRASOUND_HZ, BEAT_OF_VIBRATIONS_HZ, TONES_MAX, Texture, TextureTone};
+pub use fit::{TONES_MAX, Texture, TextureTone};
 pub use flutter::{FLUTTER_WINDOW_S, Flutter};
 pub use on_grid::{CHORD_PERIOD, ChordTexture};
 pub use palette::{PLACES, Palette};

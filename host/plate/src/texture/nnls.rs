@@ -79,7 +79,7 @@ pub fn non_negative_least_squares(a: &Columns, b: &[f64]) -> Vec<f64> {
 /// whose removal raises the error least is removed and the others are solved for again, until at most `most` remain.
 /// (Finding the best set of a given size is combinatorial; this one is close to it where the columns change
 /// smoothly.)
-pub fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
+pub(crate) fn all_and_few(a: &Columns, b: &[f64], most: usize) -> (Vec<f64>, Vec<f64>) {
     let mut set = ActiveSet::new(a, b);
     set.solve();
     let all = set.x.clone();

@@ -332,13 +332,14 @@ fn closed() -> Failure {
 }
 
 fn may_be_armed(client: &Client<InterruptibleLink>, consent: ArmingConsent) -> Result<(), Failure> {
-    client.may_be_armed(consent).map_err(|error| match error {
-        ClientError::Unguarded(_) => {
-            Failure::refused(format_args!("{error} To arm it anyway: arm(despite_brown_out_level=True)."))
-        }
-        ClientError::NoProfile => {
-            Failure::refused(format_args!("{error} To arm it anyway: arm(despite_no_profile=True)."))
-        }
-        error => error.into(),
+    client.may_be_armed(consent).map_err(|error| {
+        let option = if matches!(error, ClientError::Unguarded(_)) {
+            "despite_brown_out_level"
+        } else if matches!(error, ClientError::NoProfile) {
+            "despite_no_profile"
+        } else {
+            return error.into();
+        };
+        Failure::refused(format_args!("{error} To arm it anyway: arm({option}=True)."))
     })
 }

@@ -92,9 +92,10 @@ fn can_start(count: usize) -> std::io::Result<()> {
 
 /// Answers one request.
 fn respond(request: Request, contents: &Contents) {
-    let answer = match request.method() {
-        Method::Get | Method::Head => file(request.url(), contents, takes_packed(request.headers())),
-        _ => plain(405, "GET and HEAD are answered.\n", "Allow: GET, HEAD"),
+    let answer = if matches!(request.method(), Method::Get | Method::Head) {
+        file(request.url(), contents, takes_packed(request.headers()))
+    } else {
+        plain(405, "GET and HEAD are answered.\n", "Allow: GET, HEAD")
     };
     // The browser may have closed the connection; the answer is then dropped.
     let _ = request.respond(answer);

@@ -130,6 +130,7 @@ impl ApplicationHandler<UserEvent> for Answering<'_> {
         self.app.resumed(event_loop);
     }
 
+    #[expect(clippy::wildcard_enum_match_arm, reason = "eframe handles the system's other events")]
     fn window_event(&mut self, event_loop: &ActiveEventLoop, window: WindowId, event: WindowEvent) {
         match event {
             WindowEvent::RedrawRequested => {

@@ -167,7 +167,7 @@ impl App {
             } else {
                 FileJob::Open(path)
             };
-            self.desk.files.begin(job);
+            self.services.files.begin(job);
         }
     }
 }
@@ -175,22 +175,20 @@ impl App {
 /// How often a key of STOP was pressed: Escape, and Space unless text is typed, which Escape ends. A key that is held was
 /// pressed once.
 fn stop_presses(input: &egui::InputState, mut is_typing: bool) -> usize {
-    let is_press = |event: &&egui::Event| match event {
-        egui::Event::Key { key: Key::Escape, pressed: true, repeat: false, .. } => {
-            is_typing = false;
-            true
-        }
-        egui::Event::Key { key: Key::Space, pressed: true, repeat: false, modifiers, .. } => {
-            !is_typing && modifiers.matches_logically(Modifiers::NONE)
-        }
-        _ => false,
+    let is_press = |event: &&egui::Event| {
+        let egui::Event::Key { key, pressed: true, repeat: false, modifiers, .. } = event else {
+            return false;
+        };
+        is_typing &= *key != Key::Escape;
+        let is_space = *key == Key::Space && modifiers.matches_logically(Modifiers::NONE);
+        *key == Key::Escape || (is_space && !is_typing)
     };
     input.events.iter().filter(is_press).count()
 }
 
 /// What Escape does in this state beside what it has closed, for the user who only wanted that.
 fn by_escape(closed: &str, snapshot: &Snapshot) -> String {
-    let state = snapshot.status.map(|status| status.state).filter(|_| snapshot.is_connected());
+    let state = snapshot.drive.status.map(|status| status.state).filter(|_| snapshot.is_connected());
     let more = match (state, snapshot.is_simulated()) {
         (None, _) => ". No device answers; the stop was sent nevertheless.",
         (Some(State::Driving | State::Waiting), true) => " and stopped the drive. Press Drive to resume.",

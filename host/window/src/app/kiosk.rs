@@ -60,7 +60,7 @@ impl App {
         if self.instrument.drive.snapshot().is_simulated() {
             self.start_scene(next);
             // The visitor who stopped the simulated plate has gone.
-            let state = self.instrument.drive.snapshot().status.map(|status| status.state);
+            let state = self.instrument.drive.snapshot().drive.status.map(|status| status.state);
             if matches!(state, Some(State::Armed | State::Idle)) {
                 self.instrument.start();
             }

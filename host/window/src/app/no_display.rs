@@ -26,6 +26,7 @@ pub(super) fn lacking_extension() -> Option<String> {
 }
 
 /// The message for an error of the window system.
+#[expect(clippy::wildcard_enum_match_arm, reason = "eframe's errors depend on its features")]
 pub(super) fn explain(error: &eframe::Error) -> String {
     let reason = match error {
         // The text of the inner error, without the type name that the outer error puts in front.

@@ -51,7 +51,7 @@ impl App {
                 Output::Open(Page::Texture) => self.view.tab = Tab::Texture,
                 Output::Open(Page::Arm) => self.dialog = Some(Dialog::Confirm(Confirm::Arm)),
                 Output::CloseCalibration => self.dialog = None,
-                Output::ChooseMeasurement => self.desk.files.begin(FileJob::ChooseMeasurement),
+                Output::ChooseMeasurement => self.services.files.begin(FileJob::ChooseMeasurement),
                 Output::Save { name, kind, extension, bytes } => self.save(&name, kind, extension, bytes),
             }
         }
@@ -63,7 +63,7 @@ impl App {
     /// Has a file saved.
     pub(super) fn save(&mut self, name: &str, kind: &'static str, extension: &'static str, bytes: Vec<u8>) {
         let save = Save { name: name.to_owned(), kind, extension, bytes: bytes.into() };
-        self.desk.files.begin(FileJob::Save(save));
+        self.services.files.begin(FileJob::Save(save));
     }
 
     /// Moves the wave on and asks for the next frame, but only while something moves.

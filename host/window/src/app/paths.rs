@@ -50,7 +50,7 @@ impl App {
             )
             | None => return,
         };
-        self.desk.files.begin(job);
+        self.services.files.begin(job);
     }
 
     /// A typed text as a path: `~` is the home folder, and a relative path begins in the usual folder.

@@ -88,8 +88,8 @@ impl App {
                     self.dialog = None;
                     self.start_scene(number);
                 }
-                Intent::OpenDialog => self.desk.files.begin(FileJob::Choose),
-                Intent::Open(path) => self.desk.files.begin(FileJob::Open(path)),
+                Intent::OpenDialog => self.services.files.begin(FileJob::Choose),
+                Intent::Open(path) => self.services.files.begin(FileJob::Open(path)),
                 Intent::SaveDialog => {
                     let text = setup_file::write(self.instrument.desk.setup());
                     self.save("setup.toml", "Setup", "toml", text.into_bytes());
@@ -113,7 +113,7 @@ impl App {
                 }
                 Intent::SaveCutFiles => {
                     if let Some(designed) = self.designed() {
-                        self.desk.files.begin(FileJob::SaveFolder(cut_files(&designed)));
+                        self.services.files.begin(FileJob::SaveFolder(cut_files(&designed)));
                     }
                 }
                 Intent::Texture(draft) => self.instrument.screen.draft_texture(*draft),
@@ -121,7 +121,7 @@ impl App {
                 Intent::EndDrawing => self.instrument.screen.end_drawing(),
                 Intent::PlayTexture => self.instrument.play_texture(),
                 Intent::SaveTexture => self.instrument.save_texture(),
-                Intent::OpenProfile => self.desk.files.begin(FileJob::ChooseProfile),
+                Intent::OpenProfile => self.services.files.begin(FileJob::ChooseProfile),
                 Intent::Measure(intent) => self.instrument.perform_measure(intent),
                 Intent::Calibrate(intent) => self.instrument.perform_calibrate(intent),
                 Intent::CheckPlane => self.instrument.check_plane(),
@@ -136,7 +136,7 @@ impl App {
                 }
                 Intent::Dialog(dialog) => {
                     if dialog == Some(Dialog::Scenes) && self.thumbnails.is_empty() {
-                        self.desk.scenes.ask(());
+                        self.services.scenes.ask(());
                     }
                     self.dialog = dialog.or(self.behind.take());
                 }
@@ -149,7 +149,7 @@ impl App {
                 Intent::DismissNotice(number) => self.instrument.out.dismiss(number),
                 Intent::RefreshPorts => self.look_for_ports(),
                 Intent::AskForPort => {
-                    if let Some(ask) = &mut self.desk.ask_for_port {
+                    if let Some(ask) = &mut self.services.ask_for_port {
                         ask();
                     }
                 }
@@ -199,7 +199,7 @@ impl App {
 
     /// Copies the address that shows the setup.
     fn share(&mut self, ctx: &egui::Context) {
-        let Some(address) = &self.desk.address else { return };
+        let Some(address) = &self.services.address else { return };
         let address = format!("{address}#{}", fragment::write(self.instrument.desk.setup()));
         self.instrument.out.post(format!("Copied the address of this setup: {} characters", address.len()));
         ctx.copy_text(address);
@@ -216,7 +216,7 @@ impl App {
         if confirm == Confirm::Arm
             && let Some(unit) = snapshot.unit()
         {
-            if snapshot.maintenance.is_some_and(|reported| !reported.brown_out_guarded) {
+            if snapshot.device.maintenance.is_some_and(|reported| !reported.brown_out_guarded) {
                 self.settings.arms_unguarded(unit.clone());
             }
             if snapshot.lacks_profile() {
@@ -264,7 +264,7 @@ impl App {
                     is_largest: self.settings.show_amplitude,
                     wave_time_s: self.instrument.shown().wave_time_s,
                 };
-                self.desk.figures.ask(FigureJob { subject, format });
+                self.services.figures.ask(FigureJob { subject, format });
             }
             Export::Screenshot => {
                 let (sender, waker) = (self.screenshots.0.clone(), ctx.clone());

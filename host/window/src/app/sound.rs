@@ -34,8 +34,8 @@ impl App {
         if self.instrument.drive.snapshot().is_simulated() && choice != SoundChoice::Drive {
             self.settings.hear_finger = choice == SoundChoice::Finger;
         }
-        if matches!(self.desk.speaker.state(), SpeakerState::Failed(_)) {
-            self.desk.speaker.retry();
+        if matches!(self.services.speaker.state(), SpeakerState::Failed(_)) {
+            self.services.speaker.retry();
         }
     }
 
@@ -46,7 +46,7 @@ impl App {
             SoundChoice::Finger => self.sound_of_finger(),
             SoundChoice::Drive => self.sound_of_drive(),
         };
-        self.desk.speaker.play(sound.unwrap_or_default(), self.settings.volume);
+        self.services.speaker.play(sound.unwrap_or_default(), self.settings.volume);
     }
 
     /// Why the drive, or a part of it, is not played.
@@ -75,7 +75,7 @@ impl App {
     }
 
     fn sound_of_drive(&self) -> Option<Sound> {
-        let status = self.instrument.drive.snapshot().status?;
+        let status = self.instrument.drive.snapshot().drive.status?;
         Some(of_drive(&sounding::sounding(self.instrument.drive.snapshot())?, status.foldback_per_mille))
     }
 }

@@ -1,6 +1,6 @@
 //! The app in a window of the system: its stored state and its threads.
 
-use super::{App, Desk, Jobs, Link, Parts, event_loop, first_setup, no_display};
+use super::{App, Jobs, Link, Parts, Services, event_loop, first_setup, no_display};
 use crate::files::SystemFiles;
 use crate::settings::Settings;
 use crate::sound::SystemSpeaker;
@@ -145,7 +145,7 @@ impl Parts {
     /// When the system cannot start a thread.
     pub fn threaded(ctx: &egui::Context, link: Box<dyn Link>) -> io::Result<Self> {
         let jobs = Jobs::threaded(wake(ctx))?;
-        let desk = Desk {
+        let services = Services {
             scenes: JobQueue::threaded("slipline-scenes", |(), task: &_| thumbnails(task), wake(ctx))?,
             figures: JobQueue::threaded(
                 "slipline-figure",
@@ -158,7 +158,7 @@ impl Parts {
             ask_for_port: None,
             address: None,
         };
-        Ok(Self { link, jobs, bench: Bench::default(), desk })
+        Ok(Self { link, jobs, bench: Bench::default(), services })
     }
 }
 

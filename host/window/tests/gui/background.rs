@@ -112,7 +112,7 @@ fn the_designer_makes_a_plate_that_is_used_saved_and_taken_back() {
     let (low, high) = plate.band_hz();
     assert!((plate.length_m() - 0.28).abs() < 1e-12);
     assert!((low - 20e3).abs() < 1.0 && (high - 38e3).abs() < 1.0, "{low} {high}");
-    assert_eq!(app.snapshot().upload_verified, Some(true), "its table is on the device");
+    assert_eq!(app.snapshot().table.upload_verified, Some(true), "its table is on the device");
     app.window.get_by_label_contains("Save plate (TOML)").click_accesskit();
     app.wait(100);
     app.window.get_by_label_contains("Save cut files").click_accesskit();
@@ -201,7 +201,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     app.until("driving", |app| app.is_driving());
     app.wait(400);
     let plate = Arc::clone(&app.window.state().setup().plate);
-    let crc = app.snapshot().table.active.unwrap().crc;
+    let crc = app.snapshot().table.report.active.unwrap().crc;
     is_held.store(true, Ordering::Relaxed);
     app.take_sent();
     open_page(&mut app, "This plate");
@@ -214,7 +214,7 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     assert!(!app.has_part("table 40 %"));
     assert!(app.has_part("2-D sheet, 1/"));
     app.wait(500);
-    assert_eq!(app.snapshot().table.active.unwrap().crc, crc);
+    assert_eq!(app.snapshot().table.report.active.unwrap().crc, crc);
     assert!(app.is_driving());
     assert!(!app.take_sent().iter().any(|request| matches!(request, Request::Upload(_))));
     // The old table is still active: the boundary can be moved with it.
@@ -222,7 +222,9 @@ fn a_table_that_takes_long_can_be_given_up_and_the_old_one_stays() {
     // Cancelled work can be started again.
     is_held.store(false, Ordering::Relaxed);
     app.window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
-    app.until("the new table", |app| app.snapshot().table.active.is_some_and(|header| header.crc != crc));
+    app.until("the new table", |app| {
+        app.snapshot().table.report.active.is_some_and(|header| header.crc != crc)
+    });
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn the_texture_page_says_whether_the_device_plays_a_chord() {
     for (minor, is_told) in [(0, true), (MINOR, false)] {
         let mut link = real_device(State::Idle);
         let snapshot = Arc::make_mut(&mut link.snapshot);
-        Arc::make_mut(snapshot.identity.as_mut().unwrap()).version.minor = minor;
+        Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).version.minor = minor;
         let builder = egui_kittest::HarnessBuilder::default().with_size([1280.0, 800.0]);
         let files = FakeFiles::default();
         let profile = Ok(b"0.01,1\n0.17,0.8\n0.2,0.2\n0.34,0\n".to_vec());

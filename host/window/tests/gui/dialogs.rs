@@ -31,7 +31,7 @@ fn frame(app: &mut TestApp) -> Rect {
     }
     let dims = |(rect, alpha): &(Rect, u8)| rect.contains_rect(window) && (1..255).contains(alpha);
     let front = rects.iter().rposition(dims).unwrap_or_else(|| {
-        panic!("no dialog: {:?} {:?}", app.window.state().notice(), app.snapshot().log.back())
+        panic!("no dialog: {:?} {:?}", app.window.state().notice(), app.snapshot().record.log.back())
     });
     rects[front + 1..].iter().find(|(_, alpha)| *alpha == 255).expect("its frame").0
 }

@@ -31,7 +31,7 @@ fn the_check_is_switched_on_and_the_page_says_that_it_runs_and_what_it_found() {
     assert!(
         app.shows("Not measured. No current flows: a wire of the drive is open"),
         "{:?}",
-        app.snapshot().log
+        app.snapshot().record.log
     );
     assert!(!app.shows("run 1") && !app.shows("Quiet tones first"));
 }
@@ -39,7 +39,7 @@ fn the_check_is_switched_on_and_the_page_says_that_it_runs_and_what_it_found() {
 #[test]
 fn the_circuit_of_a_real_drive_is_typed_with_units_and_refused_beyond_its_range() {
     let mut link = real_device(State::Idle);
-    std::sync::Arc::make_mut(&mut link.snapshot).port = None;
+    std::sync::Arc::make_mut(&mut link.snapshot).link.port = None;
     let mut window = opened(link, [1280.0, 900.0]);
     for (role, name) in [(Role::Button, "Plate"), (Role::Button, "Measure"), (Role::CheckBox, SWITCH)] {
         window.get_by_role_and_label(role, name).click();

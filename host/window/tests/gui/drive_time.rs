@@ -12,8 +12,8 @@ fn a_stop_at_the_end_of_the_drive_time_is_reported_and_a_real_device_is_cleared_
     for is_simulated in [true, false] {
         let mut link = real_device(State::Fault);
         let snapshot = Arc::make_mut(&mut link.snapshot);
-        snapshot.status.as_mut().unwrap().faults = Faults::NONE.with(Fault::DriveTime);
-        Arc::make_mut(snapshot.identity.as_mut().unwrap()).simulated = is_simulated;
+        snapshot.drive.status.as_mut().unwrap().faults = Faults::NONE.with(Fault::DriveTime);
+        Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).simulated = is_simulated;
         let mut window = opened(link, [1280.0, 800.0]);
         assert!(window.query_by_label("State: fault: 10 minutes without a command").is_some());
         assert_eq!(window.query_by_label("Clear fault").is_some(), !is_simulated);

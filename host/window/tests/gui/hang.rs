@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 fn state(app: &TestApp) -> State {
-    app.snapshot().status.unwrap().state
+    app.snapshot().drive.status.unwrap().state
 }
 
 /// The text of the message about the hang.
@@ -29,8 +29,8 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
     let is_logged = |line: &slipline_link::LogEntry| {
         line.severity == Severity::Error && line.text.contains("gave no sign of life for 1 s")
     };
-    assert!(app.snapshot().log.iter().any(is_logged));
-    assert!(app.snapshot().log.iter().any(|line| line.text == MESSAGE), "whole, with what to do");
+    assert!(app.snapshot().record.log.iter().any(is_logged));
+    assert!(app.snapshot().record.log.iter().any(|line| line.text == MESSAGE), "whole, with what to do");
     // It is not driven again until the user says so, whatever is changed on the screen.
     app.key(Key::ArrowRight, 3000);
     assert_eq!(state(&app), State::Idle);
@@ -63,7 +63,7 @@ fn a_window_that_is_held_up_for_less_than_a_second_drives_on() {
     }
     app.wait(100);
     assert!(app.is_driving());
-    assert_eq!(app.snapshot().driver_stalls, 0);
+    assert_eq!(app.snapshot().link.driver_stalls, 0);
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn a_window_that_paints_nothing_is_no_hang() {
     let mut app = TestApp::driving();
     app.pass(60_000);
     assert!(app.is_driving());
-    assert_eq!(app.snapshot().driver_stalls, 0);
+    assert_eq!(app.snapshot().link.driver_stalls, 0);
 }
 
 const MINIMISED: fn(&mut ViewportInfo) = |window| window.minimized = Some(true);
@@ -84,7 +84,7 @@ fn drives_on_while(hide: fn(&mut ViewportInfo)) {
     assert!(app.is_driving());
     app.wait(100);
     assert!(app.is_driving(), "it is seen again");
-    assert_eq!(app.snapshot().driver_stalls, 0);
+    assert_eq!(app.snapshot().link.driver_stalls, 0);
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn a_window_that_is_being_resized_is_no_hang() {
     }
     app.wait(50);
     assert!(app.is_driving());
-    assert_eq!(app.snapshot().driver_stalls, 0);
+    assert_eq!(app.snapshot().link.driver_stalls, 0);
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn an_open_file_dialog_is_no_hang() {
         app.keys(Modifiers::COMMAND, key, 3000);
         assert!(app.is_driving(), "{key:?}");
     }
-    assert_eq!(app.snapshot().driver_stalls, 0);
+    assert_eq!(app.snapshot().link.driver_stalls, 0);
 }
 
 #[test]
@@ -157,6 +157,6 @@ fn a_job_that_takes_long_is_no_hang() {
     app.wait(5000);
     assert!(app.has_part("table 40 %"), "it still runs");
     assert!(app.is_driving());
-    assert_eq!(app.snapshot().driver_stalls, 0);
+    assert_eq!(app.snapshot().link.driver_stalls, 0);
     is_held.store(false, Ordering::Relaxed);
 }

@@ -38,7 +38,7 @@ fn wait_for(app: &mut TestApp, part: &str) {
         }
         app.wait(50);
     }
-    panic!("never: {part}: {:?}", app.snapshot().log);
+    panic!("never: {part}: {:?}", app.snapshot().record.log);
 }
 
 #[test]

@@ -74,5 +74,5 @@ fn the_next_scene_comes_without_a_touch_and_drives_again_after_a_stop() {
     app.until("driving", TestApp::is_driving);
     assert!(app.window.query_by_role_and_label(Role::Slider, "Finger").is_some());
     assert!(app.speaker.played.borrow().0.is_silent());
-    assert_eq!(app.snapshot().status.unwrap().state, State::Driving);
+    assert_eq!(app.snapshot().drive.status.unwrap().state, State::Driving);
 }

@@ -127,11 +127,11 @@ fn the_first_start_shows_the_plate_already_moving() {
     assert!(app.has("State: driving"));
     assert!(app.has("STOP"));
     let snapshot = app.snapshot();
-    assert_eq!(snapshot.upload_verified, Some(true));
+    assert_eq!(snapshot.table.upload_verified, Some(true));
     assert!(
-        snapshot.log.iter().all(|entry| entry.severity < slipline_link::Severity::Warning),
+        snapshot.record.log.iter().all(|entry| entry.severity < slipline_link::Severity::Warning),
         "{:?}",
-        snapshot.log
+        snapshot.record.log
     );
 }
 
@@ -302,7 +302,7 @@ fn a_lost_link_is_shown_and_comes_back_by_itself() {
     let mut app = TestApp::driving();
     app.plug(false);
     app.wait(1500);
-    assert!(matches!(app.snapshot().link, LinkState::Reconnecting(_) | LinkState::Lost(_)));
+    assert!(matches!(app.snapshot().link.state, LinkState::Reconnecting(_) | LinkState::Lost(_)));
     assert!(app.has("State: reconnecting"));
     assert!(app.has("STOP"));
     let setup = app.setup_text();
@@ -346,14 +346,14 @@ fn a_port_that_is_waited_for_can_be_given_up() {
 #[test]
 fn another_plate_gets_its_table_made_sent_and_verified() {
     let mut app = TestApp::driving();
-    let before = app.snapshot().table.active.unwrap().crc;
+    let before = app.snapshot().table.report.active.unwrap().crc;
     app.click("Plate", 50);
     type_into(&mut app, "Wave speed", "13 m/s");
     app.wait(1500);
     let snapshot = app.snapshot();
-    assert_ne!(snapshot.table.active.unwrap().crc, before);
-    assert_eq!(snapshot.upload_verified, Some(true));
-    assert_eq!(snapshot.status.unwrap().state, State::Driving);
+    assert_ne!(snapshot.table.report.active.unwrap().crc, before);
+    assert_eq!(snapshot.table.upload_verified, Some(true));
+    assert_eq!(snapshot.drive.status.unwrap().state, State::Driving);
     // A value that no plate can have stays in its field with the reason.
     type_into(&mut app, "Loss factor", "7");
     assert!(app.has_part("must be"));
@@ -385,7 +385,7 @@ fn a_real_device_is_armed_only_after_a_confirmation_and_never_driven_by_itself()
 fn a_table_that_is_not_the_screens_is_marked_and_uploaded_on_request() {
     let mut link = real_device(State::Idle);
     let snapshot = Arc::make_mut(&mut link.snapshot);
-    snapshot.table.active.as_mut().unwrap().crc ^= 1;
+    snapshot.table.report.active.as_mut().unwrap().crc ^= 1;
     let mut window = opened(link.clone(), [1280.0, 800.0]);
     assert!(!link.sent.borrow().iter().any(|request| matches!(request, Request::Upload(_))));
     click(&mut window, "table differs: upload");

@@ -24,7 +24,7 @@ pub(crate) fn wait_for_the_end(app: &mut TestApp) {
             return;
         }
     }
-    panic!("it never ends: {:?}", app.snapshot().log);
+    panic!("it never ends: {:?}", app.snapshot().record.log);
 }
 
 /// The page of measurements, with a simulated plate that nobody knows.

@@ -88,7 +88,7 @@ fn the_log_names_files_without_their_folders() {
     let text = app.setup_text();
     app.open("/home/somebody/good.toml", Ok(text));
     app.open("/home/somebody/bad.toml", Ok("nonsense".to_owned()));
-    let log = app.snapshot().log;
+    let log = app.snapshot().record.log;
     let has = |severity: Severity, text: &str| {
         log.iter().any(|entry| entry.severity == severity && entry.text.starts_with(text))
     };
@@ -112,7 +112,7 @@ fn an_error_goes_after_half_a_minute_and_stays_in_the_log() {
     assert!(app.window.state().notice().is_some_and(|notice| notice.is_error));
     skip(&mut app, 3.0);
     assert!(app.window.state().notice().is_none());
-    assert!(app.snapshot().log.iter().any(|entry| entry.text.starts_with("bad.toml was not opened")));
+    assert!(app.snapshot().record.log.iter().any(|entry| entry.text.starts_with("bad.toml was not opened")));
 }
 
 #[test]
@@ -272,7 +272,7 @@ fn a_message_moves_nothing_stands_in_one_line_at_the_bottom_and_is_in_the_log() 
         assert!(!app.has("Tones"), "{size:?}: the hidden panel stays hidden");
         let dismiss: Vec<Rect> = app.window.get_all_by_label("Dismiss").map(|node| node.rect()).collect();
         assert!(dismiss.iter().all(|rect| rect.bottom() > size[1] - 34.0), "{size:?}: {dismiss:?}");
-        let log = app.snapshot().log;
+        let log = app.snapshot().record.log;
         for part in ["Saved setup.toml.", "add up to"] {
             assert!(log.iter().any(|entry| entry.text.contains(part)), "{part}: {log:?}");
         }
@@ -283,7 +283,7 @@ fn a_message_moves_nothing_stands_in_one_line_at_the_bottom_and_is_in_the_log() 
     app.click_button("Measure", 200);
     app.click_button("Measure now", 200);
     let text = app.window.state().notice().cloned().unwrap().text;
-    assert!(app.snapshot().log.iter().any(|entry| entry.text == text), "{text}");
+    assert!(app.snapshot().record.log.iter().any(|entry| entry.text == text), "{text}");
 }
 
 /// The words of a message without what introduces a refusal, and in lower case: a message begins with a capital.
@@ -297,7 +297,7 @@ fn every_message_of_the_link_is_in_the_log_whole() {
         let text = app.window.state().notice().cloned().unwrap().text;
         assert!(text.starts_with(begins), "{text}");
         let words = words(&text);
-        let log = app.snapshot().log;
+        let log = app.snapshot().record.log;
         assert!(log.iter().any(|entry| entry.text.to_lowercase().contains(&words)), "{words}: {log:?}");
     };
     // What the device refuses of a drive, and of another request.

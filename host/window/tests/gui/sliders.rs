@@ -146,7 +146,7 @@ fn a_change_that_takes_longer_than_its_glide_says_how_long() {
         type_into(&mut app, "Boundary frequency", frequency);
         app.wait(600);
     }
-    assert!(says(&app), "{:?}", app.snapshot().glide_until);
+    assert!(says(&app), "{:?}", app.snapshot().drive.glide_until);
     type_into(&mut app, "Glide", "2 s");
     type_into(&mut app, "Boundary frequency", "39 kHz");
     app.wait(600);

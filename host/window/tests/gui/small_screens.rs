@@ -266,13 +266,10 @@ fn a_long_name_of_a_port_moves_nothing_out_of_the_smallest_window() {
     let name = format!("/run/user/1000/{}/device.sock", "a-folder-with-a-long-name/".repeat(3));
     let port = Port::Unix(name.into());
     let mut driven = (*real_device(State::Driving).snapshot).clone();
-    driven.port = Some(port.clone());
-    let missing = Snapshot {
-        link: LinkState::Reconnecting(LinkError::NoSuchPort(port.clone())),
-        port: Some(port.clone()),
-        revision: 1,
-        ..Snapshot::default()
-    };
+    driven.link.port = Some(port.clone());
+    let mut missing = Snapshot { revision: 1, ..Snapshot::default() };
+    missing.link.state = LinkState::Reconnecting(LinkError::NoSuchPort(port.clone()));
+    missing.link.port = Some(port.clone());
     for snapshot in [driven, missing] {
         let link = FixedLink::of(snapshot);
         let mut window = opened(link, SIZES[0]);

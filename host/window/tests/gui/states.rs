@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable as _;
 use slipline_link::protocol::event::{Fault, Faults, State};
 use slipline_link::protocol::version::Compatibility;
 use slipline_link::{
-    LinkError, LinkState, Outcome, Port, Request, Snapshot, Sounding, Ticket, UploadProgress,
+    LinkError, LinkState, LinkView, Outcome, Port, Request, Snapshot, Sounding, Ticket, UploadProgress,
 };
 use slipline_window::app::App;
 use std::sync::Arc;
@@ -16,13 +16,13 @@ use std::sync::Arc;
 /// A device in this state.
 pub(crate) fn in_state(driving: &Snapshot, state: State, is_simulated: bool) -> Snapshot {
     let mut snapshot = driving.clone();
-    let mut identity = (**snapshot.identity.as_ref().unwrap()).clone();
+    let mut identity = (**snapshot.device.identity.as_ref().unwrap()).clone();
     identity.simulated = is_simulated;
-    snapshot.identity = Some(Arc::new(identity));
+    snapshot.device.identity = Some(Arc::new(identity));
     if !is_simulated {
-        snapshot.port = Some(Port::Serial("/dev/ttyACM0".to_owned()));
+        snapshot.link.port = Some(Port::Serial("/dev/ttyACM0".to_owned()));
     }
-    let status = snapshot.status.as_mut().unwrap();
+    let status = snapshot.drive.status.as_mut().unwrap();
     status.state = state;
     if state == State::Fault {
         status.faults = Faults::NONE.with(Fault::Overheat);
@@ -33,7 +33,8 @@ pub(crate) fn in_state(driving: &Snapshot, state: State, is_simulated: bool) -> 
 
 /// A link in this state, with nothing known of a device.
 fn no_device(link: LinkState) -> Snapshot {
-    Snapshot { link, port: Some(Port::Simulated), revision: 1, ..Snapshot::default() }
+    let link = LinkView { state: link, port: Some(Port::Simulated), ..LinkView::default() };
+    Snapshot { link, revision: 1, ..Snapshot::default() }
 }
 
 pub(crate) fn show(snapshot: Snapshot, size: [f32; 2]) -> (Harness<'static, App>, FixedLink) {
@@ -109,15 +110,19 @@ fn cases() -> Vec<Case> {
         drive,
     };
     let mut drive_time = simulated(State::Fault);
-    drive_time.status.as_mut().unwrap().faults = Faults::NONE.with(Fault::DriveTime);
+    drive_time.drive.status.as_mut().unwrap().faults = Faults::NONE.with(Fault::DriveTime);
     let mut without_table = real(State::Armed);
-    without_table.table.active = None;
-    without_table.confirmed_table = None;
+    without_table.table.report.active = None;
+    without_table.table.confirmed = None;
     let missing = Port::Serial("/dev/ttyACM0".to_owned());
     let mut no_status = real(State::Idle);
-    no_status.status = None;
-    let flash = Snapshot { compatibility: Some(Compatibility::FlashDevice), ..real(State::Idle) };
-    let update = Snapshot { compatibility: Some(Compatibility::UpdateHost), ..simulated(State::Idle) };
+    no_status.drive.status = None;
+    let mut missing_port = no_device(LinkState::Reconnecting(LinkError::NoSuchPort(missing.clone())));
+    missing_port.link.port = Some(missing);
+    let mut flash = real(State::Idle);
+    flash.device.compatibility = Some(Compatibility::FlashDevice);
+    let mut update = simulated(State::Idle);
+    update.device.compatibility = Some(Compatibility::UpdateHost);
     vec![
         case(
             "disconnected",
@@ -149,15 +154,7 @@ fn cases() -> Vec<Case> {
             &[("Stop looking", disconnects)],
             Err("press Drive once it is back"),
         ),
-        case(
-            "missing",
-            Snapshot {
-                port: Some(missing.clone()),
-                ..no_device(LinkState::Reconnecting(LinkError::NoSuchPort(missing)))
-            },
-            &[("Cancel", disconnects)],
-            Err("choose another port"),
-        ),
+        case("missing", missing_port, &[("Cancel", disconnects)], Err("choose another port")),
         case("no status", no_status, &[("Disconnect", disconnects)], Err("not reported its state yet")),
         case("older firmware", flash, &[("What to do", shows_the_device)], Err("flash the firmware")),
         case(
@@ -249,9 +246,9 @@ fn drive_by_the_keys_acts_or_says_what_helps() {
 fn in_the_narrowest_window_every_states_offers_are_on_the_screen() {
     let driving = driving();
     let mut uploading = in_state(&driving, State::Armed, false);
-    uploading.upload = Some(UploadProgress { sent: 100, total: 256 });
+    uploading.table.upload = Some(UploadProgress { sent: 100, total: 256 });
     let mut differs = in_state(&driving, State::Armed, false);
-    differs.table.active.as_mut().unwrap().crc ^= 1;
+    differs.table.report.active.as_mut().unwrap().crc ^= 1;
     let armed = |name, snapshot, last| Case {
         name,
         snapshot,
@@ -291,7 +288,7 @@ fn a_simulated_device_that_was_disarmed_is_armed_and_driven_by_one_press() {
     app.wait(600);
     assert!(app.has("State: idle"));
     app.click("Drive", 600);
-    assert!(app.is_driving(), "{:?}", app.snapshot().log);
+    assert!(app.is_driving(), "{:?}", app.snapshot().record.log);
 }
 
 #[test]
@@ -320,8 +317,8 @@ fn a_fault_that_persists_after_clearing_is_reported() {
     window.run_steps(3);
     let ticket = Ticket(link.sent.borrow().len() as u64);
     let mut after = in_state(&driving, State::Fault, false);
-    let status = after.status.as_mut().unwrap();
-    after.outcomes = Arc::new([(ticket, Outcome::Done { at: status.now })].into());
+    let status = after.drive.status.as_mut().unwrap();
+    after.record.outcomes = Arc::new([(ticket, Outcome::Done { at: status.now })].into());
     status.now += 1;
     after.revision += 1;
     link.become_known(after);

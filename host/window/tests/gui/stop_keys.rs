@@ -45,7 +45,7 @@ fn a_key_stops_and_disarms_a_real_device_in_every_state() {
             assert_eq!(sent(&link), "SD", "{key:?} {state:?}");
         }
         let mut link = real_device(State::Driving);
-        Arc::make_mut(&mut link.snapshot).upload = Some(UploadProgress { sent: 100, total: 256 });
+        Arc::make_mut(&mut link.snapshot).table.upload = Some(UploadProgress { sent: 100, total: 256 });
         let mut window = show(&link);
         window.key_press(key);
         window.run_steps(3);
@@ -62,7 +62,7 @@ fn without_a_device_only_the_stop_is_sent() {
         LinkState::Reconnecting(LinkError::Silent),
     ] {
         let mut link = real_device(State::Driving);
-        Arc::make_mut(&mut link.snapshot).link = state.clone();
+        Arc::make_mut(&mut link.snapshot).link.state = state.clone();
         let mut window = show(&link);
         window.key_press(Key::Escape);
         window.run_steps(3);
@@ -184,7 +184,7 @@ fn the_simulated_device_stays_armed_after_one_press_and_latches_its_fault_after_
     assert!(app.has("State: armed"));
     app.key(Key::Escape, 400);
     assert!(app.has("State: fault: emergency stop"));
-    let status = app.snapshot().status.unwrap();
+    let status = app.snapshot().drive.status.unwrap();
     assert_eq!(status.first_fault, Some(Fault::EmergencyStop));
     app.click("Clear fault", 500);
     assert!(app.has("State: armed"));

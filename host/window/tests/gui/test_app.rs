@@ -15,12 +15,12 @@ use slipline_model::export::figures;
 use slipline_model::field::sheet;
 use slipline_model::field::time_domain;
 use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::plane::{self, PlaneChecked};
+use slipline_model::jobs::plane;
 use slipline_model::scenes;
 use slipline_model::setup::file as setup_file;
 use slipline_model::setup::{BoundaryMode, Setup};
 use slipline_plate::plane::PlaneError;
-use slipline_window::app::{App, Desk, Jobs, Link, Parts, TableJob, TableState, first_setup};
+use slipline_window::app::{App, Jobs, Link, Parts, Services, TableJob, TableState, first_setup};
 use slipline_window::settings::{Settings, ThemeChoice};
 use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
@@ -135,7 +135,7 @@ impl TestApp {
                 return self;
             }
         }
-        panic!("the simulated plate does not move: {:?}", self.snapshot().log);
+        panic!("the simulated plate does not move: {:?}", self.snapshot().record.log);
     }
 
     /// The app at its first start, with a job queue for tables that the test supplies.
@@ -170,10 +170,10 @@ impl TestApp {
         let plane_refusal: Rc<RefCell<Option<PlaneError>>> = Rc::default();
         let refusal = Rc::clone(&plane_refusal);
         let mut parts = parts(link, &files, tables, &sheet_jobs);
-        parts.desk.speaker = Box::new(speaker.clone());
+        parts.services.speaker = Box::new(speaker.clone());
         parts.bench = bench;
         parts.jobs.planes = JobQueue::inline(move |job, task: &_| match refusal.borrow().clone() {
-            Some(reason) => Some(PlaneChecked { job, result: Err(reason) }),
+            Some(reason) => Some(Err(reason)),
             None => plane::work(job, task),
         });
         let time_domain_is_held: Rc<Cell<bool>> = Rc::default();
@@ -378,6 +378,7 @@ impl TestApp {
     /// Whether tones sound.
     pub(crate) fn is_driving(&self) -> bool {
         self.snapshot()
+            .drive
             .status
             .is_some_and(|status| status.state == slipline_link::protocol::event::State::Driving)
     }
@@ -445,7 +446,7 @@ fn parts(
         }),
         ..Jobs::inline()
     };
-    let desk = Desk {
+    let services = Services {
         scenes: JobQueue::inline(|(), task: &_| scenes::thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| figures::plate::work(&job, task)),
         speaker: Box::new(FakeSpeaker::default()),
@@ -454,7 +455,7 @@ fn parts(
         ask_for_port: None,
         address: None,
     };
-    Parts { link, jobs, bench: Bench::default(), desk }
+    Parts { link, jobs, bench: Bench::default(), services }
 }
 
 /// One tone in the middle of the membrane, whose line holds the turning point: what most tests use, because its table is

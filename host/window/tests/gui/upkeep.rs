@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// A real device in this state, with this report of its maintenance.
 fn telling(state: State, maintenance: Option<Maintenance>) -> FixedLink {
     let mut link = real_device(state);
-    Arc::make_mut(&mut link.snapshot).maintenance = maintenance;
+    Arc::make_mut(&mut link.snapshot).device.maintenance = maintenance;
     link
 }
 
@@ -65,7 +65,7 @@ fn a_board_with_its_brown_out_level_and_one_that_does_not_report_it_ask_nothing(
 #[test]
 fn a_board_without_a_profile_of_its_actuator_asks_once_before_it_is_armed() {
     let mut link = telling(State::Idle, None);
-    Arc::make_mut(&mut link.snapshot).profile = Some(Arc::default());
+    Arc::make_mut(&mut link.snapshot).device.profile = Some(Arc::default());
     let mut window = opened(link.clone(), [1280.0, 800.0]);
     let asks = |window: &Harness<'static, App>| {
         window.query_by_label_contains("keeps no profile of its actuator").is_some()
@@ -84,7 +84,7 @@ fn a_board_without_a_profile_of_its_actuator_asks_once_before_it_is_armed() {
 fn the_device_panel_says_that_a_board_without_its_mute_resistor_stays_muted() {
     let mut link = telling(State::Idle, None);
     let missing = BoardReport { mute_resistor: MuteResistor::Missing, ..BoardReport::default() };
-    Arc::make_mut(&mut link.snapshot).board = Some(missing);
+    Arc::make_mut(&mut link.snapshot).device.board = Some(missing);
     let mut window = opened(link, [1280.0, 800.0]);
     click(&mut window, "Device");
     assert!(window.query_by_label_contains("Muted: no resistor at the mute pin.").is_some());
@@ -96,7 +96,7 @@ fn a_profile_of_the_actuator_is_opened_shown_and_written_to_a_real_board() {
     let text = "name = \"coil\"\nmax_sum = 0.8\n".to_owned();
     *files.contents.borrow_mut() = vec![("coil.toml".into(), Ok(text))];
     let mut link = telling(State::Armed, None);
-    Arc::make_mut(&mut link.snapshot).profile = Some(Arc::default());
+    Arc::make_mut(&mut link.snapshot).device.profile = Some(Arc::default());
     let builder = HarnessBuilder::default().with_size([1280.0, 1400.0]);
     let mut window = open_window(Box::new(link.clone()), &files, ThemeChoice::Light, builder);
     window.run_steps(5);
@@ -134,9 +134,9 @@ fn the_device_panel_warns_of_a_block_that_takes_nine_tenths_of_its_time_or_more(
     for (max_cycles, wanted) in [(48_000, None), (50_000, Some("50000 (93 %)"))] {
         let mut link = telling(State::Idle, None);
         let snapshot = Arc::make_mut(&mut link.snapshot);
-        snapshot.status.as_mut().unwrap().counters.max_cycles = max_cycles;
+        snapshot.drive.status.as_mut().unwrap().counters.max_cycles = max_cycles;
         // Blocks of 128 codes at 400 kS/s, or 53 760 cycles of this clock.
-        snapshot.board = Some(BoardReport { core_hz: 168_000_000, ..BoardReport::default() });
+        snapshot.device.board = Some(BoardReport { core_hz: 168_000_000, ..BoardReport::default() });
         let mut window = opened(link, [1280.0, 1400.0]);
         click(&mut window, "Device");
         let warns = window.query_by_label_contains("took 93 % of a block's time").is_some();
@@ -169,8 +169,8 @@ fn the_device_panel_reports_whether_the_actuators_travel_is_limited() {
     ] {
         let mut link = real_device(State::Idle);
         let snapshot = Arc::make_mut(&mut link.snapshot);
-        Arc::make_mut(snapshot.identity.as_mut().unwrap()).version.minor = minor;
-        snapshot.travel_limit = limit;
+        Arc::make_mut(snapshot.device.identity.as_mut().unwrap()).version.minor = minor;
+        snapshot.drive.travel_limit = limit;
         let mut window = opened(link, [1280.0, 800.0]);
         click(&mut window, "Device");
         assert!(window.query_by_label(wanted).is_some(), "{wanted}");
@@ -194,9 +194,9 @@ fn a_table_is_kept_by_a_device_that_is_disarmed_first() {
         assert!(is_asked(|request| matches!(request, Request::Store)), "{sent:?}");
         assert_eq!(is_asked(|request| matches!(request, Request::Disarm)), written, "{sent:?}");
         let snapshot = app.snapshot();
-        assert_eq!(snapshot.last_refusal, None);
-        assert_eq!(snapshot.maintenance.map(|maintenance| maintenance.erasures), Some(1));
-        let is_told = snapshot.log.iter().any(|line| line.text.contains("was not written again"));
-        assert_eq!(is_told, !written, "{:?}", snapshot.log);
+        assert_eq!(snapshot.record.last_refusal, None);
+        assert_eq!(snapshot.device.maintenance.map(|maintenance| maintenance.erasures), Some(1));
+        let is_told = snapshot.record.log.iter().any(|line| line.text.contains("was not written again"));
+        assert_eq!(is_told, !written, "{:?}", snapshot.record.log);
     }
 }

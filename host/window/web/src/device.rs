@@ -230,7 +230,7 @@ impl<'a> State<'a> {
     fn of(view: &'a Snapshot, keep_alives: &KeepAlives) -> Self {
         // All in the trace: the window sends its own after one that was sent past it.
         let sent_at = |is_it: fn(&Command) -> bool| {
-            let sent = view.frames.iter().filter(|frame| match &frame.message {
+            let sent = view.record.frames.iter().filter(|frame| match &frame.message {
                 TracedMessage::Command(command) => is_it(command),
                 TracedMessage::Event(_) | TracedMessage::Unknown { .. } => false,
             });
@@ -238,21 +238,21 @@ impl<'a> State<'a> {
         };
         Self {
             revision: view.revision,
-            link: match view.link {
+            link: match view.link.state {
                 LinkState::Disconnected => "disconnected",
                 LinkState::Connecting => "connecting",
                 LinkState::Connected => "connected",
                 LinkState::Lost(_) => "lost",
                 LinkState::Reconnecting(_) => "reconnecting",
             },
-            device_state: view.status.map(|status| format!("{:?}", status.state)),
+            device_state: view.drive.status.map(|status| format!("{:?}", status.state)),
             armed: view.is_armed(),
-            driver_stalls: view.driver_stalls,
-            port: view.port.as_ref().map(ToString::to_string),
-            board: view.identity.as_ref().map(|identity| identity.board.as_str()),
-            error: view.error.as_ref().map(ToString::to_string),
-            table_verified: view.upload_verified,
-            commands: view.counters.commands,
+            driver_stalls: view.link.driver_stalls,
+            port: view.link.port.as_ref().map(ToString::to_string),
+            board: view.device.identity.as_ref().map(|identity| identity.board.as_str()),
+            error: view.link.error.as_ref().map(ToString::to_string),
+            table_verified: view.table.upload_verified,
+            commands: view.link.counters.commands,
             stops_sent_ms: sent_at(|command| matches!(command, Command::Stop)),
             disarms_sent_ms: sent_at(|command| matches!(command, Command::Disarm)),
             keep_alives: keep_alives.count,

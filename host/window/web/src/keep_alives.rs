@@ -23,7 +23,7 @@ impl KeepAlives {
             *self = Self::default();
         }
         self.is_armed = is_armed;
-        for frame in view.frames.iter() {
+        for frame in view.record.frames.iter() {
             let is_keep_alive = matches!(frame.message, TracedMessage::Command(Command::KeepAlive(_)));
             if !is_keep_alive || self.latest.is_some_and(|latest| frame.time <= latest) {
                 continue;

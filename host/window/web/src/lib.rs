@@ -37,6 +37,8 @@
 #![cfg(target_arch = "wasm32")]
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods, clippy::expect_used, clippy::unwrap_used)]
+// A new error, request or outcome must be handled wherever these are matched.
+#![warn(clippy::wildcard_enum_match_arm)]
 
 mod access;
 mod clock;

@@ -19,7 +19,7 @@ use slipline_model::scenes::thumbnails;
 use slipline_model::setup::file::{self as setup_file, Opened};
 use slipline_model::setup::fragment;
 use slipline_model::sound::Sound;
-use slipline_window::app::{App, Desk, Parts, first_setup};
+use slipline_window::app::{App, Parts, Services, first_setup};
 use slipline_window::settings::Settings;
 use slipline_window::sound::{Speaker, SpeakerState};
 use slipline_window::view::theme;
@@ -371,7 +371,7 @@ fn parts(
     (address, ask_for_port): (String, Box<dyn FnMut()>),
 ) -> Parts {
     let listing = link.clone();
-    let desk = Desk {
+    let services = Services {
         scenes: JobQueue::inline(|(), task: &_| thumbnails(task)),
         figures: JobQueue::inline(|job, task: &_| plate::work(&job, task)),
         speaker: Box::new(NoSpeaker),
@@ -380,7 +380,7 @@ fn parts(
         ask_for_port: Some(ask_for_port),
         address: Some(address),
     };
-    Parts { link: Box::new(link), jobs, bench, desk }
+    Parts { link: Box::new(link), jobs, bench, services }
 }
 
 /// The app with what is stored of an earlier visit; a first one begins without motion if the user wants little of it.

@@ -78,15 +78,11 @@ impl RemoteLink {
 
     /// The device worker has failed: no later request is carried out.
     pub(crate) fn crash(&self) {
-        let older = self.snapshot();
-        let newer = Snapshot {
-            revision: older.revision + 1,
-            link: LinkState::Lost(LinkError::Crashed),
-            error: Some(LinkError::Crashed),
-            status: None,
-            settled: None,
-            ..Snapshot::clone(&older)
-        };
+        let mut newer = Snapshot::clone(&self.snapshot());
+        newer.revision += 1;
+        newer.link.state = LinkState::Lost(LinkError::Crashed);
+        newer.link.error = Some(LinkError::Crashed);
+        (newer.drive.status, newer.drive.settled) = (None, None);
         self.0.snapshot.replace(Arc::new(newer));
     }
 }

@@ -31,7 +31,7 @@ type Work<Job, Done> = Box<dyn FnMut(Job, &Task) -> Option<Done>>;
 macro_rules! kinds {
     ($(
         #[doc = $meaning:literal]
-        $kind:ident $queue:ident: $job:ty => $done:ty, $thread:literal, $lane:ident, $work:expr, $put_back:expr;
+        $kind:ident $queue:ident: $job:ty => $done:ty, $thread:literal, $lane:ident, $work:expr;
     )*) => {
         /// A kind of work.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -57,20 +57,6 @@ macro_rules! kinds {
         #[derive(Serialize, Deserialize)]
         enum Done {
             $($kind(Option<$done>),)*
-        }
-
-        impl Done {
-            /// Puts the job back into its result.
-            fn of(self, job: &Job) -> Self {
-                match (self, job) {
-                    $((Self::$kind(Some(mut done)), Job::$kind(job)) => {
-                        let put_back: fn(&$job, &mut $done) = $put_back;
-                        put_back(job, &mut done);
-                        Self::$kind(Some(done))
-                    })*
-                    (done, _) => done,
-                }
-            }
         }
 
         /// A job worker's entry: it keeps the state of each kind of work.

@@ -152,7 +152,7 @@ impl Bench {
 
     fn sum_per_mille(&mut self) -> u16 {
         self.loopback.perform(Request::Refresh, |_| ()).unwrap();
-        self.loopback.view().status.unwrap().sum_per_mille
+        self.loopback.view().drive.status.unwrap().sum_per_mille
     }
 }
 
@@ -196,10 +196,11 @@ fn while_something_changes_nothing_is_asked_and_then_what_sounds_now_is_held() {
         assert_eq!((bench.asked().as_str(), bench.standing()), ("", Standing::Changing));
         assert!(bench.holding.is_on());
     }
-    let before = bench.loopback.view().hold.clone();
+    let before = bench.loopback.view().drive.hold.clone();
     bench.until_held();
     // A report on the previous hold does not end this one.
-    let late = Snapshot { hold: before, ..bench.loopback.view().clone() };
+    let mut late = bench.loopback.view().clone();
+    late.drive.hold = before;
     assert!(bench.holding.turn(&late, &bench.plate, true).is_none());
     assert_eq!(bench.holding.standing(&late), Standing::Holding(None));
     assert_eq!(bench.asked(), "LH");
@@ -261,7 +262,7 @@ fn what_cannot_be_held_is_reported_and_nothing_is_ordered() {
     assert_eq!(bench.asked(), "L");
     // A device without inputs.
     let mut bare = bench.loopback.view().clone();
-    bare.inputs = None;
+    bare.device.inputs = None;
     bench.switch_on(12.0);
     assert!(bench.holding.turn(&bare, &bench.plate, true).is_none());
     assert!(bench.holding.ended().unwrap().to_string().starts_with("the device has no inputs"));
@@ -328,7 +329,7 @@ fn a_device_that_is_muted_stopped_or_gone_ends_it() {
     let mut bench = Bench::holding();
     bench.asked();
     let mut gone = bench.loopback.view().clone();
-    gone.link = LinkState::Disconnected;
+    gone.link.state = LinkState::Disconnected;
     assert!(bench.holding.turn(&gone, &bench.plate, true).is_none(), "there is no device to ask");
     assert_eq!(bench.holding.ended(), Some(&HoldEnd::LinkLost));
     bench.pass(2, true);

@@ -64,7 +64,7 @@ impl Drive {
 
     /// An armed device does not write its flash.
     fn disarm_to_write(&self) {
-        if self.snapshot.status.is_some_and(|status| status.state == State::Armed) {
+        if self.snapshot.drive.status.is_some_and(|status| status.state == State::Armed) {
             self.send(Request::Disarm);
         }
     }

@@ -83,7 +83,7 @@ impl Drive {
     }
 
     pub(crate) fn sample_rate_hz(&self) -> f64 {
-        self.snapshot.identity.as_ref().map_or(USUAL_RATE_HZ, |identity| f64::from(identity.sample_rate_hz))
+        self.snapshot.sample_rate_hz().unwrap_or(USUAL_RATE_HZ)
     }
 
     pub(crate) fn send(&self, request: Request) -> Ticket {
@@ -122,7 +122,7 @@ impl Drive {
 
     /// Whether the device holds the table of the setup's plate.
     pub(crate) fn is_table_there(&self) -> bool {
-        let on_device = self.snapshot.table.active.map(|header| header.crc);
+        let on_device = self.snapshot.table.report.active.map(|header| header.crc);
         self.table_made().is_some_and(|made| on_device == Some(made.device_table.crc()))
     }
 
@@ -172,7 +172,7 @@ impl Drive {
 
     /// Requests the table for the setup's plate and the device's rate, unless that was done already.
     fn ask_for_table(&mut self) {
-        if let Some(identity) = &self.snapshot.identity {
+        if let Some(identity) = &self.snapshot.device.identity {
             self.table.ask(identity);
         }
     }
@@ -294,7 +294,7 @@ impl Drive {
     /// Disarms a real device after a stop. The simulated device stays armed: nothing real moves, and it would be armed again
     /// automatically. A device of another version accepts no command but the stop.
     pub(crate) fn disarm_real(&self) {
-        let may_drive = self.snapshot.compatibility.is_none_or(|compatibility| compatibility.may_drive());
+        let may_drive = self.snapshot.mismatch().is_none();
         if self.snapshot.is_connected() && !self.snapshot.is_simulated() && may_drive {
             self.send(Request::Disarm);
         }
@@ -308,7 +308,7 @@ impl Drive {
     /// Whether a key of STOP also leaves pages and fields, so that it is no first press: nothing sounds, and nothing real could
     /// move. The device is simulated, connected, without a fault, and no drive is wanted.
     pub(crate) fn is_known_to_be_silent(&self, now_s: f64) -> bool {
-        let state = self.snapshot.status.map(|status| status.state);
+        let state = self.snapshot.drive.status.map(|status| status.state);
         self.snapshot.is_connected()
             && self.snapshot.is_simulated()
             && matches!(state, Some(State::Idle | State::Armed))
@@ -319,7 +319,8 @@ impl Drive {
     /// Stops a simulated drive shortly before the device's own limit would make a fault of it. Every change of the drive
     /// begins its time again, there as here.
     pub(crate) fn pause_unwatched(&mut self, out: &mut Outbox) {
-        let (Some(identity), Some(status)) = (&self.snapshot.identity, self.snapshot.status) else { return };
+        let Snapshot { device, drive, .. } = &*self.snapshot;
+        let (Some(identity), Some(status)) = (&device.identity, drive.status) else { return };
         let may_sound = status.state == State::Driving && self.is_wanted();
         if !may_sound || !self.snapshot.is_simulated() {
             return;

@@ -27,7 +27,7 @@ impl Drive {
             return News::Changes(Changes::between(&before, &self.snapshot));
         }
         let [before, now] =
-            [&before, &self.snapshot].map(|snapshot| snapshot.status.map(|status| status.now));
+            [&before, &self.snapshot].map(|snapshot| snapshot.drive.status.map(|status| status.now));
         if before == now { News::None } else { News::Clock }
     }
 
@@ -93,7 +93,7 @@ impl Drive {
 
     /// Reports that the device has disarmed itself because nothing was driven for as long as its lease.
     fn report_lease(&mut self, out: &mut Outbox) {
-        let minutes = self.snapshot.lease_over.unwrap_or_default().as_secs_f64() / 60.0;
+        let minutes = self.snapshot.drive.lease_over.unwrap_or_default().as_secs_f64() / 60.0;
         self.give_up();
         out.stopped(format!(
             "Disarmed: nothing was changed for {minutes} minutes. Arm it, then press Drive to resume."
@@ -114,7 +114,7 @@ impl Drive {
     /// Reports faults that remain after they were cleared: their cause still exists.
     fn report_remaining_faults(&mut self, out: &mut Outbox) {
         let Some(ticket) = self.tickets.clear else { return };
-        let Some(status) = self.snapshot.status else { return };
+        let Some(status) = self.snapshot.drive.status else { return };
         match self.snapshot.outcome(ticket) {
             // A status from before the clearing does not show its result.
             Some(Outcome::Done { at }) if status.now >= *at => {

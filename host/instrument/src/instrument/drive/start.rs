@@ -88,7 +88,7 @@ impl Drive {
     /// The obstacle that prevents driving and does not disappear by itself, if there is one.
     pub(crate) fn obstacle(&self) -> Option<Obstacle> {
         let snapshot = &self.snapshot;
-        match &snapshot.link {
+        match &snapshot.link.state {
             LinkState::Connected => {}
             LinkState::Disconnected => return Some(Obstacle::NotConnected),
             LinkState::Connecting => return Some(Obstacle::Connecting),
@@ -99,10 +99,10 @@ impl Drive {
             }
             LinkState::Reconnecting(_) => return Some(Obstacle::Reconnecting),
         }
-        if let Some(mismatch) = snapshot.compatibility.filter(|compatibility| !compatibility.may_drive()) {
+        if let Some(mismatch) = snapshot.mismatch() {
             return Some(Obstacle::OtherVersion(mismatch));
         }
-        let Some(status) = snapshot.status else { return Some(Obstacle::NoState) };
+        let Some(status) = snapshot.drive.status else { return Some(Obstacle::NoState) };
         match status.state {
             State::Idle if !autopilot::drive_arms(snapshot) => return Some(Obstacle::Muted),
             State::Fault if !autopilot::drive_clears_fault(snapshot) => {
@@ -118,8 +118,8 @@ impl Drive {
     /// The obstacle of the table, if there is one. A simulated device gets its table automatically; a real one at
     /// the user's request.
     fn obstacle_of_table(&self, is_simulated: bool) -> Option<Obstacle> {
-        let is_coming = self.snapshot.upload.is_some();
-        let may_go_on = !is_simulated && self.snapshot.table.active.is_some();
+        let is_coming = self.snapshot.table.upload.is_some();
+        let may_go_on = !is_simulated && self.snapshot.table.report.active.is_some();
         match self.table() {
             _ if may_go_on || is_coming || self.is_table_there() => None,
             TableState::Failed(reason) => Some(Obstacle::NoTable(reason.to_string())),

@@ -24,18 +24,21 @@ fn drive(setup: &Setup, snapshot: Snapshot) -> (Drive, StillLink) {
 /// The snapshot of a device that is idle.
 fn idle(simulated: bool) -> Snapshot {
     let loopback = Loopback::connect(400_000).unwrap();
-    let identity = loopback.view().identity.as_deref().cloned().unwrap();
-    let identity = Some(Arc::new(Identity { simulated, ..identity }));
-    let status = Some(Status { state: State::Idle, ..Status::default() });
-    Snapshot { identity, status, revision: 1, ..loopback.view().clone() }
+    let identity = loopback.view().device.identity.as_deref().cloned().unwrap();
+    let mut snapshot = Snapshot { revision: 1, ..loopback.view().clone() };
+    snapshot.device.identity = Some(Arc::new(Identity { simulated, ..identity }));
+    snapshot.drive.status = Some(Status { state: State::Idle, ..Status::default() });
+    snapshot
 }
 
 #[test]
 fn a_drive_that_cannot_begin_states_the_obstacle_and_sends_nothing() {
     let setup = setup();
+    let mut connecting = Snapshot::default();
+    connecting.link.state = LinkState::Connecting;
     for (snapshot, part, opens) in [
         (Snapshot::default(), "press Connect first", false),
-        (Snapshot { link: LinkState::Connecting, ..Snapshot::default() }, "has not answered yet", false),
+        (connecting, "has not answered yet", false),
         (idle(false), "arm it first", true),
     ] {
         let (mut drive, link) = drive(&setup, snapshot);
@@ -63,7 +66,7 @@ fn a_simulated_device_is_armed_by_drive_and_a_stop_ends_what_the_user_wants() {
 
 #[test]
 fn a_table_is_requested_once_for_each_plate_and_a_cancelled_one_gives_the_one_before_back() {
-    let identity = idle(true).identity.unwrap();
+    let identity = idle(true).device.identity.unwrap();
     let plates = ["membrane", "membrane-heavy"].map(|name| Arc::new(slipline_plate::preset(name).unwrap()));
     let mut table = Table::of(Arc::clone(&plates[0]), JobQueue::inline(table::make));
     table.ask(&identity);

@@ -6,7 +6,7 @@ use crate::instrument::shell::{Output, Page};
 use crate::instrument::shown::CalibrateScene;
 use crate::instrument::work::Jobs;
 use crate::jobs::calibrate::{CalibrateDone, CalibrateJob, CalibrationResult};
-use slipline_model::jobs::JobQueue;
+use slipline_model::jobs::LatestResult;
 use slipline_plate::Plate;
 use std::mem::take;
 use std::sync::Arc;
@@ -16,24 +16,17 @@ use std::sync::Arc;
 pub(super) struct Calibrating {
     /// The calibration under way. It stays while its pages are closed, until it is discarded or used.
     wizard: Option<CalibrationWizard>,
-    asked: Option<CalibrateJob>,
-    latest: Option<CalibrateDone>,
-    queue: JobQueue<CalibrateJob, CalibrateDone>,
+    fit: LatestResult<CalibrateJob, CalibrateDone>,
 }
 
 impl Calibrating {
     pub(super) fn new(jobs: &mut Jobs) -> Self {
-        Self { queue: take(&mut jobs.calibrations), ..Self::default() }
+        Self { wizard: None, fit: LatestResult::of(take(&mut jobs.calibrations)) }
     }
 
     /// Stores a result of the fit.
     pub(super) fn take_result(&mut self) {
-        self.latest = self.queue.take().or(self.latest.take());
-    }
-
-    /// The result of the latest job.
-    fn current(&self) -> Option<&CalibrateDone> {
-        self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref())
+        self.fit.take();
     }
 
     /// Sensor place of the open page, metres; `None` without a calibration, and on pages without a sensor.
@@ -49,21 +42,19 @@ impl Calibrating {
     }
 
     fn found(&self) -> Option<&Arc<CalibrationResult>> {
-        self.current()?.result.as_ref().ok()
+        self.fit.current()?.as_ref().ok()
     }
 
     pub(super) fn scene(&self) -> Option<CalibrateScene<'_>> {
-        let (result, progress) = (self.current().map(|done| done.result.as_deref()), self.queue.progress());
+        let (result, progress) = (self.fit.current().map(Result::as_deref), self.fit.progress());
         Some(CalibrateScene { calibration: self.wizard.as_ref()?, result, progress })
     }
 
     /// Requests the fit while the result's page is open.
     fn ask(&mut self, rate_hz: f64) {
         let job = self.wizard.as_ref().filter(|it| it.step == WizardPage::Result);
-        let Some(job) = job.and_then(|calibration| calibration.job(rate_hz)) else { return };
-        if self.asked.as_ref() != Some(&job) {
-            self.asked = Some(job.clone());
-            self.queue.ask(job);
+        if let Some(job) = job.and_then(|calibration| calibration.job(rate_hz)) {
+            self.fit.ask(job);
         }
     }
 }
@@ -127,8 +118,8 @@ impl Lab {
     }
 
     fn end_calibration(&mut self, reach: &mut Reach<'_>) {
-        self.calibration.queue.cancel();
-        (self.calibration.wizard, self.calibration.asked, self.calibration.latest) = (None, None, None);
+        self.calibration.fit.forget();
+        self.calibration.wizard = None;
         self.cancel_measuring();
         reach.out.push(Output::CloseCalibration);
     }

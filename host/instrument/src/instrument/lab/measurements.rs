@@ -10,8 +10,8 @@ use crate::measure::PlayedSweep;
 use crate::measured_file::{self, ForeignError, ForeignMetadata, OpenError, Opened, RecordingMetadata};
 use slipline_link::Severity;
 use slipline_model::content::Content;
-use slipline_model::jobs::JobQueue;
 use slipline_model::jobs::compare::{CompareJob, Compared};
+use slipline_model::jobs::{JobQueue, LatestResult};
 use slipline_model::response::{Entry, Shelf, ShelfFull};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{File, FileError, Measurement, SNR_DB};
@@ -24,13 +24,11 @@ use std::sync::Arc;
 #[derive(Default)]
 pub(super) struct Measurements {
     shelf: Shelf,
-    asked: Option<CompareJob>,
-    latest: Option<Compared>,
     /// A file by another program whose metadata the user has to complete.
     foreign: Option<Asked>,
     /// Name and description of the latest sweep, for the recordings that follow.
     sweep: Option<(String, Arc<PlayedSweep>)>,
-    comparisons: JobQueue<CompareJob, Compared>,
+    comparisons: LatestResult<CompareJob, Compared>,
     recordings: JobQueue<RecordedJob, Recorded>,
 }
 
@@ -45,8 +43,8 @@ enum NotTaken {
 
 impl Measurements {
     pub(super) fn new(jobs: &mut Jobs) -> Self {
-        let (comparisons, recordings) = (take(&mut jobs.comparisons), take(&mut jobs.recordings));
-        Self { comparisons, recordings, ..Self::default() }
+        let comparisons = LatestResult::of(take(&mut jobs.comparisons));
+        Self { comparisons, recordings: take(&mut jobs.recordings), ..Self::default() }
     }
 
     /// The measurement of this number.
@@ -65,24 +63,23 @@ impl Measurements {
     }
 
     pub(super) fn scene<'a>(&'a self, live: LiveScene<'a>) -> MeasureScene<'a> {
-        let compared = self.latest.as_ref().filter(|latest| Some(&latest.job) == self.asked.as_ref());
+        let asked = self.comparisons.asked().zip(self.shelf.chosen());
+        let is_of_chosen = asked.is_some_and(|(job, it)| Arc::ptr_eq(&job.measurement, &it.measurement));
+        let compared = self.comparisons.current().filter(|_| is_of_chosen).map(Result::as_ref);
         MeasureScene { shelf: &self.shelf, compared, asked: self.foreign.as_ref(), live }
     }
 
     /// Stores a comparison; returns a recording that has been read.
     pub(super) fn take_results(&mut self) -> Option<Recorded> {
-        self.latest = self.comparisons.take().or(self.latest.take());
+        self.comparisons.take();
         self.recordings.take()
     }
 
     /// Compares the chosen measurement with the plate on the screen while the page is open.
     pub(super) fn compare(&mut self, plate: &Arc<Plate>, attention: &Attention) {
         let Some(chosen) = self.shelf.chosen().filter(|_| attention.is_measurements_open) else { return };
-        let job = CompareJob { plate: Arc::clone(plate), measurement: Arc::clone(&chosen.measurement) };
-        if self.asked.as_ref() != Some(&job) {
-            self.asked = Some(job.clone());
-            self.comparisons.ask(job);
-        }
+        let (plate, measurement) = (Arc::clone(plate), Arc::clone(&chosen.measurement));
+        self.comparisons.ask(CompareJob { plate, measurement });
     }
 
     /// Asks the user for the metadata of a file.

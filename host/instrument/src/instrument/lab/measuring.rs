@@ -127,7 +127,7 @@ impl Lab {
         if let Some(obstacle) = drive.obstacle() {
             return Err(obstacle.into());
         }
-        let inputs = drive.snapshot().inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
+        let inputs = drive.snapshot().device.inputs.filter(|inputs| inputs.inputs > SENSOR_INPUT);
         let inputs = inputs.ok_or(MeasuringRefused::NoSensorInput)?;
         let made = drive.table_made().filter(|_| drive.is_table_there());
         let table = &made.ok_or(MeasuringRefused::NoTable)?.device_table;

@@ -49,7 +49,7 @@ pub(crate) struct Reach<'a> {
 
 /// Whether the device is this program's simulated device, whose inputs are wired to the rig.
 fn is_at_bench(snapshot: &Snapshot) -> bool {
-    snapshot.is_simulated() && snapshot.port == Some(Port::Simulated)
+    snapshot.is_simulated() && snapshot.link.port == Some(Port::Simulated)
 }
 
 impl Lab {
@@ -121,7 +121,7 @@ impl Lab {
 
     /// The page of measurements.
     pub(crate) fn measure_scene(&self, snapshot: &Snapshot) -> MeasureScene<'_> {
-        let now = snapshot.status.map_or(0, |status| status.now);
+        let now = snapshot.drive.status.map_or(0, |status| status.now);
         self.measurements.scene(self.live.scene(now, &self.rig, is_at_bench(snapshot)))
     }
 

@@ -29,7 +29,7 @@ impl Looks {
 
     /// The request for the next capture, if the device has an input for a sensor.
     pub(super) fn next(drive: &Drive) -> Option<Request> {
-        Signal::look(&drive.snapshot().inputs?, SENSOR_INPUT, drive.sample_rate_hz())
+        Signal::look(&drive.snapshot().device.inputs?, SENSOR_INPUT, drive.sample_rate_hz())
     }
 
     /// Evaluates the last capture, and sends the request for the next.

@@ -20,8 +20,10 @@ impl House {
     /// The simulated device at the bench has reported these inputs.
     fn with(inputs: Option<InputsReport>) -> Self {
         let loopback = Loopback::connect(400_000).unwrap();
-        let view = loopback.view().clone();
-        let link = StillLink::with(Snapshot { inputs, port: Some(Port::Simulated), revision: 1, ..view });
+        let mut snapshot = Snapshot { revision: 1, ..loopback.view().clone() };
+        snapshot.device.inputs = inputs;
+        snapshot.link.port = Some(Port::Simulated);
+        let link = StillLink::with(snapshot);
         let setup = Setup::new(Arc::new(slipline_plate::preset("membrane").unwrap()));
         let mut jobs = Jobs::inline();
         let mut drive = Drive::new(Box::new(link), &setup.plate, &mut jobs);

@@ -10,10 +10,10 @@ use crate::instrument::work::Jobs;
 use slipline_model::field::displacement_map::slow_factor;
 use slipline_model::field::sheet::{self, FieldSource, Frame, SheetJob, SourceChoice};
 use slipline_model::field::time_domain::TimeDomainJob;
-use slipline_model::jobs::JobQueue;
-use slipline_model::jobs::check::{CheckJob, Checked};
+use slipline_model::jobs::check::CheckJob;
 use slipline_model::jobs::design::{Designed, Draft};
-use slipline_model::jobs::plane::{PlaneChecked, PlaneJob};
+use slipline_model::jobs::plane::PlaneJob;
+use slipline_model::jobs::{JobQueue, LatestResult};
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::undo::Gesture;
 use slipline_plate::Plate;
@@ -46,8 +46,6 @@ pub(super) struct Work {
     /// The work that the user waits for, and since when.
     since: Option<(Awaited, f64)>,
     is_long: bool,
-    checks: JobQueue<CheckJob, Checked>,
-    planes: JobQueue<PlaneJob, PlaneChecked>,
     designs: JobQueue<Draft, Designed>,
     sheets: JobQueue<SheetJob, Frame>,
 }
@@ -55,8 +53,11 @@ pub(super) struct Work {
 impl Work {
     pub(super) fn new(jobs: &mut Jobs) -> Self {
         Self {
-            checks: take(&mut jobs.checks),
-            planes: take(&mut jobs.planes),
+            shown: Background {
+                checks: LatestResult::of(take(&mut jobs.checks)),
+                planes: LatestResult::of(take(&mut jobs.planes)),
+                ..Background::default()
+            },
             designs: take(&mut jobs.designs),
             sheets: take(&mut jobs.sheets),
             ..Self::default()
@@ -64,8 +65,8 @@ impl Work {
     }
 
     fn take_results(&mut self) {
-        self.shown.checked = self.checks.take().or(self.shown.checked.take());
-        self.shown.plane = self.planes.take().or(self.shown.plane.take());
+        self.shown.checks.take();
+        self.shown.planes.take();
         if let Some(designed) = self.designs.take().filter(|designed| designed.draft == self.shown.draft) {
             self.shown.design = DesignState::Ready(Arc::new(designed));
         }
@@ -120,9 +121,9 @@ impl Screen {
             (Awaited::Table, drive.table_progress()),
             (Awaited::Design, work.designs.progress()),
             (Awaited::Texture, self.textures.progress()),
-            (Awaited::Plane, work.planes.progress()),
+            (Awaited::Plane, work.shown.planes.progress()),
             (Awaited::Sheet, work.sheets.progress()),
-            (Awaited::Check, work.checks.progress()),
+            (Awaited::Check, work.shown.checks.progress()),
         ]
         .into_iter()
         .find_map(|(what, share)| Some(Waiting { what, share: share? }))
@@ -162,7 +163,7 @@ impl Screen {
     fn check(&mut self, sight: Sight<'_>) {
         let (setup, Some(tone)) = (sight.desk.setup(), sight.desk.tone()) else { return };
         let others = setup.tones.iter().filter(|other| other.slot != tone.slot);
-        let job = CheckJob {
+        self.background.shown.checks.ask(CheckJob {
             plate: Arc::clone(&setup.plate),
             boundary_m: tone.position_m,
             conditions: Conditions {
@@ -171,11 +172,7 @@ impl Screen {
                 off_centre: false,
                 other_boundaries_m: others.map(|other| other.position_m).collect(),
             },
-        };
-        if self.background.shown.asked.as_ref() != Some(&job) {
-            self.background.shown.asked = Some(job.clone());
-            self.background.checks.ask(job);
-        }
+        });
     }
 
     /// The plate and boundary on the screen, to be computed in two dimensions.
@@ -187,8 +184,7 @@ impl Screen {
     /// Requests the plate on the screen in two dimensions.
     pub(crate) fn check_plane(&mut self, desk: &Desk) {
         if let Some(job) = self.plane_job(desk) {
-            self.background.shown.plane_asked = Some(job.clone());
-            self.background.planes.ask(job);
+            self.background.shown.planes.ask(job);
         }
     }
 
@@ -270,15 +266,12 @@ impl Screen {
                 work.shown.design = DesignState::Cancelled;
             }
             Awaited::Texture => self.textures.give_up(),
-            Awaited::Plane => {
-                work.planes.cancel();
-                work.shown.plane_asked = None;
-            }
+            Awaited::Plane => work.shown.planes.forget(),
             Awaited::Sheet => {
                 work.sheets.cancel();
                 work.shown.source = Some(FieldSource::Lines(Some("the sheet was cancelled".to_owned())));
             }
-            Awaited::Check => work.checks.cancel(),
+            Awaited::Check => work.shown.checks.cancel(),
         }
     }
 }

@@ -155,7 +155,7 @@ impl Screen {
         };
         self.playback.sounding =
             Some(Sounding { number: acknowledged.number, plate: Arc::clone(plate), steady, felt });
-        let Some(identity) = &snapshot.identity else { return };
+        let Some(identity) = &snapshot.device.identity else { return };
         let job = TimeDomainJob {
             number: acknowledged.number,
             plate: Arc::clone(plate),

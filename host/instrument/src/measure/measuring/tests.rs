@@ -428,7 +428,9 @@ fn an_outcome_that_comes_after_the_cancellation_does_not_stand_for_that_of_the_s
 #[test]
 fn a_fault_ends_it_and_explains_why_the_tones_were_stopped() {
     let status = Status { faults: Faults::NONE.with(Fault::EmergencyStop), ..Status::default() };
-    let faulty = Snapshot { link: LinkState::Connected, status: Some(status), ..Snapshot::default() };
+    let mut faulty = Snapshot::default();
+    faulty.link.state = LinkState::Connected;
+    faulty.drive.status = Some(status);
     let (mut measuring, _) = measuring(32);
     measuring.watch(&faulty);
     assert!(matches!(measuring.step(), NextStep::Ask(Request::Stop)));

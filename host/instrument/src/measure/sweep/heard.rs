@@ -22,7 +22,7 @@ use reference::Reference;
 use rustfft::num_complex::Complex;
 use slipline_model::wav::Sound;
 use slipline_plate::calibrate::{MeasuredPoint, POINTS};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{must_be, show_frequency};
 use std::f64::consts::TAU;
 use thiserror::Error;

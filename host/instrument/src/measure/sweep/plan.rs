@@ -72,13 +72,13 @@ impl SweepPlan {
 
     /// Samples of a capture.
     #[must_use]
-    pub fn capture_samples(&self) -> u64 {
+    pub(crate) fn capture_samples(&self) -> u64 {
         u64::from(VALUES) << self.log2_codes
     }
 
     /// The rate of the captured values, Hz.
     #[must_use]
-    pub fn value_rate_hz(&self) -> f64 {
+    pub(crate) fn value_rate_hz(&self) -> f64 {
         self.chirp.rate_hz / f64::from(1_u32 << self.log2_codes)
     }
 

@@ -227,7 +227,7 @@ impl Move {
     /// The drive in the device's units.
     fn drive(&self, table: &DeviceTable) -> Drive {
         let position = table.position(self.to_m).unwrap_or(Position(0));
-        let level = slipline_link::table::level(self.level).unwrap_or_default();
+        let level = slipline_link::level(self.level).unwrap_or_default();
         let tone = Tone { slot: self.slot, position, level, phase: Phase(0) };
         let shortest = u64::from(table.header().sample_rate_hz) * u64::from(MIN_GLIDE_MS) / 1000;
         Drive {

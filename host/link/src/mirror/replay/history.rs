@@ -27,11 +27,11 @@ impl DeviceHistory {
     /// The history of the device in a snapshot; `None` while no device has reported its status.
     #[must_use]
     pub fn of(snapshot: &Snapshot) -> Option<Self> {
-        let status = snapshot.settled?;
+        let status = snapshot.drive.settled?;
         Some(Self {
-            sample_rate_hz: snapshot.identity.as_ref()?.sample_rate_hz,
-            journal: Arc::clone(&snapshot.journal),
-            table: snapshot.confirmed_table.clone(),
+            sample_rate_hz: snapshot.device.identity.as_ref()?.sample_rate_hz,
+            journal: Arc::clone(&snapshot.record.journal),
+            table: snapshot.table.confirmed.clone(),
             now: status.now,
             foldback_per_mille: status.foldback_per_mille,
         })

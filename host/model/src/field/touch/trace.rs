@@ -3,8 +3,8 @@
 use crate::field::displacement_map::mode_shape;
 use crate::field::felt::Felt;
 use crate::field::steady_field::SteadyField;
+use slipline_plate::check::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::feeling::Feeling;
-use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::{Finger, Plate};
 use std::collections::VecDeque;
 
@@ -204,7 +204,7 @@ mod tests {
         for scale in [0.0, 1e-2] {
             aluminium.field.bound_m.iter_mut().for_each(|bound| *bound *= scale);
             let met = aluminium.met(Finger::light(aluminium.field.tones[0].peak_position_m.unwrap()));
-            let curve = slipline_plate::sensation::FrictionCurve::default();
+            let curve = slipline_plate::check::sensation::FrictionCurve::default();
             assert_eq!(met.friction, Some(curve.ratio(met.amplitude_m)));
         }
     }

@@ -2,8 +2,8 @@
 
 use crate::setup::BoundaryMode;
 use serde::{Deserialize, Serialize};
+use slipline_plate::check::sensation::FrictionCurve;
 use slipline_plate::feeling::Feeling;
-use slipline_plate::sensation::FrictionCurve;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 /// Number of points of a measurement.
 pub const POINTS: Count = Count::new(8, 10_000, Counted::Points);
 /// Range of the standard deviation of a sensor's place, metres.
-pub const PLACE_TOLERANCE: Range = Range::new(0.0, 0.01, "m");
+pub(crate) const PLACE_TOLERANCE: Range = Range::new(0.0, 0.01, "m");
 /// Magnitude of a response, in any unit: its square must not overflow.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 /// Range of the headroom of an input below its full scale.
@@ -105,7 +105,7 @@ pub struct Measurement {
 }
 
 /// Standard deviation of a place marked with a ruler, metres.
-pub const PLACE_TOLERANCE_M: f64 = 2e-4;
+pub(crate) const PLACE_TOLERANCE_M: f64 = 2e-4;
 
 impl Measurement {
     /// The responses of an uncalibrated sensor at a place marked with a ruler, without a zero-order hold.

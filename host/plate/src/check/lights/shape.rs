@@ -19,13 +19,13 @@ const TAPER_PLACES: usize = 201;
 const MODES_MAX: u32 = 9;
 
 /// |W'| at `x` metres (clamped to the plate), where the wave turns; d W for the exponential taper.
-pub fn edge_slope(plate: &Plate, x: f64) -> f64 {
+pub(crate) fn edge_slope(plate: &Plate, x: f64) -> f64 {
     let x = x.clamp(0.0, plate.length_m());
     (plate.narrowing_per_m(x) * plate.half_width_m(x)).abs()
 }
 
 /// Largest W |W''| between the driven end and `to_m` metres (clamped to the plate); d^2 W0^2 for the exponential taper.
-pub fn edge_curvature(plate: &Plate, to_m: f64) -> f64 {
+pub(crate) fn edge_curvature(plate: &Plate, to_m: f64) -> f64 {
     // W'' = ((ln W)'' + (ln W)'^2) W
     most_curved(plate, to_m).0
 }
@@ -38,7 +38,7 @@ fn curvature_at(plate: &Plate, x: f64) -> f64 {
 }
 
 /// Number of wavelengths from the driven end to the boundary at `boundary_m` metres, at the boundary's frequency.
-pub fn wavelengths(plate: &Plate, boundary_m: f64) -> f64 {
+pub(crate) fn wavelengths(plate: &Plate, boundary_m: f64) -> f64 {
     plate.width_mode(1).phase_to(boundary_m, plate.frequency_for_boundary_hz(boundary_m)) / TAU
 }
 

@@ -20,12 +20,12 @@ const REFERENCE_PA: f64 = 20e-6;
 /// Sound pressure level of a plane wave, dB SPL (re 20 uPa): an infinite surface that moves in phase with the given
 /// displacement amplitude a in metres radiates an RMS pressure of rho c omega a/sqrt 2. This is an upper bound for a
 /// plate. Minus infinity for an amplitude of 0.
-pub fn plane_wave_level_db(frequency_hz: f64, displacement_m: f64) -> f64 {
+pub(crate) fn plane_wave_level_db(frequency_hz: f64, displacement_m: f64) -> f64 {
     level_db(AIR_DENSITY * AIR_SPEED * TAU * frequency_hz * displacement_m)
 }
 
 /// A-weighting of IEC 61672-1 at a frequency in Hz, dB; 0 at 1 kHz.
-pub fn a_weighting_db(frequency_hz: f64) -> f64 {
+pub(crate) fn a_weighting_db(frequency_hz: f64) -> f64 {
     let square = frequency_hz * frequency_hz;
     let pole = |f: f64| square + f * f;
     let response = 12_194.217_f64.powi(2) * square * square

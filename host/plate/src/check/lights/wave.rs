@@ -14,7 +14,7 @@ use crate::quantity::number_format::with_decimals;
 ///
 /// With small eta, I is the integral of eta d(k^2)/d ln(K^2)/(2 k); the derivative is a K^2 except between clamped edges.
 /// For the exponential taper with a = 1 it is (eta/2) nu acosh(nu/s0), where nu = K/d and s0 = q/(W0 d).
-pub fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
+pub(crate) fn loss_integral(plate: &Plate, boundary_m: f64) -> f64 {
     let frequency_hz = plate.frequency_for_boundary_hz(boundary_m);
     let width_mode = plate.width_mode(1);
     let wave = width_mode.at_frequency(frequency_hz);

@@ -1,7 +1,8 @@
 //! Edge slope and curvature, wavelengths, edge width and ghost boundaries, against numbers worked out by hand.
 
 use super::{light, report, value};
-use crate::check::{Checker, Colour, Conditions, edge_curvature, edge_slope};
+use crate::check::lights::shape::{edge_curvature, edge_slope};
+use crate::check::{Checker, Colour, Conditions};
 use crate::{DriveEnd, Model, Plate, Taper, TurningWidth, preset};
 
 #[test]

@@ -1,7 +1,8 @@
 //! Sound level and beat.
 
 use super::{light, report, value};
-use crate::check::{Checker, Colour, Conditions, a_weighting_db, plane_wave_level_db};
+use crate::check::lights::sound::{a_weighting_db, plane_wave_level_db};
+use crate::check::{Checker, Colour, Conditions};
 use crate::preset;
 
 #[test]

@@ -1,6 +1,7 @@
 //! The cost of the lights, by the solver's own count of its work.
 
-use crate::check::{Checker, Conditions, SPAN_PLACES};
+use crate::check::prepared::SPAN_PLACES;
+use crate::check::{Checker, Conditions};
 use crate::frequency::driven_end::with_whole_end;
 use crate::frequency::medium::LANES;
 use crate::frequency::numerov::work;

@@ -21,7 +21,7 @@ use crate::quantity::{OutOfRange, Range};
 pub(crate) use touch::{share_left, solve_each_touched, touched};
 
 /// Side of the contact of a fingertip, metres.
-pub const CONTACT_M: f64 = 0.01;
+pub(crate) const CONTACT_M: f64 = 0.01;
 
 /// A finger that rests on the plate.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]

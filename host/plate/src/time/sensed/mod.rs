@@ -290,7 +290,7 @@ impl SensedPlate {
     }
 
     /// The band in which every output is that of the frequency domain, Hz.
-    pub fn exact_hz(&self) -> (f64, f64) {
+    pub(crate) fn exact_hz(&self) -> (f64, f64) {
         self.fields.exact_hz()
     }
 

@@ -37,6 +37,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, log: &mut LogView, inte
     let needle = log.filter.to_lowercase();
     let shown: Vec<&LogEntry> = scene
         .snapshot
+        .record
         .log
         .iter()
         .filter(|entry| entry.severity >= log.least)

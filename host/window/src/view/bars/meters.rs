@@ -14,7 +14,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     ui.horizontal(|ui| theme::heading(ui, "Output"));
     let warn_from = |limit: f32, value: f32| if value >= limit { palette.warn } else { palette.accent };
     // Without a device the values are unknown.
-    let status = scene.snapshot.status;
+    let status = scene.snapshot.drive.status;
     let meter = |ui: &mut egui::Ui, name: &str, known: Option<Meter>, help: &str| {
         meter(ui, name, known.unwrap_or_else(|| Meter::unknown(palette)), help);
     };
@@ -40,7 +40,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
     meter(ui, "Thermal load", load, "The coil's computed warming, against its limit");
     ui.add_space(1.0);
     let counters = status.map(|status| status.counters);
-    let here = scene.snapshot.decoder.damaged;
+    let here = scene.snapshot.link.decoder.damaged;
     let counts = [
         (
             "Clipped samples",
@@ -54,7 +54,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>) {
         ),
         (
             "Retries",
-            status.map(|_| scene.snapshot.counters.retries),
+            status.map(|_| scene.snapshot.link.counters.retries),
             "Commands that were sent again because no answer came: a bad cable or a busy port",
         ),
         (

@@ -28,9 +28,9 @@ fn idle(name: &'static str, help: &str) -> Offer {
 /// The actions of the present state, the most likely first.
 pub(crate) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
     let snapshot = scene.snapshot;
-    let port = snapshot.port.clone().unwrap_or(Port::Simulated);
+    let port = snapshot.link.port.clone().unwrap_or(Port::Simulated);
     let disconnect = |name, help| offer(name, help, Intent::Device(DeviceIntent::Disconnect));
-    match &snapshot.link {
+    match &snapshot.link.state {
         LinkState::Disconnected => {
             vec![offer("Connect", format!("Open {port}, the port chosen last"), Intent::Connect(port))]
         }
@@ -53,10 +53,10 @@ pub(crate) fn offers(scene: &Scene<'_>) -> Vec<Offer> {
 /// The actions while the device answers.
 fn connected(scene: &Scene<'_>) -> Vec<Offer> {
     let snapshot = scene.snapshot;
-    if let Some(mismatch) = snapshot.compatibility.filter(|compatibility| !compatibility.may_drive()) {
+    if let Some(mismatch) = snapshot.mismatch() {
         return vec![offer("What to do", mismatch.sentence(), Intent::ShowDevice)];
     }
-    let Some(status) = snapshot.status else {
+    let Some(status) = snapshot.drive.status else {
         let close = Intent::Device(DeviceIntent::Disconnect);
         return vec![offer("Disconnect", "Close the port", close)];
     };
@@ -93,7 +93,7 @@ fn of_state(scene: &Scene<'_>, state: State, is_simulated: bool) -> Vec<Offer> {
             vec![offer("Clear fault", "Clear the latched faults whose cause is gone", clear)]
         }
         (State::SafeMode, true) => {
-            let port = scene.snapshot.port.clone().unwrap_or(Port::Simulated);
+            let port = scene.snapshot.link.port.clone().unwrap_or(Port::Simulated);
             vec![offer("Reconnect", "Restart the simulated device", Intent::Connect(port))]
         }
         (State::SafeMode, false) => {

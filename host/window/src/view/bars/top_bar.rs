@@ -36,9 +36,9 @@ fn sentence(trouble: &LinkError) -> String {
 /// The content of the state chip: a word, its colour, and a sentence.
 pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str, Color32, String) {
     let snapshot = scene.snapshot;
-    match &snapshot.link {
+    match &snapshot.link.state {
         LinkState::Disconnected => {
-            let why = snapshot.error.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
+            let why = snapshot.link.error.as_ref().map_or_else(|| "No port is open.".to_owned(), sentence);
             ("disconnected", palette.weak, why)
         }
         LinkState::Connecting => ("connecting", palette.warn, "Waiting for the device's answer.".to_owned()),
@@ -49,7 +49,7 @@ pub(crate) fn state_words(scene: &Scene<'_>, palette: &Palette) -> (&'static str
         LinkState::Reconnecting(trouble) => {
             ("reconnecting", palette.warn, format!("{} Looking for it.", sentence(trouble)))
         }
-        LinkState::Connected => match snapshot.status {
+        LinkState::Connected => match snapshot.drive.status {
             None => ("connected", palette.weak, "The device answers.".to_owned()),
             Some(status) => match status.state {
                 State::Idle => ("idle", palette.weak, "Disarmed: arm it to drive.".to_owned()),
@@ -155,7 +155,8 @@ fn in_use(ui: &mut egui::Ui, scene: &Scene<'_>, stop: Option<f32>, intents: &mut
     };
     let shown = ui.horizontal(|ui| {
         let (word, colour, sentence) = state_words(scene, palette);
-        let fault = scene.snapshot.is_connected().then_some(scene.snapshot.status).flatten().and_then(fault);
+        let fault =
+            scene.snapshot.is_connected().then_some(scene.snapshot.drive.status).flatten().and_then(fault);
         chip(ui, (word, fault), row >= ROOM_FOR_FAULT, colour).on_hover_text(sentence);
         offer_buttons(ui, scene, intents);
     });
@@ -192,7 +193,7 @@ fn usual_state(ui: &egui::Ui, scene: &Scene<'_>) -> f32 {
         let around = 2.0 * ui.spacing().button_padding.x + ui.spacing().item_spacing.x;
         theme::text_width(ui, text, font) + around
     };
-    let is_real = scene.snapshot.port.as_ref().is_some_and(|port| *port != Port::Simulated);
+    let is_real = scene.snapshot.link.port.as_ref().is_some_and(|port| *port != Port::Simulated);
     let disarm = if is_real { width("Disarm") } else { 0.0 };
     chip_width(ui, USUAL_STATE) + width("Drive") + disarm
 }
@@ -202,7 +203,7 @@ fn round_trip(ui: &egui::Ui, scene: &Scene<'_>, room: f32) -> Option<RichText> {
     if !scene.snapshot.is_connected() {
         return None;
     }
-    let milliseconds = scene.snapshot.round_trip.average.as_secs_f64() * 1e3;
+    let milliseconds = scene.snapshot.link.round_trip.average.as_secs_f64() * 1e3;
     let text = format!("round trip {milliseconds:.1} ms");
     let font = egui::TextStyle::Body.resolve(ui.style());
     (theme::text_width(ui, &text, font) <= room).then(|| RichText::new(text).color(theme::palette(ui).weak))
@@ -282,7 +283,7 @@ fn offer_buttons(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
 
 fn table_badge(ui: &mut egui::Ui, scene: &Scene<'_>, is_narrow: bool, intents: &mut Intents) {
     let palette = theme::palette(ui);
-    if let Some(progress) = scene.snapshot.upload {
+    if let Some(progress) = scene.snapshot.table.upload {
         let help = "Give up the upload; the old table stays";
         if cancel(ui, is_narrow, help) {
             intents.push(Intent::Device(DeviceIntent::CancelUpload));
@@ -325,7 +326,7 @@ fn bar(ui: &mut egui::Ui, is_narrow: bool, share: f32, text: String, help: &str)
 
 /// The device menu, with this width in points.
 fn port_menu(ui: &mut egui::Ui, scene: &Scene<'_>, width: f32, intents: &mut Intents) -> egui::Response {
-    let current = scene.snapshot.port.as_ref();
+    let current = scene.snapshot.link.port.as_ref();
     let label = current.map_or_else(
         || "No device".to_owned(),
         |port| {

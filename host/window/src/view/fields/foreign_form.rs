@@ -10,7 +10,7 @@ use crate::view::theme;
 use eframe::egui::{self, Label, RichText};
 use slipline_instrument::measured_file::ForeignMetadata;
 use slipline_plate::calibrate::{SNR, band_hz};
-use slipline_plate::number_format::with_decimals;
+use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{Range, plain, show_frequency};
 use slipline_plate::text_table::MEANINGS;
 

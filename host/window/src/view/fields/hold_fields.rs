@@ -7,7 +7,7 @@ use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_instrument::hold::{MAX_RISE, Standing, ToneWords, words};
-use slipline_plate::number_format::rounded;
+use slipline_plate::quantity::number_format::rounded;
 use slipline_plate::quantity::{self, Measure, show_frequency, show_place, show_range};
 
 const HELP: &str = "A sensor listens to the tones on the untouched plate; the device then keeps the level of each, \
@@ -34,7 +34,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, int
         Standing::Off(Some(end)) if end.is_trouble() => palette.wrong,
         Standing::Off(_) => palette.weak,
         Standing::Listening(_) => palette.warn,
-        _ => palette.text,
+        Standing::Waiting | Standing::Silent | Standing::Changing | Standing::Holding(_) => palette.text,
     };
     let text = if hold.is_put_up {
         "The simulated sensor is put in its place…".to_owned()

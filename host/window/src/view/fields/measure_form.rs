@@ -12,8 +12,8 @@ use crate::view::kept::Fields;
 use crate::view::theme;
 use eframe::egui;
 use slipline_instrument::measure::LEVEL;
-use slipline_plate::number_format::with_decimals;
 use slipline_plate::quantity;
+use slipline_plate::quantity::number_format::with_decimals;
 
 /// Width of the button that cancels, in points.
 const CANCEL: f32 = 140.0;

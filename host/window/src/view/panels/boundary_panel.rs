@@ -19,8 +19,8 @@ use eframe::egui::{self, RichText};
 use slipline_model::field::steady_field::SteadyTone;
 use slipline_model::setup::edit::Edit;
 use slipline_model::setup::{BoundaryMode, ToneSetup};
+use slipline_plate::check::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::quantity::{show_frequency, show_half_width, show_length, show_place};
-use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &mut Intents) {
     let setup = scene.setup;

@@ -22,7 +22,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, i
     }
     let result = match &background.design {
         DesignState::Ready(designed) => Some(&designed.result),
-        _ => None,
+        DesignState::Closed | DesignState::Making | DesignState::Cancelled => None,
     };
     let refusal = result.and_then(|result| result.as_ref().err());
     let form::Shown { change, is_told } = Form::new(&background.draft, refusal, &mut view.fields).show(ui);

@@ -38,11 +38,11 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
         });
     });
     for info in scene.ports {
-        let is_current = scene.snapshot.port.as_ref() == Some(&info.port);
+        let is_current = scene.snapshot.link.port.as_ref() == Some(&info.port);
         let badge = match info.port {
             Port::Simulated => "simulated",
-            _ if info.is_ours => "Slipline",
-            _ => "",
+            Port::Serial(_) | Port::Unix(_) if info.is_ours => "Slipline",
+            Port::Serial(_) | Port::Unix(_) => "",
         };
         let badge = RichText::new(badge).small().color(palette.accent);
         let size = egui::vec2(ui.available_width(), 28.0);
@@ -62,7 +62,7 @@ fn ports(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState, intents: &m
         ui.label(RichText::new("No serial port found.").small().color(palette.weak));
     }
     labelled(ui, "Another port", |ui| {
-        let current = scene.snapshot.port.as_ref().map_or_else(String::new, ToString::to_string);
+        let current = scene.snapshot.link.port.as_ref().map_or_else(String::new, ToString::to_string);
         let hint = "unix:PATH of a served device, or a serial port's name. Enter connects to it and arms no real device";
         let field = InputField::new("Another port", &current, hint, ui.available_width() - 8.0);
         intents.extend(field.show(ui, &mut view.fields, str::parse).map(Intent::Connect));
@@ -88,23 +88,23 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let button = |ui: &mut egui::Ui, name: &str, is_due: bool| {
             ui.add(theme::primary(ui, name, is_due).min_size(egui::vec2(BUTTON, 0.0)))
         };
-        let is_open = !matches!(snapshot.link, LinkState::Disconnected);
+        let is_open = !matches!(snapshot.link.state, LinkState::Disconnected);
         let again = "Open the same port again; the device comes back disarmed";
-        if matches!(snapshot.link, LinkState::Lost(_))
+        if matches!(snapshot.link.state, LinkState::Lost(_))
             && button(ui, "Reconnect", true).on_hover_text(again).clicked()
         {
-            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+            intents.push(Intent::Connect(snapshot.link.port.clone().unwrap_or(Port::Simulated)));
         }
         if is_open {
             button(ui, "Disconnect", false)
                 .on_hover_text("Stop, disarm and close the port")
                 .asks(intents, Intent::Device(DeviceIntent::Disconnect));
         } else if button(ui, "Connect", true).on_hover_text("Open the port that was chosen last").clicked() {
-            intents.push(Intent::Connect(snapshot.port.clone().unwrap_or(Port::Simulated)));
+            intents.push(Intent::Connect(snapshot.link.port.clone().unwrap_or(Port::Simulated)));
         }
     });
     ui.horizontal(|ui| {
-        let mut looks = snapshot.auto_reconnect;
+        let mut looks = snapshot.link.auto_reconnect;
         let switch = ui.checkbox(&mut looks, "Reconnect by itself");
         switch
             .on_hover_text("Look for a lost device, which comes back disarmed, and wait for a missing port")
@@ -115,7 +115,7 @@ fn connection(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
 fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let snapshot = scene.snapshot;
-    let Some(identity) = &snapshot.identity else { return };
+    let Some(identity) = &snapshot.device.identity else { return };
     let (major, minor, patch) = identity.firmware;
     row(ui, "Board", identity.board.as_str());
     row(ui, "Firmware", format!("{major}.{minor}.{patch} ({})", identity.build));
@@ -128,7 +128,7 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         "Rate",
         format!("{:.0} kS/s, {} bits", f64::from(identity.sample_rate_hz) * 1e-3, identity.dac_bits),
     );
-    if let Some(maintenance) = &snapshot.maintenance {
+    if let Some(maintenance) = &snapshot.device.maintenance {
         let colour = |is_good: bool| if is_good { palette.text } else { palette.warn };
         let wear =
             RichText::new(upkeep::wear(maintenance)).color(colour(upkeep::worn(maintenance).is_none()));
@@ -144,17 +144,17 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
             ui.label(RichText::new(warning).small().color(palette.warn));
         }
     }
-    if let Some(wear) = snapshot.wear.as_ref().filter(|_| snapshot.keeps_profile()) {
+    if let Some(wear) = snapshot.device.wear.as_ref().filter(|_| snapshot.keeps_profile()) {
         row(ui, "Profile's flash", upkeep::profile_wear(wear));
     }
-    if let Some(report) = snapshot.profile.as_ref().filter(|_| snapshot.keeps_profile()) {
+    if let Some(report) = snapshot.device.profile.as_ref().filter(|_| snapshot.keeps_profile()) {
         let name = report.profile.as_ref().map_or("none", |profile| profile.name.as_str());
         row(ui, "Actuator profile", name);
     }
-    if let Some(warning) = snapshot.board.as_ref().and_then(upkeep::muted_for_good) {
+    if let Some(warning) = snapshot.device.board.as_ref().and_then(upkeep::muted_for_good) {
         ui.label(RichText::new(warning).small().color(palette.warn));
     }
-    if let Some(compatibility) = snapshot.compatibility {
+    if let Some(compatibility) = snapshot.device.compatibility {
         let colour = if compatibility.may_drive() { palette.weak } else { palette.wrong };
         ui.label(RichText::new(compatibility.sentence()).small().color(colour));
     }
@@ -162,7 +162,7 @@ fn identity(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         let text = format!("It crashed before: {}", identity.crash);
         ui.label(RichText::new(text).small().color(palette.warn));
     }
-    let has_faults = snapshot.status.is_some_and(|status| !status.faults.is_empty());
+    let has_faults = snapshot.drive.status.is_some_and(|status| !status.faults.is_empty());
     let clear = ui.add_enabled(has_faults, egui::Button::new("Clear faults"));
     let clear = clear.on_hover_text("Clear the latched faults whose cause is gone");
     clear
@@ -174,14 +174,14 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     let snapshot = scene.snapshot;
     theme::heading(ui, "Turning-point table");
-    let on_device = snapshot
-        .table
-        .active
-        .map_or("none".to_owned(), |header| format!("{:08x}, {} knots", header.crc, header.knots));
+    let device = &snapshot.table;
+    let on_device = device.report.active;
+    let on_device =
+        on_device.map_or("none".to_owned(), |header| format!("{:08x}, {} knots", header.crc, header.knots));
     row(ui, "On the device", RichText::new(on_device).monospace().small());
     let on_screen = scene.table_crc().map_or("being made".to_owned(), |crc| format!("{crc:08x}"));
     row(ui, "On the screen", RichText::new(on_screen).monospace().small());
-    let (text, colour) = match (snapshot.upload, scene.is_table_dirty(), snapshot.upload_verified) {
+    let (text, colour) = match (device.upload, scene.is_table_dirty(), device.upload_verified) {
         (Some(progress), ..) => (format!("sending {} of {}", progress.sent, progress.total), palette.weak),
         (None, true, Some(false)) => ("the digest read back is not the one sent".to_owned(), palette.wrong),
         (None, true, _) => ("they differ".to_owned(), palette.warn),
@@ -189,14 +189,14 @@ fn table(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
         (None, false, _) => ("the same".to_owned(), palette.good),
     };
     row(ui, "Which are", RichText::new(text).color(colour));
-    let (text, colour) = match snapshot.travel_limit {
+    let (text, colour) = match snapshot.drive.travel_limit {
         Some(_) => ("limited by the device", palette.good),
         None if !snapshot.can_limit_travel() => ("not limited: the firmware is too old", palette.warn),
         None => ("not limited", palette.weak),
     };
     row(ui, "Actuator's travel", RichText::new(text).color(colour));
     ui.horizontal(|ui| {
-        if let Some(progress) = snapshot.upload {
+        if let Some(progress) = snapshot.table.upload {
             let share = f32::from(progress.sent) / f32::from(progress.total.max(1));
             ui.add(egui::ProgressBar::new(share).desired_width(170.0).show_percentage());
             let cancel = ui.button("Cancel upload");
@@ -221,9 +221,10 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let snapshot = scene.snapshot;
     let ms = |time: std::time::Duration| format!("{:.2} ms", time.as_secs_f64() * 1e3);
     let mut counter = |name: &str, value: String, help: &str| row(ui, name, value).on_hover_text(help);
-    let round_trip = format!("{}, worst {}", ms(snapshot.round_trip.average), ms(snapshot.round_trip.worst));
+    let round_trip =
+        format!("{}, worst {}", ms(snapshot.link.round_trip.average), ms(snapshot.link.round_trip.worst));
     counter("Round trip", round_trip, "From a command to its answer");
-    let link = snapshot.counters;
+    let link = snapshot.link.counters;
     counter("Commands", link.commands.to_string(), "How many were sent, repeats not counted");
     let lost = format!("{} / {}", link.retries, link.timeouts);
     counter(
@@ -234,8 +235,8 @@ fn quality(ui: &mut egui::Ui, scene: &Scene<'_>) {
     let help = "Drives that a newer one or a stop replaced before they were sent, as in a drag";
     counter("Superseded drives", link.superseded.to_string(), help);
     let help = "Messages of the device that arrived damaged; the commands that wait for them are sent again";
-    counter("CRC errors here", snapshot.decoder.damaged.to_string(), help);
-    if let Some(status) = snapshot.status {
+    counter("CRC errors here", snapshot.link.decoder.damaged.to_string(), help);
+    if let Some(status) = snapshot.drive.status {
         let device = status.counters;
         let help = "Commands that arrived damaged at the device; it did not act on them";
         counter("CRC errors there", device.crc_errors.to_string(), help);
@@ -266,7 +267,7 @@ const SOUNDS: &str = "Only while nothing sounds";
 
 fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     theme::heading(ui, "Service");
-    let state = scene.snapshot.status.map(|status| status.state);
+    let state = scene.snapshot.drive.status.map(|status| status.state);
     // With a fault it is disarmed, and some faults are cured by storing again.
     let is_silent = matches!(state, Some(State::Idle | State::Armed | State::Fault));
     // An incompatible device may report no state, and flashing it is the remedy, so this must stay possible.

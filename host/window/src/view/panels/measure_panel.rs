@@ -100,7 +100,7 @@ fn details(ui: &mut egui::Ui, scene: &Scene<'_>, entry: &Entry, intents: &mut In
     let sentence = |ui: &mut egui::Ui, text: &str, colour| {
         ui.add(egui::Label::new(RichText::new(text).color(colour)).wrap());
     };
-    match scene.measure.result() {
+    match scene.measure.compared {
         None => sentence(ui, "Being compared with the plate's model…", palette.weak),
         Some(Err(reason)) => sentence(ui, &reason.to_string(), palette.wrong),
         Some(Ok(comparison)) => {

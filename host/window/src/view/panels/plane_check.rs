@@ -15,22 +15,20 @@ const HELP: &str =
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
     // A result of another plate or boundary is no longer true.
-    let result =
-        scene.background.plane.as_ref().filter(|checked| Some(&checked.job) == scene.plane_job.as_ref());
-    let is_running = result.is_none()
-        && scene.background.plane_asked.is_some()
-        && scene.background.plane_asked == scene.plane_job;
-    let failed = result.and_then(|checked| checked.result.as_ref().err()).map(ToString::to_string);
+    let planes = &scene.background.planes;
+    let job = planes.asked().filter(|asked| Some(*asked) == scene.plane_job.as_ref());
+    let result = planes.current().filter(|_| job.is_some());
+    let failed = result.and_then(|result| result.as_ref().err()).map(ToString::to_string);
     let refusal = match &failed {
         Some(reason) => Some(reason.as_str()),
-        _ if is_running => Some("Being computed"),
+        _ if job.is_some() && result.is_none() => Some("Being computed"),
         _ if scene.plane_job.is_none() => Some("There is no tone whose boundary could be computed"),
         _ => None,
     };
     let button = ui.add_enabled(refusal.is_none(), theme::primary(ui, NAME, refusal.is_none()));
     let button = button.on_disabled_hover_text(refusal.unwrap_or_default()).on_hover_text(HELP);
     button.asks(intents, Intent::CheckPlane);
-    let words = match result.map(|checked| (&checked.job, &checked.result)) {
+    let words = match job.zip(result) {
         Some((job, Ok(differs))) => Some((
             format!("At {}{}: {}", show_place(job.boundary_m), finger_words(job.finger), sentence(differs)),
             palette.text,

@@ -119,7 +119,7 @@ fn slowest_beat_hz(scene: &Scene<'_>) -> Option<f64> {
         .iter()
         .filter(|tone| tone.level > 0.0)
         .map(|tone| plate.frequency_for_boundary_hz(tone.position_m))
-        .filter(|&hertz| hertz >= slipline_plate::sensation::SLIPPERY_FROM_HZ)
+        .filter(|&hertz| hertz >= slipline_plate::check::sensation::SLIPPERY_FROM_HZ)
         .collect();
     pitches.sort_by(f64::total_cmp);
     let beat = pitches.windows(2).map(|pair| pair[1] - pair[0]).min_by(f64::total_cmp)?;

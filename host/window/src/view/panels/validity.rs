@@ -45,7 +45,7 @@ pub(crate) fn mark(painter: &egui::Painter, centre: Pos2, colour: Colour, fill: 
 
 /// The worst colour and the text of the summary.
 fn summary(scene: &Scene<'_>) -> (Option<Colour>, String) {
-    let Some(checked) = &scene.background.checked else { return (None, "checking".to_owned()) };
+    let Some(checked) = scene.background.checks.newest() else { return (None, "checking".to_owned()) };
     let Ok(report) = &checked.report else { return (None, "not checked".to_owned()) };
     let counts = [Colour::Red, Colour::Amber].map(|colour| (checked.count(colour), colour.name()));
     let bad: Vec<String> = counts
@@ -104,7 +104,7 @@ pub(crate) fn title(light: &Light) -> String {
 /// The list.
 pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     let palette = theme::palette(ui);
-    let Some(checked) = &scene.background.checked else {
+    let Some(checked) = scene.background.checks.newest() else {
         ui.label(RichText::new("Being checked…").color(palette.weak));
         return;
     };
@@ -113,7 +113,7 @@ pub(crate) fn show(ui: &mut egui::Ui, scene: &Scene<'_>, view: &mut ViewState) {
     ui.horizontal(|ui| {
         let text = format!("At {}, {}", show_place(job.boundary_m), show_frequency(frequency_hz));
         ui.label(RichText::new(text).strong());
-        if !scene.background.is_checked() {
+        if scene.background.checks.current().is_none() {
             ui.label(RichText::new("being checked…").small().color(palette.weak));
         }
     });

@@ -8,9 +8,9 @@ use eframe::egui::{
     self, Align2, Color32, FontId, Pos2, Rangef, Rect, Sense, Shape, Stroke, StrokeKind, pos2, vec2,
 };
 use slipline_model::field::felt::{Felt, Zone, by_person_words};
+use slipline_plate::check::sensation::SLIPPERY_FROM_HZ;
 use slipline_plate::feeling::FeltEdge;
 use slipline_plate::quantity::{show_half_width, show_place};
-use slipline_plate::sensation::SLIPPERY_FROM_HZ;
 
 /// The share of the colour while nothing is driven.
 const AT_REST: f32 = 0.3;

@@ -29,9 +29,12 @@ const HANDLE_HELP: &str =
 /// The choice of a finger, and where it is.
 pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
     let palette = theme::palette(ui);
-    let refusal = refusal(&scene.setup.plate).map(|error| match error {
-        RespondError::Unstated(error) => error.worded(&Panel::Plate),
-        other => other.to_string(),
+    let refusal = refusal(&scene.setup.plate).map(|error| {
+        if let RespondError::Unstated(error) = &error {
+            error.worded(&Panel::Plate)
+        } else {
+            error.to_string()
+        }
     });
     let present = scene.finger.map_or(Touch::None, |_| scene.touch);
     // One row: in a window of the usual height it is the last that is seen without scrolling.

@@ -135,8 +135,8 @@ impl<'a> LightMarks<'a> {
 /// The amber and red lights with a place on the plate, from the driven end on, and whether they are those of the boundary on
 /// the screen.
 fn failing<'a>(scene: &'a Scene<'_>) -> (Vec<&'a Light>, bool) {
-    let checked = scene.background.checked.as_ref();
-    let checked = checked.filter(|checked| Arc::ptr_eq(&checked.job.plate, &scene.setup.plate));
+    let checks = &scene.background.checks;
+    let checked = checks.newest().filter(|checked| Arc::ptr_eq(&checked.job.plate, &scene.setup.plate));
     let (Some(checked), Some(tone)) = (checked, scene.setup.tone(scene.selected)) else {
         return (Vec::new(), true);
     };
@@ -144,7 +144,7 @@ fn failing<'a>(scene: &'a Scene<'_>) -> (Vec<&'a Light>, bool) {
     let mut failing: Vec<&Light> = lights.iter().filter(|light| !light.stretches.is_empty()).collect();
     // Lights of the same place keep their order.
     failing.sort_by(|a, b| middle_m(a).total_cmp(&middle_m(b)));
-    (failing, checked.job.boundary_m == tone.position_m && scene.background.is_checked())
+    (failing, checked.job.boundary_m == tone.position_m && checks.current().is_some())
 }
 
 fn middle_m(light: &Light) -> f64 {

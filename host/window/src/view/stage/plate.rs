@@ -131,7 +131,7 @@ fn button_width(ui: &egui::Ui, name: &str) -> f32 {
 /// The meaning of the plate's colours, and the slow-motion factor.
 fn drawn(scene: &Scene<'_>) -> String {
     let Some(steady) = scene.sounding else {
-        let is_driving = scene.snapshot.status.is_some_and(|status| status.state == State::Driving);
+        let is_driving = scene.snapshot.drive.status.is_some_and(|status| status.state == State::Driving);
         return if is_driving { "waits for its table" } else { "at rest" }.to_owned();
     };
     let source = match (scene.sheet, scene.load) {

@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// A job that runs in a worker.
 struct Running {
     number: u64,
-    job: Job,
+    kind: Kind,
     since: Duration,
     task: Arc<Task>,
 }
@@ -76,7 +76,7 @@ impl Lane {
             match state.exchange.run(|| postcard::to_extend(&(number, &job), Vec::new())) {
                 Ok(bytes) => {
                     self.host.post_job(self.name, &bytes);
-                    state.running = Some(Running { number, job, since: now(), task });
+                    state.running = Some(Running { number, kind: job.kind(), since: now(), task });
                 }
                 Err(_) => state.ended.push((number, job.kind())),
             }
@@ -88,7 +88,7 @@ impl Lane {
     fn restart(&self, state: &mut State) {
         self.host.restart_lane(self.name);
         state.exchange = Exchange::default();
-        state.ended.extend(state.running.take().map(|running| (running.number, running.job.kind())));
+        state.ended.extend(state.running.take().map(|running| (running.number, running.kind)));
     }
 }
 
@@ -122,11 +122,7 @@ impl Workers {
             bytes.and_then(|bytes| state.exchange.run(|| postcard::from_bytes::<(u64, Done)>(&bytes)).ok());
         match done {
             Some((number, done)) => {
-                let running = state.running.take().filter(|running| running.number == number);
-                let done = match &running {
-                    Some(Running { job, .. }) => done.of(job),
-                    None => done,
-                };
+                state.running = None;
                 self.results.send(number, done);
             }
             None => lane.restart(&mut state),
@@ -140,7 +136,7 @@ impl Workers {
     /// The kinds of the jobs that run.
     pub(crate) fn computing(&self) -> Vec<Kind> {
         let lanes = [&self.lanes.quick, &self.lanes.long];
-        lanes.iter().filter_map(|lane| Some(lane.state.borrow().running.as_ref()?.job.kind())).collect()
+        lanes.iter().filter_map(|lane| Some(lane.state.borrow().running.as_ref()?.kind)).collect()
     }
 
     /// Takes the share that a worker has done of its job.

@@ -9,7 +9,7 @@ use eframe::egui::{self, RichText};
 use slipline_instrument::calibration::Remedy;
 use slipline_instrument::jobs::calibrate::{CalibrationResult, Refused};
 use slipline_plate::calibrate::Parameter;
-use slipline_plate::number_format::{significant, with_decimals};
+use slipline_plate::quantity::number_format::{significant, with_decimals};
 use slipline_plate::quantity::{Form as _, show_place};
 
 pub(super) fn show(ui: &mut egui::Ui, shown: &CalibrateScene<'_>, intents: &mut Intents) {

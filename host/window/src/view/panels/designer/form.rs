@@ -7,13 +7,14 @@ use crate::view::fields::field::{InputField, labelled, refusal};
 use crate::view::kept::Fields;
 use eframe::egui;
 use slipline_model::jobs::design::{Draft, Kind, Stretch};
+use slipline_plate::PlateError;
 use slipline_plate::design::{Material, material_names};
 use slipline_plate::limits;
 use slipline_plate::limits::BAND_WIDTH_MIN_PERCENT;
+use slipline_plate::quantity::Notation as _;
 use slipline_plate::quantity::{
     self, FIELD_DIGITS, Measure, QuantityError, Range, Unit, frequency_hz, length_m, show_range,
 };
-use slipline_plate::{Notation as _, PlateError};
 
 /// Width of a field or menu, in points: to the end of the panel.
 const FIELD: f32 = 156.0;
@@ -194,9 +195,11 @@ impl<'a> Form<'a> {
         self.entry(ui, &stretch, |draft, text| {
             draft.stretch = match quantity::plain(text, "m/s") {
                 Ok(speed) => Stretch::WaveSpeed(speed),
-                Err(_) => Stretch::Tension(quantity::plain(text, "N/m").map_err(|error| match error {
-                    QuantityError::Unit { got, .. } => QuantityError::Unit { got, allowed: "N/m or m/s" },
-                    error => error,
+                Err(_) => Stretch::Tension(quantity::plain(text, "N/m").map_err(|mut error| {
+                    if let QuantityError::Unit { allowed, .. } = &mut error {
+                        *allowed = "N/m or m/s";
+                    }
+                    error
                 })?),
             };
             Ok(())

@@ -8,9 +8,8 @@ use crate::view::theme;
 use eframe::egui::{self, RichText};
 use slipline_model::setup::edit::Edit;
 use slipline_plate::quantity::FIELD_DIGITS;
-use slipline_plate::{
-    Actuator, Bending, DriveEnd, EndSlope, Model, Notation as _, Plate, PlateSpec, Source, Taper, fields,
-};
+use slipline_plate::quantity::Notation as _;
+use slipline_plate::{Actuator, Bending, DriveEnd, EndSlope, Model, Plate, PlateSpec, Source, Taper, fields};
 use std::sync::Arc;
 
 /// Shows the numbers of `plate`.
