@@ -107,7 +107,7 @@ fn a_refusal_of_its_own_is_found_wherever_a_text_may_stand() {
 }
 
 /// Turns that a reader had to read twice, and what to write. A full stop or a comma is a word here.
-const RIDDLES: [(&str, &str); 25] = [
+const RIDDLES: [(&str, &str); 26] = [
     ("is what", "name the thing: `A sends B`, not `B is what A sends`"),
     ("are what", "name the things"),
     ("that there is", "existing, available, or leave it out"),
@@ -132,6 +132,7 @@ const RIDDLES: [(&str, &str); 25] = [
     ("nobody is left", "say what then happens"),
     ("that was asked for", "requested"),
     ("are asked for", "are requested"),
+    ("whatever is", "every, any, or name the things"),
     ("what is not", "name the things: unclear columns, unmodelled modes"),
 ];
 

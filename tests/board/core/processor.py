@@ -136,7 +136,7 @@ class Processor(Faults, Agenda):
                 # The block is entered again, and paid for, afterwards.
                 self.cpu.emu_stop()
                 return
-        # Whatever is due: always make progress.
+        # Make progress even if an event is due.
         self.fresh = False
         block = (address, size)
         known = self.costs.get(block)

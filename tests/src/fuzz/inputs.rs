@@ -1,4 +1,4 @@
-//! A target on the device's inputs: whatever is measured of them, whatever is held by them, and whatever fails meanwhile.
+//! A target on the device's inputs: any measurement and any level hold, and any failure meanwhile.
 
 use std::sync::{Arc, Mutex};
 

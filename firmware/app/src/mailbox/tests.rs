@@ -305,7 +305,7 @@ fn the_reported_cost_is_that_of_the_most_expensive_block() {
 }
 
 #[test]
-fn a_renderer_that_is_not_armed_plays_nothing_whatever_is_pending() {
+fn a_renderer_that_is_not_armed_plays_no_pending_program() {
     let (mailbox, mut renderer) = (mailbox(), Renderer::new(Timing::at(400_000)));
     render(&mut renderer, &mailbox, 2);
     assert_eq!(mailbox.publish(&onset(mailbox.now(), &mailbox), &mailbox.view()), Ok(()));

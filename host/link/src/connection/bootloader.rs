@@ -2,7 +2,7 @@
 //!
 //! It is back if its ROM has restarted it. The F407's ROM does so when it misses the crystal as it measures that (5 of 12
 //! times on one board: CircuitPython's issue 11270): it is asked again. A G474, with two banks, may execute a bank that holds
-//! a program, whatever is asked (QMK's pull request 8778): asking again does not help there. A request that stayed in the
+//! a program, whatever the host requests (QMK's pull request 8778): asking again does not help there. A request that stayed in the
 //! device's RAM would help neither: the restart by DFU's leave would end in the ROM, too.
 
 use super::{Connection, Phase, SEEK_PERIOD};

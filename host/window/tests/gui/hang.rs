@@ -31,7 +31,7 @@ fn a_window_that_hangs_is_stopped_and_disarmed_and_says_so_when_it_comes_back() 
     };
     assert!(app.snapshot().record.log.iter().any(is_logged));
     assert!(app.snapshot().record.log.iter().any(|line| line.text == MESSAGE), "whole, with what to do");
-    // It is not driven again until the user says so, whatever is changed on the screen.
+    // No change on the screen drives it again before the user requests it.
     app.key(Key::ArrowRight, 3000);
     assert_eq!(state(&app), State::Idle);
     app.click("Arm", 1000);

@@ -1,4 +1,4 @@
-//! Nothing moves under the hand: whatever is pressed, on every page and dialog, every other control stays where it is.
+//! Nothing moves under the hand: on every page and dialog, a press on a control leaves all others at their places.
 
 use crate::calibrate::{answers, open_calibration};
 use crate::fixed_link::driving;

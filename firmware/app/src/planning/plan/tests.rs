@@ -1,4 +1,4 @@
-//! Whatever is planned keeps the headroom and the bank's limits in every block on its way.
+//! Every plan keeps the headroom and the bank's limits in every block on its way.
 
 use std::boxed::Box;
 use std::vec::Vec;

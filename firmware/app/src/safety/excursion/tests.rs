@@ -1,4 +1,4 @@
-//! Whatever is accepted keeps the peak travel: a mass on a spring is integrated in time beside the planned motions.
+//! Every accepted motion keeps the peak travel: the tests integrate a mass on a spring beside the planned motions.
 
 use std::boxed::Box;
 use std::f64::consts::{PI, TAU};

@@ -40,7 +40,7 @@ pub fn from_one_sensor(
     fitted(plate, sensor, priors).map(|(calibrated, _)| calibrated)
 }
 
-/// Refuses a plate that one sensor, or the drive's current, cannot calibrate, whatever is measured: its file must state a
+/// Refuses a plate that no measurement by one sensor, or of the drive's current, can calibrate: its file must state a
 /// membrane's tension or a sheet's thickness, and no law of the thickness.
 ///
 /// # Errors

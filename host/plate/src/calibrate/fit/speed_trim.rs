@@ -94,7 +94,7 @@ pub struct SpeedTrim {
 }
 
 impl SpeedTrim {
-    /// Refuses a plate that cannot be trimmed, whatever is measured.
+    /// Refuses a plate that no measurement can trim.
     ///
     /// # Errors
     /// [`CalibrateError::NotCalibrated`] and [`CalibrateError::Plate`].

@@ -40,7 +40,7 @@ pub(crate) fn choice(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents
     });
 }
 
-/// The volume, and why nothing is heard: as high whatever is chosen.
+/// The volume, and why nothing is heard. The row has the same height for every choice.
 pub(crate) fn volume(ui: &mut egui::Ui, scene: &Scene<'_>, typed: &mut Fields, intents: &mut Intents) {
     let palette = theme::palette(ui);
     // Without a finger nothing of it is heard.
