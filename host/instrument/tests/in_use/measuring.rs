@@ -211,10 +211,10 @@ fn after_a_calibration_the_simulated_plate_moves_as_is_predicted() {
     // The envelope of the simulated plate beside the predicted one, and the largest of that.
     let both = |session: &Session| {
         let shown = session.instrument.shown();
-        let (measured, is_current) = shown.measured.unwrap();
-        assert!(is_current);
+        let rings = shown.measured.unwrap();
+        assert!(rings.is_current);
         let points: Vec<(f64, f64)> =
-            measured.points().map(|(x_m, m)| (m, curve_m(shown.predicted, x_m))).collect();
+            rings.field.points().map(|(x_m, m)| (m, curve_m(shown.predicted, x_m))).collect();
         let top_m = points.iter().map(|(_, curve_m)| *curve_m).fold(0.0, f64::max);
         (points, top_m)
     };

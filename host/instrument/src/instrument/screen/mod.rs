@@ -16,7 +16,6 @@ use super::outbox::Outbox;
 use super::shell::Attention;
 use super::shown::{Background, Shown};
 use super::work::Jobs;
-use actual_plate::ActualPlate;
 use background::Work;
 use brush::Brush;
 use finger::OnPlate;
@@ -24,6 +23,8 @@ use playback::Playback;
 use prediction::{Predicted, Prediction};
 use slipline_model::field::line::Line;
 use slipline_model::field::rings::Rings;
+use slipline_model::jobs::LatestResult;
+use slipline_model::jobs::measured_places::{MeasuredPlace, MeasuredPlacesJob};
 use slipline_plate::Plate;
 use std::mem::take;
 use std::sync::Arc;
@@ -38,7 +39,8 @@ pub struct Screen {
     background: Work,
     textures: Textures,
     brush: Brush,
-    actual: ActualPlate,
+    /// What was measured of a real plate.
+    measured_places: LatestResult<MeasuredPlacesJob, Vec<MeasuredPlace>>,
 }
 
 /// What the screen looks at.
@@ -61,14 +63,14 @@ impl Screen {
             background: Work::new(jobs),
             textures: Textures::of(plate, take(&mut jobs.textures)),
             brush: Brush::default(),
-            actual: ActualPlate::new(jobs),
+            measured_places: LatestResult::of(take(&mut jobs.measured_places)),
         }
     }
 
     /// Advances the work for what is shown.
     pub(crate) fn turn(&mut self, sight: Sight<'_>, out: &mut Outbox) {
         self.update_background(sight, out);
-        self.actual.compare(sight);
+        self.compare_actual_plate(sight);
         self.playback.simulate(sight.attention);
         if !self.is_sounding() {
             self.finger.trace.clear();
@@ -143,7 +145,7 @@ impl Screen {
                 .playback
                 .shown_measured(&self.plate)
                 .map(|(measured, is_current)| Rings::new(measured, is_current, is_hidden.then_some(field))),
-            measured_places: self.actual.places(),
+            measured_places: self.measured_places.current().map_or(&[], Vec::as_slice),
             background: self.background(),
             texture: self.textures.scene(self.brush.is_drawn()),
             measure: lab.measure_scene(snapshot),
