@@ -13,7 +13,7 @@ use super::response::wave::{COARSE, FINE, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
 use super::source::data::Datum;
 use super::source::source_model::SourceModel;
-use super::unknowns::{OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at};
+use super::unknowns::{HELD, OF_PLATE, Priors, SPEED, of_baffle, of_plate, spec_at};
 use crate::calibrate::error::CalibrateError;
 use crate::calibrate::measurement::sensor::{MeasuredPoint, Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
@@ -31,8 +31,6 @@ const FAR: f64 = 6.0;
 const SOURCE_STEP: f64 = 1e-5;
 /// Coordinates of a source's resistance, mass and stiffness: none is below zero.
 const OF_IMPEDANCE: usize = 3;
-/// Deviation of a coordinate that is held at zero.
-const HELD: f64 = 1e-9;
 
 /// The least squares of a plate and a source.
 pub(crate) struct Joint<'a, S> {
@@ -102,7 +100,7 @@ impl<'a, S: SourceModel> Joint<'a, S> {
 
     /// The best coordinates, and the bottoms of all valleys that were followed.
     fn fit(&mut self) -> Option<(Fit, Vec<Fit>)> {
-        let (best, bottoms) = self.lowest()?;
+        let (best, bottoms) = self.lowest(None)?;
         let mut fit = self.refined(&best)?;
         // A resistance, mass or spring below zero is none.
         for _ in 0..OF_IMPEDANCE {

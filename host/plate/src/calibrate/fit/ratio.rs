@@ -15,7 +15,9 @@ use super::misfit::misfit;
 use super::pairs::{MODEL_ERROR, Pair, pairs};
 use super::response::wave::{COARSE, FINE, Wave, points};
 use super::search::{PLACE_STEP_M, SCAN_ERROR, SCAN_FREQUENCIES, Searched, column, scan};
-use super::unknowns::{OF_PLATE, Priors, of_baffle, of_plate, spec_at};
+use super::unknowns::{
+    AIR, DISTANT_AIR, HELD, OF_PLATE, Priors, from_tried_air, in_tried_air, of_baffle, of_plate, spec_at,
+};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
 use crate::definition::{Plate, PlateSpec};
 use crate::frequency::respond_range;
@@ -62,8 +64,21 @@ impl<'a> Ratio<'a> {
 
     /// The best coordinates.
     pub(crate) fn fit(&self) -> Option<Fit> {
-        let (best, _) = self.lowest()?;
+        let (best, _) = self.lowest(self.best_of_tried_air().as_deref())?;
         self.refined(&best)
+    }
+
+    /// Of a plate of unknown mounting: where it has the best of the coefficients that are tried with the air held.
+    fn best_of_tried_air(&self) -> Option<Vec<f64>> {
+        let tried = in_tried_air(self.nominal);
+        let fits = tried.iter().filter_map(|nominal| {
+            let mut held = Ratio { nominal, ..self.clone() };
+            held.deviations.remove(DISTANT_AIR);
+            held.deviations[AIR] = HELD;
+            let (fit, _) = held.lowest(None)?;
+            Some((fit.chi2, from_tried_air(self.nominal, nominal, &fit.parameters)))
+        });
+        fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, start)| start)
     }
 
     /// Relative model error with which chi^2 of these coordinates would be 1 per answer.

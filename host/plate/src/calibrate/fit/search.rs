@@ -43,9 +43,13 @@ pub(crate) trait Searched: Sized {
     /// The columns of J by the coordinates after the plate's.
     fn columns(&self, at: &[f64], radians: f64, model_error: f64) -> Option<Vec<Vec<f64>>>;
 
-    /// The bottom of the lowest valley, and the bottoms of all valleys that were followed.
-    fn lowest(&self) -> Option<(Fit, Vec<Fit>)> {
-        let mut bottoms: Vec<Fit> = Vec::new();
+    /// The bottom of the lowest valley, and the bottoms of all valleys that were followed; first of all that of `known`, a
+    /// place that is known to be near a bottom.
+    fn lowest(&self, known: Option<&[f64]>) -> Option<(Fit, Vec<Fit>)> {
+        let mut bottoms: Vec<Fit> = known.and_then(|known| self.bottom(known)).into_iter().collect();
+        if let Some(bottom) = bottoms.first().filter(|bottom| !Self::ALL && self.is_below(bottom, ENOUGH)) {
+            return Some((bottom.clone(), bottoms));
+        }
         'scans: for &speeds in Self::SPEEDS {
             for starts in self.starts(speeds) {
                 for bottom in starts.iter().filter_map(|start| self.bottom(start)) {

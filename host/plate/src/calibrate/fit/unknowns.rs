@@ -11,7 +11,7 @@
 //! | 5, of a membrane in air | share of the pressure at a distance beside the file's | the same |
 
 use crate::definition::limits;
-use crate::definition::{Air, AirMounting, BAFFLE, Model, PlateSpec};
+use crate::definition::{Air, AirMounting, BAFFLE, BARE_FRAME, Model, PlateSpec};
 use crate::quantity::{OutOfRange, Range};
 
 /// Coordinates of the plate: [`OF_PLATE`] of them, and those of its air where air swings with it ([`of_plate`]). Those of the
@@ -27,6 +27,10 @@ pub(crate) const DISTANT_AIR: usize = 5;
 pub(crate) const OF_PLATE_MAX: usize = 6;
 /// Standard deviation of ln alpha in a baffle.
 const OF_BAFFLE: f64 = 0.02;
+/// alpha of the air around a plate of unknown mounting that is tried first: that of a bare frame, of a baffle, and between.
+const TRIED: [f64; 3] = [BARE_FRAME, AirMounting::Unknown.coefficient().0, BAFFLE];
+/// Standard deviation of a coordinate that is held.
+pub(crate) const HELD: f64 = 1e-9;
 /// Ways over which derivatives by the plate's coordinates are taken.
 pub(crate) const STEPS: [f64; OF_PLATE_MAX] = [1e-6, 1e-4, 1e-6, 1e-6, 1e-5, 1e-3];
 
@@ -122,6 +126,30 @@ pub(crate) fn spec_at(nominal: &PlateSpec, coordinates: &[f64]) -> PlateSpec {
         *mounting = mounting.found(alpha, distant);
     }
     spec
+}
+
+/// A membrane of unknown mounting in air of each tried coefficient, without the pressure at a distance; none where the mounting
+/// is known or the plate has no such pressure. From a share of that pressure which the actual air does not have, a fit on clean
+/// data does not find the coefficient.
+pub(crate) fn in_tried_air(nominal: &PlateSpec) -> Vec<PlateSpec> {
+    let Some(Air::Around { gas, mounting: AirMounting::Unknown }) = nominal.air else { return Vec::new() };
+    if of_plate(nominal) <= DISTANT_AIR {
+        return Vec::new();
+    }
+    let (_, faces) = AirMounting::Unknown.coefficient();
+    let with = |alpha: f64| Air::Around { gas, mounting: AirMounting::Coefficient { alpha, faces } };
+    TRIED.map(|alpha| PlateSpec { air: Some(with(alpha)), ..nominal.clone() }).into()
+}
+
+/// The coordinates of `nominal` that mean the plate of `tried` ([`in_tried_air`]) at its coordinates.
+pub(crate) fn from_tried_air(nominal: &PlateSpec, tried: &PlateSpec, coordinates: &[f64]) -> Vec<f64> {
+    let (Some(mounting), Some(of_tried)) = (mounting_of(nominal), mounting_of(tried)) else {
+        return coordinates.to_vec();
+    };
+    let mut found = coordinates.to_vec();
+    found[AIR] += (of_tried.coefficient().0 / mounting.coefficient().0).ln();
+    found.insert(DISTANT_AIR, of_tried.distant() - mounting.distant());
+    found
 }
 
 /// The loss factor that the fit starts from.
