@@ -46,6 +46,10 @@ const MARKS: &[(usize, &[u8], Content)] = &[
     (0, b"caff\0\x01", Content::Foreign(RECORDING)),
     (0, b"wvpk", Content::Foreign(RECORDING)),
     (0, b".snd", Content::Foreign(RECORDING)),
+    (0, b"TTA1", Content::Foreign(RECORDING)),
+    (0, b"Creative Voice File", Content::Foreign(RECORDING)),
+    (0, b"DSD \x1c\0", Content::Foreign(RECORDING)),
+    (0, b"\x0bw", Content::Foreign(LOSSY)),
     (0, b"riff.\x91\xcf\x11", Content::Foreign(RECORDING)),
     (0, b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", Content::Foreign(SPREADSHEET)),
     (0, b"\x1f\x8b", Content::Foreign(ARCHIVE)),
@@ -78,6 +82,9 @@ impl Content {
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         let has = |at: usize, mark: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(mark));
+        if has(tag_length(bytes), b"fLaC") {
+            return Self::Lossless("FLAC");
+        }
         if bytes.is_empty() {
             return Self::Foreign("the file is empty");
         }
@@ -95,6 +102,16 @@ impl Content {
         }
         let found = MARKS.iter().find(|(at, mark, _)| has(*at, mark));
         found.map_or(Self::Other, |(.., content)| *content)
+    }
+}
+
+/// Length of a tag of MP3's (ID3v2) at a file's beginning, which some programs put before other formats, too.
+pub(crate) fn tag_length(bytes: &[u8]) -> usize {
+    match *bytes {
+        [b'I', b'D', b'3', 2..=4, _, _, a, b, c, d, ..] if (a | b | c | d) < 0x80 => {
+            10 + [a, b, c, d].iter().fold(0, |length, byte| length << 7 | usize::from(*byte))
+        }
+        _ => 0,
     }
 }
 
@@ -124,6 +141,9 @@ mod tests {
             (b"\xff\xfb\x90\x64".to_vec(), Content::Foreign(LOSSY)),
             (b"\xff\xf1\x50\x80".to_vec(), Content::Foreign(LOSSY)),
             (b"ID3\x04".to_vec(), Content::Foreign(LOSSY)),
+            (b"ID3\x04\0\0\0\0\0\x02..\xff\xfb\x90\x64".to_vec(), Content::Foreign(LOSSY)),
+            (b"ID3\x04\0\0\0\0\0\x02..fLaC".to_vec(), Content::Lossless("FLAC")),
+            (b"Creative Voice File\x1a".to_vec(), Content::Foreign(RECORDING)),
             (zip("[Content_Types].xml..xl/workbook.xml"), Content::Foreign(SPREADSHEET)),
             (zip("mimetypeapplication/vnd.oasis.opendocument.spreadsheet"), Content::Foreign(SPREADSHEET)),
             (zip("[Content_Types].xml..word/document.xml"), Content::Foreign(ARCHIVE)),

@@ -13,11 +13,10 @@ use super::rig::PortArgument;
 use super::touch::{TouchArgument, touch};
 use super::{progress, sensor_places};
 use clap::{ArgGroup, Args, ValueEnum};
-use serde_json::Value;
 use slipline_instrument::calipers::{complete_calipers, with_calipers};
 use slipline_instrument::requests::{self, FeltEdgesRequest};
 use slipline_model::answer::calibrate::{
-    CALIPERS_TOLERANCE, CalibrationReport, TOUCH_TOLERANCE, by_measurements,
+    CALIPERS_TOLERANCE, CalibrationReport, FileReadAnswer, TOUCH_TOLERANCE, by_measurements,
 };
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::setup::file::feeling;
@@ -215,7 +214,7 @@ fn asked_places(nominal: &Plate, sensor: &SensorArgument) -> Result<Option<[f64;
 fn read_or_measured(
     nominal: &Plate,
     arguments: &CalibrateArguments,
-) -> Result<(Vec<Measurement>, Vec<Value>), Failure> {
+) -> Result<(Vec<Measurement>, Vec<FileReadAnswer>), Failure> {
     let data = &arguments.measured.data;
     let Some(port) = &arguments.port else {
         if arguments.measured.current.is_some() {

@@ -4,9 +4,9 @@ use super::destination::Destination;
 use super::failure::Failure;
 use super::output;
 use super::schema::with_files;
-use serde_json::{Value, json};
+use serde_json::json;
 use slipline_instrument::calibration::named_calibrated;
-use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, Way};
+use slipline_model::answer::calibrate::{CalibrateAnswer, CalibrationReport, FileReadAnswer, Way};
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{CalibrateError, Departure, Parameter, departure};
@@ -39,25 +39,18 @@ const fn reaches(way: Way) -> &'static str {
 pub(super) fn finish(
     file: &Plate,
     found: Result<CalibrationReport, CalibrateError>,
-    understood: &[Value],
+    understood: &[FileReadAnswer],
     out: Option<&Destination>,
     feeling_out: Option<&Destination>,
     as_json: bool,
 ) -> Result<(), Failure> {
-    let with_read = |answer: CalibrateAnswer<'_>| {
-        let mut value = json!(answer);
-        value["read"] = json!(understood);
-        value
-    };
+    let read = Some(understood);
     let found = match found {
         Ok(found) => found,
         Err(error) => {
             if as_json {
-                output::print(
-                    true,
-                    &with_files(with_read(CalibrateAnswer::refused(file, &error)), Vec::new()),
-                    |_| Ok(()),
-                )?;
+                let answer = CalibrateAnswer { read, ..CalibrateAnswer::refused(file, &error) };
+                output::print(true, &with_files(json!(answer), Vec::new()), |_| Ok(()))?;
             }
             return Err(Failure::failed(error));
         }
@@ -68,7 +61,8 @@ pub(super) fn finish(
         out.write_measured(&text)?;
     }
     let files = Destination::names(out.into_iter().chain(feeling_out));
-    let value = with_files(with_read(CalibrateAnswer::of(file, &found, &before)), files);
+    let answer = CalibrateAnswer { read, ..CalibrateAnswer::of(file, &found, &before) };
+    let value = with_files(json!(answer), files);
     output::print(as_json, &value, |writer| output::lines(writer, &lines(file, &found, &before, out)))
 }
 

@@ -5,11 +5,11 @@ use super::failure::Failure;
 use super::output;
 use super::source::{bytes_of, text_of};
 use clap::Args;
-use serde_json::{Value, json};
 use slipline_instrument::measure::{PLAYED_BYTES_MAX, PlayedSweep};
 use slipline_instrument::measured_file::{
     BYTES_MAX, ForeignError, ForeignMetadata, OpenError, Opened, RecordingMetadata, measurement, recorded,
 };
+use slipline_model::answer::calibrate::FileReadAnswer;
 use slipline_model::wav::Wav;
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{FileError, Foreign, Measurement, SNR, SNR_DB, SensorKind, band_hz};
@@ -106,7 +106,7 @@ pub(super) fn measurements(
     plate: &Plate,
     files: &[PathBuf],
     sensor: &SensorArgument,
-) -> Result<(Vec<Measurement>, Vec<Value>), Failure> {
+) -> Result<(Vec<Measurement>, Vec<FileReadAnswer>), Failure> {
     let opened = files.iter().enumerate().map(|(at, path)| read(path, sensor, at, files.len()));
     let opened = opened.collect::<Result<Vec<_>, Failure>>()?;
     let mut understood = Vec::new();
@@ -155,7 +155,7 @@ pub(super) fn current_of(
     plate: &Plate,
     path: &Path,
     sensor: &SensorArgument,
-) -> Result<(Measurement, Vec<Value>), Failure> {
+) -> Result<(Measurement, Vec<FileReadAnswer>), Failure> {
     let mut understood = Vec::new();
     let measured = match read(path, sensor, 0, 1)? {
         Opened::Own(measurement) => Ok(measurement),
@@ -187,13 +187,11 @@ fn read(path: &Path, sensor: &SensorArgument, number: usize, count: usize) -> Re
     })
 }
 
-/// What was read of a file by another program, as fields; it is printed before it is used.
-fn report(plate: &Plate, foreign: &Foreign, path: &Path) -> Value {
+/// What was read of a file by another program; it is printed before it is used.
+fn report(plate: &Plate, foreign: &Foreign, path: &Path) -> FileReadAnswer {
     let read = foreign.read(band_hz(plate));
     output::note(format_args!("slipline: {}: {read}", path.display()));
-    let mut fields = json!(read);
-    fields["file"] = json!(path.display().to_string());
-    fields
+    FileReadAnswer { file: path.display().to_string(), read }
 }
 
 /// The measurement of a recording; its notes are printed to stderr.

@@ -9,13 +9,13 @@ use super::{output, progress};
 use argument::{Beat, Typed};
 use clap::Args;
 use serde_json::json;
-use slipline_model::answer::texture::{self, TextureAnswer};
+use slipline_model::answer::texture::{self, ProfileReadAnswer, TextureAnswer};
 use slipline_model::atomic_file::said;
 use slipline_model::field::felt::by_person_words;
 use slipline_model::field::simulation::SAMPLE_RATE_HZ;
 use slipline_model::field::tone_places::TonePlaces;
 use slipline_model::setup::file;
-use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, Wish};
+use slipline_model::texture::{self as textures, Fitted, Made, PROFILE_FILE_BYTES_MAX, ProfileRead, Wish};
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::number_format::with_decimals;
 use slipline_plate::quantity::{Measure, show_frequency, show_length, show_place};
@@ -69,6 +69,8 @@ struct WantedArgument {
 struct Named {
     what: String,
     made: Made,
+    /// What was read of a profile's table.
+    read: Option<ProfileReadAnswer>,
 }
 
 pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Failure> {
@@ -83,8 +85,9 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
         let text = file::write(&setup);
         out.write(|writer| Ok(writer.write_all(text.as_bytes())?))?;
     }
-    let value =
-        with_files(json!(TextureAnswer::of(&plate, &named.made, &places)), Destination::names(out.as_ref()));
+    let answer =
+        TextureAnswer { read: named.read.as_ref(), ..TextureAnswer::of(&plate, &named.made, &places) };
+    let value = with_files(json!(answer), Destination::names(out.as_ref()));
     output::print(as_json, &value, |writer| {
         output::lines(writer, &lines(&plate, &named, arguments.tones, out.as_ref()))
     })
@@ -93,7 +96,7 @@ pub(super) fn run(arguments: &TextureArguments, as_json: bool) -> Result<(), Fai
 /// Source of a wish: an option and its text, or a file.
 enum Source<'a> {
     Option(&'static str, String),
-    File(&'a Path),
+    File(&'a Path, Option<ProfileRead>),
 }
 
 /// The wanted texture and its source.
@@ -107,15 +110,15 @@ fn wish<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(Wish, Source<'
         let text = format!("{}:{}", place.text, frequency.text);
         typed("--beat", &text, Wish::Beat { place_m: place.value, beat_hz: frequency.value })
     } else {
-        let (path, breakpoints) = breakpoints(plate, wanted)?;
-        (Wish::Profile(breakpoints), Source::File(path))
+        let (path, breakpoints, read) = breakpoints(plate, wanted)?;
+        (Wish::Profile(breakpoints), Source::File(path, read))
     })
 }
 
 fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize) -> Result<Named, Failure> {
     let (wish, from) = wish(plate, wanted)?;
     let what = match (&wish, &from) {
-        (_, Source::File(path)) => format!("the profile {}", path.display()),
+        (_, Source::File(path, _)) => format!("the profile {}", path.display()),
         (Wish::Solid(place_m), _) => format!("solid to {}", show_place(*place_m)),
         (Wish::Stripes(distance_m), _) => format!("stripes {} apart", show_length(*distance_m)),
         (Wish::Beat { place_m, beat_hz }, _) => {
@@ -126,7 +129,15 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
     let palette = Palette::new(plate, table);
     let made = progress::watched("texture", |progress| texture::make(&palette, &wish, most, progress));
     match made {
-        Ok(made) => Ok(Named { what, made }),
+        Ok(made) => {
+            let read = match from {
+                Source::File(path, read) => {
+                    read.map(|read| ProfileReadAnswer { file: path.display().to_string(), read })
+                }
+                Source::Option(..) => None,
+            };
+            Ok(Named { what, made, read })
+        }
         Err(error) => Err(match (from, error) {
             (Source::Option(option, text), TextureError::OutOfRange(error)) => {
                 let more = format!(" on the plate {:?}", plate.name());
@@ -135,7 +146,7 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
             (Source::Option(option, text), error) => {
                 Failure::because(format!("{option} {text}: {error}"), &error)
             }
-            (Source::File(path), error) => Failure::in_file(path, error),
+            (Source::File(path, _), error) => Failure::in_file(path, error),
         }),
     }
 }
@@ -143,18 +154,21 @@ fn make(plate: &Plate, table: &DriveTable, wanted: &WantedArgument, most: usize)
 /// Places in metres, each with its amplitude.
 type Breakpoints = Vec<(f64, f64)>;
 
-/// The profile of a file, and the file's name.
-fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<(&'a Path, Breakpoints), Failure> {
+/// The file of a profile, the profile, and what was read of a table.
+type Profile<'a> = (&'a Path, Breakpoints, Option<ProfileRead>);
+
+/// The profile of a file.
+fn breakpoints<'a>(plate: &Plate, wanted: &'a WantedArgument) -> Result<Profile<'a>, Failure> {
     let image = wanted.image.as_deref().unwrap_or(Path::new(""));
     let path = wanted.profile.as_deref().unwrap_or(image);
     let bytes = bytes_of(path, PROFILE_FILE_BYTES_MAX)?;
     let refused = |error| Failure::of_file(path, said(&error));
     if wanted.profile.is_none() {
-        return Ok((path, textures::from_png(&bytes, plate.length_m()).map_err(refused)?));
+        return Ok((path, textures::from_png(&bytes, plate.length_m()).map_err(refused)?, None));
     }
     let table = textures::from_csv(&bytes).map_err(refused)?;
     output::note(format_args!("slipline: {}: {}", path.display(), table.read));
-    Ok((path, table.breakpoints))
+    Ok((path, table.breakpoints, Some(table.read)))
 }
 
 fn lines(
@@ -163,7 +177,7 @@ fn lines(
     most: usize,
     out: Option<&Destination>,
 ) -> Vec<(&'static str, String)> {
-    let Named { what, made } = named;
+    let Named { what, made, .. } = named;
     let mut lines = vec![("Plate", plate.name().to_owned()), ("Texture", what.clone())];
     for tone in &made.tones {
         let (place, frequency) = (show_place(tone.position_m), show_frequency(tone.frequency_hz));

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 use slipline_plate::calibrate::{
-    CalibrateError, Calibrated, Departure, Measurement, Parameter, Priors, Touch, TouchedDrive, Transducer,
-    from_one_sensor, from_ratio, from_shunt, from_touches,
+    CalibrateError, Calibrated, Departure, ForeignRead, Measurement, Parameter, Priors, Touch, TouchedDrive,
+    Transducer, from_one_sensor, from_ratio, from_shunt, from_touches,
 };
 use slipline_plate::feeling::Feeling;
 use slipline_plate::quantity::Range;
@@ -177,6 +177,18 @@ pub struct CalibrateAnswer<'a> {
     pub level_tolerance_db: Option<f64>,
     pub caution: Option<&'a str>,
     pub before: Option<BeforeAnswer>,
+    /// `None` where the caller gives measurements instead of files.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub read: Option<&'a [FileReadAnswer]>,
+}
+
+/// The fields of a file by another program.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct FileReadAnswer {
+    pub file: String,
+    #[serde(flatten)]
+    pub read: ForeignRead,
 }
 
 /// The fields of what the plate's file missed.
@@ -208,6 +220,7 @@ impl<'a> CalibrateAnswer<'a> {
                 turning_point_error_m: before.boundary_m,
                 level_error_db: found.level_tolerance_db.map(|_| before.level_db),
             }),
+            read: None,
         }
     }
 

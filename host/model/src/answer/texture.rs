@@ -4,7 +4,7 @@ use super::ToneAnswer;
 use super::tone::edges_m;
 use crate::field::simulation::SAMPLE_RATE_HZ;
 use crate::field::tone_places::TonePlaces;
-use crate::texture::{self, Fitted, Made, Rest, Wish};
+use crate::texture::{self, Fitted, Made, ProfileRead, Rest, Wish};
 use serde::Serialize;
 use slipline_plate::feeling::Feeling;
 use slipline_plate::texture::{CHORD_PERIOD, ChordTexture, Palette, TextureError};
@@ -46,6 +46,18 @@ pub struct TextureAnswer<'a> {
     pub stripes_m: Option<f64>,
     pub stripes_felt_db: Option<f64>,
     pub chord: Option<ChordAnswer<'a>>,
+    /// `None` where the profile is none of a table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub read: Option<&'a ProfileReadAnswer>,
+}
+
+/// The fields of a profile's table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[expect(missing_docs, reason = "host/JSON.md has the meaning of each field")]
+pub struct ProfileReadAnswer {
+    pub file: String,
+    #[serde(flatten)]
+    pub read: ProfileRead,
 }
 
 /// The fields of a tone of a texture.
@@ -112,6 +124,7 @@ impl<'a> TextureAnswer<'a> {
             stripes_m: *stripes_m,
             stripes_felt_db: *stripes_felt_db,
             chord: chord.map(|(chord, is_used)| ChordAnswer::of(chord, *is_used, made)),
+            read: None,
         }
     }
 }

@@ -13,7 +13,9 @@ mod profile_file;
 pub use chord::{chord_of, sounding};
 pub use draft::{BREAKPOINTS_DRAWN_MAX, WishDraft, WishKind};
 pub use making::{Fitted, Lack, Made, Rest, Wish, make};
-pub use profile_file::{PROFILE_FILE_BYTES_MAX, ProfileFileError, ProfileTable, from_csv, from_png};
+pub use profile_file::{
+    PROFILE_FILE_BYTES_MAX, ProfileFileError, ProfileRead, ProfileTable, from_csv, from_png,
+};
 
 use crate::setup::{BoundaryMode, MAX_TONES, Setup, ToneSetup};
 use slipline_plate::Plate;

@@ -1,8 +1,12 @@
 //! Profiles from files: breakpoints as CSV, or a row of grey pixels.
 
 use crate::content::Content;
+use serde::Serialize;
 use slipline_plate::quantity::{Count, Counted, WrongCount, from_decibels, must_be};
-use slipline_plate::text_table::{BadLine, Quantity, Table, UnclearColumns, Unit, text_of, understood};
+use slipline_plate::text_table::{
+    BadLine, ColumnRead, Quantity, Table, UnclearColumns, Unit, text_of, understood,
+};
+use std::fmt;
 use thiserror::Error;
 
 /// The largest profile file that is read, in bytes.
@@ -56,8 +60,24 @@ fn check_size(bytes: usize) -> Result<(), ProfileFileError> {
 pub struct ProfileTable {
     /// Places in metres from the driven end, each with its amplitude.
     pub breakpoints: Vec<(f64, f64)>,
-    /// What was read, in words: the number of rows, and what each column was understood as.
-    pub read: String,
+    /// What was read.
+    pub read: ProfileRead,
+}
+
+/// What was read of a table.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ProfileRead {
+    /// Number of its rows.
+    pub rows: usize,
+    /// Its columns.
+    pub columns: Vec<ColumnRead>,
+}
+
+impl fmt::Display for ProfileRead {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let rows = if self.rows == 1 { "1 row".to_owned() } else { format!("{} rows", self.rows) };
+        write!(f, "{rows}; {}", understood(&self.columns))
+    }
 }
 
 /// Breakpoints, one per line: the place from the driven end, in metres or in the unit of its name, and the amplitude in any
@@ -108,7 +128,7 @@ pub fn from_csv(bytes: &[u8]) -> Result<ProfileTable, ProfileFileError> {
     let in_words = |at: usize, usual: &str| unit(at).map_or(usual.to_owned(), |it| it.1);
     let units = [in_words(place, "m"), in_words(amplitude, "")];
     let columns = table.columns_read(&[(place, "place", &units[0]), (amplitude, "amplitude", &units[1])]);
-    let read = format!("{} rows; {}", breakpoints.len(), understood(&columns));
+    let read = ProfileRead { rows: breakpoints.len(), columns };
     Ok(ProfileTable { breakpoints, read })
 }
 
@@ -191,10 +211,10 @@ mod tests {
             ("0.1,1\n0.2,2\n", "2 rows; column 1 as place in m, column 2 as amplitude"),
             (
                 "No.;Place (mm);Level (dB)\n1;1;-1\n",
-                "1 rows; *Place (mm)* as place, *Level (dB)* as amplitude; *No.* left out",
+                "1 row; *Place (mm)* as place, *Level (dB)* as amplitude; *No.* left out",
             ),
         ] {
-            assert_eq!(from_csv(text.as_bytes()).unwrap().read, read);
+            assert_eq!(from_csv(text.as_bytes()).unwrap().read.to_string(), read);
         }
     }
 

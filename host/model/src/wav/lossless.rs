@@ -2,11 +2,12 @@
 
 use super::head::{Encoding, Format};
 use super::{Wav, WavError};
+use crate::content::tag_length;
 use slipline_plate::quantity::must_be;
 use std::io::Cursor;
 use symphonia::core::audio::GenericAudioBufferRef;
 use symphonia::core::codecs::audio::AudioDecoderOptions;
-use symphonia::core::codecs::audio::well_known::CODEC_ID_ALAC;
+use symphonia::core::codecs::audio::well_known::{CODEC_ID_ALAC, CODEC_ID_PCM_ALAW, CODEC_ID_PCM_MULAW};
 use symphonia::core::errors::Error;
 use symphonia::core::formats::probe::Hint;
 use symphonia::core::formats::{FormatOptions, TrackType};
@@ -17,7 +18,7 @@ use symphonia::core::meta::MetadataOptions;
 const VALUES_MAX: usize = 1 << 25;
 
 /// Decodes a file; `name` is that of its format. The values are kept as floating point, which is exact for up to 53 bits.
-pub(super) fn read(name: &'static str, bytes: Vec<u8>) -> Result<Wav, WavError> {
+pub(super) fn read(name: &'static str, mut bytes: Vec<u8>) -> Result<Wav, WavError> {
     let damaged = || WavError::Lossless(name, "it is empty or damaged".to_owned());
     let lossy = || {
         let what = "it is compressed with loss, or in a way that is not read";
@@ -27,6 +28,7 @@ pub(super) fn read(name: &'static str, bytes: Vec<u8>) -> Result<Wav, WavError> 
     if name == "AIFF" && !has_whole_frames(&bytes) {
         return Err(damaged());
     }
+    bytes.drain(..tag_length(&bytes).min(bytes.len()));
     let stream = MediaSourceStream::new(Box::new(Cursor::new(bytes)), Default::default());
     let (options, tags) = (FormatOptions::default(), MetadataOptions::default());
     let mut reader =
@@ -35,6 +37,9 @@ pub(super) fn read(name: &'static str, bytes: Vec<u8>) -> Result<Wav, WavError> 
     let number = track.id;
     let parameters =
         track.codec_params.as_ref().and_then(|parameters| parameters.audio()).ok_or_else(damaged)?;
+    if matches!(parameters.codec, CODEC_ID_PCM_ALAW | CODEC_ID_PCM_MULAW) {
+        return Err(lossy());
+    }
     let stated = parameters.bits_per_sample.or(parameters.bits_per_coded_sample);
     // ALAC states its bits in a record of its own: after the length of a frame and a version.
     let own = parameters.extra_data.as_deref().filter(|_| parameters.codec == CODEC_ID_ALAC);

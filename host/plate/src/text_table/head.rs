@@ -1,8 +1,9 @@
 //! The lines above a table: which one names its columns, and which one has their units.
 
 use super::names::{Name, without_brackets};
+use super::numbers::is_number;
 use super::quantities::Quantity;
-use super::sheet::{COMMENT_MARKS, Row, Separator, Sheet, split};
+use super::sheet::{COMMENT_MARKS, Row, Separator, Sheet, has_digit, split};
 use super::units::{Unit, unit};
 
 /// What stands above the rows of a table.
@@ -64,7 +65,13 @@ impl Head {
                 break;
             }
         }
-        if let Some(line) = misfit.filter(|_| head.names.is_empty() || has_other_units) {
+        head.take_units_above(&has_words, sheet, &lines, width..=most);
+        if head.leaves_a_column_of_numbers_unnamed(sheet) {
+            misfit = head.line.ok().flatten();
+            head.names.clear();
+        }
+        if let Some(line) = misfit.filter(|_| head.line.is_ok() && (head.names.is_empty() || has_other_units))
+        {
             (head.line, head.names) = (Err(line), Vec::new());
         }
         head.width = head.names.len().max(width);
@@ -72,12 +79,83 @@ impl Head {
     }
 }
 
+impl Head {
+    /// Takes the units of the line above the names, if these state none of the frequency; a line that has units, and more, is
+    /// an error.
+    fn take_units_above(
+        &mut self,
+        has_words: &dyn Fn(&&Row) -> bool,
+        sheet: &Sheet,
+        lines: &[&str],
+        width: std::ops::RangeInclusive<usize>,
+    ) {
+        let Ok(Some(at)) = self.line else { return };
+        let has_frequency = |name: &String| {
+            let said = Name::of(name);
+            let is_known = matches!(said.unit, Some((_, Some(Unit::Hertz(_)))));
+            !said.is_other && (is_known || said.quantity == Some(Quantity::Frequency) && said.unit.is_some())
+        };
+        if !self.units.is_empty() || self.names.iter().any(has_frequency) {
+            return;
+        }
+        let above = sheet.above.iter().rev().filter(has_words).find(|row| row.line < at);
+        let Some(row) = above else { return };
+        let line = lines.get(row.line.wrapping_sub(1)).copied().unwrap_or("");
+        let line = line.trim().trim_start_matches(COMMENT_MARKS);
+        let cells = cells(row, line, sheet.separator, width);
+        let are_units = |all: &[String], least: usize| {
+            let filled: Vec<&String> = all.iter().filter(|cell| !cell.is_empty()).collect();
+            filled.len() >= least && filled.iter().all(|cell| unit(cell).is_some())
+        };
+        if let Some(cells) = cells.as_ref().filter(|cells| are_units(cells, 1)) {
+            self.units.clone_from(cells);
+            return;
+        }
+        let with_unit = |cell: &&String| matches!(Name::of(cell).unit, Some((_, Some(_))));
+        let is_sentence = !line.contains(|letter: char| letter.is_ascii_digit());
+        if is_sentence && cells.iter().flatten().filter(with_unit).count() > 1
+            || are_units(&without_brackets(line).1, 2)
+            || are_units(row.filled(), 2)
+            || has_other_frequency(line)
+        {
+            (self.line, self.names) = (Err(row.line), Vec::new());
+        }
+    }
+
+    /// Whether the last column has numbers and no name, but the first one has a name: the names may be those of the columns
+    /// beside them.
+    fn leaves_a_column_of_numbers_unnamed(&self, sheet: &Sheet) -> bool {
+        let is_unnamed = |at: usize| self.names.get(at).is_none_or(String::is_empty);
+        let Some(last) =
+            sheet.rows.iter().map(|row| row.filled().len()).max().and_then(|it| it.checked_sub(1))
+        else {
+            return false;
+        };
+        let numbers = sheet.rows.iter().filter(|row| has_digit(row.cell(last)) && is_number(row.cell(last)));
+        !self.names.is_empty() && !is_unnamed(0) && is_unnamed(last) && 2 * numbers.count() > sheet.rows.len()
+    }
+}
+
+/// The words of a line.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split([' ', '\t', ',', ';', '|', '"', '(', '[', ')', ']', '=', ':']).filter(|it| !it.is_empty())
+}
+
+/// Whether a line has a unit of frequency other than hertz, and not behind a number: "# MHz S MA R 50".
+fn has_other_frequency(line: &str) -> bool {
+    let is_number = |word: &str| word.chars().all(|it| it.is_ascii_digit() || matches!(it, '.' | '-' | '+'));
+    let mut before = "";
+    words(line).any(|word| {
+        let before = std::mem::replace(&mut before, word);
+        let is_behind_number = !before.is_empty() && is_number(before);
+        matches!(unit(word), Some(Unit::Hertz(size)) if size != 1.0) && !is_behind_number
+    })
+}
+
 /// Whether a line has a word for a frequency, or a unit of one that is not behind a number, or that is in the nearest line
 /// above the rows: it may be the head of other columns.
 fn names_frequency(line: &str, is_nearest: bool) -> bool {
-    let mut words =
-        line.split([' ', '\t', ',', ';', '|', '"', '(', '[', ')', ']', '=', ':']).filter(|it| !it.is_empty());
-    words.any(|word| {
+    words(line).any(|word| {
         let of_frequency = matches!(unit(word), Some(Unit::Hertz(_)));
         of_frequency && (is_nearest || !line.contains(|it: char| it.is_ascii_digit()))
             || Name::of(word).quantity == Some(Quantity::Frequency)

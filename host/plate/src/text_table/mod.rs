@@ -9,14 +9,16 @@ mod quantities;
 mod sheet;
 mod table;
 mod text;
+mod unclear;
 mod units;
 mod words;
 
 pub use column_read::{ColumnRead, understood};
 pub use quantities::Quantity;
 pub use sheet::Row;
-pub use table::{Chosen, Column, MEANINGS, Table, UnclearColumns, chosen};
+pub use table::{Chosen, Column, MEANINGS, Table, chosen};
 pub use text::text_of;
+pub use unclear::{UnclearColumn, UnclearColumns};
 pub use units::Unit;
 pub(crate) use units::unit;
 

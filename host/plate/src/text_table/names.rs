@@ -43,6 +43,7 @@ impl Name {
             (text, found) = (name, Some((of.to_owned(), Some(known))));
         } else if let Some((name, last)) = text.rsplit_once(char::is_whitespace)
             && word_of(&last.to_lowercase()).is_none()
+            && is_whole(last)
             && let Some(of) = unit(last)
         {
             let is_bracketed = last.starts_with(['(', '[']) && last.ends_with([')', ']']);
@@ -50,6 +51,7 @@ impl Name {
             (text, found) = (name, Some((last.to_owned(), Some(of))));
         }
         let (mut words, bracketed) = without_brackets(text);
+        is_changed |= has_factor(&words);
         for content in bracketed {
             match unit(&content) {
                 _ if content.is_empty() => {}
@@ -112,6 +114,30 @@ impl Name {
             unit: found,
         }
     }
+}
+
+/// Whether each bracket of a word is opened and closed in it.
+fn is_whole(word: &str) -> bool {
+    let count = |signs: [char; 2]| word.matches(signs).count();
+    count(['(', '[']) == count([')', ']'])
+}
+
+/// Whether a number multiplies or divides, as in "Level*10", "Frequency/100", "2 x Frequency".
+fn has_factor(text: &str) -> bool {
+    let signs: Vec<char> = text.chars().filter(|it| !it.is_whitespace()).collect();
+    let is_digit = |at: Option<usize>| at.and_then(|at| signs.get(at)).is_some_and(char::is_ascii_digit);
+    let by_sign = (0..signs.len()).any(|at| match signs[at] {
+        '*' | '×' | '·' | '⋅' | '^' => is_digit(at.checked_sub(1)) || is_digit(Some(at + 1)),
+        '/' => is_digit(Some(at + 1)),
+        _ => false,
+    });
+    let is_number = |word: &str| word.starts_with(|letter: char| letter.is_ascii_digit());
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let by_x = words.windows(2).any(|pair| {
+        matches!(*pair, ["x" | "X", factor] if is_number(factor))
+            || matches!(*pair, [factor, "x" | "X"] if is_number(factor))
+    });
+    by_sign || by_x || words.iter().any(|word| word.strip_prefix(['x', 'X']).is_some_and(is_number))
 }
 
 /// Words before a unit, as in "Frequenz in Hz".

@@ -1,7 +1,8 @@
 //! Numbers of cells: decimal signs, group marks, minus signs of typesetters, and the words for no number.
 
-use super::{BadLine, wrong};
+use super::{BadLine, shown, wrong};
 use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Marks between groups of three digits, beside the one of `.` and `,` that is not the decimal sign.
 const GROUP_MARKS: [char; 5] = ['\u{a0}', '\u{202f}', '\u{2009}', '\'', '’'];
@@ -62,14 +63,18 @@ impl Decimal {
         } else {
             cell.replace(['−', '–', '‐', '‑', '‒', '﹣', '－'], "-").into()
         };
-        let may_be_word = cell.contains('#') || !cell.starts_with(|letter: char| letter.is_ascii_digit());
+        let unsigned = cell.trim_start_matches(['+', '-']);
+        let may_be_word = !unsigned.starts_with(|letter: char| letter.is_ascii_digit()) || cell.contains('#');
         if may_be_word && is_none(&cell.to_lowercase()) {
             return Some(f64::NAN);
         }
+        // A number that is too large for any is none; "inf" is a word.
+        let fits =
+            |number: &f64| number.is_finite() || !cell.contains(|letter: char| letter.is_ascii_digit());
         if self == Self::Point
             && let Ok(number) = cell.parse()
         {
-            return Some(number);
+            return Some(number).filter(fits);
         }
         let end = cell.find([sign, 'e', 'E', 'd', 'D']).unwrap_or(cell.len());
         let (whole, rest) = cell.split_at(end);
@@ -89,16 +94,28 @@ impl Decimal {
         let mut plain: String = whole.chars().filter(|&letter| !is_mark(letter)).collect();
         plain.extend(rest.chars().map(|letter| if letter == sign { '.' } else { letter }));
         // Fortran writes exponents with D.
-        plain.parse().or_else(|_| plain.replace(['d', 'D'], "e").parse()).ok()
+        plain.parse().or_else(|_| plain.replace(['d', 'D'], "e").parse()).ok().filter(fits)
     }
 
-    /// The decimal sign of numbered cells, from those that can be read in one way alone.
+    /// The decimal sign of cells, each with its line and column, from those that can be read in one way alone.
     ///
     /// # Errors
     /// A line with the other sign, or one that could have either.
-    pub(crate) fn of<'a>(cells: impl Iterator<Item = (usize, &'a str)>) -> Result<Self, BadLine> {
+    pub(crate) fn of<'a>(cells: impl Iterator<Item = (usize, usize, &'a str)>) -> Result<Self, BadLine> {
         let (mut sure, mut maybe) = ([None; 2], [None; 2]);
-        for (line, cell) in cells.filter(|(_, cell)| cell.contains(['.', ','])) {
+        // Columns with whole numbers, and the first cell of each that could have either sign.
+        let (mut whole, mut either) = (BTreeSet::new(), BTreeMap::new());
+        for (line, column, cell) in cells {
+            if !cell.contains(['.', ',']) {
+                if !cell.is_empty() && all_digits(cell.trim_start_matches(['+', '-'])) {
+                    whole.insert(column);
+                }
+                continue;
+            }
+            let has_known = |way: usize, other: char| sure[way].is_some() && !cell.contains(other);
+            if has_known(0, ',') || has_known(1, '.') {
+                continue;
+            }
             let ways =
                 [Self::Point, Self::Comma].map(|decimal| decimal.number(cell).is_some_and(f64::is_finite));
             match ways {
@@ -108,11 +125,24 @@ impl Decimal {
                 [true, true] => {
                     let way = usize::from(cell.contains(','));
                     maybe[way] = maybe[way].or(Some(line));
+                    either.entry(column).or_insert((line, cell));
                 }
                 [false, false] => {}
             }
         }
         let both = "both a decimal point and a decimal comma are in use: write all numbers with a point";
+        // Beside whole numbers the sign may stand between groups of digits.
+        let group = either.iter().find(|(column, _)| whole.contains(column)).map(|it| it.1);
+        if let (Some((line, cell)), [None, None]) = (group, sure) {
+            let plain = cell.replace([',', '.'], "");
+            return Err(wrong(
+                *line,
+                format!(
+                    "\"{}\" could be {plain}, or have three decimals: write numbers without marks between groups",
+                    shown(cell)
+                ),
+            ));
+        }
         match (sure, maybe) {
             ([Some(point), Some(comma)], _) => Err(wrong(point.max(comma), both)),
             ([Some(_), None], _) | ([None, None], [_, None]) => Ok(Self::Point),

@@ -51,9 +51,7 @@ impl Row {
 
     /// Whether the first two cells are numbers, or words for none.
     fn begins_with_numbers(&self) -> bool {
-        let has_digit = |cell: &String| cell.contains(|letter: char| letter.is_ascii_digit());
-        let first = self.cells.get(..2).unwrap_or(&[]);
-        first.iter().any(has_digit) && first.iter().all(|cell| is_number(cell))
+        begin_with_numbers(self.cells.iter().map(String::as_str))
     }
 
     /// Why a line among the rows is none.
@@ -77,6 +75,16 @@ impl Row {
     }
 }
 
+/// Whether the first two cells are numbers, or words for none.
+fn begin_with_numbers<'a>(mut cells: impl Iterator<Item = &'a str>) -> bool {
+    let Some(first) = cells.next().zip(cells.next()) else { return false };
+    (has_digit(first.0) || has_digit(first.1)) && is_number(first.0) && is_number(first.1)
+}
+
+pub(super) fn has_digit(cell: &str) -> bool {
+    cell.bytes().any(|byte| byte.is_ascii_digit())
+}
+
 /// The rows of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sheet {
@@ -91,25 +99,56 @@ pub(super) struct Sheet {
 /// Whether a line is a row of the table.
 type IsRow = fn(&Row) -> bool;
 
+/// A row with fewer cells than most rows: nothing shows which cell is missing.
+fn short(rows: &[Row], separator: Separator) -> Option<BadLine> {
+    let usual = match separator {
+        Separator::Blank => rows.first()?.cells.len(),
+        // The last cells of most rows may be missing, such as a note.
+        Separator::Sign(_) => {
+            let mut counts: Vec<usize> = rows.iter().map(|row| row.cells.len()).collect();
+            counts.sort_unstable();
+            let most = rows.iter().map(|row| row.filled().len()).max()?;
+            counts[counts.len() / 2].min(most)
+        }
+    };
+    let is_other = |row: &&Row| match separator {
+        Separator::Blank => row.cells.len() != usual,
+        Separator::Sign(_) => row.cells.len() < usual,
+    };
+    let row = rows.iter().find(is_other)?;
+    let count = row.cells.len();
+    let why = format!(
+        "{count} cells, but most rows have {usual}: write all of them, with a separator for an empty one"
+    );
+    Some(wrong(row.line, why))
+}
+
 /// What separates the rows of a text.
-fn separator_of(text: &str) -> Option<(Vec<Row>, Separator, IsRow)> {
-    for is_row in [Row::begins_with_numbers as IsRow, Row::is_mostly_numbers] {
-        let mut best: Option<(usize, Vec<Row>, Separator)> = None;
-        for separator in SEPARATORS {
-            if matches!(separator, Separator::Sign(sign) if !text.as_bytes().contains(&sign)) {
-                continue;
-            }
-            let found = split(text, separator);
-            let rows = found.iter().filter(|row| is_row(row)).count();
-            if rows > best.as_ref().map_or(0, |best| best.0) {
-                best = Some((rows, found, separator));
+fn separator_of(text: &str) -> Option<(Separator, IsRow)> {
+    let has_sign = |it: &Separator| !matches!(it, Separator::Sign(sign) if !text.as_bytes().contains(sign));
+    let separators: Vec<Separator> = SEPARATORS.into_iter().filter(has_sign).collect();
+    // The first of those that separate the most rows.
+    let best = |rows: &dyn Fn(Separator) -> usize| {
+        let mut best = (0, None);
+        for &separator in &separators {
+            let rows = rows(separator);
+            if rows > best.0 {
+                best = (rows, Some(separator));
             }
         }
-        if let Some((_, found, separator)) = best {
-            return Some((found, separator, is_row));
-        }
-    }
-    None
+        best.1
+    };
+    // Two cells of a line decide in most files, so only these are looked at first.
+    let begin = |separator| {
+        let mut rows = 0;
+        read(text, separator, |record, _| {
+            rows += usize::from(begin_with_numbers(record.iter().map(trimmed)));
+        });
+        rows
+    };
+    let are_mostly = |separator| split(text, separator).iter().filter(|row| row.is_mostly_numbers()).count();
+    let found = best(&begin).map(|it| (it, Row::begins_with_numbers as IsRow));
+    found.or_else(|| best(&are_mostly).map(|it| (it, Row::is_mostly_numbers as IsRow)))
 }
 
 impl Sheet {
@@ -118,7 +157,8 @@ impl Sheet {
     /// # Errors
     /// A line that interrupts the rows or follows them; rows with both decimal signs.
     pub(super) fn read(text: &str) -> Result<Option<Self>, BadLine> {
-        let Some((mut lines, separator, is_row)) = separator_of(text) else { return Ok(None) };
+        let Some((separator, is_row)) = separator_of(text) else { return Ok(None) };
+        let mut lines = split(text, separator);
         if lines.iter().map(|row| row.cells.len()).sum::<usize>() > CELLS_MAX {
             let line = lines.last().map_or(1, |row| row.line);
             return Err(wrong(
@@ -166,13 +206,36 @@ impl Sheet {
                 .unwrap_or(&lines[before])
                 .is_no_row());
         }
-        let numbered = rows.iter().flat_map(|row| row.cells.iter().map(|cell| (row.line, cell.as_str())));
+        if let Some(short) = short(&rows, separator) {
+            return Err(short);
+        }
+        let numbered = rows
+            .iter()
+            .flat_map(|row| (0..).zip(&row.cells).map(|(column, cell)| (row.line, column, cell.as_str())));
         Ok(Some(Self { separator, decimal: Decimal::of(numbered)?, above: lines, rows }))
     }
 }
 
 /// The lines of a text as cells.
 pub(super) fn split(text: &str, separator: Separator) -> Vec<Row> {
+    let mut rows = Vec::new();
+    read(text, separator, |record, end| {
+        let breaks: usize = record.iter().map(|cell| cell.matches('\n').count()).sum();
+        let cells: Vec<String> = record.iter().map(|cell| trimmed(cell).to_owned()).collect();
+        // A cell that is not closed holds the end of the last line, too.
+        let is_closed = !record.iter().next_back().is_some_and(|cell| cell.ends_with('\n'));
+        rows.push(Row { line: end.saturating_sub(usize::from(is_closed) + breaks), cells });
+    });
+    rows
+}
+
+/// A cell without blanks and quotation marks around it.
+fn trimmed(cell: &str) -> &str {
+    cell.trim().trim_matches('"').trim()
+}
+
+/// Hands on the cells of each line, with the number of the line behind it.
+fn read(text: &str, separator: Separator, mut row: impl FnMut(&csv::StringRecord, usize)) {
     let (sign, text) = match separator {
         Separator::Sign(sign) => {
             let text: Cow<'_, str> =
@@ -195,19 +258,12 @@ pub(super) fn split(text: &str, separator: Separator) -> Vec<Row> {
         reader.has_headers(false).flexible(true).delimiter(sign).terminator(csv::Terminator::Any(b'\n'));
     let mut reader = reader.from_reader(text.as_bytes());
     let mut record = csv::StringRecord::new();
-    let (mut rows, mut count) = (Vec::new(), 0);
+    let mut count = 0;
     // A text in memory has no errors of reading, and its cells are UTF-8.
     while count <= CELLS_MAX && reader.read_record(&mut record).unwrap_or(false) {
         count += record.len();
-        let breaks: usize = record.iter().map(|cell| cell.matches('\n').count()).sum();
-        let end = usize::try_from(reader.position().line()).unwrap_or(usize::MAX);
-        let cells: Vec<String> =
-            record.iter().map(|cell| cell.trim().trim_matches('"').trim().to_owned()).collect();
-        // A cell that is not closed holds the end of the last line, too.
-        let is_closed = !record.iter().next_back().is_some_and(|cell| cell.ends_with('\n'));
-        rows.push(Row { line: end.saturating_sub(usize::from(is_closed) + breaks), cells });
+        row(&record, usize::try_from(reader.position().line()).unwrap_or(usize::MAX));
     }
-    rows
 }
 
 /// A line with a tab in place of each run of blanks that is not quoted.

@@ -8,10 +8,10 @@ use super::head::Head;
 use super::names::Name;
 use super::quantities::Quantity;
 use super::sheet::{Row, Sheet};
+use super::unclear::{UnclearColumn, UnclearColumns};
 use super::units::{Unit, unit};
 use super::{BadLine, must_be, shown, wrong};
 use crate::quantity::nearest;
-use thiserror::Error;
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,23 +57,6 @@ impl Column {
             belongs(unit) && (of(unit) || unit == Unit::Decibels && is_wanted(Quantity::Level))
         })
     }
-}
-
-/// Columns whose meaning is not clear.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[error("line {line}: {reason}. {}", listed(.columns))]
-pub struct UnclearColumns {
-    /// The line of the names, or the first row.
-    pub line: usize,
-    /// The unclear point.
-    pub reason: String,
-    /// The names of all columns between asterisks, or the first number of one without a name.
-    pub columns: Vec<String>,
-}
-
-fn listed(columns: &[String]) -> String {
-    let each = (1..).zip(columns).map(|(number, name)| format!("{number} {name}"));
-    format!("Its columns: {}", each.collect::<Vec<_>>().join(", "))
 }
 
 /// A column by the user's word: what it is, its number from 1, and its unit.
@@ -229,11 +212,11 @@ impl Table {
     pub fn unclear(&self, reason: String) -> UnclearColumns {
         let first = &self.sheet.rows[0];
         let line = self.head.ok().flatten().unwrap_or(first.line);
-        let name = |(at, column): (usize, &Column)| match &*column.name {
-            "" => format!("({} ..)", shown(first.cell(at))),
-            name => format!("*{name}*"),
+        let unclear = |(at, column): (usize, &Column)| UnclearColumn {
+            name: column.name.clone(),
+            first: shown(first.cell(at)),
         };
-        UnclearColumns { line, reason, columns: self.columns.iter().enumerate().map(name).collect() }
+        UnclearColumns { line, reason, columns: self.columns.iter().enumerate().map(unclear).collect() }
     }
 
     /// The column of a quantity by its name, or by its unit where it has no other name; `None` if there is none.

@@ -55,6 +55,7 @@ pub(crate) fn unit(text: &str) -> Option<Unit> {
     let text = text.strip_prefix('(').and_then(|it| it.strip_suffix(')')).unwrap_or(text);
     let text = text.replace(" per ", "/").replace(['µ', 'μ'], "u").replace('²', "2").replace('¹', "1");
     let text = text.replace('⁻', "-");
+    let is_of_words = text.trim().contains(char::is_whitespace);
     let text: String =
         text.chars().filter(|it| !it.is_whitespace() && !matches!(it, '^' | '.' | '*' | '·' | '⋅')).collect();
     match &*text {
@@ -64,11 +65,14 @@ pub(crate) fn unit(text: &str) -> Option<Unit> {
     }
     let lower = text.to_lowercase();
     Some(match &*lower {
+        // Such as "rad/s" without its sign.
+        "rads" | "degs" if is_of_words => return None,
         "hz" | "hertz" | "cps" | "гц" | "герц" | "赫兹" | "ヘルツ" => Unit::Hertz(1.0),
         "khz" | "kilohertz" | "кгц" => Unit::Hertz(1e3),
         "ghz" => Unit::Hertz(1e9),
         "rad/s" | "rad/sec" | "rads/s" | "radian/s" | "radians/s" | "radian/sec" | "radians/sec"
         | "radians/second" => Unit::Hertz(1.0 / TAU),
+        "krad/s" => Unit::Hertz(1e3 / TAU),
         "rpm" | "cpm" | "1/min" | "u/min" => Unit::Hertz(1.0 / 60.0),
         "deg" | "degs" | "degree" | "degrees" | "°" | "º" | "˚" | "grad" | "град" | "grados" | "gradi"
         | "graus" | "degré" | "degrés" | "graden" | "grader" | "grade" | "stopnie" | "stopni" | "fok"

@@ -59,7 +59,7 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("felt_edge_by_person_m", "", "Felt edge of a dull and of a keen finger; null where none is felt"),
     ("felt_edge_m", "", "Where a finger feels the tone end, by its level alone; null where it does not"),
     ("felt_edge_tolerance_m", "", "Half of the 95 % interval of the felt edge; null except by touches"),
-    ("file", "text", "The file that was read, by another program"),
+    ("file", "text", "The file that was read"),
     ("files", "text", "Files that were written"),
     ("firmware", "text", "Version of the firmware"),
     ("folder", "text", "Folder of the page; null where it is in the program"),
@@ -298,6 +298,11 @@ pub(super) const NAMES: &[(&str, &str, &str)] = &[
     ("unit", "text", "Unit of `value`; empty for a pure number"),
     (
         "calibrate:unit",
+        "text",
+        "Unit in which the column was read; null for a pure number or a column that is left out",
+    ),
+    (
+        "texture:unit",
         "text",
         "Unit in which the column was read; null for a pure number or a column that is left out",
     ),

@@ -15,7 +15,7 @@ use slipline_model::jobs::{JobQueue, LatestResult};
 use slipline_model::response::{Entry, Shelf, ShelfFull};
 use slipline_plate::Plate;
 use slipline_plate::calibrate::{File, FileError, Measurement, SNR_DB};
-use slipline_plate::text_table::{ColumnRead, Quantity};
+use slipline_plate::text_table::{Quantity, UnclearColumn};
 use std::mem::take;
 use std::path::Path;
 use std::sync::Arc;
@@ -233,12 +233,7 @@ impl Lab {
                 (AskedContent::Table(AskedTable { bytes: kept, columns, foreign: Some(foreign) }), metadata)
             }
             Err(OpenError::File(FileError::Columns(unclear))) => {
-                let column = |name: &String| ColumnRead {
-                    name: name.trim_matches('*').to_owned(),
-                    quantity: None,
-                    unit: None,
-                };
-                let columns = unclear.columns.iter().map(column).collect();
+                let columns = unclear.columns.iter().map(UnclearColumn::left_out).collect();
                 refused = Some(unclear.to_string());
                 (AskedContent::Table(AskedTable { bytes: kept, columns, foreign: None }), unknown)
             }

@@ -1,6 +1,7 @@
 //! Lossless recordings as Debian's `ffmpeg` and `flac` write them, and lossy ones.
 
 use super::*;
+use crate::content::Content;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -60,6 +61,9 @@ fn lossless_files_have_the_values_of_the_wav_that_they_were_made_of() {
             ("M4A", converted(&folder, &["-c:a", "alac", "-movflags", "+faststart"], "fast.m4a")),
             ("AIFF", converted(&folder, &["-c:a", &big], "big.aiff")),
         ];
+        let tagged = [b"ID3\x04\0\0\0\0\0\x0a..........", &files[0].1[..]].concat();
+        assert_eq!(Content::of(&tagged), Content::Lossless("FLAC"));
+        files.push(("FLAC", tagged));
         if bits == 16 {
             // The low byte first, which no AIFF has with 24 bits.
             files.push(("AIFF", converted(&folder, &["-c:a", "pcm_s16le", "-f", "aiff"], "sowt.aifc")));
@@ -81,7 +85,6 @@ fn lossless_files_have_the_values_of_the_wav_that_they_were_made_of() {
 #[test]
 #[ignore = "needs ffmpeg and flac: .ci/run recordings"]
 fn lossy_files_are_refused_in_words() {
-    use crate::content::Content;
     let folder = folder("lossy", &recorded(16));
     for (codec, name) in
         [("libmp3lame", "a.mp3"), ("libvorbis", "a.ogg"), ("libopus", "a.opus"), ("aac", "a.aac")]
@@ -94,6 +97,11 @@ fn lossy_files_are_refused_in_words() {
     assert_eq!(Content::of(&bytes), Content::Lossless("M4A"));
     let refused = Wav::read_lossless("M4A", bytes).unwrap_err().to_string();
     assert!(refused.contains("compressed with loss") && refused.ends_with("FLAC or lossless"), "{refused}");
+    for codec in ["pcm_mulaw", "pcm_alaw"] {
+        let bytes = converted(&folder, &["-c:a", codec, "-f", "aiff"], "lossy.aifc");
+        let refused = Wav::read_lossless("AIFF", bytes).unwrap_err().to_string();
+        assert!(refused.contains("compressed with loss"), "{refused}");
+    }
     for codec in ["adpcm_ms", "pcm_mulaw", "pcm_alaw"] {
         let refused = Wav::read(converted(&folder, &["-c:a", codec], "lossy.wav")).unwrap_err().to_string();
         assert!(refused.starts_with("values compressed with loss ("), "{refused}");

@@ -197,7 +197,7 @@ mod tests {
                 "line 5: the table's first line: must be frequency_hz,re,im,noise,headroom_db",
             ),
             ("102;1e-3", "102;x", "line 8: column 2: \"x\" is no number"),
-            ("102;1e-3;-2.5;0.001", "102;1", "line 8: the row has 2 numbers: must be 4 or 5"),
+            ("102;1e-3;-2.5;0.001", "102;1", "line 8: 2 cells, but most rows have 4"),
             ("103;", "101;", "frequency_hz = 101 Hz: must be 102.01 to 1e7 Hz"),
             ("0.03", "nan", "place_m = NaN m"),
         ] {

@@ -14,6 +14,9 @@ use std::fmt::Write;
 /// Largest magnitude in a file: its square must not overflow.
 const MAGNITUDE: Range = Range::new(0.0, 1e30, "");
 
+/// Beyond this, a phase without a unit is in degrees.
+const PHASE_CLEAR: f64 = 8.0 * TAU;
+
 /// The columns of a response, each with its unit.
 struct Columns(Vec<(Quantity, usize, Unit, String)>);
 
@@ -74,6 +77,10 @@ impl Columns {
         let usual = [Quantity::Frequency, Quantity::Level, Quantity::Phase].map(|of| (of, usual(of)));
         let columns = usual.into_iter().enumerate().map(|(at, (of, (unit, text)))| (of, at, unit, text));
         match table.columns.len() {
+            3 if is_numbered(table) => {
+                let why = "no line names the columns: the first may count the rows, and the second be the frequency";
+                Err(table.unclear(why.to_owned()))
+            }
             3 => Ok(Self(columns.collect())),
             2 if table.rows().iter().any(is_negative) => Ok(Self(columns.take(2).collect())),
             2 => Err(table.unclear(
@@ -100,6 +107,14 @@ impl Columns {
     }
 }
 
+/// Whether the first column counts the rows from 0 or 1, and the second one rises.
+fn is_numbered(table: &Table) -> bool {
+    let column = |at: usize| table.rows().iter().map(move |row| table.number(row, at).unwrap_or(f64::NAN));
+    let first = column(0).next().unwrap_or(f64::NAN);
+    let counts = (0..).zip(column(0)).all(|(row, number)| number == first + f64::from(row));
+    (first == 0.0 || first == 1.0) && counts && column(1).is_sorted_by(|a, b| a < b)
+}
+
 /// The unit of a quantity that states none.
 fn usual(of: Quantity) -> (Unit, String) {
     let (unit, text) = match of {
@@ -121,11 +136,20 @@ fn unit_of(table: &Table, of: Quantity, at: usize) -> Result<(Unit, String), Unc
     let (low, high) =
         values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)));
     let name = &table.columns[at].name;
+    let is_like_levels = low >= 10.0 && high < 200.0 && high < 10.0 * low;
     match of {
-        Quantity::Phase if low < high && low >= -TAU && high <= TAU => {
+        // A phase that is not wrapped may be many turns of radians.
+        Quantity::Phase if low < high && low >= -PHASE_CLEAR && high <= PHASE_CLEAR => {
             Err(table.unclear(format!("nothing shows whether *{name}* is in degrees or in radians")))
         }
-        Quantity::Magnitude if low < 0.0 || low >= 10.0 && high < 200.0 && high < 10.0 * low => {
+        // Levels of sound are some ten decibels above 0, and a level below 10 may be a magnitude.
+        Quantity::Level if low >= 0.0 && high < 10.0 => {
+            Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
+        }
+        Quantity::Magnitude if low < 0.0 || (20.0..200.0).contains(&high) || is_like_levels => {
+            Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
+        }
+        of if of.is_level() && (low < 0.0 || is_like_levels) && of != Quantity::Level => {
             Err(table.unclear(format!("nothing shows whether *{name}* is in dB")))
         }
         of => Ok(usual(of)),

@@ -118,7 +118,9 @@ pub enum FileError {
     )]
     Empty,
     /// A universal file without a frequency response.
-    #[error("the universal file holds no dataset 58, a function at a nodal degree of freedom, but {others}")]
+    #[error(
+        "the universal file holds no dataset 58, a function at a nodal degree of freedom, but {others}: export the frequency response as dataset 58"
+    )]
     NoFunction {
         /// The numbers of its datasets.
         others: String,

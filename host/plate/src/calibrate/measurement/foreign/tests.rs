@@ -1,4 +1,5 @@
 mod generated;
+mod hostile;
 mod siblings;
 
 use super::*;
@@ -165,7 +166,20 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
     assert_eq!(pairs_of(&found), wanted.map(|(hz, re, im)| (hz, Complex64::new(re, im))));
     let real = UFF.replace("         5         3         1", "         2         3         0");
     let magnitudes = [(0.0, 0.1), (0.2, 0.3), (4.0, 5.0)];
+    let negative = refused(&real);
+    assert!(
+        negative.starts_with("line 18: dataset 58: the magnitude = -0.3: must be 0 or above: save complex"),
+        "{negative}"
+    );
+    let real = real.replace("-3.0", " 3.0").replace("-5.0", " 5.0");
     assert_eq!(pairs_of(&foreign(&real)), magnitudes.map(|(hz, it)| (hz, Complex64::new(it, 0.0))));
+    let levels = UFF
+        .replace("         5         3", "         2         6")
+        .replace("Acceleration                 NONE", "Acceleration                   dB");
+    let found = foreign(&levels);
+    let decibels = [0.0, 0.1, 0.2, -0.3, 4.0, -5.0].map(|db: f64| 10_f64.powf(db / 20.0));
+    assert!(pairs_of(&found).iter().zip(decibels).all(|(it, wanted)| (it.1.re - wanted).abs() < 1e-12));
+    assert!(found.read((1.0, 1e3)).to_string().ends_with("in dB"), "{}", found.read((1.0, 1e3)));
     for (from, to, message) in [
         (
             "    58\n",
@@ -190,9 +204,24 @@ fn a_universal_file_is_read_with_its_kind_of_sensor() {
         ),
         ("        18 ", "        17 ", "line 14: dataset 58: the abscissa's type = 17: must be 18"),
         (
+            "        18    0    0    0            Frequency                   Hz",
+            "         0    0    0    0                 Time                    s",
+            "line 14: dataset 58: the abscissa's unit = s: must be of a frequency, such as Hz",
+        ),
+        (
+            "Frequency                   Hz",
+            "Frequency               orders",
+            "line 14: dataset 58: the abscissa's unit = orders: must be of a frequency",
+        ),
+        (
             "4.00000E+00",
             "4.0000xE+00",
             "line 18: dataset 58: the value = 4.0000xE+00: must be a finite number",
+        ),
+        (
+            "4.00000E+00",
+            "4.00000E+33",
+            "line 18: dataset 58: the value = 4e33: must be -1e30 to 1e30: is the order of the bytes right?",
         ),
         (
             "        12    0",

@@ -6,9 +6,9 @@
 
 mod binary;
 
-use super::{FileError, Foreign, ForeignPoint};
+use super::{FileError, Foreign, ForeignPoint, LEVEL};
 use crate::calibrate::measurement::sensor::{Measurement, SensorKind};
-use crate::quantity::must_be;
+use crate::quantity::{from_decibels, must_be};
 use crate::text_table::{BadLine, ColumnRead, FINITE, Unit, number, shown, text_of, unit, wrong};
 use num_complex::Complex64;
 use std::borrow::Cow;
@@ -29,6 +29,8 @@ const OTHERS: [(u32, &str); 8] = [
     (9, "a power spectral density"),
     (10, "an energy spectral density"),
 ];
+/// Largest number: its square must not overflow.
+const LARGEST: f64 = 1e30;
 /// Abscissa type of a frequency; 0 is unknown.
 const FREQUENCY: u32 = 18;
 /// Ordinate types of the four kinds of sensor.
@@ -130,6 +132,19 @@ fn columns<'a>(line: &'a str, widths: &[usize]) -> Option<Vec<&'a str>> {
     widths.iter().map(field).collect()
 }
 
+/// Hertz per unit of the abscissa, by its label; a frequency without a known unit is in hertz.
+fn hertz(line: usize, kind: u32, label: &str, unit: Option<Unit>) -> Result<f64, BadLine> {
+    let is_none = label.is_empty() || label.eq_ignore_ascii_case("none");
+    match unit {
+        Some(Unit::Hertz(size)) => Ok(size),
+        None if is_none || kind == FREQUENCY && !label.to_lowercase().starts_with("order") => Ok(1.0),
+        _ => {
+            let given = format_args!("the abscissa's unit = {}", shown(label));
+            Err(wrong(line, must_be(given, "of a frequency, such as Hz, kHz or rad/s")))
+        }
+    }
+}
+
 /// A whole number of a header line.
 fn whole(line: usize, field: &str, word: Option<&&str>) -> Result<u32, BadLine> {
     let word = word.copied().unwrap_or("nothing");
@@ -188,6 +203,8 @@ struct Form {
     sensor: Option<SensorKind>,
     /// Hertz per unit of the abscissa.
     hertz: f64,
+    /// Whether the ordinates are levels in dB.
+    is_level: bool,
     /// What abscissa and ordinate are called.
     names: [String; 2],
 }
@@ -210,16 +227,14 @@ impl Form {
         }
         let (line, ordinate) = head.fields(8, &[10, 5])?;
         let ordinate = whole(line, "the ordinate's type", ordinate.first())?;
-        let axis = |at: usize| -> Result<(String, Option<Unit>), BadLine> {
-            let text =
-                |from: usize| head.line(at).map(|it| it.1.chars().skip(from).take(20).collect::<String>());
-            Ok((shown(text(26)?.trim()), unit(&text(47)?)))
+        let label = |at: usize, from: usize| -> Result<String, BadLine> {
+            let text: String = head.line(at)?.1.chars().skip(from).take(20).collect();
+            Ok(text.trim().to_owned())
         };
-        let hertz = match axis(7)?.1 {
-            Some(Unit::Hertz(size)) => size,
-            _ => 1.0,
-        };
-        let names = [axis(7)?.0, axis(8)?.0];
+        let of_abscissa = label(7, 47)?;
+        let hertz = hertz(head.line(7)?.0, is_frequency, &of_abscissa, unit(&of_abscissa))?;
+        let is_level = unit(&label(8, 47)?) == Some(Unit::Decibels);
+        let names = [shown(&label(7, 26)?), shown(&label(8, 26)?)];
         let (line, form) = head.fields(6, &[10, 10, 10, 13, 13])?;
         let (is_complex, is_double) = match whole(line, "the data's form", form.first())? {
             2 => (false, false),
@@ -244,6 +259,7 @@ impl Form {
             step_hz: real(4, "the abscissa's increment")?,
             sensor: ORDINATES.iter().find(|(_, number, _)| *number == ordinate).map(|it| it.0),
             hertz,
+            is_level,
             names,
         })
     }
@@ -275,7 +291,12 @@ impl Form {
             let given = format_args!("the dataset of {} points has {count} numbers", self.count);
             return Err(wrong(self.line, must_be(given, format!("{width} for each point"))));
         }
-        let point = |(i, row): (usize, &[(usize, f64)])| {
+        // Bytes in the other order are numbers of any size.
+        if let Some((line, value)) = values.iter().find(|it| it.1.abs() > LARGEST) {
+            let allowed = format_args!("-{LARGEST:e} to {LARGEST:e}: is the order of the bytes right?");
+            return Err(wrong(*line, must_be(format_args!("the value = {value:e}"), allowed)));
+        }
+        let point = |(i, row): (usize, &[(usize, f64)])| -> Result<ForeignPoint, BadLine> {
             let line = row.first().map_or(self.line, |it| it.0);
             let (frequency, row) = match row {
                 [(_, frequency), rest @ ..] if !self.is_even => (*frequency, rest),
@@ -283,18 +304,32 @@ impl Form {
             };
             let response = match row {
                 [(_, re), (_, im), ..] => Complex64::new(*re, -im),
-                [(_, magnitude)] => Complex64::new(magnitude.abs(), 0.0),
+                &[(line, value)] => self.magnitude(line, value)?.into(),
                 [] => Complex64::ZERO,
             };
-            ForeignPoint { line, frequency_hz: frequency * self.hertz, response: Some(response) }
+            Ok(ForeignPoint { line, frequency_hz: frequency * self.hertz, response: Some(response) })
         };
-        let points = values.chunks_exact(width).enumerate().map(point).collect();
+        let points = values.chunks_exact(width).enumerate().map(point).collect::<Result<_, _>>()?;
         let [abscissa, ordinate] = self.names.clone();
+        let unit = if self.is_level && !self.is_complex { "dB" } else { "" };
         let of_response =
             self.sensor.map_or(if self.is_complex { "response" } else { "magnitude" }, SensorKind::word);
         let columns =
-            vec![ColumnRead::new(abscissa, "frequency", "Hz"), ColumnRead::new(ordinate, of_response, "")];
+            vec![ColumnRead::new(abscissa, "frequency", "Hz"), ColumnRead::new(ordinate, of_response, unit)];
         Ok(Foreign { sensor: self.sensor, points, columns, is_table: false })
+    }
+
+    /// A magnitude by its real ordinate.
+    fn magnitude(&self, line: usize, value: f64) -> Result<f64, BadLine> {
+        if self.is_level {
+            let refused = || wrong(line, must_be(format_args!("the level = {value}"), LEVEL));
+            return Some(value).filter(|it| LEVEL.contains(*it)).map(from_decibels).ok_or_else(refused);
+        }
+        if value < 0.0 {
+            let given = format_args!("the magnitude = {value}");
+            return Err(wrong(line, must_be(given, "0 or above: save complex numbers, or magnitudes")));
+        }
+        Ok(value)
     }
 }
 

@@ -267,7 +267,7 @@ fn head(
     for _ in 0..random.below(3) {
         text += &format!("{}{trailing}{end}", random.of(&titles));
     }
-    let style = random.below(6);
+    let style = random.below(7);
     let mark = random.of(&["", "", "", "* ", "# ", "#"]);
     let named = |column: &Written| match (style, &*column.unit) {
         (_, "") => column.name.clone(),
@@ -278,7 +278,7 @@ fn head(
             format!("{}_{}", column.name.to_lowercase(), unit.to_lowercase())
         }
         (3, unit) => format!("{} [ {unit} ]", column.name),
-        (4, _) => column.name.clone(),
+        (4 | 6, _) => column.name.clone(),
         // Units alone.
         (_, unit) if of_response == columns.len() => unit.to_owned(),
         (_, unit) => format!("{} {unit}", column.name),
@@ -287,12 +287,15 @@ fn head(
         let cells: Vec<String> = order.iter().map(|&at| quote(&of(&columns[at]))).collect();
         format!("{mark}{}{trailing}{end}", cells.join(delimiter))
     };
-    text += &line(&named);
-    if style == 4 {
-        text += &line(&|column: &Written| {
-            if column.unit.is_empty() { "-".to_owned() } else { format!("[ {} ]", column.unit) }
-        });
-    }
+    let units = line(&|column: &Written| match &*column.unit {
+        "" if style == 6 => String::new(),
+        "" => "-".to_owned(),
+        unit => format!("[ {unit} ]"),
+    });
+    // Some programs write the units above the names.
+    let of_units = if matches!(style, 4 | 6) { &*units } else { "" };
+    let named = line(&named);
+    text += &if style == 6 { of_units.to_owned() + &named } else { named + of_units };
     if random.one_in(8) {
         text += &format!("{}{end}", random.of(&["", "* as measured", "---", "# end of head"]));
     }
@@ -362,6 +365,9 @@ fn random_tables_are_read_to_the_truth_or_refused() {
 fn universal(random: &mut Random) -> (Vec<u8>, Option<Vec<(f64, Complex64)>>) {
     let count = 1 + random.below(40);
     let (is_complex, is_double, is_even) = (random.one_in(2), random.one_in(2), random.one_in(2));
+    let (label, hertz) =
+        random.of(&[("Hz", 1.0), ("kHz", 1e3), ("rad/s", 1.0 / TAU), ("NONE", 1.0), ("", 1.0)]);
+    let is_level = random.one_in(6);
     let start = (random.within(1.0, 100.0) * 100.0).round() / 100.0;
     let step = (random.within(0.1, 9.0) * 100.0).round() / 100.0;
     let fortran = |value: f64, width: usize, digits: usize, style: usize| {
@@ -375,7 +381,7 @@ fn universal(random: &mut Random) -> (Vec<u8>, Option<Vec<(f64, Complex64)>>) {
     let style = random.below(3);
     let (width, digits) = if is_double { (20, 12) } else { (13, 5) };
     let mut fields: Vec<String> = Vec::new();
-    let mut truth = Vec::new();
+    let (mut truth, mut is_negative) = (Vec::new(), false);
     for i in 0..count {
         let mut hz = start + step * i as f64;
         if !is_even {
@@ -383,27 +389,29 @@ fn universal(random: &mut Random) -> (Vec<u8>, Option<Vec<(f64, Complex64)>>) {
             fields.push(field.0);
             hz = field.1;
         }
-        let mut ordinate = |random: &mut Random| {
-            let field = fortran(
-                random.within(-9.0, 9.0) * 10_f64.powi(random.below(9) as i32 - 4),
-                width,
-                digits,
-                style,
-            );
+        let mut ordinate = |random: &mut Random, low: f64| {
+            let power = if is_level { 1 } else { random.below(9) as i32 - 4 };
+            let field = fortran(random.within(low, 9.0) * 10_f64.powi(power), width, digits, style);
             fields.push(field.0);
             field.1
         };
-        let re = ordinate(random);
-        let response =
-            if is_complex { Complex64::new(re, -ordinate(random)) } else { Complex64::new(re.abs(), 0.0) };
-        truth.push((hz, response));
+        // What is negative is no magnitude, unless it is in decibels.
+        let low = if is_complex || is_level || random.one_in(200) { -9.0 } else { 0.0 };
+        let re = ordinate(random, low);
+        is_negative |= !is_complex && !is_level && re < 0.0;
+        let response = match (is_complex, is_level) {
+            (true, _) => Complex64::new(re, -ordinate(random, -9.0)),
+            (false, true) => Complex64::new(10_f64.powf(re / 20.0), 0.0),
+            (false, false) => Complex64::new(re, 0.0),
+        };
+        truth.push((hertz * hz, response));
     }
     let per_line = match (is_double, is_even, is_complex) {
         (false, ..) => 6,
         (true, true, _) | (true, false, false) => 4,
         (true, false, true) => 3,
     };
-    let mut lost = false;
+    let mut lost = is_negative;
     if random.one_in(10) {
         fields.pop();
         lost = true;
@@ -431,8 +439,9 @@ fn universal(random: &mut Random) -> (Vec<u8>, Option<Vec<(f64, Complex64)>>) {
     let zero = fortran(0.0, 13, 5, 0).0;
     let axis = format!("{}{}", fortran(first, 13, 5, 0).0, fortran(increment, 13, 5, 0).0);
     text += &pad(&format!("{form:>10}{count:>10}{:>10}{axis}{zero}", u8::from(is_even)));
-    text += &pad("        18    0    0    0 Frequency            Hz                  ");
-    text += &pad("        12    0    0    0 Acceleration         m/s^2               ");
+    text += &pad(&format!("        18    0    0    0 Frequency            {label:<20}"));
+    let unit = if is_level { "dB" } else { "m/s^2" };
+    text += &pad(&format!("        12    0    0    0 Acceleration         {unit:<20}"));
     text += &pad("        13    0    0    0 Excitation           N                   ");
     text += &pad("         0    0    0    0 NONE                 NONE                ");
     for line in fields.chunks(per_line) {

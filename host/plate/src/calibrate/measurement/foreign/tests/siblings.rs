@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Frequency, decibels and degrees.
-const ROWS: [(f64, f64, f64); 10] = [
+pub(super) const ROWS: [(f64, f64, f64); 10] = [
     (81.5, -20.5, 90.0),
     (92.25, -14.0, 60.5),
     (103.0, -8.25, 30.0),
@@ -19,20 +19,20 @@ const ROWS: [(f64, f64, f64); 10] = [
 ];
 
 /// The rows as lines, each by `line` of frequency, decibels and degrees.
-fn rows(line: impl Fn(f64, f64, f64) -> String) -> String {
+pub(super) fn rows(line: impl Fn(f64, f64, f64) -> String) -> String {
     ROWS.map(|(hz, db, degrees)| line(hz, db, degrees)).concat()
 }
 
 /// The rows with a decimal comma.
-fn comma(line: impl Fn(f64, f64, f64) -> String) -> String {
+pub(super) fn comma(line: impl Fn(f64, f64, f64) -> String) -> String {
     rows(line).replace('.', ",")
 }
 
-fn linear(db: f64) -> f64 {
+pub(super) fn linear(db: f64) -> f64 {
     10_f64.powf(db / 20.0)
 }
 
-fn read(bytes: &[u8]) -> Result<Foreign, String> {
+pub(super) fn read(bytes: &[u8]) -> Result<Foreign, String> {
     match File::read(bytes, &[]) {
         Ok(File::Foreign(foreign)) => Ok(foreign),
         Ok(File::Own(_)) => Err("own".to_owned()),
@@ -41,7 +41,7 @@ fn read(bytes: &[u8]) -> Result<Foreign, String> {
 }
 
 /// Checks that a file holds the rows, in rising order or falling, `size` times as large.
-fn check(kind: &str, bytes: &[u8], size: f64) {
+pub(super) fn check(kind: &str, bytes: &[u8], size: f64) {
     let shown = String::from_utf8_lossy(bytes);
     let found = read(bytes).unwrap_or_else(|error| panic!("{kind}: {error}\n{shown}"));
     let mut points: Vec<(f64, Complex64)> = found

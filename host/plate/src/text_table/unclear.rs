@@ -1,0 +1,47 @@
+//! The error of columns whose meaning is not clear, which lists them all.
+
+use super::column_read::ColumnRead;
+use thiserror::Error;
+
+/// Columns whose meaning is not clear.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[error("line {line}: {reason}. {}", listed(.columns))]
+pub struct UnclearColumns {
+    /// The line of the names, or the first row.
+    pub line: usize,
+    /// The unclear point.
+    pub reason: String,
+    /// All columns of the table.
+    pub columns: Vec<UnclearColumn>,
+}
+
+/// A column of a table with unclear columns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UnclearColumn {
+    /// Its name in the file; empty if it has none.
+    pub name: String,
+    /// Its first cell.
+    pub first: String,
+}
+
+impl UnclearColumn {
+    /// The column, left out: without a name it is called by its first cell.
+    #[must_use]
+    pub fn left_out(&self) -> ColumnRead {
+        let name = if self.name.is_empty() { self.by_cell() } else { self.name.clone() };
+        ColumnRead { name, quantity: None, unit: None }
+    }
+
+    fn by_cell(&self) -> String {
+        format!("({} ..)", self.first)
+    }
+}
+
+fn listed(columns: &[UnclearColumn]) -> String {
+    let name = |column: &UnclearColumn| match &*column.name {
+        "" => column.by_cell(),
+        name => format!("*{name}*"),
+    };
+    let each = (1..).zip(columns).map(|(number, column)| format!("{number} {}", name(column)));
+    format!("Its columns: {}", each.collect::<Vec<_>>().join(", "))
+}
