@@ -32,7 +32,7 @@ pub(crate) mod width_mode;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};
-pub(crate) use air::BAFFLE;
+pub(crate) use air::{BAFFLE, BARE_FRAME};
 pub use air::{Air, AirMounting, Faces, Gas};
 pub use calibration::Calibration;
 pub use drive::DriveEnd;
