@@ -9,7 +9,7 @@
 //! # Rooms
 //!
 //! - `bank/`: the oscillators, a block of 128 samples at a time. Tests: `tests/board/test_speed.py`
-//! - `lock_in/`: the measurement at any number of inputs. Tests: `tests/board/test_lock_in.py`
+//! - `lock_in/`, `lock_in/cortex_m4/`: the measurement at any number of inputs. Tests: `tests/board/test_lock_in.py`
 //!
 //! The pages of both modules have their equations, word lengths and error bounds. Each has two kernels: portable Rust
 //! defines the result, and the assembly of a Cortex-M4 equals it bit for bit.

@@ -21,8 +21,8 @@
 //! - `instrument/`: the plate and the device in use, in four rooms; `turn` in `instrument/mod.rs` shows the order in which they
 //!   act. `instrument/desk/`: setup, history, comparison; `instrument/drive/`: link, requests, table, STOP
 //!   (`instrument/drive/stop_presses.rs`); `instrument/lab/`: measurements, calibration, rig, level hold;
-//!   `instrument/screen/`: prediction, playback, textures, the actual plate beside the predicting one
-//!   (`instrument/screen/actual_plate.rs`). Edits and their sources: `instrument/edits.rs`. Tests:
+//!   `instrument/screen/`: prediction, playback, textures, the actual plate beside the predicting one.
+//!   Edits and their sources: `instrument/edits.rs`. Tests:
 //!   `host/instrument/tests/in_use/`
 //! - `autopilot.rs`: sends drives and tables without a user action. Tests: `host/window/tests/gui/states.rs`
 //! - `measure/`: measurements by steps or a sweep (`measure/sweep/`); the course of all procedures:

@@ -191,7 +191,8 @@ mod tests {
     fn a_bad_file_is_refused_with_line_field_and_range() {
         let with = |line: &str| format!("{COLUMNS}\n# a comment\n0.5,1,0.1\n{line}\n");
         for (line, wanted) in [
-            ("0.6,1", "line 4: column 3 *place_m* = : must be a number. Write TIME,TONE,PLACE"),
+            ("0.6,1", "line 4: 2 cells, but most rows have 3"),
+            ("0.6,1,", "line 4: column 3 *place_m* = : must be a number. Write TIME,TONE,PLACE"),
             ("0.6,x,0.1", "line 4: column 2: \"x\" is no number"),
             ("601,1,0.1", "line 4: time_s = 601 s: must be 0 to 600 s"),
             ("nan,1,0.1", "line 4: column 1 *time_s* = nan"),

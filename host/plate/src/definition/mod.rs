@@ -32,8 +32,8 @@ pub(crate) mod width_mode;
 mod wording;
 
 pub use actuator::{Actuator, Resonator};
-pub(crate) use air::{BAFFLE, BARE_FRAME};
 pub use air::{Air, AirMounting, Faces, Gas};
+pub(crate) use air::{BAFFLE, BARE_FRAME};
 pub use calibration::Calibration;
 pub use drive::DriveEnd;
 pub use error::{Consequence, Origin, PlateError, PlateFileError};

@@ -1,6 +1,7 @@
 //! What the columns of a file were read as, for a report before their numbers are used.
 
 use super::table::{Chosen, Table, chosen};
+use super::unclear::UnclearColumn;
 use serde::Serialize;
 
 /// A column, and what it was read as.
@@ -63,5 +64,14 @@ impl Table {
             None => ColumnRead { name, quantity: None, unit: None },
         };
         self.columns.iter().map(|column| column.name.clone()).enumerate().map(column).collect()
+    }
+}
+
+impl UnclearColumn {
+    /// The column, left out: without a name it is called by its first cell.
+    #[must_use]
+    pub fn left_out(&self) -> ColumnRead {
+        let name = if self.name.is_empty() { self.by_cell() } else { self.name.clone() };
+        ColumnRead { name, quantity: None, unit: None }
     }
 }

@@ -1,6 +1,5 @@
 //! The error of columns whose meaning is not clear, which lists them all.
 
-use super::column_read::ColumnRead;
 use thiserror::Error;
 
 /// Columns whose meaning is not clear.
@@ -25,14 +24,8 @@ pub struct UnclearColumn {
 }
 
 impl UnclearColumn {
-    /// The column, left out: without a name it is called by its first cell.
-    #[must_use]
-    pub fn left_out(&self) -> ColumnRead {
-        let name = if self.name.is_empty() { self.by_cell() } else { self.name.clone() };
-        ColumnRead { name, quantity: None, unit: None }
-    }
-
-    fn by_cell(&self) -> String {
+    /// What a column without a name is called by: its first cell.
+    pub(super) fn by_cell(&self) -> String {
         format!("({} ..)", self.first)
     }
 }

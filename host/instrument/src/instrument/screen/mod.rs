@@ -1,7 +1,6 @@
 //! The screen: what is predicted, what sounds, and the work that the views need. It looks at the other rooms and changes none:
 //! an edit by the brush is returned.
 
-mod actual_plate;
 mod background;
 mod brush;
 mod finger;
@@ -114,6 +113,15 @@ impl Screen {
     #[must_use]
     pub const fn background(&self) -> &Background {
         &self.background.shown
+    }
+
+    /// Compares what was measured of a real plate with the plate on the screen.
+    fn compare_actual_plate(&mut self, sight: Sight<'_>) {
+        self.measured_places.take();
+        let snapshot = sight.drive.snapshot();
+        let is_real = snapshot.is_connected() && !snapshot.is_simulated();
+        let measurements = sight.lab.drawn().filter(|_| is_real).cloned().collect();
+        self.measured_places.ask(MeasuredPlacesJob { plate: Arc::clone(sight.desk.plate()), measurements });
     }
 
     /// Everything that a shell shows.

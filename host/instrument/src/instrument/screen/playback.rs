@@ -212,3 +212,11 @@ impl Screen {
         self.advance_sheet(step_s);
     }
 }
+
+impl Sight<'_> {
+    /// This drive on the plate under the simulated device, if that plate is known.
+    fn simulated_drive(&self, drive: &TimeDomainJob) -> Option<TimeDomainJob> {
+        let plate = self.lab.simulated_plate(self.desk.plate(), self.drive.snapshot())?;
+        Some(TimeDomainJob { plate: Arc::clone(plate), ..drive.clone() })
+    }
+}
