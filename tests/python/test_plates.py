@@ -64,7 +64,10 @@ def test_the_file_of_another_program_needs_what_it_does_not_state(plate, tmp_pat
         slipline.Measurement.read(file, **stated)
     measurement = slipline.Measurement.read(file, **stated, columns="frequency=1,velocity=3,phase=4")
     assert measurement.sensor == "velocity" and "*Velocity A (m/s)* left out" in measurement.source
-    assert measurement.response[0] == pytest.approx(0.18e-3 * np.exp(-0.5j))
+    # The rows below the plate's band are left out, and counted.
+    first_hz = measurement.frequency_hz[0]
+    assert first_hz == 85 and "6 rows outside the plate's band left out" in measurement.source
+    assert measurement.response[0] == pytest.approx(1e-3 * (0.1 + 0.001 * first_hz) * np.exp(-0.5j))
     with pytest.raises(slipline.Refused, match="did you mean frequency"):
         slipline.Measurement.read(file, **stated, columns="frequenci=1")
 

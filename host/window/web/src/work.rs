@@ -189,7 +189,7 @@ impl AtOnce {
     fn done(&mut self, job: Job) -> Option<Done> {
         let sent = self.exchange.run(|| postcard::to_extend(&(0_u64, &job), Vec::new())).ok()?;
         let sent_back = self.worker.run(&sent)?;
-        let (_, done) = self.exchange.run(|| postcard::from_bytes::<(u64, Done)>(&sent_back)).ok()?;
-        Some(done.of(&job))
+        let answer = self.exchange.run(|| postcard::from_bytes::<(u64, Done)>(&sent_back));
+        answer.ok().map(|(_, done)| done)
     }
 }
