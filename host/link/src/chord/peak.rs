@@ -13,7 +13,7 @@ impl ChordRequest {
     /// of levels and phases may raise a peak above it.
     ///
     /// # Errors
-    /// [`DriveError`] as [`ChordRequest::for_device`]; what the device would refuse at any master level.
+    /// [`Refusal`](crate::Refusal) as [`ChordRequest::for_device`]; what the device would refuse at any master level.
     pub fn fitted(mut self, identity: &Identity, table: &DeviceTable) -> Result<Self, crate::Refusal> {
         let full_scale = f64::from(FULL_SCALE);
         let chord = self.for_device(identity, None)?;

@@ -56,7 +56,7 @@ pub struct BandEnd {
     pub edge_width_m: f64,
     /// Number of wavelengths from the driven end to the boundary.
     pub wavelengths: f64,
-    /// Loss integral I: the wave arrives with e^-I of its amplitude (see [`loss_integral`]).
+    /// Loss integral I: the wave arrives with e^-I of its amplitude.
     pub loss_integral: f64,
 }
 

@@ -109,7 +109,7 @@ impl Sheet {
     ///
     /// # Errors
     /// [`SheetError::Bends`] for a plate in bending, [`SheetError::Film`] for a stiff film, [`SheetError::Air`] for one whose wavenumber in air the sheet would miss
-    /// by more than [`WAVENUMBER_ERROR_MAX`], [`SheetError::OutOfRange`] for a field of `grid` or the sample rate,
+    /// by more than 1 %, [`SheetError::OutOfRange`] for a field of `grid` or the sample rate,
     /// [`SheetError::TooBig`] for more than 2^23 cells. With a measured actuator or a calibrated drive,
     /// [`SheetError::SampleRate`] for a rate that does not carry the plate's band and [`SheetError::Drive`] for a curve
     /// that changes too fast with the frequency; such a sheet is driven within the plate's band alone, as a
