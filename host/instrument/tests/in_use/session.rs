@@ -52,9 +52,9 @@ pub(crate) fn membrane(share: f64) -> Plate {
 
 /// The places of the first tone in these drives, in millimetres.
 pub(crate) fn drives(requests: &[Request]) -> Vec<f64> {
-    let place = |request: &Request| match request {
-        Request::Play(Sounding::Drive(drive)) => Some(drive.tones[0].boundary_m * 1e3),
-        _ => None,
+    let place = |request: &Request| {
+        let Request::Play(Sounding::Drive(drive)) = request else { return None };
+        Some(drive.tones[0].boundary_m * 1e3)
     };
     requests.iter().filter_map(place).collect()
 }
