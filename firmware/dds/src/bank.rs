@@ -42,18 +42,6 @@
 //! and make no spectral lines of their own. The tests measure a peak error below -140 dB at every frequency, and the
 //! strongest other line 160 dB below a tone of full amplitude, at 30 Hz, 40 kHz and 179 kHz.
 
-#![cfg_attr(
-    not(test),
-    deny(
-        clippy::float_arithmetic,
-        clippy::unwrap_used,
-        clippy::expect_used,
-        clippy::panic,
-        clippy::indexing_slicing,
-        clippy::cast_possible_truncation
-    )
-)]
-
 mod block;
 pub mod code;
 #[cfg(all(target_arch = "arm", target_os = "none"))]

@@ -64,8 +64,6 @@
 //! 400 kS/s), 4.95 while every tone glides (19 %). The goal is 5. Of these, the products and their turns are 1.5, a new
 //! basis 1.1, folding 0.3, and remembering how the block was rendered 0.2.
 
-#![cfg_attr(not(test), deny(clippy::float_arithmetic))]
-
 mod basis;
 #[cfg(all(target_arch = "arm", target_os = "none"))]
 #[expect(unsafe_code, reason = "assembly; listed in firmware/UNSAFE.md")]
