@@ -118,13 +118,15 @@ fn takes_packed(headers: &[Header]) -> bool {
 }
 
 fn file(address: &str, contents: &Contents, takes_packed: bool) -> Answer {
-    let found = Contents::named(address).and_then(|name| Some((contents.read(&name)?, name)));
-    let Some((plain_bytes, name)) = found else {
+    let found = Contents::named(address).and_then(|name| {
+        let packed = if takes_packed { contents.read_packed(&name) } else { None };
+        let is_packed = packed.is_some();
+        Some((packed.or_else(|| contents.read(&name))?, is_packed, name))
+    });
+    let Some((bytes, is_packed, name)) = found else {
         return plain(404, "The page has no such file.\n", "Cache-Control: no-store");
     };
-    let packed = contents.read_packed(&name).filter(|_| takes_packed);
-    let encoding = packed.as_ref().map(|_| "Content-Encoding: gzip".to_owned());
-    let bytes = packed.unwrap_or(plain_bytes);
+    let encoding = is_packed.then(|| "Content-Encoding: gzip".to_owned());
     let headers = [
         "Vary: Accept-Encoding".to_owned(),
         format!("Content-Type: {}", content_type(&name)),
