@@ -12,9 +12,10 @@ pub(super) fn lacking_extension() -> Option<String> {
     #[cfg(all(unix, not(target_vendor = "apple")))]
     {
         use x11rb::connection::RequestConnection as _;
-        let is_set = |name: &str| std::env::var(name).is_ok_and(|value| !value.is_empty());
-        let is_wayland = is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET");
-        let (connection, _) = x11rb::connect(None).ok().filter(|_| is_set("DISPLAY") && !is_wayland)?;
+        if set("WAYLAND_DISPLAY").or(set("WAYLAND_SOCKET")).is_some() {
+            return None;
+        }
+        let (connection, _) = x11rb::connect(Some(&set("DISPLAY")?)).ok()?;
         matches!(connection.extension_information("RANDR"), Ok(None)).then(|| {
             "the X server of this display has no extension RANDR, which the window needs: start the server with it, or use \
              another display. Without it, \"slipline page\" shows the same window in a browser"
@@ -23,6 +24,11 @@ pub(super) fn lacking_extension() -> Option<String> {
     }
     #[cfg(not(all(unix, not(target_vendor = "apple"))))]
     None
+}
+
+/// The value of a variable of the environment; an empty one is none.
+fn set(name: &str) -> Option<String> {
+    std::env::var(name).ok().filter(|value| !value.is_empty())
 }
 
 /// The message for an error of the window system.
@@ -48,15 +54,12 @@ pub(super) fn explain(error: &eframe::Error) -> String {
     if !(has_named_displays && matches!(error, eframe::Error::WinitEventLoop(_))) {
         return format!("the window could not be opened: {reason}");
     }
-    let set: Vec<String> = DISPLAYS
-        .iter()
-        .filter_map(|name| Some((name, std::env::var(name).ok().filter(|value| !value.is_empty())?)))
-        .map(|(name, value)| format!("{name}={value}"))
-        .collect();
-    let what = if set.is_empty() {
+    let named: Vec<String> =
+        DISPLAYS.iter().filter_map(|name| Some(format!("{name}={}", set(name)?))).collect();
+    let what = if named.is_empty() {
         "there is no display to open a window on: neither WAYLAND_DISPLAY nor DISPLAY is set".to_owned()
     } else {
-        format!("the display {} does not answer: {reason}", set.join(", "))
+        format!("the display {} does not answer: {reason}", named.join(", "))
     };
     format!(
         "{what}.\nStart slipline in a desktop session, or set WAYLAND_DISPLAY or DISPLAY to its display \
