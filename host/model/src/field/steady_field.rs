@@ -65,11 +65,17 @@ impl SteadyField {
         Self::solve_touched(plate, tones, None)
     }
 
+    /// Whether the envelope that is drawn is the mean of several tones: what they could reach together is only a bound.
+    #[must_use]
+    pub const fn is_mean(&self) -> bool {
+        self.tones.len() > 1
+    }
+
     /// The envelope that is drawn at the [`POINTS`] places, in metres: of one tone its amplitude, of several the mean, which
-    /// is sqrt 2 times the root mean square and is measured, too. What they could reach together is only a bound.
+    /// is sqrt 2 times the root mean square and is measured, too.
     #[must_use]
     pub fn drawn_m(&self) -> Vec<f64> {
-        if self.tones.len() > 1 {
+        if self.is_mean() {
             self.rms_m.iter().map(|rms| rms * std::f64::consts::SQRT_2).collect()
         } else {
             self.bound_m.clone()

@@ -8,7 +8,7 @@ use crate::view::theme;
 use eframe::egui::{
     self, Align2, Color32, FontId, Mesh, Pos2, Rangef, Rect, Sense, Shape, Stroke, pos2, vec2,
 };
-use slipline_model::field::steady_field::{POINTS, SteadyField, displacement_unit};
+use slipline_model::field::steady_field::{POINTS, displacement_unit};
 use slipline_model::setup::BoundaryMode;
 use slipline_plate::quantity::show_place;
 use slipline_plate::quantity::ticks::Ticks;
@@ -42,11 +42,6 @@ impl Height {
     }
 }
 
-/// Whether the envelope is the mean of several tones: what they could reach together is only a bound.
-fn is_mean(predicted: &SteadyField) -> bool {
-    predicted.tones.len() > 1
-}
-
 /// Shows the envelope in `rect`.
 pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     let palette = theme::palette(ui);
@@ -72,7 +67,7 @@ pub(crate) fn show(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect) {
     } else {
         painter.extend(Shape::dashed_line(&curve, Stroke::new(1.5, ink), 6.0, 4.0));
     }
-    if is_mean(predicted) {
+    if predicted.is_mean() {
         let bound = line(&predicted.bound_m);
         painter.extend(Shape::dashed_line(&bound, Stroke::new(1.2, palette.weak), 3.0, 3.0));
     }
@@ -236,13 +231,13 @@ pub(super) fn legend(ui: &egui::Ui, scene: &Scene<'_>, axis: &Axis, rect: Rect, 
     if !scene.measured_places.is_empty() {
         entry("measured", &|left| mark(painter, pos2(left + 9.0, y), palette));
     }
-    if is_mean(scene.predicted) {
+    if scene.predicted.is_mean() {
         entry("bound of the largest", &|left| {
             let line = [pos2(left, y), pos2(left + 18.0, y)];
             painter.extend(Shape::dashed_line(&line, Stroke::new(1.2, palette.weak), 3.0, 3.0));
         });
     }
-    let what = if is_mean(scene.predicted) { "mean of all tones, predicted" } else { "predicted" };
+    let what = if scene.predicted.is_mean() { "mean of all tones, predicted" } else { "predicted" };
     let touched = if scene.load.is_some() { " with the finger" } else { "" };
     entry(&format!("{what}{touched}"), &|left| {
         painter.hline(Rangef::new(left, left + 18.0), y, Stroke::new(1.8, palette.accent));

@@ -16,7 +16,7 @@ pub(crate) fn words(scene: &Scene<'_>, place_m: f64) -> String {
     let mut words = show_place(place_m);
     let predicted = scene.predicted;
     if scene.full_peak_m.is_some() {
-        let amplitude_m = if predicted.tones.len() > 1 {
+        let amplitude_m = if predicted.is_mean() {
             interpolate(&predicted.rms_m, place_m / predicted.length_m) * std::f64::consts::SQRT_2
         } else {
             predicted.bound_at(place_m)

@@ -191,7 +191,7 @@ impl Figure<'_> {
         axes.grid(self.page);
         axes.inside(self.page, |page| {
             page.line(drawn, if subject.sounding.is_some() { PREDICTED } else { NOT_DRIVEN });
-            if predicted.tones.len() > 1 {
+            if predicted.is_mean() {
                 page.line(curve(&predicted.bound_m), BOUND);
             }
             if let Some(just_felt_m) = subject.just_felt_m().filter(|&just_felt_m| just_felt_m < top_m) {
@@ -238,14 +238,14 @@ impl Figure<'_> {
     /// The legend.
     fn legend(&mut self) {
         let (subject, layout) = (self.subject, self.layout);
-        let is_chord = subject.predicted.tones.len() > 1;
-        let what = if is_chord { "mean of all tones, predicted" } else { "predicted" };
+        let is_mean = subject.predicted.is_mean();
+        let what = if is_mean { "mean of all tones, predicted" } else { "predicted" };
         let mut entries = vec![match subject.sounding {
             Some(_) => (what.to_owned(), Sample::Line(PREDICTED)),
             None => (format!("{what}, not driven"), Sample::Line(NOT_DRIVEN)),
         }];
         let mut entry = |name: &str, sample| entries.push((name.to_owned(), sample));
-        if is_chord {
+        if is_mean {
             entry("bound of the largest", Sample::Line(BOUND));
         }
         if let Some(rings) = &subject.measured {
