@@ -6,9 +6,6 @@
 //! device -> instrument's native client <- sign of life of a Python thread
 //! study -> any range of its plates as arrays -> the package's store
 //! ```
-//! Rooms: `plate` with a file for each of its calls, `device`, `measurement` and `study` the classes; `options`, `place` and
-//! `finger` their arguments; `result` and `error` their answers; `waiting` for long ones without holding the interpreter.
-//!
 //! No panic hook and no signal handler of the program's is set here: the interpreter keeps its own.
 //!
 //! # Rooms

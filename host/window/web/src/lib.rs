@@ -10,9 +10,6 @@
 //! [`DeviceWorker`](device::DeviceWorker), [`JobWorker`](work::JobWorker). The scripts in `static/` start them and
 //! pass their messages on. STOP goes from the script to the device worker directly, past everything here.
 //!
-//! Rooms: `page` with `remote_link`, `files`, `fonts` and `host` the page's thread; `device` with `ports`, `serial` and
-//! `keep_alives` the device worker; `work` the job workers; `message` what passes between them.
-//!
 //! Elsewhere than in a browser the crate is empty.
 //!
 //! # Rooms
