@@ -27,16 +27,22 @@ pub fn note(line: impl Display) {
 
 /// Takes standard output for a file.
 pub(super) fn take() -> Result<(), Failure> {
-    if is_closed() {
-        let why = "standard output is closed, so the file named - would be lost: name another file";
-        return Err(Failure::Failed(why.to_owned()));
-    }
+    refuse_closed()?;
     if HAS_JSON.load(Ordering::Relaxed) {
         let why = "--json and a file named - both need standard output: name another file";
         return Err(Failure::usage(why));
     }
     if HAS_FILE.swap(true, Ordering::Relaxed) {
         return Err(Failure::usage("two files named - both need standard output: name another file"));
+    }
+    Ok(())
+}
+
+/// Refuses what would be written to a closed standard output, and lost.
+fn refuse_closed() -> Result<(), Failure> {
+    if is_closed() {
+        let why = "standard output is closed, so what the command writes there would be lost";
+        return Err(Failure::Failed(why.to_owned()));
     }
     Ok(())
 }
@@ -55,6 +61,9 @@ fn is_closed() -> bool {
 
 /// Prints what the parser of the command line has to say, its help or the version.
 pub(super) fn print_of_parser(text: &clap::Error) -> Result<(), Failure> {
+    if !text.use_stderr() {
+        refuse_closed()?;
+    }
     match text.print().and_then(|()| io::stdout().flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(unwritten(&error)),
         _ => Ok(()),
@@ -89,6 +98,7 @@ impl<W: Write> Write for Unbroken<W> {
 
 /// Prints one line of JSON; returns whether its reader is still there.
 pub(super) fn line(value: &Value) -> Result<bool, Failure> {
+    refuse_closed()?;
     let mut out = io::stdout().lock();
     match writeln!(out, "{}", finished(value)).and_then(|()| out.flush()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
@@ -106,8 +116,12 @@ pub(super) fn print(
     value: &Value,
     text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Failure> {
-    let stream: &mut dyn Write =
-        if HAS_FILE.load(Ordering::Relaxed) { &mut io::stderr().lock() } else { &mut io::stdout().lock() };
+    let stream: &mut dyn Write = if HAS_FILE.load(Ordering::Relaxed) {
+        &mut io::stderr().lock()
+    } else {
+        refuse_closed()?;
+        &mut io::stdout().lock()
+    };
     let mut out = BufWriter::new(Unbroken(stream));
     let written = if as_json { writeln!(out, "{}", finished(value)) } else { text(&mut out) };
     written.and_then(|()| out.flush()).map_err(|error| unwritten(&error))
