@@ -58,9 +58,23 @@ class Access(unittest.TestCase):
         self.spoken(f"The felt edge is at {edge_mm:.1f} mm.")
         shared.drive(self.page)
         self.spoken("The plate is driven.")
+        self.page.wait_for_function("document.title === 'The plate is driven - Slipline'", timeout=shared.PATIENCE_S * 1e3)
         self.page.keyboard.press("Escape")
         self.spoken("Armed, at rest.")
         self.assertEqual(self.errors, [])
+
+    def test_the_page_can_be_kept_as_a_program_with_its_icon(self):
+        manifest = self.page.evaluate(
+            """async () => {
+              const link = document.querySelector("link[rel=manifest]").href;
+              const manifest = await (await fetch(link)).json();
+              const icon = await fetch(new URL(manifest.icons[0].src, link));
+              return [manifest.name, new URL(manifest.start_url, link).href, icon.headers.get("content-type")];
+            }"""
+        )
+        self.assertEqual(manifest[0], "Slipline")
+        self.assertEqual(manifest[1], self.page.url.split("#")[0])
+        self.assertTrue(manifest[2].startswith("image/svg+xml"), manifest)
 
     def test_a_screen_readers_press_is_a_press(self):
         self.read_until(lambda tree: ("button", "STOP") in tree, "the controls")

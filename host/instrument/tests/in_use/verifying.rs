@@ -2,7 +2,7 @@
 
 use crate::pluggable_port::SteppedLink;
 use crate::session::Session;
-use slipline_instrument::Link;
+use slipline_instrument::{Link, MeasureIntent};
 use slipline_instrument::measure::{MeasureError, Run, Verified, Verifying};
 use slipline_link::Request;
 use std::rc::Rc;
@@ -45,4 +45,24 @@ fn a_comparison_that_is_cancelled_ends_with_a_stop() {
         verified(&session, |sent| sent.iter().any(|request| matches!(request, Request::Digest(_))));
     assert_eq!(cancelled, Err(MeasureError::Cancelled));
     assert!(matches!(session.take_requests().last(), Some(Request::Stop)));
+}
+
+#[test]
+fn the_instrument_compares_the_codes_at_the_users_request_and_the_drive_stays_off() {
+    let mut session = Session::driving();
+    session.instrument.perform_measure(MeasureIntent::Verify);
+    session.pass(200);
+    assert!(session.is_measuring(), "{}", session.notice());
+    session.end_of_measuring();
+    assert_eq!(session.notice(), "The device sends the mirror's codes: 4 windows of 16 tones are equal.");
+    assert!(!session.is_driving());
+    // STOP ends it.
+    session.instrument.perform_measure(MeasureIntent::Verify);
+    session.pass(200);
+    session.instrument.press_stop();
+    session.end_of_measuring();
+    assert_eq!(session.notice(), "The comparison of the codes was cancelled.");
+    session.instrument.disarm();
+    session.pass(500);
+    assert!(!session.is_driving() && !session.is_measuring());
 }

@@ -97,9 +97,14 @@ const STATES = {
   Stopping: "Stopping", Fault: "Fault",
 };
 
+// The state of the device, for the page's title, too.
+export function inWords(link, deviceState) {
+  return link === "connected" ? STATES[deviceState] ?? deviceState : `The device is ${link}`;
+}
+
 // Has a screen reader say what changed, once it has settled: a line that is dragged is said where it stays.
 export function say({ device_state, link, felt_edge_m, turning_point_m, notice }) {
-  const state = link === "connected" ? STATES[device_state] ?? device_state : `The device is ${link}`;
+  const state = inWords(link, device_state);
   const [name, place_m] = felt_edge_m === null ? ["The turning point", turning_point_m] : ["The felt edge", felt_edge_m];
   const edge = place_m === undefined ? "" : `${name} is at ${(1e3 * place_m).toFixed(1)} mm.`;
   const text = [`${state}.`, edge, notice ?? ""].join(" ").trim();

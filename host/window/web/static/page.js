@@ -8,7 +8,7 @@
 // questions are not answered, stops and disarms the device.
 
 import { isOwn, lacking, whyNotLoaded } from "./failure.js";
-import { mirror, nameField, say } from "./mirror.js";
+import { inWords, mirror, nameField, say } from "./mirror.js";
 import { FILTERS } from "./serial.js";
 import init, { openPage } from "./slipline_page.js";
 import { showOffer, watchUpdates } from "./updates.js";
@@ -275,6 +275,7 @@ function copyByEvent(text) {
 // A sentence in place of the window, whose picture is out of date. From now on nothing but STOP is sent, and no watch is answered.
 function fail(sentence) {
   hasFailed = true;
+  document.title = "Slipline has failed";
   line.textContent = "";
   loading.hidden = false;
   loading.style.display = "grid";
@@ -309,7 +310,10 @@ function look() {
   if (nodes) {
     mirror(nodes, (id) => hasFailed || page.press(id));
   }
-  say(window.slipline.state());
+  const state = window.slipline.state();
+  say(state);
+  // What a tab, a list of windows and a task bar show of a page that is behind others.
+  document.title = `${inWords(state.link, state.device_state)} - Slipline`;
 }
 
 // Keeps the setup on the screen in the address, so that loading the page again and a copy of the address show it.

@@ -67,6 +67,8 @@ pub enum MeasureIntent {
     Secret(bool),
     /// Tap on the simulated plate.
     Tap,
-    /// Cancel the measurement under way.
+    /// Compare the device's codes with the mirror's: sixteen tones start, sound, glide and stop within two seconds.
+    Verify,
+    /// Cancel the measurement or the comparison under way.
     Cancel,
 }

@@ -1,6 +1,8 @@
 //! The page of measurements: the list, and the comparison of the chosen one with the plate while the page is open.
 
+use super::verification::Verification;
 use super::{Lab, MeasureIntent, Reach};
+use crate::hold::HoldEnd;
 use crate::instrument::outbox::Outbox;
 use crate::instrument::shell::{Attention, Output, Page};
 use crate::instrument::shown::{Asked, AskedContent, AskedTable, LiveScene, MeasureScene};
@@ -152,6 +154,12 @@ impl Lab {
             MeasureIntent::Begin(answers) => self.begin_measuring(answers, reach),
             MeasureIntent::Secret(is_secret) => self.rig.choose(is_secret, reach.desk.plate(), reach.out),
             MeasureIntent::Tap => self.rig.tap(),
+            MeasureIntent::Verify => {
+                if !self.is_measuring() && Verification::may_begin(reach) {
+                    self.end_hold(HoldEnd::Measured, reach.out);
+                    self.verification.begin(reach);
+                }
+            }
             MeasureIntent::Cancel => self.cancel_measuring(),
             MeasureIntent::OpenFile => reach.out.push(Output::ChooseMeasurement),
             MeasureIntent::Describe(metadata) => {

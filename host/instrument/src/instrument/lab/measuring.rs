@@ -171,8 +171,9 @@ impl Lab {
         }
     }
 
-    /// Cancels the measurement under way.
+    /// Cancels the measurement or the comparison of codes under way.
     pub(crate) fn cancel_measuring(&mut self) {
+        self.verification.cancel();
         self.rig.awaited_for = None;
         if let Some(run) = &mut self.live.run {
             run.measuring.cancel();

@@ -9,6 +9,7 @@ mod measurements;
 mod measuring;
 mod rig;
 mod signal;
+mod verification;
 
 pub use calibrate_intent::CalibrateIntent;
 pub use measure_intent::{MeasureDraft, MeasureIntent};
@@ -29,6 +30,7 @@ use slipline_link::{Port, Snapshot, Ticket};
 use slipline_plate::calibrate::Measurement;
 use slipline_plate::{Finger, Plate};
 use std::sync::Arc;
+use verification::Verification;
 
 /// Measurements of the plate, and what needs its sensor.
 pub(crate) struct Lab {
@@ -37,6 +39,7 @@ pub(crate) struct Lab {
     rig: Rig,
     calibration: Calibrating,
     hold: LevelHold,
+    verification: Verification,
 }
 
 /// What the lab acts on.
@@ -61,6 +64,7 @@ impl Lab {
             rig: Rig::on(bench, jobs),
             calibration: Calibrating::new(jobs),
             hold: LevelHold::default(),
+            verification: Verification::default(),
         }
     }
 
@@ -68,6 +72,7 @@ impl Lab {
     pub(crate) fn turn(&mut self, load: Option<Finger>, reach: &mut Reach<'_>) {
         self.update_hold(load, reach);
         self.update_measuring(reach);
+        self.verification.update(reach);
         let is_heard = self.is_measuring() || self.live.looks.is_looking() || self.hold.needs_sensor();
         self.rig.rest(!is_heard);
         self.measurements.compare(reach.desk.plate(), reach.attention);
@@ -81,14 +86,14 @@ impl Lab {
         }
     }
 
-    /// Whether a measurement is under way, or its rig is being put together.
+    /// Whether a measurement or a comparison of codes is under way, or a measurement's rig is being put together.
     pub(crate) const fn is_measuring(&self) -> bool {
-        self.live.is_running() || self.rig.is_awaited()
+        self.live.is_running() || self.rig.is_awaited() || self.verification.is_running()
     }
 
     /// Whether the lab handles this request's outcome.
     pub(crate) fn awaits(&self, ticket: Ticket) -> bool {
-        self.live.awaits(ticket) || self.hold.holding.awaits(ticket)
+        self.live.awaits(ticket) || self.hold.holding.awaits(ticket) || self.verification.awaits(ticket)
     }
 
     /// The plate under the simulated device, where `plate` is on the screen; `None` while it is an unknown one that was not
@@ -122,7 +127,9 @@ impl Lab {
     /// The page of measurements.
     pub(crate) fn measure_scene(&self, snapshot: &Snapshot) -> MeasureScene<'_> {
         let now = snapshot.drive.status.map_or(0, |status| status.now);
-        self.measurements.scene(self.live.scene(now, &self.rig, is_at_bench(snapshot)))
+        let mut live = self.live.scene(now, &self.rig, is_at_bench(snapshot));
+        live.progress = live.progress.or(self.verification.progress(now));
+        self.measurements.scene(live)
     }
 
     /// The level hold.

@@ -1,6 +1,6 @@
 //! The device panel: port, connection, table, counters.
 
-use crate::intent::{Asks as _, Confirm, DeviceIntent, Dialog, Intent, Intents};
+use crate::intent::{Asks as _, Confirm, DeviceIntent, Dialog, Intent, Intents, MeasureIntent};
 use crate::scene::Scene;
 use crate::view::bars::top_bar;
 use crate::view::fields::field::{InputField, labelled, row};
@@ -296,6 +296,12 @@ fn service(ui: &mut egui::Ui, scene: &Scene<'_>, intents: &mut Intents) {
                 .on_disabled_hover_text(otherwise)
                 .asks(intents, Intent::Dialog(Some(Dialog::Confirm(confirm))));
         }
+        let may_compare = is_silent && scene.table_crc().is_some() && !scene.is_table_dirty();
+        let compare = ui.add_enabled(may_compare, egui::Button::new("Compare codes"));
+        compare
+            .on_hover_text("Play 16 tones, 90 % of full scale together, for two seconds, and compare the device's codes with the mirror's")
+            .on_disabled_hover_text("Only while nothing sounds, with the plate's table on the device")
+            .asks(intents, Intent::Measure(MeasureIntent::Verify));
         let keeps_one = scene.snapshot.keeps_profile();
         let profile = ui.add_enabled(keeps_one && is_silent, egui::Button::new("Actuator profile…"));
         let profile =
