@@ -89,7 +89,7 @@ struct Pending {
 }
 
 /// The host's half of one session.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Channel {
     nonce: [u8; 4],
     /// The session's number on the wire: 0 until the header of the device's hello has stated it.
@@ -117,23 +117,15 @@ impl Channel {
     pub(crate) fn new(nonce: [u8; 4], keeps_frames: bool) -> Self {
         Self {
             nonce,
-            session: 0,
-            minor: Minor::FIRST,
             // A session's first numbered command has number 1.
             sequence: 1,
-            keep_alives: 0,
             // Each session begins at another number, so that a reply to an earlier hello is not taken for one
             // to this hello.
             unsequenced_number: u16::from_le_bytes([nonce[0], nonce[1]]),
-            urgent: None,
-            periodic: None,
-            ordered: None,
-            decoder: Decoder::new(),
             // Ends a frame that an earlier host left unfinished, so that the hello need not be sent twice.
             out: vec![0],
             keeps_frames,
-            traced: Vec::new(),
-            counters: ChannelCounters::default(),
+            ..Self::default()
         }
     }
 
