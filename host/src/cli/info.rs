@@ -1,6 +1,6 @@
 //! `slipline ports` and `slipline info`.
 
-use super::defaults::{Chosen, Origin, defaults};
+use super::defaults::{Chosen, defaults};
 use super::device::Device;
 use super::failure::Failure;
 use super::output;
@@ -46,7 +46,7 @@ pub(super) fn run(argument: &PortArgument, as_json: bool) -> Result<(), Failure>
     let firmware = identity.map(|it| format!("{}.{}.{}", it.firmware.0, it.firmware.1, it.firmware.2));
     let round_trip_s = snapshot.link.round_trip.average.as_secs_f64();
     let defaults = defaults();
-    let option = Chosen { value: port.to_string(), from: Origin::Option };
+    let option = Chosen { value: port.to_string(), from: "option" };
     let of_port = if argument.is_given() { option } else { defaults.port.clone()? };
     let settings_file = defaults.file.as_ref().map(|file| file.display().to_string());
     let mut value = json!(DeviceInfo::of(port, &snapshot));
