@@ -63,12 +63,7 @@ impl CommandQueue {
         let mut channel = Channel::new(nonce, keeps_frames);
         let hello = channel.hello();
         channel.send(hello, now);
-        Self {
-            channel,
-            connect,
-            keep_alive_due: now + KEEP_ALIVE_PERIOD,
-            ..Self::default()
-        }
+        Self { channel, connect, keep_alive_due: now + KEEP_ALIVE_PERIOD, ..Self::default() }
     }
 
     pub(crate) const fn channel(&mut self) -> &mut Channel {
@@ -314,9 +309,10 @@ impl CommandQueue {
             Job::HoldRead => Command::HoldRead,
             Job::Listen(request) => Command::Listen(request.window()),
             Job::Capture(request) => Command::Capture(*request),
-            Job::ListenRead(reading) => {
-                Command::ListenRead(ListenPart { input: reading.request.input, first_slot: reading.first_slot })
-            }
+            Job::ListenRead(reading) => Command::ListenRead(ListenPart {
+                input: reading.request.input,
+                first_slot: reading.first_slot,
+            }),
             // At most 4096 values.
             Job::CaptureRead(reading) => {
                 Command::CaptureRead(CapturePart { first: reading.captured.values.len() as u16 })

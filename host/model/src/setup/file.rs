@@ -30,6 +30,7 @@ use crate::setup::{BoundaryMode, CHORD_GAIN_RANGE_DB, MAX_TONES, Setup, ToneSetu
 use slipline_plate::quantity::{Count, Counted, OutOfRange, Range, WrongCount, must_be};
 use slipline_plate::{Plate, PlateFileError};
 use std::sync::Arc;
+pub use text::FeelingText;
 use text::{SetupText, ToneText};
 
 /// The largest file that is read, in bytes: a plate file with every taper point fits.

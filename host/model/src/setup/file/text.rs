@@ -49,15 +49,16 @@ impl From<BoundaryMode> for BoundaryText {
     }
 }
 
-#[derive(Serialize, Deserialize)]
+/// The fields of a feeling, with the names of its file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(super) struct FeelingText {
-    pub(super) threshold: f64,
-    pub(super) friction_scale_m: f64,
-    pub(super) friction_residual: f64,
-    pub(super) friction_exponent: f64,
-    pub(super) least_friction_change: f64,
-    pub(super) contact_m: f64,
+pub struct FeelingText {
+    threshold: f64,
+    friction_scale_m: f64,
+    friction_residual: f64,
+    friction_exponent: f64,
+    least_friction_change: f64,
+    contact_m: f64,
 }
 
 impl Default for FeelingText {
